@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// How the library speaks: through functions its caller hands in. The library itself never prints.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace scrim {
+
+enum class Severity { info, warning };
+
+/// Receives one line of text without a newline. May be called from the thread that called the library only.
+using MessageSink = std::function<void(Severity, const std::string&)>;
+
+/// Receives the finished part of the work in [0, 1]; returning false asks the library to stop, which it does
+/// by throwing an Error of kind `interrupted`. Called from the thread that called the library only.
+using ProgressSink = std::function<bool(double)>;
+
+inline void say(const MessageSink& sink, Severity severity, const std::string& text) {
+    if (sink) sink(severity, text);
+}
+
+}  // namespace scrim

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// Axis-aligned boxes.
+#pragma once
+
+#include <scrim/geometry/spaces.h>
+
+#include <array>
+#include <limits>
+
+#include <glm/common.hpp>
+
+namespace scrim {
+
+/// A closed box; starts empty, grows by `include`.
+struct Bounds {
+    Vec3 lower{std::numeric_limits<double>::infinity()};
+    Vec3 upper{-std::numeric_limits<double>::infinity()};
+
+    bool empty() const { return lower.x > upper.x || lower.y > upper.y || lower.z > upper.z; }
+    Vec3 center() const { return 0.5 * lower + 0.5 * upper; }
+    Vec3 size() const { return upper - lower; }
+    void include(const Vec3& p) {
+        lower = glm::min(lower, p);
+        upper = glm::max(upper, p);
+    }
+    void include(const Bounds& b) {
+        lower = glm::min(lower, b.lower);
+        upper = glm::max(upper, b.upper);
+    }
+    bool contains(const Vec3& p) const {
+        return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y &&
+               p.z <= upper.z;
+    }
+    std::array<Vec3, 8> corners() const {
+        std::array<Vec3, 8> c;
+        for (int i = 0; i < 8; ++i)
+            c[static_cast<std::size_t>(i)] = {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y,
+                                              i & 4 ? upper.z : lower.z};
+        return c;
+    }
+};
+
+/// The box around the image of `b` under the affine map `m`.
+inline Bounds transformed(const Mat4& m, const Bounds& b) {
+    Bounds out;
+    if (b.empty()) return out;
+    for (const Vec3& c : b.corners()) out.include(transformPoint(m, c));
+    return out;
+}
+
+}  // namespace scrim

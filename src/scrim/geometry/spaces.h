@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The spaces of Scrim and the few types all geometry is written in.
+//
+// Names carry their space as a prefix: `ws` world, `is` a grid's index space (voxel centres at integers),
+// `ss` sweep space (u, v, w; world units, w along the sweep's axis), `rs` a view's raster (pixel (0,0) covers
+// [0,1) x [0,1), y down). A transform says what it maps: `wsFromIs` takes index space to world space.
+// Everything here is double; float begins only once coordinates are local to a sheet or a leaf.
+#pragma once
+
+#include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+namespace scrim {
+
+using Vec2 = glm::dvec2;
+using Vec3 = glm::dvec3;
+using Int2 = glm::ivec2;
+using Int3 = glm::ivec3;
+using Mat3 = glm::dmat3;  ///< column-major, as GLM
+using Mat4 = glm::dmat4;  ///< column-major; the last column is the translation
+using Rgb = glm::dvec3;   ///< scene-linear colour in the working space
+
+/// Position `p` under the affine map `m`.
+inline Vec3 transformPoint(const Mat4& m, const Vec3& p) {
+    return Vec3(m[0]) * p.x + Vec3(m[1]) * p.y + Vec3(m[2]) * p.z + Vec3(m[3]);
+}
+
+/// Vector (no translation) `v` under the affine map `m`.
+inline Vec3 transformVector(const Mat4& m, const Vec3& v) {
+    return Vec3(m[0]) * v.x + Vec3(m[1]) * v.y + Vec3(m[2]) * v.z;
+}
+
+}  // namespace scrim

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// A scalar field as the splatter wants it: the active voxels of one grid in blocks of 8^3, and nothing else.
+//
+// OpenVDB's trees are read once, cleaned, and let go: a flat list of leaves streams faster than a tree, is
+// trivially handed from one process to another, and keeps OpenVDB's headers out of the engine. Memory is that
+// of the grid's leaves. The grid is never densified: empty space has no entry, and constant regions above leaf
+// level stay one entry each.
+#pragma once
+
+#include <scrim/geometry/bounds.h>
+#include <scrim/geometry/spaces.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+constexpr int kBlockEdge = 8;                                           ///< voxels along a block's edge
+constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge;      ///< 512
+
+/// Position of voxel (x, y, z), each in [0, 8), within a block: z runs fastest, as in OpenVDB's leaves.
+constexpr int blockOffset(int x, int y, int z) { return (x * kBlockEdge + y) * kBlockEdge + z; }
+
+/// One active region of constant value above leaf level: the voxels origin .. origin + edge - 1 on each axis.
+/// Origin and edge are multiples of 8.
+struct ConstantTile {
+    Int3 origin{0};
+    std::int32_t edge = 0;
+    float value = 0;
+};
+
+struct SparseField {
+    std::string name;                 ///< of the grid, for messages
+    Mat4 wsFromIs{1.0};               ///< affine, invertible; voxel centres at integers in index space
+    std::vector<Int3> blockOrigins;   ///< multiples of 8, each once, in ascending (x, y, z) order
+    /// 512 values a block in `blockOffset` order: finite, not negative, 0 where a voxel is inactive. Shared,
+    /// because a field may live in memory that another process filled.
+    std::shared_ptr<const float> blockValues;
+    std::vector<ConstantTile> tiles;  ///< of values > 0
+
+    std::uint64_t activeVoxels = 0;   ///< leaf voxels and tile voxels with a value > 0
+    std::uint64_t nonFinite = 0;      ///< active voxels that were NaN or infinite and count as 0
+    std::uint64_t negative = 0;       ///< active voxels that were below 0 and count as 0
+    float maxValue = 0;
+
+    std::size_t blockCount() const { return blockOrigins.size(); }
+    const float* block(std::size_t i) const { return blockValues.get() + i * kBlockVoxels; }
+    bool empty() const { return activeVoxels == 0; }
+
+    /// Box around the centres of all voxels that blocks and tiles hold, in index space.
+    Bounds isBounds() const {
+        Bounds b;
+        for (const Int3& o : blockOrigins) {
+            b.include(Vec3(o));
+            b.include(Vec3(o) + double(kBlockEdge - 1));
+        }
+        for (const ConstantTile& t : tiles) {
+            b.include(Vec3(t.origin));
+            b.include(Vec3(t.origin) + double(t.edge - 1));
+        }
+        return b;
+    }
+};
+
+}  // namespace scrim
