@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: Apache-2.0
+# Finds the libraries Scrim stands on. Debian's packages have some traps, each avoided here once.
+
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(TBB CONFIG REQUIRED)  # before OpenVDB, whose module would hijack it
+
+# OpenVDB has no package config, but a find module in its own folder. That folder also holds modules for OpenEXR
+# and TBB, and the module sets BUILD_SHARED_LIBS: both are undone right after.
+set(scrim_module_path ${CMAKE_MODULE_PATH})
+find_path(SCRIM_OPENVDB_MODULES FindOpenVDB.cmake
+          PATHS /usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/OpenVDB /usr/lib/cmake/OpenVDB
+                /usr/lib64/cmake/OpenVDB /usr/local/lib/cmake/OpenVDB
+          REQUIRED)
+list(PREPEND CMAKE_MODULE_PATH ${SCRIM_OPENVDB_MODULES})
+find_package(OpenVDB 10 REQUIRED COMPONENTS openvdb)
+set(CMAKE_MODULE_PATH ${scrim_module_path})
+unset(BUILD_SHARED_LIBS)
+unset(BUILD_SHARED_LIBS CACHE)
+
+find_package(OpenEXR CONFIG REQUIRED)
+find_package(OpenImageIO CONFIG REQUIRED)
+# Its target names an include folder of OpenCV that is not there.
+set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
+pkg_check_modules(OpenColorIO REQUIRED IMPORTED_TARGET OpenColorIO)  # its CMake config has a wrong path
+
+find_package(glm CONFIG REQUIRED)
+find_package(fmt CONFIG REQUIRED)
+find_package(tomlplusplus CONFIG REQUIRED)
+find_package(nlohmann_json CONFIG REQUIRED)
+find_package(CLI11 CONFIG REQUIRED)
+find_package(hwy CONFIG REQUIRED)

@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: Apache-2.0
+# How our own code is compiled: an interface target instead of global flags, so that nothing leaks into consumers.
+add_library(scrim_build_settings INTERFACE)
+target_compile_features(scrim_build_settings INTERFACE cxx_std_20)
+target_compile_options(
+    scrim_build_settings
+    INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
+              $<$<BOOL:${SCRIM_WERROR}>:-Werror>)
+if(SCRIM_SANITIZE)
+    target_compile_options(scrim_build_settings INTERFACE -fsanitize=${SCRIM_SANITIZE} -fno-omit-frame-pointer
+                                                          -fno-sanitize-recover=all)
+    target_link_options(scrim_build_settings INTERFACE -fsanitize=${SCRIM_SANITIZE})
+endif()

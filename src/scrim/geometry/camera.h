@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Cameras, and the family of rays a camera sends through its raster.
+#pragma once
+
+#include <scrim/geometry/spaces.h>
+
+namespace scrim {
+
+enum class CameraType { perspective, orthographic };
+
+/// Where the camera stands and what it sees. Looks along -z of its own frame, y up.
+struct Camera {
+    CameraType type = CameraType::perspective;
+    Vec3 wsPosition{0, 0, 1};
+    Mat3 wsFromCamera{1.0};   ///< columns: right, up, back; orthonormal
+    double fov = 35.0;        ///< perspective: horizontal field of view, degrees, in (0, 180)
+    double height = 2.0;      ///< orthographic: height of the picture, world units
+    double near = 0.0;        ///< depth along the viewing axis from which on the camera sees, world units
+    Int2 resolution{512, 512};
+    double pixelAspect = 1.0; ///< width of a pixel over its height
+};
+
+/// An orthonormal frame at `position` that looks at `target` with `up` as near to y as can be. Where `up` is
+/// along the line of sight another axis takes its place. `position` and `target` must differ.
+Mat3 lookAt(const Vec3& position, const Vec3& target, const Vec3& up);
+
+/// Rays as affine functions of the raster position (x, y): origin and direction each are `0 + x*X + y*Y`.
+/// Directions are scaled so that their component along the viewing axis is 1: `t` along a ray is depth.
+/// Covers perspective (constant origin) and orthographic views (constant direction) with one formula.
+struct RayFamily {
+    Vec3 origin0{0}, originX{0}, originY{0};
+    Vec3 direction0{0}, directionX{0}, directionY{0};
+    double near = 0;  ///< depth at which rays begin
+
+    Vec3 origin(double x, double y) const { return origin0 + x * originX + y * originY; }
+    Vec3 direction(double x, double y) const { return direction0 + x * directionX + y * directionY; }
+};
+
+/// The camera's rays in world space; raster positions in units of its own pixels.
+RayFamily wsRays(const Camera& camera);
+
+/// The viewing direction (unit, away from the eye) in world space.
+inline Vec3 viewingAxis(const Camera& camera) { return -camera.wsFromCamera[2]; }
+
+/// `camera` with every pixel cut into n x n.
+Camera supersampled(Camera camera, int n);
+
+/// World to camera space as EXR's `worldToCamera` means it: x right, y up, looking along -z (column vectors).
+Mat4 worldToCamera(const Camera& camera);
+
+/// World to normalised device coordinates, x and y in [-1, 1] over the picture (column vectors).
+Mat4 worldToNdc(const Camera& camera);
+
+}  // namespace scrim

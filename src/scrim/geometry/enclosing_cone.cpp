@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/geometry/enclosing_cone.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+// Cosine slack within which a direction counts as inside: rounding of dot products of unit vectors.
+constexpr double kSlack = 1e-13;
+
+bool holds(const Cone& cone, const Vec3& d) { return glm::dot(cone.axis, d) >= cone.cosAngle - kSlack; }
+
+Cone coneOfTwo(const Vec3& a, const Vec3& b) {
+    const Vec3 sum = a + b;
+    const double length = glm::length(sum);
+    if (length < 1e-12) return {a, -1};  // opposite directions: no cone narrower than 90 degrees
+    const Vec3 axis = sum / length;
+    return {axis, glm::dot(axis, a)};
+}
+
+Cone coneOfThree(const Vec3& a, const Vec3& b, const Vec3& c) {
+    // The axis makes equal angles with all three: normal of the plane through the three points.
+    Vec3 axis = glm::cross(b - a, c - a);
+    const double length = glm::length(axis);
+    if (length < 1e-14) {  // two of them coincide: the pair that is widest apart decides
+        Cone best = coneOfTwo(a, b);
+        for (const Cone& other : {coneOfTwo(a, c), coneOfTwo(b, c)})
+            if (other.cosAngle < best.cosAngle) best = other;
+        return best;
+    }
+    axis /= length;
+    if (glm::dot(axis, a) < 0) axis = -axis;
+    return {axis, glm::dot(axis, a)};
+}
+
+}  // namespace
+
+// The cap around points of a sphere is cut out by their smallest enclosing ball, so Welzl's algorithm serves:
+// the cone is fixed by at most three of the directions. Written as three nested loops instead of a recursion;
+// sorted first, so that the order of the input does not matter.
+Cone enclosingCone(const std::vector<Vec3>& directions) {
+    std::vector<Vec3> d = directions;
+    std::sort(d.begin(), d.end(),
+              [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
+    d.erase(std::unique(d.begin(), d.end()), d.end());
+
+    Cone cone{d[0], 1};
+    for (std::size_t i = 1; i < d.size(); ++i) {
+        if (holds(cone, d[i])) continue;
+        cone = {d[i], 1};
+        for (std::size_t j = 0; j < i; ++j) {
+            if (holds(cone, d[j])) continue;
+            cone = coneOfTwo(d[i], d[j]);
+            for (std::size_t k = 0; k < j; ++k)
+                if (!holds(cone, d[k])) cone = coneOfThree(d[i], d[j], d[k]);
+        }
+    }
+    // Directions wider than a hemisphere make the construction above meaningless: check it.
+    for (const Vec3& v : d)
+        if (glm::dot(cone.axis, v) < cone.cosAngle - 1e-9) return {cone.axis, -1};
+    return cone;
+}
+
+}  // namespace scrim

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// The narrowest cone around a set of directions. A sweep's axis is the axis of the cone around all rays it
+// serves (ZC02 section 6's half-way vector is the case of one parallel eye and one parallel light).
+#pragma once
+
+#include <scrim/geometry/spaces.h>
+
+#include <vector>
+
+namespace scrim {
+
+struct Cone {
+    Vec3 axis{0, 0, 1};   ///< unit
+    double cosAngle = 1;  ///< cosine of the half angle; <= 0 where no cone narrower than 90 degrees exists
+};
+
+/// The smallest cone with its apex at the origin that holds all `directions` (unit, at least one). Exact up to
+/// rounding, and independent of their order up to rounding. Where the directions do not fit into an open
+/// hemisphere, cosAngle is <= 0 and the axis is of no use.
+Cone enclosingCone(const std::vector<Vec3>& directions);
+
+}  // namespace scrim

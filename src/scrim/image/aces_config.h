@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+// Scrim's own OpenColorIO config, for who has none: the few ACES spaces a renderer needs, built in memory
+// from OpenColorIO's built-in transforms, so that no look-up file has to be installed or found. Its
+// construction is a recipe of its own, apart from how any config is used (colour.h).
+#pragma once
+
+#include <string>
+
+namespace scrim {
+
+/// The small ACES config as the text of an .ocio file, validated. Scene reference ACES2065-1, display
+/// reference CIE-XYZ-D65.
+///   Spaces    ACEScg (scene_linear, rendering), ACES2065-1 (aces_interchange), "Linear Rec.709 (sRGB)",
+///             "sRGB - Texture", "Raw" (data), "CIE-XYZ-D65", "sRGB - Display".
+///   Display   "sRGB" with the views "ACES 1.0 SDR" (default), "Un-tone-mapped", "Raw".
+/// Throws OpenColorIO's exceptions should the library lack a built-in transform.
+std::string acesConfigText();
+
+}  // namespace scrim

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+// The colour spaces Scrim knows by more than one name. Configs of different years call the same space
+// differently ("lin_rec709", "Utility - Linear - Rec.709", ...); this table ties those names to the one
+// identifier of the ASWF Color Interop Forum. Pure data, apart from OpenColorIO.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace scrim {
+
+struct KnownSpace {
+    std::string_view interopId;           ///< "lin_ap1_scene": what files carry as colorInteropID
+    std::vector<std::string_view> names;  ///< names and aliases in published configs, the preferred one first
+};
+
+/// The known space that goes by `name` (its interop id included; letter case does not matter), or null.
+const KnownSpace* findKnownSpace(std::string_view name);
+
+/// True where `a` and `b` are equal but for the case of ASCII letters, as OpenColorIO compares names.
+bool equalIgnoringCase(std::string_view a, std::string_view b);
+
+}  // namespace scrim

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vectorised resampling between rasters: the loops that shadow buffers, and shading at pixels, are made of.
+// Positions outside of a plane are clamped to its border. `nearest` rounds instead of interpolating.
+#pragma once
+
+#include <cstddef>
+
+namespace scrim {
+
+/// A plane of floats, `width` x `height`, rows `width` apart, at least 2 x 2.
+struct FloatPlane {
+    const float* data;
+    int width, height;
+};
+
+/// out[k] = plane at (u[k], v[k]) * scale + offset, for k in [0, count); count a multiple of 16.
+void samplePoints(const FloatPlane& plane, const float* u, const float* v, float scale, float offset,
+                  bool nearest, int count, float* out);
+
+/// out[j * 16 + i] = plane at (u + i * step, v + j * step), for i, j in [0, 16).
+void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out);
+
+/// One tile of a shadow raster through one sheet.
+struct AttenuateTile {
+    FloatPlane extinction;   ///< per world unit
+    float u, v, step;        ///< texel under the tile's first cell, and texels from cell to cell
+    bool nearest;
+    /// World length of the path through the sheet is path * sqrt(1 + a^2 + b^2) with the slopes
+    /// a = slopeA + i * slopeStep, b = slopeB + j * slopeStep of cell (i, j).
+    float path, slopeA, slopeB, slopeStep;
+    float* tau;              ///< first cell; rows tauStride apart
+    std::ptrdiff_t tauStride;
+    float* entry;            ///< receives tau as it was; rows entryStride apart
+    std::ptrdiff_t entryStride;
+};
+void attenuateTile(const AttenuateTile& tile);
+
+}  // namespace scrim

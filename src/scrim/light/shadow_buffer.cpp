@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/light/shadow_buffer.h>
+
+#include <scrim/light/plane_sampling.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scrim {
+namespace {
+
+struct TileRange {
+    int first = 0, last = -1;  // closed
+};
+
+// The raster tiles that the texels of one row or column of sheet tiles look at, with one cell and one texel to
+// spare, so that bilinear look-ups stay within tiles that take part.
+TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles) {
+    const double lower = (sheetTile * kTileEdge - 1 - offset) / scale - 1;
+    const double upper = (sheetTile * kTileEdge + kTileEdge - offset) / scale + 1;
+    const double limit = rasterTiles * kTileEdge - 1.0;
+    const auto tile = [&](double cell) {
+        return static_cast<int>(std::floor(std::clamp(cell, 0.0, limit))) / kTileEdge;
+    };
+    return {tile(lower), tile(upper)};
+}
+
+}  // namespace
+
+ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int batchSheets)
+    : m_view(view), m_thickness(sheets.thickness), m_nearest(filter == ShadowFilter::nearest) {
+    m_tau.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+    m_used.reserve(static_cast<std::size_t>(batchSheets));
+}
+
+void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
+    m_firstSheet = firstSheet;
+    m_count = count;
+    const int tilesX = extinction.tilesX(), tilesY = extinction.tilesY();
+    const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
+
+    // Which raster tiles each column and row of sheet tiles looks at, sheet by sheet.
+    const auto perSheet = static_cast<std::size_t>(tilesX + tilesY);
+    std::vector<TileRange> ranges(static_cast<std::size_t>(count) * perSheet);
+    const auto columns = [&](int s) { return ranges.data() + static_cast<std::size_t>(s) * perSheet; };
+    const auto rows = [&](int s) { return columns(s) + tilesX; };
+    TileRange windowX{rasterX, -1}, windowY{rasterY, -1};
+    for (int s = 0; s < count; ++s) {
+        if (!m_view.reaches(firstSheet + s)) continue;
+        const CellMap map = m_view.at(firstSheet + s);
+        for (int tx = 0; tx < tilesX; ++tx) columns(s)[tx] = cellTiles(tx, map.offsetU, map.scale, rasterX);
+        for (int ty = 0; ty < tilesY; ++ty) rows(s)[ty] = cellTiles(ty, map.offsetV, map.scale, rasterY);
+        for (int ty = 0; ty < tilesY; ++ty)
+            for (int tx = 0; tx < tilesX; ++tx) {
+                if (!extinction.active(s, tx, ty)) continue;
+                windowX = {std::min(windowX.first, columns(s)[tx].first),
+                           std::max(windowX.last, columns(s)[tx].last)};
+                windowY = {std::min(windowY.first, rows(s)[ty].first),
+                           std::max(windowY.last, rows(s)[ty].last)};
+            }
+    }
+    m_windowTilesX = std::max(0, windowX.last - windowX.first + 1);
+    m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
+    m_windowTileX = windowX.first;
+    m_windowTileY = windowY.first;
+    if (m_entry.size() < entryStride() * static_cast<std::size_t>(count))
+        m_entry.resize(entryStride() * static_cast<std::size_t>(count));
+
+    const auto tilesPerSheet = static_cast<std::size_t>(m_windowTilesX) * static_cast<std::size_t>(m_windowTilesY);
+    m_used.assign(tilesPerSheet * static_cast<std::size_t>(count), 0);
+    for (int s = 0; s < count; ++s) {
+        if (!m_view.reaches(firstSheet + s)) continue;
+        for (int ty = 0; ty < tilesY; ++ty)
+            for (int tx = 0; tx < tilesX; ++tx) {
+                if (!extinction.active(s, tx, ty)) continue;
+                for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
+                    for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
+                        m_used[static_cast<std::size_t>(s) * tilesPerSheet +
+                               static_cast<std::size_t>((y - m_windowTileY) * m_windowTilesX + x -
+                                                        m_windowTileX)] = 1;
+            }
+    }
+}
+
+std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
+    const int tileY = m_windowTileY + task;
+    const auto tilesPerSheet = static_cast<std::size_t>(m_windowTilesX) * static_cast<std::size_t>(m_windowTilesY);
+    std::uint64_t samples = 0;
+    for (int s = 0; s < m_count; ++s) {
+        const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s) * tilesPerSheet +
+                                   static_cast<std::size_t>(task * m_windowTilesX);
+        if (std::find(used, used + m_windowTilesX, 1) == used + m_windowTilesX) continue;
+        const CellMap map = m_view.at(m_firstSheet + s);
+
+        AttenuateTile tile{};
+        tile.extinction = {extinction.plane(s), extinction.width(), extinction.height()};
+        tile.nearest = m_nearest;
+        tile.path = static_cast<float>(m_thickness);
+        tile.step = static_cast<float>(map.scale);
+        tile.tauStride = m_view.width;
+        tile.entryStride = windowWidth();
+        for (int x = 0; x < m_windowTilesX; ++x) {
+            if (!used[x]) continue;
+            const int cellX = (m_windowTileX + x) * kTileEdge, cellY = tileY * kTileEdge;
+            tile.u = static_cast<float>(map.offsetU + cellX * map.scale);
+            tile.v = static_cast<float>(map.offsetV + cellY * map.scale);
+            const double s0 = m_view.slopeScale;
+            if (m_view.distant) {
+                tile.slopeA = static_cast<float>(m_view.tsSource.x * s0);
+                tile.slopeB = static_cast<float>(m_view.tsSource.y * s0);
+            } else {
+                tile.slopeA = static_cast<float>((m_view.first.x + cellX * m_view.cell) * s0);
+                tile.slopeB = static_cast<float>((m_view.first.y + cellY * m_view.cell) * s0);
+                tile.slopeStep = static_cast<float>(m_view.cell * s0);
+            }
+            tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
+            tile.entry = m_entry.data() + static_cast<std::size_t>(s) * entryStride() +
+                         static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
+            attenuateTile(tile);
+            samples += kTileSize;
+        }
+    }
+    return samples;
+}
+
+ShadowBuffer::Entry ShadowBuffer::entry(int s) const {
+    Entry e{};
+    e.lit = m_view.reaches(m_firstSheet + s) && m_windowTilesX > 0;
+    if (!e.lit) return e;
+    e.cells = m_entry.data() + static_cast<std::size_t>(s) * entryStride();
+    e.width = windowWidth();
+    e.height = m_windowTilesY * kTileEdge;
+    e.map = m_view.at(m_firstSheet + s);
+    e.map.offsetU += m_windowTileX * kTileEdge * e.map.scale;
+    e.map.offsetV += m_windowTileY * kTileEdge * e.map.scale;
+    return e;
+}
+
+void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {
+    const Entry e = entry(s);
+    if (!e.lit) {
+        std::fill(tau, tau + kTileSize, 0.0f);
+        return;
+    }
+    sampleLattice({e.cells, e.width, e.height}, static_cast<float>((texelX - e.map.offsetU) / e.map.scale),
+                  static_cast<float>((texelY - e.map.offsetV) / e.map.scale), static_cast<float>(1 / e.map.scale),
+                  m_nearest, tau);
+}
+
+void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, int count, float* tau) const {
+    const Entry e = entry(s);
+    if (!e.lit) {
+        std::fill(tau, tau + count, 0.0f);
+        return;
+    }
+    // Texel to cell: both axes share one scale.
+    std::vector<float> cellU(static_cast<std::size_t>(count)), cellV(static_cast<std::size_t>(count));
+    for (int k = 0; k < count; ++k) {
+        cellU[static_cast<std::size_t>(k)] = static_cast<float>((u[k] - e.map.offsetU) / e.map.scale);
+        cellV[static_cast<std::size_t>(k)] = static_cast<float>((v[k] - e.map.offsetV) / e.map.scale);
+    }
+    samplePoints({e.cells, e.width, e.height}, cellU.data(), cellV.data(), 1, 0, m_nearest, count, tau);
+}
+
+std::size_t ShadowBuffer::bytes() const { return (m_tau.size() + m_entry.size()) * sizeof(float) + m_used.size(); }
+
+std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
+    const auto raster = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    // The window of a batch: the sheet's raster, moved along by the slant of the light, in cells.
+    const double least = view.distant ? view.cell : view.cell * std::max(0.5, -view.tsSource.z + 0.5);
+    const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
+    const double window = (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) /
+                          (least * least);
+    const auto entry = static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) *
+                       static_cast<std::size_t>(batchSheets);
+    return (raster + entry) * sizeof(float);
+}
+
+}  // namespace scrim

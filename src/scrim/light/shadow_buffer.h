@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shadow buffers: one raster of optical depth a light, carried from sheet to sheet (ZC02 section 3.2).
+//
+// The buffer holds optical depth instead of the paper's opacity: sums of tau keep their precision where
+// 1 - alpha would lose it, and light is e^-tau of it (eq. 5). For each sheet of a batch it also keeps tau as it
+// was when light entered the sheet; that is what shading reads. Only tiles of the raster that the sheet's active
+// texels can see are touched.
+#pragma once
+
+#include <scrim/light/light_view.h>
+#include <scrim/splat/plane_stack.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace scrim {
+
+enum class ShadowFilter { bilinear, nearest };
+
+class ShadowBuffer {
+  public:
+    ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int batchSheets);
+
+    const LightView& view() const { return m_view; }
+
+    /// Prepares sheets [firstSheet, firstSheet + count), of which `extinction` holds the planes: decides which
+    /// tiles of the raster take part.
+    void beginBatch(int firstSheet, int count, const PlaneStack& extinction);
+
+    /// Number of independent tasks of the batch: rows of tiles.
+    int taskCount() const { return m_windowTilesY; }
+
+    /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's
+    /// extinction times the path through it. Returns the number of light samples taken.
+    std::uint64_t attenuate(int task, const PlaneStack& extinction);
+
+    /// The raster of tau at entry of sheet `firstSheet + s`, and the map to look it up with:
+    /// texel = offset + cell * scale, cells counted from the window's corner.
+    struct Entry {
+        const float* cells;
+        int width, height;
+        CellMap map;
+        bool lit;  ///< false: the light does not reach this sheet
+    };
+    Entry entry(int s) const;
+
+    /// Tau at entry of sheet `firstSheet + s` for the 16 x 16 texels from (texelX, texelY), rows of 16.
+    void lookUpTile(int s, int texelX, int texelY, float* tau) const;
+    /// The same at `count` (a multiple of 16) arbitrary texel positions.
+    void lookUpPoints(int s, const float* u, const float* v, int count, float* tau) const;
+
+    std::size_t bytes() const;
+    /// Upper estimate of the bytes a buffer takes.
+    static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets);
+
+  private:
+    LightView m_view;
+    double m_thickness;  // of a sheet, world units
+    bool m_nearest;
+    std::vector<float> m_tau;  // the whole raster: tau at entry of the next batch
+
+    // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.
+    int m_firstSheet = 0, m_count = 0;
+    int m_windowTileX = 0, m_windowTileY = 0, m_windowTilesX = 0, m_windowTilesY = 0;
+    std::vector<float> m_entry;
+    std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
+
+    int windowWidth() const { return m_windowTilesX * kTileEdge; }
+    std::size_t entryStride() const {
+        return static_cast<std::size_t>(windowWidth()) * static_cast<std::size_t>(m_windowTilesY * kTileEdge);
+    }
+};
+
+}  // namespace scrim

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/batch_lights.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scrim {
+namespace {
+
+// Without a radius 1/r^2 has no bound: at less than this part of a sheet's thickness it stays what it is there.
+constexpr double kLeastRadius = 0.25;
+
+}  // namespace
+
+BatchLights::BatchLights(const ViewScene& scene, const GroupPlan& group) : m_scene(scene), m_group(group) {
+    for (const LightPlan& light : group.lights)
+        m_shadows.push_back(light.shadowed
+                                ? std::make_unique<ShadowBuffer>(light.view, group.sheets,
+                                                                 scene.dials.shadowFilter, group.batchSheets)
+                                : nullptr);
+}
+
+std::uint64_t BatchLights::attenuate(int firstSheet, int count, const PlaneStack& extinction) {
+    m_onSheets.assign(static_cast<std::size_t>(count), {});
+    for (int p = 0; p < count; ++p)
+        for (std::size_t i = 0; i < m_group.lights.size(); ++i)
+            if (const auto light = atSheet(m_group.lights[i], firstSheet + p)) {
+                m_onSheets[static_cast<std::size_t>(p)].lights.push_back(*light);
+                m_onSheets[static_cast<std::size_t>(p)].shadows.push_back(m_shadows[i].get());
+            }
+
+    std::vector<ShadowBuffer*> shadowed;
+    for (const auto& shadow : m_shadows)
+        if (shadow) shadowed.push_back(shadow.get());
+    parallelFor(shadowed.size(), [&](std::size_t i) { shadowed[i]->beginBatch(firstSheet, count, extinction); });
+
+    struct Task {
+        ShadowBuffer* shadow;
+        int row;
+        std::uint64_t samples;
+    };
+    std::vector<Task> tasks;
+    for (ShadowBuffer* shadow : shadowed)
+        for (int row = 0; row < shadow->taskCount(); ++row) tasks.push_back({shadow, row, 0});
+    parallelFor(tasks.size(),
+                [&](std::size_t i) { tasks[i].samples = tasks[i].shadow->attenuate(tasks[i].row, extinction); });
+    std::uint64_t samples = 0;
+    for (const Task& task : tasks) samples += task.samples;
+    return samples;
+}
+
+std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet) const {
+    if (!plan.view.reaches(sheet)) return std::nullopt;
+    const Light& light = m_scene.lights[static_cast<std::size_t>(plan.light)];
+    const Sheets& sheets = m_group.sheets;
+    SheetLight out;
+    out.shadowed = plan.shadowed;
+    out.decay = light.decay;
+    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(light.intensity[c]);
+    out.distant = plan.view.distant;
+    if (out.distant) {
+        out.slopeA = static_cast<float>(plan.view.tsSource.x * plan.view.slopeScale);
+        out.slopeB = static_cast<float>(plan.view.tsSource.y * plan.view.slopeScale);
+        return out;
+    }
+    out.texelU = static_cast<float>(plan.view.tsSource.x);
+    out.texelV = static_cast<float>(plan.view.tsSource.y);
+    out.distanceW = static_cast<float>((sheet + 0.5 - plan.view.tsSource.z) * sheets.thickness);
+    const double radius = std::max(light.radius, kLeastRadius * sheets.thickness);
+    out.radius2 = static_cast<float>(radius * radius);
+    if (light.type == LightType::spot) {
+        const double half = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
+        const Vec3 axis = sheets.ssFromWs * light.wsDirection;
+        out.spot = true;
+        out.axisU = static_cast<float>(axis.x);
+        out.axisV = static_cast<float>(axis.y);
+        out.axisW = static_cast<float>(axis.z);
+        out.cosOuter = static_cast<float>(std::cos(half));
+        // A cone without a blend still has an edge of some width: a hundredth of a degree.
+        out.cosInner = static_cast<float>(std::cos(std::min(half * (1 - light.blend), half - 1e-4)));
+    }
+    if (!plan.ssWindows.empty()) {
+        out.windows = &plan.ssWindows;
+        out.window = plan.window;
+        out.windowCos = static_cast<float>(std::cos(kWindowAngle));
+    }
+    return out;
+}
+
+std::size_t BatchLights::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& shadow : m_shadows)
+        if (shadow) sum += shadow->bytes();
+    return sum;
+}
+
+}  // namespace scrim

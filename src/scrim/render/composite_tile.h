@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compositing: 256 pixels walk their rays through the shaded sheets of a batch (ZC02 eq. 1 and 2).
+//
+// A pixel's state is (C, T): radiance gathered and transmittance left. A shaded texel is (S, -alpha), so that
+// front to back is one multiply-add, state += T * texel, on all four channels.
+#pragma once
+
+#include <scrim/geometry/sheets.h>
+
+#include <cstddef>
+
+namespace scrim {
+
+/// The rays of a tile of pixels: texel position at the batch's first plane, and step from plane to plane.
+struct RayTile {
+    alignas(64) float u[kTileSize];
+    alignas(64) float v[kTileSize];
+    alignas(64) float stepU[kTileSize];
+    alignas(64) float stepV[kTileSize];
+    alignas(64) float startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
+};
+
+struct SheetList {
+    const float* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
+    const float* steps;          ///< its place in the batch: planes from the batch's first
+    int count;
+    int width, height;           ///< of the planes, texels
+};
+
+/// Walks all sheets of the list. `frontToBack`: a pixel whose transmittance falls below `cutoff` stops.
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state);
+
+/// Composites 256 shaded samples of one sheet (S, -alpha interleaved), each with the part in [0, 1] of the sheet
+/// that lies before the eye (nullptr: all of it).
+void compositeSamples(const float* samples, const float* part, bool frontToBack, float* state);
+
+/// Samples one RGBA plane at the rays' positions `at[k]` planes from the batch's first.
+void sampleRgba(const RayTile& rays, const float* at, const float* plane, int width, int height, float* samples);
+
+}  // namespace scrim

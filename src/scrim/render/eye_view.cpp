@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/eye_view.h>
+
+#include <algorithm>
+
+#include <glm/matrix.hpp>
+
+namespace scrim {
+
+EyeView::EyeView(const Camera& camera, const Sheets& sheets)
+    : m_orthographic(camera.type == CameraType::orthographic) {
+    const RayFamily ws = wsRays(camera);
+    m_ts.near = ws.near;
+    m_ts.origin0 = sheets.tsPoint(ws.origin0);
+    m_ts.originX = sheets.tsVector(ws.originX);
+    m_ts.originY = sheets.tsVector(ws.originY);
+    m_ts.direction0 = sheets.tsVector(ws.direction0);
+    m_ts.directionX = sheets.tsVector(ws.directionX);
+    m_ts.directionY = sheets.tsVector(ws.directionY);
+    if (m_orthographic)
+        m_rasterFromOffset = glm::inverse(Mat3(m_ts.originX, m_ts.originY, m_ts.direction0));
+    else
+        m_rasterFromOffset = glm::inverse(Mat3(m_ts.directionX, m_ts.directionY, m_ts.direction0));
+
+    const double toSlope = sheets.texel / sheets.thickness;
+    m_slopes.parallel = m_orthographic;
+    m_slopes.a = m_ts.direction0.x / m_ts.direction0.z * toSlope;
+    m_slopes.b = m_ts.direction0.y / m_ts.direction0.z * toSlope;
+    m_slopes.tsEye = m_ts.origin0;
+}
+
+PixelRay EyeView::ray(double x, double y, double reference) const {
+    const Vec3 o = m_ts.origin(x, y), d = m_ts.direction(x, y);
+    const double slopeU = d.x / d.z, slopeV = d.y / d.z;
+    const double away = reference - o.z;
+    return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
+}
+
+std::optional<EyeView::Box> EyeView::seenBy(double u0, double v0, double u1, double v1, double middle) const {
+    Box box{1e30, 1e30, -1e30, -1e30};
+    for (const double u : {u0, u1})
+        for (const double v : {v0, v1}) {
+            Vec3 p = m_rasterFromOffset * (Vec3(u, v, middle) - m_ts.origin0);
+            if (!m_orthographic) {
+                if (p.z <= 0) return std::nullopt;  // behind the eye: (x t, y t, t) with t <= 0
+                p.x /= p.z;
+                p.y /= p.z;
+            }
+            box = {std::min(box.x0, p.x), std::min(box.y0, p.y), std::max(box.x1, p.x), std::max(box.y1, p.y)};
+        }
+    return box;
+}
+
+}  // namespace scrim

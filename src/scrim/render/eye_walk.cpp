@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/eye_walk.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace scrim {
+
+// A tile's rays, and what they meet in a batch.
+struct EyeWalk::TileWalk {
+    RayTile rays;
+    float startLeast, startMost;      // extremes of rays.startN
+    std::vector<int> planes;          // those with active texels under the tile
+};
+
+// Sets up the rays of a tile, and finds the planes whose active texels they may meet.
+EyeWalk::TileWalk EyeWalk::enter(int tile, int firstSheet, int count, const PlaneStack& planes) const {
+    TileWalk walk;
+    const double reference = firstSheet + 0.5;
+    const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
+
+    // First the four corners: a batch that misses the tile must cost next to nothing.
+    PixelRay corners[4];
+    for (int i = 0; i < 4; ++i)
+        corners[i] = m_eye.ray(x0 + (i & 1 ? kTileEdge : 0), y0 + (i & 2 ? kTileEdge : 0), reference);
+    for (int p = 0; p < count; ++p) {
+        double u0 = 1e30, u1 = -1e30, v0 = 1e30, v1 = -1e30;
+        for (const PixelRay& ray : corners) {
+            const double u = ray.u + p * ray.slopeU, v = ray.v + p * ray.slopeV;
+            u0 = std::min(u0, u);
+            u1 = std::max(u1, u);
+            v0 = std::min(v0, v);
+            v1 = std::max(v1, v);
+        }
+        if (u1 < 0 || v1 < 0 || u0 >= planes.width() || v0 >= planes.height()) continue;
+        const auto tileOf = [](double texel, int size) {
+            return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
+        };
+        if (planes.anyActive(p, tileOf(u0, planes.width()), tileOf(v0, planes.height()),
+                             tileOf(u1 + 1, planes.width()), tileOf(v1 + 1, planes.height())))
+            walk.planes.push_back(p);
+    }
+    if (walk.planes.empty()) return walk;
+
+    walk.startLeast = INFINITY;
+    walk.startMost = -INFINITY;
+    for (int k = 0; k < kTileSize; ++k) {
+        const PixelRay ray = m_eye.ray(x0 + k % kTileEdge + 0.5, y0 + k / kTileEdge + 0.5, reference);
+        walk.rays.u[k] = static_cast<float>(ray.u);
+        walk.rays.v[k] = static_cast<float>(ray.v);
+        walk.rays.stepU[k] = static_cast<float>(ray.slopeU);
+        walk.rays.stepV[k] = static_cast<float>(ray.slopeV);
+        walk.rays.startN[k] = static_cast<float>(ray.startN - reference);
+        walk.startLeast = std::min(walk.startLeast, walk.rays.startN[k]);
+        walk.startMost = std::max(walk.startMost, walk.rays.startN[k]);
+    }
+    return walk;
+}
+
+namespace {
+
+enum class Before { all, part, none };
+
+// How much of plane p's slab, [p - 1/2, p + 1/2], lies beyond the start of the rays?
+Before seenPart(int p, float startLeast, float startMost, bool frontToBack) {
+    const float near = static_cast<float>(p) - 0.5f, far = static_cast<float>(p) + 0.5f;
+    if (frontToBack) return startMost <= near ? Before::all : startLeast >= far ? Before::none : Before::part;
+    return startLeast >= far ? Before::all : startMost <= near ? Before::none : Before::part;
+}
+
+// The seen part of a slab that the rays begin in, and the place in the middle of it.
+void cutSlab(const RayTile& rays, int p, bool frontToBack, float* part, float* at) {
+    for (int k = 0; k < kTileSize; ++k) {
+        float near = static_cast<float>(p) - 0.5f, far = near + 1;
+        if (frontToBack)
+            near = std::clamp(rays.startN[k], near, far);
+        else
+            far = std::clamp(rays.startN[k], near, far);
+        part[k] = far - near;
+        at[k] = 0.5f * (near + far);
+    }
+}
+
+}  // namespace
+
+std::uint64_t EyeWalk::compositeTexels(int tile, int firstSheet, int count, const PlaneStack& shaded) {
+    const TileWalk walk = enter(tile, firstSheet, count, shaded);
+    float* states = m_tiles.states(tile);
+    std::vector<const float*> planes;
+    std::vector<float> steps;
+    std::uint64_t walked = 0;
+    const auto flush = [&] {
+        if (planes.empty()) return;
+        const int listed = static_cast<int>(planes.size());
+        steps.resize(planes.size() + 8, 0.0f);  // vectors read ahead of the last step
+        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height()},
+                      m_frontToBack, m_cutoff, states);
+        walked += static_cast<std::uint64_t>(listed) * kTileSize;
+        planes.clear();
+        steps.clear();
+    };
+    for (const int p : walk.planes) {
+        switch (seenPart(p, walk.startLeast, walk.startMost, m_frontToBack)) {
+            case Before::none: break;
+            case Before::all:
+                planes.push_back(shaded.plane(p));
+                steps.push_back(static_cast<float>(p));
+                break;
+            case Before::part: {
+                flush();
+                alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
+                cutSlab(walk.rays, p, m_frontToBack, part, at);
+                sampleRgba(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), samples);
+                compositeSamples(samples, part, m_frontToBack, states);
+                walked += kTileSize;
+            }
+        }
+    }
+    flush();
+    return walked;
+}
+
+std::uint64_t EyeWalk::shadePixels(int tile, int firstSheet, int count, const PlaneStack& extinction,
+                                   const SheetShader& shader) {
+    const TileWalk walk = enter(tile, firstSheet, count, extinction);
+    float* states = m_tiles.states(tile);
+    std::uint64_t walked = 0;
+    SampleTile points;
+    alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
+    for (const int p : walk.planes) {
+        const Before seen = seenPart(p, walk.startLeast, walk.startMost, m_frontToBack);
+        if (seen == Before::none) continue;
+        if (seen == Before::part)
+            cutSlab(walk.rays, p, m_frontToBack, part, at);
+        else
+            std::fill(at, at + kTileSize, static_cast<float>(p));
+        const auto toSlope = static_cast<float>(shader.slopeScale());
+        for (int k = 0; k < kTileSize; ++k) {
+            points.u[k] = walk.rays.u[k] + at[k] * walk.rays.stepU[k];
+            points.v[k] = walk.rays.v[k] + at[k] * walk.rays.stepV[k];
+            points.eyeA[k] = walk.rays.stepU[k] * toSlope;
+            points.eyeB[k] = walk.rays.stepV[k] * toSlope;
+        }
+        shader.shadePoints(p, points, samples);
+        compositeSamples(samples, seen == Before::part ? part : nullptr, m_frontToBack, states);
+        walked += kTileSize;
+    }
+    return walked;
+}
+
+void EyeWalk::markIfOpaque(int tile) {
+    if (!m_frontToBack) return;
+    const float* states = m_tiles.states(tile);
+    for (int k = 0; k < kTileSize; ++k)
+        if (states[4 * k + 3] >= m_cutoff) return;
+    m_tiles.setOpaque(tile);
+}
+
+template <class Walk>
+std::uint64_t EyeWalk::forOpenTiles(const Walk& walk) {
+    std::vector<std::uint64_t> walked(static_cast<std::size_t>(m_tiles.count()));
+    parallelFor(walked.size(), [&](std::size_t i) {
+        const int tile = static_cast<int>(i);
+        if (m_tiles.opaque(tile)) return;
+        walked[i] = walk(tile);
+        if (walked[i] > 0) markIfOpaque(tile);
+    });
+    std::uint64_t sum = 0;
+    for (const std::uint64_t w : walked) sum += w;
+    return sum;
+}
+
+std::uint64_t EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
+    return forOpenTiles([&](int tile) { return compositeTexels(tile, firstSheet, count, shaded); });
+}
+
+std::uint64_t EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& extinction,
+                                     const SheetShader& shader) {
+    return forOpenTiles([&](int tile) { return shadePixels(tile, firstSheet, count, extinction, shader); });
+}
+
+bool EyeWalk::allOpaque() const {
+    for (int tile = 0; tile < m_tiles.count(); ++tile)
+        if (!m_tiles.opaque(tile)) return false;
+    return true;
+}
+
+}  // namespace scrim

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage 5 of a batch: every pixel's ray through the batch's sheets, front to back or back to front.
+#pragma once
+
+#include <scrim/render/composite_tile.h>
+#include <scrim/render/eye_view.h>
+#include <scrim/render/image_tiles.h>
+#include <scrim/render/sheet_shader.h>
+#include <scrim/splat/plane_stack.h>
+
+#include <cstdint>
+
+namespace scrim {
+
+class EyeWalk {
+  public:
+    EyeWalk(const EyeView& eye, ImageTiles& tiles, bool frontToBack, float cutoff)
+        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
+
+    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. Returns the number of
+    /// pixel and sheet pairs.
+    std::uint64_t throughTexels(int firstSheet, int count, const PlaneStack& shaded);
+
+    /// Shades where the pixels' rays meet the sheets, and composites that. Returns the number of samples.
+    std::uint64_t throughPixels(int firstSheet, int count, const PlaneStack& extinction, const SheetShader& shader);
+
+    /// Are all pixels opaque? Only ever so front to back.
+    bool allOpaque() const;
+
+  private:
+    struct TileWalk;
+    TileWalk enter(int tile, int firstSheet, int count, const PlaneStack& planes) const;
+    std::uint64_t compositeTexels(int tile, int firstSheet, int count, const PlaneStack& shaded);
+    std::uint64_t shadePixels(int tile, int firstSheet, int count, const PlaneStack& extinction,
+                              const SheetShader& shader);
+    template <class Walk>
+    std::uint64_t forOpenTiles(const Walk& walk);
+    void markIfOpaque(int tile);
+
+    const EyeView& m_eye;
+    ImageTiles& m_tiles;
+    bool m_frontToBack;
+    float m_cutoff;
+};
+
+}  // namespace scrim

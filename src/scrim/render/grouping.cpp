@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/grouping.h>
+
+#include <scrim/base/error.h>
+#include <scrim/geometry/enclosing_cone.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+double angleOf(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); }
+
+// 42 directions spread evenly over the sphere: the corners of an icosahedron and the middles of its edges. No
+// direction is further than 21 degrees from one of them, so windows of 32 degrees overlap well.
+const std::vector<Vec3>& windowAxes() {
+    static const std::vector<Vec3> axes = [] {
+        const double golden = (1 + std::sqrt(5.0)) / 2;
+        std::vector<Vec3> corners;
+        for (const double a : {-1.0, 1.0})
+            for (const double b : {-golden, golden})
+                for (int axis = 0; axis < 3; ++axis) {
+                    Vec3 p(0);
+                    p[(axis + 1) % 3] = a;
+                    p[(axis + 2) % 3] = b;
+                    corners.push_back(p);
+                }
+        std::vector<Vec3> all;
+        for (const Vec3& p : corners) all.push_back(glm::normalize(p));
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                if (glm::distance(corners[i], corners[j]) < 2.1)  // edges have length 2
+                    all.push_back(glm::normalize(corners[i] + corners[j]));
+        return all;
+    }();
+    return axes;
+}
+
+// Directions around the rim of a cone: their enclosing cone is that cone.
+std::vector<Vec3> rim(const Vec3& axis, double angle) {
+    const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    const Vec3 x = glm::normalize(glm::cross(axis, other)), y = glm::cross(axis, x);
+    std::vector<Vec3> directions;
+    constexpr int kPoints = 16;
+    for (int i = 0; i < kPoints; ++i) {
+        const double t = 2 * std::acos(-1.0) * i / kPoints;
+        directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * x + std::sin(t) * y));
+    }
+    return directions;
+}
+
+// The cone of directions from a point light to the volume; wider than 90 degrees (cosAngle <= 0) where the light
+// stands inside.
+Cone coneToVolume(const Vec3& wsLight, const std::vector<Vec3>& corners, std::vector<Vec3>& directions) {
+    for (const Vec3& corner : corners)
+        if (glm::distance(corner, wsLight) > 0) directions.push_back(glm::normalize(corner - wsLight));
+    return enclosingCone(directions);
+}
+
+// Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and, for
+// a spot, its own cone.
+void addWindows(int index, const Light& light, const Cone& cone, std::vector<LightPart>& parts) {
+    const std::vector<Vec3>& axes = windowAxes();
+    const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::acos(-1.0);
+    const double spotAngle = light.type == LightType::spot ? 0.5 * light.coneAngle * std::acos(-1.0) / 180 : 4.0;
+    for (const Vec3& axis : axes) {
+        if (angleOf(glm::dot(axis, cone.axis)) > volumeAngle + kWindowAngle) continue;
+        if (light.type == LightType::spot &&
+            angleOf(glm::dot(axis, light.wsDirection)) > spotAngle + kWindowAngle)
+            continue;
+        LightPart part;
+        part.light = index;
+        part.wsDirections = rim(axis, kWindowAngle);
+        for (const Vec3& other : axes) {
+            if (angleOf(glm::dot(axis, other)) >= 2 * kWindowAngle) continue;
+            if (other == axis) part.window = static_cast<int>(part.wsWindows.size());
+            part.wsWindows.push_back(other);
+        }
+        parts.push_back(std::move(part));
+    }
+}
+
+void addParts(int index, const Light& light, const std::vector<Vec3>& corners, std::vector<LightPart>& parts) {
+    if (light.type == LightType::distant) {
+        parts.push_back({index, {light.wsDirection}, {}, 0});
+        return;
+    }
+    std::vector<Vec3> directions;
+    const Cone cone = coneToVolume(light.wsPosition, corners, directions);
+    if (angleOf(cone.cosAngle) <= kWidestView) {
+        parts.push_back({index, std::move(directions), {}, 0});
+        return;
+    }
+    // A spot's own cone may be narrow enough where the volume is not.
+    if (light.type == LightType::spot) {
+        const double angle = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
+        if (angle <= kWidestView) {
+            parts.push_back({index, rim(light.wsDirection, angle), {}, 0});
+            return;
+        }
+    }
+    addWindows(index, light, cone, parts);
+}
+
+// The cone around the eye's rays, turned where eye and light look at each other, and the lights' rays.
+Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const LightPart*>& parts, bool sameSide) {
+    std::vector<Vec3> directions;
+    for (const Vec3& d : eye) directions.push_back(sameSide ? d : -d);
+    for (const LightPart* part : parts)
+        directions.insert(directions.end(), part->wsDirections.begin(), part->wsDirections.end());
+    return enclosingCone(directions);
+}
+
+Vec3 meanDirection(const std::vector<Vec3>& directions) {
+    Vec3 sum(0);
+    for (const Vec3& d : directions) sum += d;
+    return sum;
+}
+
+struct Item {
+    LightPart part;
+    bool sameSide;
+    double slant;  // of the best sweep for this part alone
+    Vec3 mean;
+    std::string name;
+};
+
+// Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
+std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners,
+                               const std::vector<Vec3>& eye) {
+    std::vector<LightPart> parts;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        addParts(static_cast<int>(i), scene.lights[i], corners, parts);
+
+    const Vec3 axis = viewingAxis(scene.camera);
+    std::vector<Item> items;
+    for (LightPart& part : parts) {
+        const Vec3 mean = meanDirection(part.wsDirections);
+        // Rounding must not decide the side of a light that is perpendicular to the eye.
+        const bool sameSide = glm::dot(mean, axis) >= -1e-9 * glm::length(mean);
+        const double slant = angleOf(groupCone(eye, {&part}, sameSide).cosAngle);
+        const std::string& name = scene.lights[static_cast<std::size_t>(part.light)].name;
+        items.push_back({std::move(part), sameSide, slant, mean, name});
+    }
+    std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+        return std::tie(a.slant, a.mean.x, a.mean.y, a.mean.z, a.name) <
+               std::tie(b.slant, b.mean.x, b.mean.y, b.mean.z, b.name);
+    });
+    return items;
+}
+
+void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>& eye) {
+    std::vector<const LightPart*> parts;
+    for (const LightPart& part : group.parts) parts.push_back(&part);
+    const Cone cone = groupCone(eye, parts, group.sameSide);
+    group.wsAxis = cone.axis;
+    group.slant = angleOf(cone.cosAngle);
+    if (scene.dials.sheets == SheetAxis::imageAligned) {
+        group.wsAxis = group.sameSide ? viewingAxis(scene.camera) : -viewingAxis(scene.camera);
+        double least = 1;
+        for (const Vec3& d : eye) least = std::min(least, std::abs(glm::dot(d, group.wsAxis)));
+        for (const LightPart* part : parts)
+            for (const Vec3& d : part->wsDirections) least = std::min(least, glm::dot(d, group.wsAxis));
+        group.slant = angleOf(least);
+    }
+}
+
+}  // namespace
+
+std::vector<Vec3> eyeDirections(const ViewScene& scene, const std::vector<Vec3>& corners) {
+    const RayFamily rays = wsRays(scene.camera);
+    if (scene.camera.type == CameraType::orthographic) return {glm::normalize(rays.direction0)};
+
+    // The rectangle of the region that the volume covers; all of it where the volume reaches behind the eye.
+    double x0 = scene.region.x0, y0 = scene.region.y0, x1 = scene.region.x1, y1 = scene.region.y1;
+    const Mat3 rasterFromWs = glm::inverse(Mat3(rays.direction0, rays.directionX, rays.directionY));
+    double left = x1, right = x0, top = y1, bottom = y0;
+    bool inFront = !corners.empty();
+    for (const Vec3& corner : corners) {
+        const Vec3 p = rasterFromWs * (corner - rays.origin0);  // (depth, depth * x, depth * y)
+        if (p.x <= 0) {
+            inFront = false;
+            break;
+        }
+        left = std::min(left, p.y / p.x);
+        right = std::max(right, p.y / p.x);
+        top = std::min(top, p.z / p.x);
+        bottom = std::max(bottom, p.z / p.x);
+    }
+    if (inFront && left < x1 && right > x0 && top < y1 && bottom > y0) {
+        x0 = std::max(x0, left);
+        x1 = std::min(x1, right);
+        y0 = std::max(y0, top);
+        y1 = std::min(y1, bottom);
+    }
+    std::vector<Vec3> directions;
+    for (const double x : {x0, x1})
+        for (const double y : {y0, y1}) directions.push_back(glm::normalize(rays.direction(x, y)));
+    return directions;
+}
+
+std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners) {
+    const std::vector<Vec3> eye = eyeDirections(scene, corners);
+    const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
+
+    // Each part joins the group in which it costs the least slant, or opens its own.
+    std::vector<LightGroup> groups;
+    for (Item& item : orderedParts(scene, corners, eye)) {
+        LightGroup* best = nullptr;
+        double bestSlant = limit;
+        for (LightGroup& group : groups) {
+            if (group.sameSide != item.sameSide) continue;
+            std::vector<const LightPart*> parts{&item.part};
+            for (const LightPart& part : group.parts) parts.push_back(&part);
+            const double slant = angleOf(groupCone(eye, parts, item.sameSide).cosAngle);
+            if (slant <= bestSlant) {
+                bestSlant = slant;
+                best = &group;
+            }
+        }
+        if (!best) {
+            groups.push_back({});
+            best = &groups.back();
+            best->sameSide = item.sameSide;
+        }
+        best->parts.push_back(std::move(item.part));
+    }
+    if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
+    for (LightGroup& group : groups) setAxis(group, scene, eye);
+
+    const double degrees = 180 / std::acos(-1.0);
+    for (const LightGroup& group : groups) {
+        if (group.slant <= kSlantLimit) continue;
+        const std::string_view cause = scene.dials.sheets == SheetAxis::imageAligned
+                                           ? "image-aligned sheets do not suit this scene (sheets = \"half-way\" "
+                                             "does)"
+                                           : "the camera's field of view is too wide";
+        throw Error(ErrorKind::render,
+                    fmt::format("{}: rays lean {:.1f} degrees from the sweep's axis, at most {:.0f} can be rendered",
+                                cause, group.slant * degrees, kSlantLimit * degrees));
+    }
+    return groups;
+}
+
+}  // namespace scrim

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture while a sweep is under way: pixels in tiles of 16 x 16, so that a task's states lie together.
+#pragma once
+
+#include <scrim/geometry/sheets.h>
+#include <scrim/image/image.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace scrim {
+
+class ImageTiles {
+  public:
+    explicit ImageTiles(const PixelWindow& region)
+        : m_region(region),
+          m_tilesX((region.width() + kTileEdge - 1) / kTileEdge),
+          m_tilesY((region.height() + kTileEdge - 1) / kTileEdge) {
+        reset();
+    }
+
+    /// All pixels black and transparent.
+    void reset() {
+        m_states.assign(static_cast<std::size_t>(count()) * kTileSize * 4, 0.0f);
+        for (std::size_t i = 3; i < m_states.size(); i += 4) m_states[i] = 1.0f;
+        m_opaque.assign(static_cast<std::size_t>(count()), 0);
+    }
+
+    const PixelWindow& region() const { return m_region; }
+    int count() const { return m_tilesX * m_tilesY; }
+    int tilesX() const { return m_tilesX; }
+    int tilesY() const { return m_tilesY; }
+    /// Raster position of the tile's corner.
+    int cornerX(int tile) const { return m_region.x0 + tile % m_tilesX * kTileEdge; }
+    int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
+    /// (C, T) of the tile's 256 pixels: 4 floats each.
+    float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4; }
+    const float* states(int tile) const {
+        return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4;
+    }
+    /// (C, T) of pixel (x, y) of the region.
+    const float* state(int x, int y) const {
+        const int dx = x - m_region.x0, dy = y - m_region.y0;
+        return states(dy / kTileEdge * m_tilesX + dx / kTileEdge) +
+               4 * (dy % kTileEdge * kTileEdge + dx % kTileEdge);
+    }
+    bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
+    void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
+
+    /// Is there a pixel in the closed box of raster positions whose tile is not opaque?
+    bool anyOpen(double x0, double y0, double x1, double y1) const;
+
+  private:
+    PixelWindow m_region;
+    int m_tilesX, m_tilesY;
+    std::vector<float> m_states;
+    std::vector<std::uint8_t> m_opaque;
+};
+
+}  // namespace scrim

@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/plan.h>
+
+#include <scrim/base/error.h>
+#include <scrim/light/shadow_buffer.h>
+#include <scrim/render/light_raster.h>
+#include <scrim/splat/footprint_table.h>
+#include <scrim/splat/plane_stack.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+// Buffers of a batch should stay near the caches: more only pays with more threads.
+constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
+constexpr int kLeastBatch = 8;
+
+int roundUpToTile(double texels) {
+    return (static_cast<int>(std::ceil(texels)) + kTileEdge - 1) / kTileEdge * kTileEdge;
+}
+
+// The stack of sheets around the volume. Planes lie at whole multiples of the thickness, texels at whole
+// multiples of their size, from the middle of the volume: nothing hangs on where the camera stands.
+Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const LightGroup& group,
+                    double voxel) {
+    Bounds ws;
+    for (const Vec3& corner : corners) ws.include(corner);
+
+    Sheets sheets;
+    sheets.wsAnchor = ws.center();
+    sheets.ssFromWs = sweepRotation(group.wsAxis, scene.camera.wsFromCamera[1]);
+    sheets.texel = scene.dials.texel * voxel;
+    sheets.thickness = scene.dials.sheetThickness * voxel * std::cos(group.slant);
+
+    Bounds ts;  // with the origin at the anchor
+    for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
+    // Two texels of zeros around: bilinear look-ups that leave the raster find nothing there.
+    const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
+    const double front = std::floor(ts.lower.z);
+    sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);
+    sheets.width = roundUpToTile(ts.upper.x - left + 3);
+    sheets.height = roundUpToTile(ts.upper.y - top + 3);
+    sheets.count = std::max(1, static_cast<int>(std::ceil(ts.upper.z - front)));
+    return sheets;
+}
+
+std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool shadeAtPixels, int batch) {
+    const Sheets& s = group.sheets;
+    const auto planes = [&](int channels) { return PlaneStack::bytes(batch, s.width, s.height, channels); };
+    std::size_t fields = 0, tables = 0;
+    for (const ViewVolume& volume : scene.volumes) {
+        if (volume.field->empty()) continue;
+        ++fields;
+        tables += FootprintTable::bytes(scene.dials.kernel, s.tsFrom(volume.wsFromIs), scene.dials.footprintSteps) +
+                  volume.field->blockCount() * 8;
+    }
+    std::size_t bytes = tables + planes(1) * (fields > 1 ? fields + 1 : 1) + (shadeAtPixels ? 0 : planes(4));
+    for (const LightPlan& light : group.lights)
+        if (light.shadowed) bytes += ShadowBuffer::bytes(light.view, s, batch);
+    return bytes;
+}
+
+// Shading at texels costs by texel, shading at pixels by pixel; for a medium both are equally exact.
+void chooseShading(const ViewScene& scene, Plan& plan) {
+    if (scene.dials.shade != ShadeMode::automatic) {
+        plan.shadeAtPixels = scene.dials.shade == ShadeMode::pixel;
+        plan.shadeReason = "the scene says so";
+        return;
+    }
+    const double pixels = double(plan.region.width()) * plan.region.height();
+    const Sheets& sheets = plan.groups.front().sheets;
+    const double texels = double(sheets.width) * sheets.height;
+    // A pixel's sample costs about twice a texel's: it gathers its extinction and its shadow.
+    plan.shadeAtPixels = 2 * pixels < texels;
+    plan.shadeReason = fmt::format("a sheet has {:.3g} texels, the picture {:.3g} pixels, and a medium looks the "
+                                   "same either way",
+                                   texels, pixels);
+}
+
+// Sheets a batch: enough for every thread to have some, few enough to stay in memory.
+void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, bool shadeAtPixels,
+                 GroupPlan& group) {
+    const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 4 * threads));
+    const std::size_t budget =
+        std::min(kComfortableBytes,
+                 scene.memoryLimit == 0 ? kComfortableBytes
+                                        : scene.memoryLimit - std::min(scene.memoryLimit, frameBytes));
+    group.batchSheets = wanted;
+    while (group.batchSheets > 1 && groupBytes(scene, group, shadeAtPixels, group.batchSheets) > budget)
+        --group.batchSheets;
+    group.bytes = groupBytes(scene, group, shadeAtPixels, group.batchSheets);
+    if (scene.memoryLimit != 0 && group.bytes + frameBytes > scene.memoryLimit)
+        throw Error(ErrorKind::memory,
+                    fmt::format("one sheet at a time needs {} MB of buffers and {} MB for the picture, more than "
+                                "the limit of {} MB allows",
+                                (group.bytes >> 20) + 1, (frameBytes >> 20) + 1, scene.memoryLimit >> 20));
+}
+
+void estimateWork(const ViewScene& scene, Plan& plan) {
+    double voxels = 0;
+    for (const ViewVolume& volume : scene.volumes) voxels += static_cast<double>(volume.field->activeVoxels);
+    const double pixels = double(plan.region.width()) * plan.region.height();
+    for (const GroupPlan& group : plan.groups) {
+        const double texels = double(group.sheets.width) * group.sheets.height * group.sheets.count;
+        // A voxel reaches all sheets within its kernel's extent: about one and its own width.
+        const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
+        plan.work.footprints += voxels * reach;
+        plan.work.texels += texels;
+        plan.work.pixelSheets += pixels * group.sheets.count;
+        for (const LightPlan& light : group.lights)
+            if (light.shadowed)
+                plan.work.lightSamples += texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
+    }
+}
+
+}  // namespace
+
+Plan makePlan(const ViewScene& scene, int threads) {
+    const int n = scene.dials.antialias;
+    Plan plan;
+    plan.voxel = voxelUnit(scene);
+    plan.region = {scene.region.x0 * n, scene.region.y0 * n, scene.region.x1 * n, scene.region.y1 * n};
+    const std::vector<Vec3> corners = wsCorners(scene);
+    if (corners.empty()) return plan;
+
+    for (LightGroup& group : groupLights(scene, corners)) {
+        GroupPlan g;
+        g.primary = plan.groups.empty();
+        g.sameSide = group.sameSide;
+        g.slant = group.slant;
+        g.sheets = sheetsAround(scene, corners, group, plan.voxel);
+        for (LightPart& part : group.parts)
+            g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(part)));
+        plan.groups.push_back(std::move(g));
+    }
+    chooseShading(scene, plan);
+
+    const std::size_t pixels = static_cast<std::size_t>(roundUpToTile(plan.region.width())) *
+                               static_cast<std::size_t>(roundUpToTile(plan.region.height()));
+    const std::size_t frameBytes = pixels * 4 * sizeof(float) * (plan.groups.size() > 1 ? 2 : 1) +
+                                   static_cast<std::size_t>(scene.region.width()) *
+                                       static_cast<std::size_t>(scene.region.height()) * 4 * sizeof(float);
+    plan.bytes = frameBytes;
+    for (GroupPlan& group : plan.groups) {
+        chooseBatch(scene, threads, frameBytes, plan.shadeAtPixels, group);
+        plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);
+    }
+    estimateWork(scene, plan);
+    return plan;
+}
+
+}  // namespace scrim

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// The plan: everything that is decided before the first voxel is read. A pure function of the scene, so that
+// `scrim plan` shows exactly what a render will do.
+#pragma once
+
+#include <scrim/geometry/sheets.h>
+#include <scrim/light/light_view.h>
+#include <scrim/render/grouping.h>
+#include <scrim/render/view_scene.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+struct LightPlan {
+    int light = 0;             ///< index into ViewScene::lights
+    bool shadowed = true;
+    LightView view;
+    std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
+    int window = 0;
+};
+
+struct GroupPlan {
+    bool primary = false;      ///< owns alpha and ambient
+    bool sameSide = true;
+    double slant = 0;          ///< radians
+    Sheets sheets;
+    int batchSheets = 1;       ///< sheets that are in memory at a time
+    std::vector<LightPlan> lights;
+    std::size_t bytes = 0;     ///< of all buffers of this group's sweep, at most
+};
+
+/// Rough counts of the work ahead, in units of what each stage does once.
+struct ExpectedWork {
+    double footprints = 0;     ///< voxel and sheet pairs
+    double texels = 0;         ///< shaded texels, at most
+    double lightSamples = 0;   ///< shadow buffer cells walked, at most
+    double pixelSheets = 0;    ///< pixel and sheet pairs composited, at most
+};
+
+struct Plan {
+    std::vector<GroupPlan> groups;  ///< the first is the primary one; empty where nothing is to be seen
+    bool shadeAtPixels = false;
+    std::string shadeReason;
+    double voxel = 1;               ///< the unit of the dials, world units
+    PixelWindow region;             ///< in pixels of the antialiasing raster
+    std::size_t bytes = 0;          ///< buffers at their largest, frame included; without the fields
+    ExpectedWork work;
+};
+
+/// Plans a render for `threads` threads. Throws Error: render (field of view too wide), memory (not one sheet
+/// fits the scene's memory limit).
+Plan makePlan(const ViewScene& scene, int threads);
+
+}  // namespace scrim

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: Apache-2.0
+// Renders one frame: plan, one sweep a group, and the sum of what they gathered.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/render/frame.h>
+#include <scrim/render/plan.h>
+
+namespace scrim {
+
+/// Renders `scene` as `plan` (made from it) says. The picture covers scene.region. Bit-identical for every
+/// number of threads. Throws Error: memory, interrupted (where `progress` said so).
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress = {});
+
+}  // namespace scrim

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/sweep.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/render/batch_fields.h>
+#include <scrim/render/batch_lights.h>
+#include <scrim/render/eye_walk.h>
+#include <scrim/render/sheet_shader.h>
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+
+namespace scrim {
+namespace {
+
+class Stopwatch {
+  public:
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        const double seconds = std::chrono::duration<double>(now - m_start).count();
+        m_start = now;
+        return seconds;
+    }
+
+  private:
+    std::chrono::steady_clock::time_point m_start = std::chrono::steady_clock::now();
+};
+
+// Stage 4 at texels: shades the active tiles of a batch that an open pixel may see.
+std::uint64_t shadeBatch(const SheetShader& shader, const EyeView& eye, const ImageTiles& tiles,
+                         const PlaneStack& extinction, int firstSheet, int count, PlaneStack& shaded) {
+    const int tilesY = shaded.tilesY();
+    for (int p = 0; p < count; ++p) shaded.begin(p);
+    std::vector<std::uint64_t> texels(static_cast<std::size_t>(count * tilesY));
+    parallelFor(texels.size(), [&](std::size_t task) {
+        const int p = static_cast<int>(task) / tilesY, ty = static_cast<int>(task) % tilesY;
+        const int sheet = firstSheet + p;
+        alignas(64) float out[4 * kTileSize];
+        for (int tx = 0; tx < shaded.tilesX(); ++tx) {
+            if (!extinction.active(p, tx, ty)) continue;
+            // A texel serves bilinear look-ups up to one texel around it.
+            const auto seen = eye.seenBy(tx * kTileEdge - 1, ty * kTileEdge - 1, (tx + 1) * kTileEdge,
+                                         (ty + 1) * kTileEdge, sheet + 0.5);
+            if (seen && !tiles.anyOpen(seen->x0, seen->y0, seen->x1, seen->y1)) continue;
+            shader.shadeTexels(p, sheet, tx, ty, out);
+            shaded.replace(p, tx, ty);
+            float* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
+                         tx * kTileEdge * 4;
+            for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
+                std::copy_n(out + y * kTileEdge * 4, kTileEdge * 4, row);
+            texels[task] += kTileSize;
+        }
+        shaded.finishRow(p, ty);
+    });
+    std::uint64_t sum = 0;
+    for (const std::uint64_t t : texels) sum += t;
+    return sum;
+}
+
+}  // namespace
+
+void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group,
+              ImageTiles& tiles, RenderWork& work, StageTimes& times, const SweepProgress& progress) {
+    Stopwatch watch;
+    const Sheets& sheets = group.sheets;
+    const EyeView eye(camera, sheets);
+    BatchFields fields(scene, group);
+    BatchLights lights(scene, group);
+    const SheetShader shader(scene, group, fields, lights, eye);
+    EyeWalk walk(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));
+    std::optional<PlaneStack> shaded;
+    if (!plan.shadeAtPixels) shaded.emplace(group.batchSheets, sheets.width, sheets.height, 4);
+    work.voxelsFed += fields.voxels();
+    times.prepare += watch.lap();
+
+    for (int first = 0; first < sheets.count; first += group.batchSheets) {
+        const int count = std::min(group.batchSheets, sheets.count - first);
+        work.sheets += static_cast<std::uint64_t>(count);
+        work.footprints += fields.splat(first, count).footprints;
+        times.splat += watch.lap();
+
+        work.lightSamples += lights.attenuate(first, count, fields.extinction());
+        times.attenuate += watch.lap();
+
+        if (shaded) {
+            const std::uint64_t texels = shadeBatch(shader, eye, tiles, fields.extinction(), first, count, *shaded);
+            work.texelsShaded += texels;
+            work.lightLookups += texels * group.lights.size();
+            times.shade += watch.lap();
+            work.pixelSheets += walk.throughTexels(first, count, *shaded);
+        } else {
+            const std::uint64_t samples = walk.throughPixels(first, count, fields.extinction(), shader);
+            work.lightLookups += samples * group.lights.size();
+            work.pixelSheets += samples;
+        }
+        times.composite += watch.lap();
+
+        progress(double(first + count) / sheets.count);
+        // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
+        if (group.sameSide && walk.allOpaque()) break;
+    }
+    work.bufferBytes =
+        std::max<std::uint64_t>(work.bufferBytes, fields.bytes() + lights.bytes() +
+                                                      (shaded ? PlaneStack::bytes(group.batchSheets, sheets.width,
+                                                                                  sheets.height, 4)
+                                                              : 0));
+}
+
+}  // namespace scrim

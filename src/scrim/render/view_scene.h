@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a sweep needs to know of a scene at one frame: fields in memory, no files, no names to resolve.
+#pragma once
+
+#include <scrim/geometry/camera.h>
+#include <scrim/image/image.h>
+#include <scrim/light/light.h>
+#include <scrim/scene/dials.h>
+#include <scrim/shade/medium.h>
+#include <scrim/volume/sparse_field.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+struct ViewVolume {
+    std::string name;
+    std::shared_ptr<const SparseField> field;
+    Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
+    Medium medium;
+};
+
+struct ViewScene {
+    Camera camera;
+    PixelWindow region;  ///< the pixels to render, within the display window or beyond it (overscan)
+    std::vector<ViewVolume> volumes;
+    std::vector<Light> lights;
+    Rgb ambient{0};      ///< radiance of an unshadowed environment
+    Dials dials;
+    std::size_t memoryLimit = 0;  ///< bytes that buffers may take; 0: no limit
+};
+
+/// World-space corners of all volumes' boxes, kernels included; eight a volume that is not empty.
+std::vector<Vec3> wsCorners(const ViewScene& scene);
+
+/// The smallest edge of the finest grid, world units: the unit of the dials. 1 where all volumes are empty.
+double voxelUnit(const ViewScene& scene);
+
+}  // namespace scrim

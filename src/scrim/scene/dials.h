@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// The dials: every setting that trades accuracy for time, as values. Their names, units, defaults, ranges and
+// meanings stand in one table in quality.h.
+#pragma once
+
+#include <scrim/light/shadow_buffer.h>
+#include <scrim/splat/kernel.h>
+
+#include <string>
+
+namespace scrim {
+
+enum class ShadeMode { automatic, texel, pixel };
+enum class SheetAxis { halfWay, imageAligned };
+
+struct Dials {
+    double sheetThickness = 1;  ///< voxels, before the cosine of the worst slant
+    double texel = 1;           ///< voxels
+    Kernel kernel = Kernel::linear;
+    int footprintSteps = 16;    ///< quantised positions a texel and a sheet, a power of two
+    double shadowTexel = 1;     ///< texels a shadow buffer's cell
+    ShadowFilter shadowFilter = ShadowFilter::bilinear;
+    ShadeMode shade = ShadeMode::automatic;
+    SheetAxis sheets = SheetAxis::halfWay;
+    double maxSlant = 60;       ///< degrees
+    double opacityCutoff = 1e-3;///< transmittance below which a pixel counts as opaque
+    double lod = 0;             ///< pixels a voxel may shrink to before a coarser level is fed; 0: never
+    int antialias = 1;          ///< n x n rays a pixel
+    std::string simd = "auto";  ///< instruction set: auto, or the most one may use
+};
+
+}  // namespace scrim

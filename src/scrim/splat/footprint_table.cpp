@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/splat/footprint_table.h>
+
+#include <scrim/base/parallel.h>
+
+#include <cmath>
+
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+// Half the extent of the kernel along each axis of texel space.
+Vec3 kernelExtents(Kernel kernel, const Mat4& tsFromIs) {
+    Vec3 extent;
+    for (int axis = 0; axis < 3; ++axis)
+        extent[axis] = kernelExtent(kernel, {tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]});
+    return extent;
+}
+
+}  // namespace
+
+struct FootprintTable::Shape {
+    Vec3 extent;
+    Range columns, rows, sheets;
+    int rowStride;
+};
+
+FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int steps) {
+    // Fractions are represented by the centres of their steps.
+    const double least = 0.5 / steps, most = 1 - 0.5 / steps;
+    const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
+        const int first = static_cast<int>(std::floor(least - extent)) + 1;
+        const int last = static_cast<int>(std::ceil(most + extent)) - 1;
+        return Range{first, last - first + 1};
+    };
+    Shape shape;
+    shape.extent = kernelExtents(kernel, tsFromIs);
+    shape.columns = texels(shape.extent.x);
+    shape.rows = texels(shape.extent.y);
+    // Slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
+    const int firstSheet = static_cast<int>(std::floor(least - shape.extent.z - 1)) + 1;
+    const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
+    shape.sheets = {firstSheet, lastSheet - firstSheet + 1};
+    shape.rowStride = (shape.columns.count + 3) / 4 * 4;
+    return shape;
+}
+
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int steps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, steps);
+    const auto q = static_cast<std::size_t>(steps);
+    return q * q * q * sizeof(float) * static_cast<std::size_t>(shape.sheets.count) *
+           static_cast<std::size_t>(shape.rows.count * shape.rowStride);
+}
+
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int steps) : m_steps(steps) {
+    while ((1 << m_log2Steps) < steps) ++m_log2Steps;
+    const Shape shape = shapeOf(kernel, tsFromIs, steps);
+    m_extent = shape.extent;
+    m_columns = shape.columns;
+    m_rows = shape.rows;
+    m_sheets = shape.sheets;
+    m_rowStride = shape.rowStride;
+    m_weights.resize(bytes(kernel, tsFromIs, steps) / sizeof(float));
+
+    const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
+    parallelFor(static_cast<std::size_t>(steps),
+                [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
+}
+
+// Fills the entries of one quantised fraction in v. For each texel of the footprint: integrate the kernel
+// along w once, cumulatively in steps of 1/steps sheet, then read every sheet's share as a difference.
+void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
+    const int fineCount = (m_sheets.count + 1) * m_steps;
+    const double fine = 1.0 / m_steps;
+    // N of the cumulative integral's first point: half a step in, where fractions are represented.
+    const double depth0 = m_sheets.first - 1.0 + 0.5 * fine;
+    // Two-point Gauss quadrature is exact for the cubics that `linear` is made of, kinks aside.
+    const double gauss = 0.5 * fine / std::sqrt(3.0);
+    std::vector<double> cumulative(static_cast<std::size_t>(fineCount) + 1);
+
+    for (int stepU = 0; stepU < m_steps; ++stepU)
+        for (int row = 0; row < m_rows.count; ++row)
+            for (int column = 0; column < m_columns.count; ++column) {
+                const double x = m_columns.first + column - (stepU + 0.5) * fine;
+                const double y = m_rows.first + row - (stepV + 0.5) * fine;
+                const Vec3 at0 = isFromTs * Vec3(x, y, 0);
+                double sum = 0;
+                cumulative[0] = 0;
+                for (int i = 0; i < fineCount; ++i) {
+                    const double middle = depth0 + (i + 0.5) * fine;
+                    if (std::abs(middle) < m_extent.z + fine)
+                        sum += 0.5 * fine *
+                               (kernelValue(kernel, at0 + isFromTs[2] * (middle - gauss)) +
+                                kernelValue(kernel, at0 + isFromTs[2] * (middle + gauss)));
+                    cumulative[static_cast<std::size_t>(i) + 1] = sum;
+                }
+                for (int stepN = 0; stepN < m_steps; ++stepN) {
+                    const auto read = [&](int slab) {
+                        return cumulative[static_cast<std::size_t>((slab + 1) * m_steps - stepN - 1)];
+                    };
+                    float* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
+                    for (int slab = 0; slab < m_sheets.count; ++slab)
+                        entry[slab * sheetStride()] = static_cast<float>(read(slab + 1) - read(slab));
+                }
+            }
+}
+
+}  // namespace scrim

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/study/reference.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Empty space is measured in balls of this many voxels: half a block's edge.
+constexpr double kEmptyRadius = 4;
+
+}  // namespace
+
+Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
+    : m_scene(scene), m_options(options), m_voxel(voxelUnit(scene)) {
+    for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
+    for (const ViewVolume& volume : scene.volumes) {
+        if (volume.field->empty()) continue;
+        const Mat4 isFromWs = glm::inverse(volume.wsFromIs);
+        double longest = 0;
+        for (int axis = 0; axis < 3; ++axis)
+            longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
+        m_volumes.push_back({FieldProbe(*volume.field, scene.dials.kernel), isFromWs, volume.medium,
+                             longest * std::sqrt(3.0)});
+    }
+}
+
+double Reference::extinction(const Vec3& ws) const {
+    double sum = 0;
+    for (const Volume& v : m_volumes) sum += v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws));
+    return sum;
+}
+
+// A distance within which all fields are 0; 0 where none is known.
+double Reference::emptyDistance(const Vec3& ws) const {
+    double distance = kInfinity;
+    for (const Volume& v : m_volumes) {
+        if (!v.probe.emptyAround(transformPoint(v.isFromWs, ws), kEmptyRadius)) return 0;
+        distance = std::min(distance, kEmptyRadius / v.isPerWs);
+    }
+    return distance;
+}
+
+Reference::Span Reference::clip(const Vec3& o, const Vec3& d, double begin, double end) const {
+    for (int axis = 0; axis < 3; ++axis) {
+        double a = (m_wsBounds.lower[axis] - o[axis]) / d[axis], b = (m_wsBounds.upper[axis] - o[axis]) / d[axis];
+        if (d[axis] == 0) {
+            const bool inside = o[axis] >= m_wsBounds.lower[axis] && o[axis] <= m_wsBounds.upper[axis];
+            a = inside ? -kInfinity : kInfinity;
+            b = inside ? kInfinity : -kInfinity;
+        }
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    return {begin, end};
+}
+
+double Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
+    const double length = glm::distance(a, b);
+    if (length == 0 || m_volumes.empty()) return 0;
+    const Vec3 direction = (b - a) / length;
+    const Span span = clip(a, direction, 0, length);
+    // Steps of two-point Gauss quadrature, exact for the cubics of a trilinear field within a cell.
+    const double gauss = 0.5 / std::sqrt(3.0);
+    double tau = 0;
+    for (double t = span.begin; t < span.end;) {
+        if (const double empty = emptyDistance(a + t * direction); empty > 0) {
+            t += empty;
+            continue;
+        }
+        const double step = std::min(m_options.step * m_voxel, span.end - t);
+        const Vec3 middle = a + (t + 0.5 * step) * direction;
+        const double lower = extinction(middle - gauss * step * direction);
+        const double upper = extinction(middle + gauss * step * direction);
+        tau += 0.5 * step * (lower + upper);
+        t += step;
+    }
+    return tau;
+}
+
+// Radiance per world unit that one light adds at `ws`.
+Rgb Reference::scatter(const Light& light, const Vec3& ws, const Vec3& eye) const {
+    Vec3 travel = light.wsDirection;
+    double irradiance = 1, distance = 0;
+    if (light.type != LightType::distant) {
+        travel = ws - light.wsPosition;
+        distance = glm::length(travel);
+        if (distance == 0) return Rgb(0);
+        travel /= distance;
+        if (light.decay) irradiance = 1 / std::max(distance * distance, light.radius * light.radius);
+        if (light.type == LightType::spot) {
+            const double half = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
+            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - light.blend), half - 1e-4));
+            const double t = std::clamp((glm::dot(travel, light.wsDirection) - outer) / (inner - outer), 0.0, 1.0);
+            irradiance *= t * t * (3 - 2 * t);
+        }
+    }
+    double scattering[3] = {0, 0, 0};
+    for (const Volume& v : m_volumes) {
+        const double sigma = v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws));
+        const double phase = phaseValue(v.medium.phase, -glm::dot(travel, eye));
+        for (int c = 0; c < 3; ++c) scattering[c] += sigma * v.medium.albedo[c] * phase;
+    }
+    Rgb radiance = light.intensity * irradiance * Rgb(scattering[0], scattering[1], scattering[2]);
+    if (radiance == Rgb(0)) return radiance;
+    if (light.shadows) {
+        const Vec3 from = light.type == LightType::distant
+                              ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel)
+                              : light.wsPosition;
+        radiance *= std::exp(-opticalDepth(from, ws));
+    }
+    return radiance;
+}
+
+Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
+    Sample out;
+    out.extinction = extinction(ws);
+    if (out.extinction == 0) return out;
+    for (const Light& light : m_scene.lights) out.source += scatter(light, ws, eye);
+    for (const Volume& v : m_volumes)
+        out.source += v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws)) * v.medium.albedo *
+                      m_scene.ambient;
+    return out;
+}
+
+std::array<double, 4> Reference::ray(double x, double y) const {
+    const RayFamily rays = wsRays(m_scene.camera);
+    const Vec3 origin = rays.origin(x, y);
+    Vec3 direction = rays.direction(x, y);
+    const double depthScale = glm::length(direction);
+    direction /= depthScale;
+    if (m_volumes.empty()) return {0, 0, 0, 0};
+
+    const Span span = clip(origin, direction, rays.near * depthScale, kInfinity);
+    const double gauss = 0.5 / std::sqrt(3.0);
+    Rgb radiance(0);
+    double tau = 0;
+    for (double t = span.begin; t < span.end && std::exp(-tau) > m_options.leastTransmittance;) {
+        if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
+            t += empty;
+            continue;
+        }
+        // A step is as long as its optical depth allows.
+        double step = std::min(m_options.step * m_voxel, span.end - t);
+        for (int halvings = 0; halvings < 40; ++halvings) {
+            const double densest = std::max({extinction(origin + t * direction),
+                                             extinction(origin + (t + 0.5 * step) * direction),
+                                             extinction(origin + (t + step) * direction)});
+            if (densest * step <= m_options.mostTau) break;
+            step = std::max(0.5 * step, m_options.mostTau / densest);
+            if (step * densest <= m_options.mostTau * 1.0001) break;
+        }
+        // Two Gauss points; each sees half of the step's optical depth in front of or behind it.
+        const double middle = t + 0.5 * step;
+        const Sample near = sample(origin + (middle - gauss * step) * direction, direction);
+        const Sample far = sample(origin + (middle + gauss * step) * direction, direction);
+        const double stepTau = 0.5 * step * (near.extinction + far.extinction);
+        const double fraction = 0.5 - gauss;
+        radiance += 0.5 * step *
+                    (near.source * std::exp(-tau - fraction * step * near.extinction) +
+                     far.source * std::exp(-tau - stepTau + fraction * step * far.extinction));
+        tau += stepTau;
+        t += step;
+    }
+    return {radiance.x, radiance.y, radiance.z, -std::expm1(-tau)};
+}
+
+std::array<double, 4> Reference::pixel(int x, int y) const {
+    const int n = m_scene.dials.antialias;
+    std::array<double, 4> sum{0, 0, 0, 0};
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const std::array<double, 4> one = ray(x + (i + 0.5) / n, y + (j + 0.5) / n);
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += one[c] / (n * n);
+        }
+    return sum;
+}
+
+}  // namespace scrim

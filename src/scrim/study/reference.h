@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// The brute-force reference: one pixel at a time, double precision, small adaptive steps, a shadow ray marched
+// from every sample to every light. Slow, and meant to be obviously right: everything else is judged by it.
+#pragma once
+
+#include <scrim/render/view_scene.h>
+#include <scrim/study/field_probe.h>
+
+#include <array>
+#include <vector>
+
+namespace scrim {
+
+struct ReferenceOptions {
+    double step = 0.5;        ///< voxels, at most
+    double mostTau = 0.1;     ///< optical depth of a step, at most: denser places take smaller steps
+    double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
+};
+
+class Reference {
+  public:
+    /// `scene` must outlive this.
+    explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {});
+
+    /// Premultiplied RGBA along the ray through raster position (x, y). A pixel's centre is at + 1/2.
+    std::array<double, 4> ray(double x, double y) const;
+
+    /// Mean over the n x n rays of pixel (x, y), n = the scene's antialias dial.
+    std::array<double, 4> pixel(int x, int y) const;
+
+    /// Optical depth from `a` to `b`, world space.
+    double opticalDepth(const Vec3& wsA, const Vec3& wsB) const;
+
+    /// In-scattered radiance per world unit of path at `ws` for an eye ray of direction `wsDirection` (unit,
+    /// away from the eye), and the extinction there.
+    struct Sample {
+        Rgb source{0};
+        double extinction = 0;
+    };
+    Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
+
+  private:
+    struct Volume {
+        FieldProbe probe;
+        Mat4 isFromWs;
+        Medium medium;
+        double isPerWs;  // longest index-space length of a world unit
+    };
+    struct Span {
+        double begin, end;
+    };
+    double extinction(const Vec3& ws) const;
+    double emptyDistance(const Vec3& ws) const;
+    Span clip(const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
+    Rgb scatter(const Light& light, const Vec3& ws, const Vec3& wsDirection) const;
+
+    const ViewScene& m_scene;
+    ReferenceOptions m_options;
+    std::vector<Volume> m_volumes;
+    Bounds m_wsBounds;
+    double m_voxel;
+};
+
+}  // namespace scrim

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/volume/coarser.h>
+
+#include <scrim/volume/field_builder.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace scrim {
+
+namespace {
+
+/// One eighth of a coarse block: a fine block, or a part of a tile.
+struct Part {
+    Int3 coarseOrigin;
+    int octant;           ///< 4 x + 2 y + z
+    const float* values;  ///< nullptr: `constant` everywhere
+    float constant;
+};
+
+/// Fine block at a multiple of 8 → the coarse block that holds it. Dividing by 16 with an arithmetic shift rounds
+/// down, also below zero.
+Part partAt(const Int3& origin, const float* values, float constant) {
+    const Int3 block(origin.x >> 3, origin.y >> 3, origin.z >> 3);
+    const Int3 coarse(block.x >> 1, block.y >> 1, block.z >> 1);
+    return {coarse * kBlockEdge, 4 * (block.x & 1) + 2 * (block.y & 1) + (block.z & 1), values, constant};
+}
+
+void addPart(const Part& part, float* coarse) {
+    constexpr int kHalf = kBlockEdge / 2;
+    const int x0 = part.octant & 4 ? kHalf : 0;
+    const int y0 = part.octant & 2 ? kHalf : 0;
+    const int z0 = part.octant & 1 ? kHalf : 0;
+    for (int x = 0; x < kHalf; ++x)
+        for (int y = 0; y < kHalf; ++y) {
+            float* out = coarse + blockOffset(x0 + x, y0 + y, z0);
+            if (part.values == nullptr) {
+                std::fill(out, out + kHalf, part.constant);
+                continue;
+            }
+            const float* a = part.values + blockOffset(2 * x, 2 * y, 0);
+            const float* b = part.values + blockOffset(2 * x, 2 * y + 1, 0);
+            const float* c = part.values + blockOffset(2 * x + 1, 2 * y, 0);
+            const float* d = part.values + blockOffset(2 * x + 1, 2 * y + 1, 0);
+            // An eighth of each first: the sum of eight large values could overflow.
+            std::array<float, kBlockEdge> row;
+            for (std::size_t z = 0; z < row.size(); ++z)
+                row[z] = (0.125f * a[z] + 0.125f * b[z]) + (0.125f * c[z] + 0.125f * d[z]);
+            for (int z = 0; z < kHalf; ++z) {
+                const auto n = static_cast<std::size_t>(2 * z);
+                out[z] = row[n] + row[n + 1];
+            }
+        }
+}
+
+bool even(const ConstantTile& tile) {
+    constexpr int kMask = 2 * kBlockEdge - 1;
+    return ((tile.origin.x | tile.origin.y | tile.origin.z | tile.edge) & kMask) == 0;
+}
+
+/// Tiles that stay tiles go to `tiles`, all else becomes parts of blocks.
+std::vector<Part> collectParts(const SparseField& fine, std::vector<ConstantTile>& tiles) {
+    std::vector<Part> parts;
+    parts.reserve(fine.blockCount() + fine.tiles.size());
+    for (std::size_t i = 0; i < fine.blockCount(); ++i)
+        parts.push_back(partAt(fine.blockOrigins[i], fine.block(i), 0));
+    for (const ConstantTile& tile : fine.tiles) {
+        if (even(tile)) {
+            tiles.push_back({Int3(tile.origin.x >> 1, tile.origin.y >> 1, tile.origin.z >> 1), tile.edge / 2,
+                             tile.value});
+            continue;
+        }
+        for (int x = 0; x < tile.edge; x += kBlockEdge)
+            for (int y = 0; y < tile.edge; y += kBlockEdge)
+                for (int z = 0; z < tile.edge; z += kBlockEdge)
+                    parts.push_back(partAt(tile.origin + Int3(x, y, z), nullptr, tile.value));
+    }
+    std::sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
+        if (a.coarseOrigin != b.coarseOrigin) return originLess(a.coarseOrigin, b.coarseOrigin);
+        return a.octant < b.octant;
+    });
+    return parts;
+}
+
+}  // namespace
+
+SparseField coarser(const SparseField& fine) {
+    FieldPieces pieces;
+    const std::vector<Part> parts = collectParts(fine, pieces.tiles);
+    std::vector<std::size_t> begins;  // of the parts of each coarse block
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        if (i > 0 && parts[i].coarseOrigin == parts[i - 1].coarseOrigin) continue;
+        begins.push_back(i);
+        pieces.blockOrigins.push_back(parts[i].coarseOrigin);
+    }
+    begins.push_back(parts.size());
+
+    pieces.name = fine.name;
+    // Coarse index c is the middle of fine 2c and 2c + 1.
+    pieces.wsFromIs = fine.wsFromIs;
+    for (int axis = 0; axis < 3; ++axis) {
+        pieces.wsFromIs[3] += 0.5 * fine.wsFromIs[axis];
+        pieces.wsFromIs[axis] = 2.0 * fine.wsFromIs[axis];
+    }
+    pieces.fill = [&](std::size_t i, float* values) {
+        std::fill(values, values + kBlockVoxels, 0.0f);
+        for (std::size_t p = begins[i]; p < begins[i + 1]; ++p) addPart(parts[p], values);
+    };
+    SparseField coarse = buildField(std::move(pieces));
+    coarse.nonFinite = fine.nonFinite;
+    coarse.negative = fine.negative;
+    return coarse;
+}
+
+}  // namespace scrim

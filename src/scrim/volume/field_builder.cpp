@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/volume/field_builder.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <set>
+#include <tuple>
+#include <unordered_set>
+
+#include <fmt/format.h>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+
+namespace {
+
+/// Blocks a task: some tens of microseconds of work.
+constexpr std::size_t kBlocksPerTask = 64;
+
+struct Counts {
+    std::uint64_t active = 0;
+    std::uint64_t nonFinite = 0;
+    std::uint64_t negative = 0;
+    float maxValue = 0;
+
+    void add(const Counts& c) {
+        active += c.active;
+        nonFinite += c.nonFinite;
+        negative += c.negative;
+        maxValue = std::max(maxValue, c.maxValue);
+    }
+};
+
+Counts clean(float* values) {
+    Counts counts;
+    for (int i = 0; i < kBlockVoxels; ++i) {
+        const float v = values[i];
+        const bool finite = std::isfinite(v);
+        const bool positive = finite && v > 0;
+        counts.active += positive;
+        counts.nonFinite += !finite;
+        counts.negative += finite && v < 0;
+        values[i] = positive ? v : 0.0f;  // also turns -0 into 0
+        counts.maxValue = std::max(counts.maxValue, values[i]);
+    }
+    return counts;
+}
+
+[[noreturn]] void refuse(const std::string& name, const std::string& reason) {
+    throw Error(ErrorKind::input, "grid '" + clipped(name, 80) + "': " + reason);
+}
+
+bool aligned(const Int3& p, int edge) { return p.x % edge == 0 && p.y % edge == 0 && p.z % edge == 0; }
+
+void checkTransform(const std::string& name, const Mat4& m) {
+    bool finite = true;
+    for (int c = 0; c < 4; ++c)
+        for (int r = 0; r < 4; ++r) finite = finite && std::isfinite(m[c][r]);
+    if (!finite) refuse(name, "its transform is not finite");
+    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) refuse(name, "its transform is not affine");
+    // Relative to the edge lengths, so that tiny voxels pass and flat ones do not.
+    const double volume = std::abs(glm::determinant(Mat3(m)));
+    const double edges = glm::length(Vec3(m[0])) * glm::length(Vec3(m[1])) * glm::length(Vec3(m[2]));
+    if (!(volume > 1e-12 * edges)) refuse(name, "its transform cannot be inverted");
+}
+
+void checkTiles(const FieldPieces& pieces) {
+    for (const ConstantTile& tile : pieces.tiles) {
+        const bool power = tile.edge >= kBlockEdge && std::has_single_bit(static_cast<unsigned>(tile.edge));
+        if (!power || !aligned(tile.origin, tile.edge))
+            refuse(pieces.name, fmt::format("a tile of edge {} at {}: the edge must be 8 times a power of two and "
+                                            "the origin a multiple of it",
+                                            tile.edge, toText(tile.origin)));
+    }
+}
+
+/// Blocks and tiles live on nested lattices, so two of them overlap only where the lattice cell of the smaller
+/// one lies in that of the larger.
+void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks,
+                  const std::vector<ConstantTile>& tiles) {
+    for (std::size_t i = 1; i < sortedBlocks.size(); ++i)
+        if (sortedBlocks[i] == sortedBlocks[i - 1])
+            refuse(name, "two blocks at " + toText(sortedBlocks[i]));
+    if (tiles.empty()) return;
+
+    const auto hash = [](const ConstantTile& t) {
+        const auto part = [](int v) { return static_cast<std::uint32_t>(v); };
+        std::uint64_t h = part(t.origin.x) * 0x9E3779B97F4A7C15ull;
+        h = (h ^ (h >> 29) ^ part(t.origin.y)) * 0xBF58476D1CE4E5B9ull;
+        h = (h ^ (h >> 29) ^ part(t.origin.z)) * 0x94D049BB133111EBull;
+        return static_cast<std::size_t>(h ^ (h >> 31) ^ part(t.edge));
+    };
+    const auto equal = [](const ConstantTile& a, const ConstantTile& b) {
+        return a.origin == b.origin && a.edge == b.edge;
+    };
+    std::unordered_set<ConstantTile, decltype(hash), decltype(equal)> cells(2 * tiles.size(), hash, equal);
+    std::set<int> edges;
+    for (const ConstantTile& tile : tiles) {
+        if (!cells.insert(tile).second) refuse(name, "two tiles at " + toText(tile.origin));
+        edges.insert(tile.edge);
+    }
+    const auto check = [&](const Int3& origin, int edge) {
+        for (auto e = edges.upper_bound(edge); e != edges.end(); ++e) {
+            const int mask = ~(*e - 1);
+            const Int3 cell(origin.x & mask, origin.y & mask, origin.z & mask);
+            if (cells.contains(ConstantTile{cell, *e, 0}))
+                refuse(name, fmt::format("values at {} lie inside the tile at {}", toText(origin), toText(cell)));
+        }
+    };
+    for (const Int3& origin : sortedBlocks) check(origin, kBlockEdge - 1);
+    for (const ConstantTile& tile : tiles) check(tile.origin, tile.edge);
+}
+
+void addTiles(const FieldPieces& pieces, SparseField& field, Counts& counts) {
+    for (const ConstantTile& tile : pieces.tiles) {
+        const auto edge = static_cast<std::uint64_t>(tile.edge);
+        const std::uint64_t voxels = edge * edge * edge;
+        Counts one;
+        if (!std::isfinite(tile.value)) one.nonFinite = voxels;
+        else if (tile.value < 0) one.negative = voxels;
+        else if (tile.value > 0) {
+            one.active = voxels;
+            one.maxValue = tile.value;
+            field.tiles.push_back(tile);
+        }
+        counts.add(one);
+    }
+    std::sort(field.tiles.begin(), field.tiles.end(), [](const ConstantTile& a, const ConstantTile& b) {
+        return originLess(a.origin, b.origin);
+    });
+}
+
+}  // namespace
+
+bool originLess(const Int3& a, const Int3& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
+
+std::string toText(const Int3& p) { return fmt::format("{}, {}, {}", p.x, p.y, p.z); }
+
+void checkPieces(const FieldPieces& pieces) {
+    checkTransform(pieces.name, pieces.wsFromIs);
+    checkTiles(pieces);
+    for (const Int3& origin : pieces.blockOrigins)
+        if (!aligned(origin, kBlockEdge))
+            refuse(pieces.name, "a block at " + toText(origin) + ": origins must be multiples of 8");
+    checkOverlap(pieces.name, pieces.blockOrigins, pieces.tiles);
+}
+
+SparseField buildField(FieldPieces pieces) {
+    // Where each block goes.
+    const std::size_t count = pieces.blockOrigins.size();
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto less = [&](std::size_t a, std::size_t b) {
+        return originLess(pieces.blockOrigins[a], pieces.blockOrigins[b]);
+    };
+    std::sort(order.begin(), order.end(), less);
+    std::vector<Int3> origins(count);
+    for (std::size_t i = 0; i < count; ++i) origins[i] = pieces.blockOrigins[order[i]];
+    pieces.blockOrigins.swap(origins);
+    checkPieces(pieces);
+
+    // Their values, cleaned.
+    const std::shared_ptr<float[]> values = std::make_shared_for_overwrite<float[]>(count * kBlockVoxels);
+    std::vector<Counts> perBlock(count);
+    parallelFor((count + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::size_t task) {
+        const std::size_t end = std::min(count, (task + 1) * kBlocksPerTask);
+        for (std::size_t i = task * kBlocksPerTask; i < end; ++i) {
+            float* block = values.get() + i * kBlockVoxels;
+            pieces.fill(order[i], block);
+            perBlock[i] = clean(block);
+        }
+    });
+
+    // Close the gaps that blocks without any value leave.
+    SparseField field;
+    Counts total;
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        total.add(perBlock[i]);
+        if (perBlock[i].active == 0) continue;
+        if (kept != i)
+            std::memcpy(values.get() + kept * kBlockVoxels, values.get() + i * kBlockVoxels,
+                        kBlockVoxels * sizeof(float));
+        pieces.blockOrigins[kept++] = pieces.blockOrigins[i];
+    }
+    pieces.blockOrigins.resize(kept);
+    addTiles(pieces, field, total);
+
+    field.name = pieces.name;
+    field.wsFromIs = pieces.wsFromIs;
+    field.blockOrigins = std::move(pieces.blockOrigins);
+    field.blockValues = std::shared_ptr<const float>(values, values.get());
+    field.activeVoxels = total.active;
+    field.nonFinite = total.nonFinite;
+    field.negative = total.negative;
+    field.maxValue = total.maxValue;
+    return field;
+}
+
+void reportCleaning(const SparseField& field, const std::string& where, const MessageSink& messages) {
+    if (field.nonFinite == 0 && field.negative == 0) return;
+    std::string what;
+    if (field.nonFinite > 0) what = fmt::format("{} not finite", field.nonFinite);
+    if (field.negative > 0) what += fmt::format("{}{} below 0", what.empty() ? "" : " and ", field.negative);
+    say(messages, Severity::warning,
+        clipped(fmt::format("{}: grid '{}': active voxels that are {} count as 0 ({} above 0 remain)", where,
+                            clipped(field.name, 80), what, field.activeVoxels)));
+}
+
+FieldBuilder::FieldBuilder(std::string name, const Mat4& wsFromIs) {
+    m_pieces.name = std::move(name);
+    m_pieces.wsFromIs = wsFromIs;
+}
+
+void FieldBuilder::addBlock(const Int3& origin, const float* values) {
+    m_pieces.blockOrigins.push_back(origin);
+    std::memcpy(m_values.emplace_back().data(), values, kBlockVoxels * sizeof(float));
+}
+
+void FieldBuilder::addTile(const ConstantTile& tile) { m_pieces.tiles.push_back(tile); }
+
+SparseField FieldBuilder::finish() {
+    m_pieces.fill = [this](std::size_t i, float* values) {
+        std::memcpy(values, m_values[i].data(), kBlockVoxels * sizeof(float));
+    };
+    SparseField field = buildField(std::move(m_pieces));
+    m_pieces = FieldPieces{.name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
+    m_values.clear();
+    return field;
+}
+
+}  // namespace scrim

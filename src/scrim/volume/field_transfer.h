@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: Apache-2.0
+// Hands what one process read to another, so that an untrusted .vdb is parsed in a child that may crash, and
+// parsed only once.
+//
+// The two share a file descriptor: a memfd, or any regular file. The sender writes everything and then the header;
+// a sender that died half way leaves no valid header. The receiver maps the file, and the blocks of its fields
+// point into the mapping. It trusts nothing: the sender's memory may have been overwritten by the file it read.
+#pragma once
+
+#include <scrim/base/error.h>
+#include <scrim/base/messages.h>
+#include <scrim/volume/sparse_field.h>
+#include <scrim/volume/vdb_info.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scrim {
+
+/// Creates the descriptor to share: a memfd that is closed on exec. The caller closes it. Throws Error(memory).
+int createTransfer();
+
+struct TransferMessage {
+    Severity severity = Severity::info;
+    std::string text;
+};
+
+struct ReceivedFields {
+    std::vector<SparseField> fields;
+    std::vector<TransferMessage> messages;
+};
+
+/// Each writes the one thing the transfer holds, from the file's start; `fd` stays open. Throw Error(memory)
+/// where there is no space, Error(render) where writing fails otherwise.
+void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages);
+void sendInfo(int fd, const VdbFileInfo& info);
+void sendError(int fd, const Error& error);
+
+/// Each takes over what was sent, and throws the Error that was sent instead, if one was. Throws Error(input)
+/// "what was read is incomplete: ..." where the sender did not finish or sent nonsense. The memory of the fields
+/// lives as long as one of them does; `fd` may be closed at once.
+ReceivedFields receiveFields(int fd);
+VdbFileInfo receiveInfo(int fd);
+
+}  // namespace scrim

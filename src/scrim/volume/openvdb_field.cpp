@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/volume/openvdb_field.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/volume/field_builder.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <openvdb/tools/GridTransformer.h>
+#include <openvdb/tools/Interpolation.h>
+#include <openvdb/tools/LevelSetUtil.h>
+
+namespace scrim {
+
+namespace {
+
+/// A frustum grid resampled at its middle's voxel size may grow without bounds; this many voxels of its bounding
+/// box are the most it gets (the box, not the active part: a frustum fills about half of it).
+constexpr double kMaxResampledVoxels = 1e9;
+
+/// OpenVDB multiplies rows from the left: its row i is the image of axis i, which is GLM's column i.
+Mat4 fromOpenVdb(const openvdb::math::Transform& transform) {
+    const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
+    Mat4 out;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) out[i][j] = m(i, j);
+    return out;
+}
+
+Int3 fromOpenVdb(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+
+/// Runs `task` with the grid in its own type.
+template <typename Task>
+auto withScalarGrid(const openvdb::GridBase& grid, const Task& task) {
+    if (grid.isType<openvdb::FloatGrid>()) return task(static_cast<const openvdb::FloatGrid&>(grid));
+    return task(static_cast<const openvdb::DoubleGrid&>(grid));
+}
+
+template <typename Grid>
+std::vector<const typename Grid::TreeType::LeafNodeType*> leaves(const Grid& grid) {
+    std::vector<const typename Grid::TreeType::LeafNodeType*> list;
+    grid.tree().getNodes(list);
+    return list;
+}
+
+/// Calls `visit(origin, edge, value)` for every active tile.
+template <typename Grid, typename Visit>
+void visitTiles(const Grid& grid, const Visit& visit) {
+    auto tile = grid.tree().cbeginValueOn();
+    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        openvdb::CoordBBox box;
+        tile.getBoundingBox(box);
+        visit(box.min(), box.max().x() - box.min().x() + 1, tile.getValue());
+    }
+}
+
+/// The grid on an affine lattice: world-aligned cubes as large as the smallest edge of a voxel in its middle.
+template <typename Grid>
+typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const MessageSink& messages) {
+    typename Grid::Ptr out = Grid::create(typename Grid::ValueType(0));
+    out->setName(grid.getName());
+    openvdb::CoordBBox box;
+    if (!grid.tree().evalActiveVoxelBoundingBox(box)) return out;
+
+    openvdb::BBoxd wsBox;
+    for (int i = 0; i < 8; ++i) {
+        const openvdb::Vec3d corner(i & 1 ? box.max().x() : box.min().x(), i & 2 ? box.max().y() : box.min().y(),
+                                    i & 4 ? box.max().z() : box.min().z());
+        wsBox.expand(grid.indexToWorld(corner));
+    }
+    const openvdb::Vec3d size = grid.transform().voxelSize(box.getCenter());
+    double edge = std::min({size.x(), size.y(), size.z()});
+    const openvdb::Vec3d extent = wsBox.extents();
+    const double voxels = (extent.x() / edge + 1) * (extent.y() / edge + 1) * (extent.z() / edge + 1);
+    if (!std::isfinite(voxels)) throw Error(ErrorKind::input, where + ": its frustum transform is degenerate");
+    if (voxels > kMaxResampledVoxels) edge *= std::cbrt(voxels / kMaxResampledVoxels);
+
+    out->setTransform(openvdb::math::Transform::createLinearTransform(edge));
+    openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
+    say(messages, Severity::info,
+        fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}", where,
+                    clipped(grid.getName(), 80), edge));
+    return out;
+}
+
+template <typename Grid>
+SparseField convert(const Grid& grid) {
+    const auto list = leaves(grid);
+    FieldPieces pieces;
+    pieces.name = grid.getName();
+    pieces.wsFromIs = fromOpenVdb(grid.transform());
+    pieces.blockOrigins.reserve(list.size());
+    for (const auto* leaf : list) pieces.blockOrigins.push_back(fromOpenVdb(leaf->origin()));
+    visitTiles(grid, [&](const openvdb::Coord& origin, int edge, auto value) {
+        pieces.tiles.push_back({fromOpenVdb(origin), edge, static_cast<float>(value)});
+    });
+    pieces.fill = [&](std::size_t i, float* values) {
+        const auto& mask = list[i]->valueMask();
+        const auto* from = list[i]->buffer().data();
+        for (openvdb::Index n = 0; n < kBlockVoxels; ++n)
+            values[n] = mask.isOn(n) ? static_cast<float>(from[n]) : 0.0f;
+    };
+    return buildField(std::move(pieces));
+}
+
+/// Range and oddities of one part of a grid.
+struct Statistics {
+    double minValue = std::numeric_limits<double>::infinity();
+    double maxValue = -std::numeric_limits<double>::infinity();
+    std::uint64_t nonFinite = 0;
+    std::uint64_t negative = 0;
+
+    void add(double value, std::uint64_t voxels) {
+        if (!std::isfinite(value)) {
+            nonFinite += voxels;
+            return;
+        }
+        if (value < 0) negative += voxels;
+        minValue = std::min(minValue, value);
+        maxValue = std::max(maxValue, value);
+    }
+    void add(const Statistics& s) {
+        minValue = std::min(minValue, s.minValue);
+        maxValue = std::max(maxValue, s.maxValue);
+        nonFinite += s.nonFinite;
+        negative += s.negative;
+    }
+};
+
+template <typename Grid>
+Statistics statistics(const Grid& grid) {
+    const auto list = leaves(grid);
+    constexpr std::size_t kLeavesPerTask = 64;
+    std::vector<Statistics> parts((list.size() + kLeavesPerTask - 1) / kLeavesPerTask);
+    parallelFor(parts.size(), [&](std::size_t task) {
+        const std::size_t end = std::min(list.size(), (task + 1) * kLeavesPerTask);
+        for (std::size_t i = task * kLeavesPerTask; i < end; ++i)
+            for (auto value = list[i]->cbeginValueOn(); value; ++value)
+                parts[task].add(static_cast<double>(*value), 1);
+    });
+    Statistics total;
+    for (const Statistics& part : parts) total.add(part);
+    visitTiles(grid, [&](const openvdb::Coord&, int edge, auto value) {
+        const auto e = static_cast<std::uint64_t>(edge);
+        total.add(static_cast<double>(value), e * e * e);
+    });
+    return total;
+}
+
+}  // namespace
+
+bool isScalarGrid(const openvdb::GridBase& grid) {
+    return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
+}
+
+SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
+    return withScalarGrid(grid, [&](const auto& original) {
+        using Grid = std::decay_t<decltype(original)>;
+        typename Grid::ConstPtr current = openvdb::gridConstPtrCast<Grid>(original.copyGrid());
+        if (current->getGridClass() == openvdb::GRID_LEVEL_SET) {
+            typename Grid::Ptr fog = current->deepCopy();
+            openvdb::tools::sdfToFogVolume(*fog);
+            current = fog;
+            say(messages, Severity::info,
+                fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
+                            clipped(original.getName(), 80)));
+        }
+        if (!current->transform().isLinear()) current = resampled(*current, where, messages);
+        SparseField field;
+        try {
+            field = convert(*current);
+        } catch (const Error& error) {
+            throw Error(error.kind(), where + ": " + error.what());
+        }
+        reportCleaning(field, where, messages);
+        return field;
+    });
+}
+
+GridInfo describeGrid(const openvdb::GridBase& grid) {
+    GridInfo info;
+    info.name = grid.getName();
+    info.valueType = grid.valueType();
+    info.gridClass = openvdb::GridBase::gridClassToString(grid.getGridClass());
+    info.savedAsHalf = grid.saveFloatAsHalf();
+    if (const auto codec = grid.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_FILE_COMPRESSION))
+        info.codec = codec->value();
+    info.activeVoxels = grid.baseTree().activeLeafVoxelCount();
+    info.activeTiles = grid.baseTree().activeTileCount();
+
+    openvdb::CoordBBox box;
+    if (grid.baseTree().evalActiveVoxelBoundingBox(box)) {
+        info.isLower = fromOpenVdb(box.min());
+        info.isUpper = fromOpenVdb(box.max());
+    } else {
+        box = openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(0));
+    }
+    info.affine = grid.transform().isLinear();
+    const openvdb::Vec3d size = info.affine ? grid.transform().voxelSize()
+                                            : grid.transform().voxelSize(box.getCenter());
+    info.voxelSize = {size.x(), size.y(), size.z()};
+    if (info.affine) info.wsFromIs = fromOpenVdb(grid.transform());
+
+    info.usable = isScalarGrid(grid);
+    if (!info.usable) return info;
+    const Statistics values = withScalarGrid(grid, [](const auto& typed) { return statistics(typed); });
+    info.nonFinite = values.nonFinite;
+    info.negative = values.negative;
+    if (values.minValue <= values.maxValue) {
+        info.minValue = values.minValue;
+        info.maxValue = values.maxValue;
+    }
+    return info;
+}
+
+}  // namespace scrim

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+// The outer structure of a .vdb file, checked before OpenVDB sees a byte of it.
+//
+// OpenVDB believes the lengths it reads: one flipped byte in a name's length makes it allocate gigabytes. The
+// header, the descriptors and each grid's metadata are a simple chain of lengths and offsets that must end
+// exactly at the end of the file; walking it costs microseconds and catches every truncation and most damage
+// outside the voxels. What is inside a grid's tree is OpenVDB's business (and that of the process that guards it).
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+struct VdbLayout {
+    struct Grid {
+        std::string name;  ///< without the suffix OpenVDB adds to tell equal names apart
+        std::string type;  ///< "Tree_float_5_4_3", ...
+        std::string codec;  ///< "zip + active values", "blosc", "none", ...
+    };
+    std::uint32_t fileVersion = 0;
+    std::uint32_t libraryMajor = 0;
+    std::uint32_t libraryMinor = 0;
+    bool hasOffsets = false;   ///< written to a file, not to a pipe
+    std::vector<Grid> grids;   ///< empty where the file does not say where grids begin (no offsets, or before 222)
+};
+
+/// Throws Error(input) "`path`: not a VDB file (...)" or "`path`: truncated or damaged: ...".
+VdbLayout checkVdbLayout(const std::string& path, std::span<const char> bytes);
+
+}  // namespace scrim

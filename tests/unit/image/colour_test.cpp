@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/image/colour.h>
+
+#include <scrim/base/error.h>
+#include <scrim/image/aces_config.h>
+
+#include "support/temp_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <optional>
+
+namespace scrim {
+namespace {
+
+/// Sets or unsets $OCIO while it lives.
+class OcioVariable {
+  public:
+    explicit OcioVariable(const char* value) {
+        if (const char* old = std::getenv("OCIO")) m_old = old;
+        value != nullptr ? ::setenv("OCIO", value, 1) : ::unsetenv("OCIO");
+    }
+    ~OcioVariable() { m_old ? ::setenv("OCIO", m_old->c_str(), 1) : ::unsetenv("OCIO"); }
+    OcioVariable(const OcioVariable&) = delete;
+    OcioVariable& operator=(const OcioVariable&) = delete;
+
+  private:
+    std::optional<std::string> m_old;
+};
+
+ColourConfig ownConfig() {
+    const OcioVariable unset(nullptr);
+    return ColourConfig::open("");
+}
+
+Image onePixel(float r, float g, float b, float a) {
+    return {{0, 0, 1, 1}, {r, g, b, a}};
+}
+
+/// A config like those of OpenColorIO 1: long names, no aliases.
+constexpr const char* kOldConfig = R"(ocio_profile_version: 1
+roles: {scene_linear: ACES - ACEScg, default: ACES - ACEScg}
+displays:
+  monitor:
+    - !<View> {name: film, colorspace: Utility - sRGB - Texture}
+colorspaces:
+  - !<ColorSpace> {name: ACES - ACEScg, to_reference: !<MatrixTransform> {matrix: [2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]}}
+  - !<ColorSpace> {name: Utility - sRGB - Texture}
+  - !<ColorSpace> {name: House Log, from_reference: !<FileTransform> {src: missing.spi1d}}
+)";
+
+template <typename Call>
+std::string errorOf(const Call& call) {
+    try {
+        call();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input);
+        return error.what();
+    }
+    return "no error";
+}
+
+TEST(ColourConfig, OwnConfigWorksInAcesCg) {
+    const ColourConfig colour = ownConfig();
+    EXPECT_EQ(colour.name(), "scrim-aces");
+    EXPECT_EQ(colour.workingSpace(), "ACEScg");
+    EXPECT_EQ(colour.resolve("scene_linear"), "ACEScg");
+    EXPECT_EQ(colour.resolve("rendering"), "ACEScg");
+    EXPECT_EQ(colour.resolve("aces_interchange"), "ACES2065-1");
+    EXPECT_EQ(colour.resolve("cie_xyz_d65_interchange"), "CIE-XYZ-D65");
+}
+
+TEST(ColourConfig, ResolvesAliasesInteropIdsAndAnyLetterCase) {
+    const ColourConfig colour = ownConfig();
+    for (const char* name : {"Linear Rec.709 (sRGB)", "lin_rec709", "LIN_REC709", "lin_rec709_scene",
+                             "lin_srgb", "Utility - Linear - Rec.709"})
+        EXPECT_EQ(colour.resolve(name), "Linear Rec.709 (sRGB)") << name;
+    for (const char* name : {"sRGB", "srgb_tx", "sRGB - Texture", "srgb_rec709_scene"})
+        EXPECT_EQ(colour.resolve(name), "sRGB - Texture") << name;
+    EXPECT_TRUE(colour.hasSpace("acescg"));
+    EXPECT_FALSE(colour.hasSpace("lin_p3d65"));
+}
+
+TEST(ColourConfig, UnknownSpaceListsTheChoices) {
+    EXPECT_EQ(
+        errorOf([] { ownConfig().resolve("Rec709"); }),
+        "unknown colour space 'Rec709' in the OpenColorIO config 'scrim-aces'; expected 'ACES2065-1', "
+        "'ACEScg', 'Linear Rec.709 (sRGB)', 'sRGB - Texture', 'Raw', 'CIE-XYZ-D65' or 'sRGB - Display'");
+}
+
+TEST(ColourConfig, WhiteIsWhiteInEverySpace) {
+    const ColourConfig colour = ownConfig();
+    for (const char* space : {"lin_rec709", "ACES2065-1", "sRGB"}) {
+        const Rgb white = colour.toWorking({1, 1, 1}, space);
+        for (int c = 0; c < 3; ++c)
+            EXPECT_NEAR(white[c], 1.0, 1e-6) << space;  // single precision through 3 steps
+    }
+    Image image = onePixel(1, 1, 1, 1);
+    colour.convert(image, "ACEScg", "lin_rec709");
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(image.rgba[c], 1.0, 1e-6);
+}
+
+TEST(ColourConfig, WorkingSpaceColoursPassUnchanged) {
+    const Rgb colour(0.1, 1e9, -0.3);
+    EXPECT_EQ(ownConfig().toWorking(colour, "scene_linear"), colour);
+}
+
+TEST(ColourConfig, Rec709RedHasThePublishedAcesCgValues) {
+    // The first column of the matrix Rec.709 -> AP1 with Bradford adaptation, as printed in the ACES
+    // project's documents to 6 digits.
+    const Rgb red = ownConfig().toWorking({1, 0, 0}, "lin_rec709");
+    EXPECT_NEAR(red.r, 0.613097, 2e-6);
+    EXPECT_NEAR(red.g, 0.070194, 2e-6);
+    EXPECT_NEAR(red.b, 0.020616, 2e-6);
+}
+
+TEST(ColourConfig, SrgbTexturesDecodeByTheStandardsCurve) {
+    const ColourConfig colour = ownConfig();
+    for (const double encoded : {0.0, 0.02, 0.04045, 0.5, 0.9}) {
+        // IEC 61966-2-1; its rounded constants and OpenColorIO's exact ones differ by less than 1e-6 here.
+        const double linear = encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+        EXPECT_NEAR(colour.toWorking(Rgb(encoded), "sRGB").g, linear, 2e-6) << encoded;
+    }
+}
+
+TEST(ColourConfig, RoundTripsEveryLinearSpace) {
+    const ColourConfig colour = ownConfig();
+    for (const char* space : {"ACEScg", "ACES2065-1", "lin_rec709"}) {
+        Image image{{-5, -5, 195, 95}, {}};  // more pixels than one task converts
+        for (std::size_t i = 0; i < 4 * image.window.pixelCount(); ++i)
+            image.rgba.push_back(static_cast<float>(i % 977) / 97.0f - 1.0f);
+        const std::vector<float> before = image.rgba;
+        colour.convert(image, "ACEScg", space);
+        colour.convert(image, space, "ACEScg");
+        for (std::size_t i = 0; i < before.size(); ++i) {
+            if (i % 4 == 3)
+                ASSERT_EQ(image.rgba[i], before[i]) << "alpha touched, " << space;
+            else
+                ASSERT_NEAR(image.rgba[i], before[i], 1e-5)
+                    << space << " value " << i;  // 10 x float epsilon x 10
+        }
+    }
+}
+
+TEST(ColourConfig, LinearConversionCommutesWithPremultiplication) {
+    const ColourConfig colour = ownConfig();
+    Image straight = onePixel(0.8f, 0.4f, 0.1f, 0.25f);
+    Image premultiplied = onePixel(0.2f, 0.1f, 0.025f, 0.25f);
+    colour.convert(straight, "ACEScg", "lin_rec709");
+    colour.convert(premultiplied, "ACEScg", "lin_rec709");
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(0.25f * straight.rgba[c], premultiplied.rgba[c], 1e-7);
+    EXPECT_EQ(premultiplied.rgba[3], 0.25f);
+}
+
+TEST(ColourConfig, MiddleGreyThroughTheSdrViewIsAsAcesHasIt) {
+    // 0.356 in sRGB: measured with OpenColorIO's own tools on ACEScg 0.18; to 8 bits 91.
+    const DisplayImage picture = ownConfig().displayImage(onePixel(0.18f, 0.18f, 0.18f, 0.5f), "", "");
+    for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(picture.rgba[c], 0.356 * 255, 0.6);
+    EXPECT_EQ(picture.rgba[3], 128) << "alpha is kept, rounded";
+}
+
+TEST(ColourConfig, ViewsClampAndDropNaN) {
+    const ColourConfig colour = ownConfig();
+    const float nan = std::numeric_limits<float>::quiet_NaN();
+    const float infinity = std::numeric_limits<float>::infinity();
+    const DisplayImage raw =
+        colour.displayImage({{0, 0, 2, 1}, {-1, 2, nan, 1, infinity, -infinity, 0.5f, 7}}, "sRGB", "Raw");
+    EXPECT_EQ(raw.rgba, (std::vector<std::uint8_t>{0, 255, 0, 255, 255, 0, 128, 255}));
+    const DisplayImage bright = colour.displayImage(onePixel(100, 100, 100, 1), "sRGB", "Un-tone-mapped");
+    EXPECT_EQ(bright.rgba, (std::vector<std::uint8_t>{255, 255, 255, 255}));
+}
+
+TEST(ColourConfig, UnTonemappedViewIsTheSrgbCurve) {
+    const DisplayImage picture =
+        ownConfig().displayImage(onePixel(0.18f, 0.18f, 0.18f, 1), "sRGB", "Un-tone-mapped");
+    EXPECT_EQ(picture.rgba[1], 118);  // 255 * (1.055 * 0.18^(1/2.4) - 0.055) = 117.6
+}
+
+TEST(ColourConfig, ListsDisplaysAndViews) {
+    const ColourConfig colour = ownConfig();
+    EXPECT_EQ(colour.displays(), std::vector<std::string>{"sRGB"});
+    EXPECT_EQ(colour.views("sRGB"), (std::vector<std::string>{"ACES 1.0 SDR", "Un-tone-mapped", "Raw"}));
+    EXPECT_EQ(colour.defaultDisplay(), "sRGB");
+    EXPECT_EQ(colour.defaultView("sRGB"), "ACES 1.0 SDR");
+}
+
+TEST(ColourConfig, UnknownDisplayAndViewListTheChoices) {
+    const ColourConfig colour = ownConfig();
+    const Image image = onePixel(0, 0, 0, 0);
+    EXPECT_EQ(errorOf([&] { colour.displayImage(image, "P3", ""); }),
+              "unknown display 'P3' in the OpenColorIO config 'scrim-aces'; expected 'sRGB'");
+    EXPECT_EQ(errorOf([&] { colour.displayImage(image, "srgb", "Film"); }),
+              "unknown view 'Film' of display 'sRGB' in the OpenColorIO config 'scrim-aces'; expected "
+              "'ACES 1.0 SDR', 'Un-tone-mapped' or 'Raw'");
+}
+
+TEST(ColourConfig, KnowsInteropIds) {
+    const ColourConfig colour = ownConfig();
+    EXPECT_EQ(colour.interopId("ACEScg"), "lin_ap1_scene");
+    EXPECT_EQ(colour.interopId("aces_interchange"), "lin_ap0_scene");
+    EXPECT_EQ(colour.interopId("lin_rec709"), "lin_rec709_scene");
+    EXPECT_EQ(colour.interopId("sRGB"), "srgb_rec709_scene");
+    EXPECT_EQ(colour.interopId("Raw"), "data");
+    EXPECT_EQ(colour.interopId("CIE-XYZ-D65"), "");
+    EXPECT_TRUE(colour.isAces2065("lin_ap0"));
+    EXPECT_FALSE(colour.isAces2065("ACEScg"));
+}
+
+TEST(ColourConfig, OptionComesBeforeTheEnvironmentBeforeTheOwnConfig) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("old.ocio")) << kOldConfig;
+    std::ofstream(folder.file("own.ocio")) << acesConfigText();
+    const OcioVariable set(folder.file("old.ocio").c_str());
+    EXPECT_EQ(ColourConfig::open("").name(), folder.file("old.ocio"));
+    EXPECT_EQ(ColourConfig::open(folder.file("own.ocio")).workingSpace(), "ACEScg");
+    const OcioVariable empty("");
+    EXPECT_EQ(ColourConfig::open("").name(), "scrim-aces");
+}
+
+TEST(ColourConfig, FindsKnownSpacesUnderOlderNames) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("old.ocio")) << kOldConfig;
+    const ColourConfig colour = ColourConfig::open(folder.file("old.ocio"));
+    EXPECT_EQ(colour.workingSpace(), "ACES - ACEScg");
+    EXPECT_EQ(colour.resolve("ACEScg"), "ACES - ACEScg");
+    EXPECT_EQ(colour.resolve("sRGB"), "Utility - sRGB - Texture");
+    EXPECT_EQ(colour.interopId("scene_linear"), "lin_ap1_scene");
+    EXPECT_EQ(colour.interopId("House Log"), "");
+    EXPECT_NEAR(colour.toWorking(Rgb(1), "sRGB").r, 0.5, 1e-7);
+}
+
+TEST(ColourConfig, MissingConfigIsAnErrorThatSaysWhereItWasNamed) {
+    const std::string given = errorOf([] { ColourConfig::open("/no/such.ocio"); });
+    EXPECT_EQ(given.rfind("cannot read the OpenColorIO config '/no/such.ocio': ", 0), 0u) << given;
+    const OcioVariable set("/no/other.ocio");
+    const std::string inherited = errorOf([] { ColourConfig::open(""); });
+    EXPECT_EQ(inherited.rfind("cannot read the OpenColorIO config '/no/other.ocio' (named by $OCIO): ", 0),
+              0u)
+        << inherited;
+}
+
+TEST(ColourConfig, DamagedConfigIsAnErrorOfBoundedLength) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("bad.ocio"))
+        << "ocio_profile_version: 2\ncolorspaces: [" << std::string(5000, '{');
+    const std::string text = errorOf([&] { ColourConfig::open(folder.file("bad.ocio")); });
+    EXPECT_EQ(text.rfind("cannot read the OpenColorIO config '" + folder.file("bad.ocio") + "': ", 0), 0u)
+        << text;
+    EXPECT_LT(text.size(), 500u);
+}
+
+TEST(ColourConfig, ConfigWithoutSceneLinearIsAnError) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("norole.ocio"))
+        << "ocio_profile_version: 1\nroles: {default: a}\n"
+           "displays: {d: [!<View> {name: v, colorspace: a}]}\ncolorspaces: [!<ColorSpace> {name: a}]\n";
+    EXPECT_EQ(errorOf([&] { ColourConfig::open(folder.file("norole.ocio")); }),
+              "the OpenColorIO config '" + folder.file("norole.ocio") +
+                  "' has no role 'scene_linear', which says what space to render in");
+}
+
+TEST(ColourConfig, MissingLookUpFileIsAnError) {
+    const test::TempFolder folder;
+    std::ofstream(folder.file("old.ocio")) << kOldConfig;
+    const ColourConfig colour = ColourConfig::open(folder.file("old.ocio"));
+    Image image = onePixel(1, 1, 1, 1);
+    const std::string text = errorOf([&] { colour.convert(image, "ACEScg", "House Log"); });
+    EXPECT_EQ(text.rfind("cannot convert from 'ACES - ACEScg' to 'House Log': ", 0), 0u) << text;
+    EXPECT_NE(text.find("missing.spi1d"), std::string::npos) << text;
+}
+
+}  // namespace
+}  // namespace scrim
