@@ -1,28 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume source `noise`: procedural smoke, fog and clouds, so that there is something to render without a file.
+// Volume source `noise`: procedural smoke, fog and clouds, so that there is something to render without a
+// file.
 //
-// It is not a simulation. An envelope (a rising plume, a ball or a slab) gives a signed depth below the surface of
-// the smoke; turbulence lifts and dents that surface, and density grows from 0 at the surface to its full value
-// one `softness` below. Turbulence is a sum of octaves of gradient noise (Perlin 1985, with the quintic fade and
-// the gradients of Perlin 2002), each `lacunarity` times finer and `gain` times weaker than the last:
+// It is not a simulation. An envelope (a rising plume, a ball or a slab) gives a signed depth below the
+// surface of the smoke; turbulence lifts and dents that surface, and density grows from 0 at the surface to
+// its full value one `softness` below. Turbulence is a sum of octaves of gradient noise (Perlin 1985, with
+// the quintic fade and the gradients of Perlin 2002), each `lacunarity` times finer and `gain` times weaker
+// than the last:
 //   billow(p) = sum_o gain^o (1 - |noise(p lacunarity^o)|) / sum_o gain^o,
-// whose creases between round bulges are what one takes for convection; a smooth fBm of the same octaves thins the
-// inside. Positions are displaced beforehand by a vector of two octaves of noise (domain warping), which curls the
-// bulges. The plume widens with height as an entraining plume does (radius proportional to height above a virtual
-// source below it; Morton, Taylor and Turner 1956), wanders sideways, roughens as it rises, and thins out at the top.
+// whose creases between round bulges are what one takes for convection; a smooth fBm of the same octaves
+// thins the inside. Positions are displaced beforehand by a vector of two octaves of noise (domain warping),
+// which curls the bulges. The plume widens with height as an entraining plume does (radius proportional to
+// height above a virtual source below it; Morton, Taylor and Turner 1956), wanders sideways, roughens as it
+// rises, and thins out at the top.
 //
 // Parameters (lengths in world units; the volume is centred on the origin, y is up):
 //   resolution  voxels along the longest axis             size        length of that axis
 //   shape       plume, ball or slab                       density     largest value
-//   frequency   bulges of the coarsest octave along size  octaves     number of octaves; finer than voxels: left out
-//   lacunarity  how much finer the next octave is         gain        how much weaker the next octave is
-//   turbulence  height of bulges, in parts of the radius  warp        how far positions are displaced, in bulges
-//   coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest bulges
-//   softness    depth over which density grows, in parts of the radius
-//   seed        another number, another smoke
+//   frequency   bulges of the coarsest octave along size  octaves     number of octaves; finer than voxels:
+//   left out lacunarity  how much finer the next octave is         gain        how much weaker the next
+//   octave is turbulence  height of bulges, in parts of the radius  warp        how far positions are
+//   displaced, in bulges coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest
+//   bulges softness    depth over which density grows, in parts of the radius seed        another number,
+//   another smoke
 //
-// Every voxel is a pure function of its place and the parameters, so the bytes are the same on each run and machine
-// with IEEE arithmetic; blocks whose whole extent lies outside the highest possible bulge are never evaluated.
+// Every voxel is a pure function of its place and the parameters, so the bytes are the same on each run and
+// machine with IEEE arithmetic; blocks whose whole extent lies outside the highest possible bulge are never
+// evaluated.
 #include <scrim/volume/scrim_source.h>
 
 #include <algorithm>
@@ -39,9 +43,15 @@ constexpr int kEdge = 8;  // of a block
 struct Vec {
     double x, y, z;
 };
-Vec operator+(Vec a, Vec b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec operator*(double s, Vec a) { return {s * a.x, s * a.y, s * a.z}; }
-double length(Vec a) { return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z); }
+Vec operator+(Vec a, Vec b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+Vec operator*(double s, Vec a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+double length(Vec a) {
+    return std::sqrt(a.x * a.x + a.y * a.y + a.z * a.z);
+}
 
 double smoothstep(double low, double high, double x) {
     const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
@@ -51,7 +61,8 @@ double smoothstep(double low, double high, double x) {
 /// A well-mixed 32-bit hash of a lattice point (the finaliser of MurmurHash3 over three odd multiples).
 std::uint32_t hash(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed) {
     std::uint32_t h = seed ^ (static_cast<std::uint32_t>(x) * 0x8da6b343u) ^
-                      (static_cast<std::uint32_t>(y) * 0xd8163841u) ^ (static_cast<std::uint32_t>(z) * 0xcb1ab31fu);
+                      (static_cast<std::uint32_t>(y) * 0xd8163841u) ^
+                      (static_cast<std::uint32_t>(z) * 0xcb1ab31fu);
     h ^= h >> 16;
     h *= 0x85ebca6bu;
     h ^= h >> 13;
@@ -62,9 +73,22 @@ std::uint32_t hash(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t
 /// Gradient noise, about -1 to 1, 0 at lattice points.
 double noise(Vec p, std::uint32_t seed) {
     // The twelve edges of a cube; four of them twice (Perlin 2002), so that four bits choose.
-    static constexpr std::array<std::array<double, 3>, 16> kGradients{
-        {{1, 1, 0}, {-1, 1, 0}, {1, -1, 0}, {-1, -1, 0}, {1, 0, 1}, {-1, 0, 1}, {1, 0, -1}, {-1, 0, -1},
-         {0, 1, 1}, {0, -1, 1}, {0, 1, -1}, {0, -1, -1}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, -1, -1}}};
+    static constexpr std::array<std::array<double, 3>, 16> kGradients{{{1, 1, 0},
+                                                                       {-1, 1, 0},
+                                                                       {1, -1, 0},
+                                                                       {-1, -1, 0},
+                                                                       {1, 0, 1},
+                                                                       {-1, 0, 1},
+                                                                       {1, 0, -1},
+                                                                       {-1, 0, -1},
+                                                                       {0, 1, 1},
+                                                                       {0, -1, 1},
+                                                                       {0, 1, -1},
+                                                                       {0, -1, -1},
+                                                                       {1, 1, 0},
+                                                                       {-1, 1, 0},
+                                                                       {0, -1, 1},
+                                                                       {0, -1, -1}}};
     // std::floor is a call where the compiler may not use SSE 4.1; this is not.
     const auto below = [](double v) {
         const auto i = static_cast<std::int32_t>(v);
@@ -101,7 +125,8 @@ struct Settings {
     std::uint32_t seed;
 };
 
-/// The smoke as a function of position, in units of `size` around the origin: [-0.5, 0.5] on the longest axis.
+/// The smoke as a function of position, in units of `size` around the origin: [-0.5, 0.5] on the longest
+/// axis.
 class Smoke {
   public:
     explicit Smoke(const Settings& s) : m_s(s) {
@@ -124,9 +149,10 @@ class Smoke {
     /// Whether a ball around `p` is certainly without smoke.
     bool certainlyEmpty(Vec p, double radius) const {
         const double reach = warpReach() + radius;
-        // Within `reach` of p the depth changes by at most this: depth is measured in local radii, and for the
-        // plume the radius itself changes with height.
-        const double local = std::max(kSmallestRadius, radiusAt(p.y - (m_s.shape == Shape::plume ? reach : 0)));
+        // Within `reach` of p the depth changes by at most this: depth is measured in local radii, and for
+        // the plume the radius itself changes with height.
+        const double local =
+            std::max(kSmallestRadius, radiusAt(p.y - (m_s.shape == Shape::plume ? reach : 0)));
         const double slope = m_s.shape == Shape::plume ? 1.0 + kPlumeSpread + kWander : 1.0;
         return depth(p) + slope * reach / local + lift(1.0) <= 0;
     }
@@ -176,13 +202,16 @@ class Smoke {
     }
     double m_phase() const { return 0.01 * (m_s.seed % 628u); }
 
-    /// How far a billow of `b` in [0, 1] moves the surface, in radii. Coverage 1 never dents it, 0 never lifts it.
+    /// How far a billow of `b` in [0, 1] moves the surface, in radii. Coverage 1 never dents it, 0 never
+    /// lifts it.
     double lift(double b) const { return m_s.turbulence * (b - 1 + m_s.coverage); }
 
     /// Fades towards the ends of the box, so that nothing is cut off.
     double thinning(Vec p) const {
         const Vec h = halfExtent();
-        const auto edge = [](double x, double half) { return 1 - smoothstep(0.86 * half, 0.99 * half, std::abs(x)); };
+        const auto edge = [](double x, double half) {
+            return 1 - smoothstep(0.86 * half, 0.99 * half, std::abs(x));
+        };
         if (m_s.shape == Shape::plume)
             return (1 - 0.7 * smoothstep(0.0, 0.5, p.y)) * smoothstep(-0.5, -0.46, p.y) * edge(p.x, h.x) *
                    edge(std::max(0.0, p.y), h.y) * edge(p.z, h.z);
@@ -190,7 +219,9 @@ class Smoke {
     }
 
     Vec displacement(Vec q) const {
-        const auto two = [&](Vec a, std::uint32_t seed) { return noise(a, seed) + 0.5 * noise(2.03 * a, seed + 1); };
+        const auto two = [&](Vec a, std::uint32_t seed) {
+            return noise(a, seed) + 0.5 * noise(2.03 * a, seed + 1);
+        };
         return {two(q, m_s.seed + 101), two(q, m_s.seed + 211), two(q, m_s.seed + 307)};
     }
 
@@ -228,7 +259,8 @@ bool fillBlock(const Smoke& smoke, const Settings& s, const std::int32_t origin[
     for (int x = 0; x < kEdge; ++x)
         for (int y = 0; y < kEdge; ++y)
             for (int z = 0; z < kEdge; ++z) {
-                const auto v = static_cast<float>(smoke.value(first + step * Vec{double(x), double(y), double(z)}));
+                const auto v =
+                    static_cast<float>(smoke.value(first + step * Vec{double(x), double(y), double(z)}));
                 values[(x * kEdge + y) * kEdge + z] = v;
                 any = any || v > 0;
             }
@@ -238,7 +270,8 @@ bool fillBlock(const Smoke& smoke, const Settings& s, const std::int32_t origin[
 int emit(const scrim_host* host, const Settings& s) {
     const double voxel = s.size / static_cast<double>(s.resolution);
     const double shift = 0.5 * voxel;
-    const double worldFromIndex[16] = {voxel, 0, 0, shift, 0, voxel, 0, shift, 0, 0, voxel, shift, 0, 0, 0, 1};
+    const double worldFromIndex[16] = {voxel, 0, 0,     shift, 0, voxel, 0, shift,
+                                       0,     0, voxel, shift, 0, 0,     0, 1};
     const int grid = host->add_grid(host, "density", worldFromIndex);
     if (grid < 0) return grid;
 
@@ -273,7 +306,8 @@ constexpr scrim_parameter kParameters[] = {
     {"turbulence", SCRIM_NUMBER, "1.6", 0, 10, nullptr, "height of bulges, in parts of the radius"},
     {"warp", SCRIM_NUMBER, "0.35", 0, 2, nullptr, "how far positions are displaced, in bulges"},
     {"coverage", SCRIM_NUMBER, "0.5", 0, 1, nullptr, "1 fills the envelope, 0 leaves the strongest bulges"},
-    {"softness", SCRIM_NUMBER, "0.35", 1e-3, 10, nullptr, "depth over which density grows, in parts of the radius"},
+    {"softness", SCRIM_NUMBER, "0.35", 1e-3, 10, nullptr,
+     "depth over which density grows, in parts of the radius"},
     {"density", SCRIM_NUMBER, "1", 0, 1e6, nullptr, "largest value"},
     {"seed", SCRIM_INTEGER, "1", 0, 1e9, nullptr, "another number, another smoke"},
 };
@@ -319,4 +353,6 @@ constexpr scrim_source kSource = {SCRIM_SOURCE_ABI,
 
 }  // namespace
 
-extern "C" SCRIM_SOURCE_EXPORT const scrim_source* scrim_source_v1(void) { return &kSource; }
+extern "C" SCRIM_SOURCE_EXPORT const scrim_source* scrim_source_v1(void) {
+    return &kSource;
+}

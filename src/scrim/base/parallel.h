@@ -11,7 +11,7 @@
 namespace scrim {
 
 /// Calls `task(i)` once for every i in [0, count), in any order and on any thread. A task should be worth at
-/// least some microseconds. The first exception a task throws is rethrown after the others have stopped.
+/// least some microseconds, and runs with denormal floats flushed to zero. The first exception a task throws is rethrown after the others have stopped.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task);
 
 /// Number of threads `parallelFor` may use now.

@@ -9,7 +9,7 @@ namespace scrim {
 namespace {
 
 // Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
-constexpr int kSheetsPerTask = 4;
+constexpr int kSheetsPerTask = 8;
 
 }  // namespace
 

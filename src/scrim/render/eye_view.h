@@ -4,7 +4,7 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/geometry/sheets.h>
-#include <scrim/image/image.h>
+#include <scrim/render/composite_tile.h>
 #include <scrim/shade/shade_tile.h>
 
 #include <optional>
@@ -24,6 +24,10 @@ class EyeView {
 
     /// The ray through raster position (x, y), located at the plane N = `reference`.
     PixelRay ray(double x, double y, double reference) const;
+
+    /// The rays of the 16 x 16 pixels from (x0, y0), through their centres, for a batch whose first plane is at
+    /// N = `reference`.
+    RayTile rays(int x0, int y0, double reference) const;
 
     /// Slopes of eye rays at texels, for shading.
     const EyeSlopes& slopes() const { return m_slopes; }

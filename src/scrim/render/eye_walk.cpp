@@ -47,15 +47,10 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, int firstSheet, int count, const Plan
 
     walk.startLeast = INFINITY;
     walk.startMost = -INFINITY;
-    for (int k = 0; k < kTileSize; ++k) {
-        const PixelRay ray = m_eye.ray(x0 + k % kTileEdge + 0.5, y0 + k / kTileEdge + 0.5, reference);
-        walk.rays.u[k] = static_cast<float>(ray.u);
-        walk.rays.v[k] = static_cast<float>(ray.v);
-        walk.rays.stepU[k] = static_cast<float>(ray.slopeU);
-        walk.rays.stepV[k] = static_cast<float>(ray.slopeV);
-        walk.rays.startN[k] = static_cast<float>(ray.startN - reference);
-        walk.startLeast = std::min(walk.startLeast, walk.rays.startN[k]);
-        walk.startMost = std::max(walk.startMost, walk.rays.startN[k]);
+    walk.rays = m_eye.rays(x0, y0, reference);
+    for (const float start : walk.rays.startN) {
+        walk.startLeast = std::min(walk.startLeast, start);
+        walk.startMost = std::max(walk.startMost, start);
     }
     return walk;
 }

@@ -55,7 +55,9 @@ std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool shad
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
         ++fields;
-        tables += FootprintTable::bytes(scene.dials.kernel, s.tsFrom(volume.wsFromIs), scene.dials.footprintSteps) +
+        const Mat4 tsFromIs = s.tsFrom(volume.wsFromIs);
+        const FootprintSteps steps = footprintSteps(tsFromIs, scene.dials.footprintSteps);
+        tables += FootprintTable::bytes(scene.dials.kernel, tsFromIs, steps.texel, steps.sheet) +
                   volume.field->blockCount() * 8;
     }
     std::size_t bytes = tables + planes(1) * (fields > 1 ? fields + 1 : 1) + (shadeAtPixels ? 0 : planes(4));

@@ -17,9 +17,14 @@ struct FieldSplatter::Target {
     std::uint64_t footprints = 0;
 };
 
-FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int steps,
+FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
                              float scale)
-    : m_field(field), m_tsFromIs(tsFromIs), m_scale(scale), m_table(kernel, tsFromIs, steps), m_order(tsFromIs) {
+    : m_field(field),
+      m_tsFromIs(tsFromIs),
+      m_scale(scale),
+      m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
+              footprintSteps(tsFromIs, stepsPerVoxel).sheet),
+      m_order(tsFromIs) {
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
         lattice.include(transformVector(tsFromIs, corner));
@@ -77,8 +82,8 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& target) const {
     const BlockSplat& splat = target.splat;
     const auto [first, second] =
-        m_order.between(static_cast<float>(splat.firstSheet - m_table.extentN() - ts.z),
-                        static_cast<float>(splat.lastSheet + m_table.extentN() - ts.z));
+        m_order.between(splat.firstSheet - m_table.extentN() - ts.z,
+                        splat.lastSheet + m_table.extentN() - ts.z);
     if (first == second) return;
 
     // Activate the tiles under the block, once for each sheet that it may touch.

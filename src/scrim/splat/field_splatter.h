@@ -27,8 +27,9 @@ struct SplatWork {
 class FieldSplatter {
   public:
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
-    /// by `scale`; `steps` as in FootprintTable.
-    FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int steps, float scale);
+    /// by `scale`; positions are quantised to `stepsPerVoxel`.
+    FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
+                  float scale);
 
     const FootprintTable& table() const { return m_table; }
 

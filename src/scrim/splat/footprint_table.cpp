@@ -3,8 +3,10 @@
 
 #include <scrim/base/parallel.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace scrim {
@@ -26,10 +28,11 @@ struct FootprintTable::Shape {
     int rowStride;
 };
 
-FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int steps) {
+FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps,
+                                              int sheetSteps) {
     // Fractions are represented by the centres of their steps.
-    const double least = 0.5 / steps, most = 1 - 0.5 / steps;
     const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
+        const double least = 0.5 / texelSteps, most = 1 - least;
         const int first = static_cast<int>(std::floor(least - extent)) + 1;
         const int last = static_cast<int>(std::ceil(most + extent)) - 1;
         return Range{first, last - first + 1};
@@ -39,6 +42,7 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     shape.columns = texels(shape.extent.x);
     shape.rows = texels(shape.extent.y);
     // Slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
+    const double least = 0.5 / sheetSteps, most = 1 - least;
     const int firstSheet = static_cast<int>(std::floor(least - shape.extent.z - 1)) + 1;
     const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
     shape.sheets = {firstSheet, lastSheet - firstSheet + 1};
@@ -46,44 +50,58 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     return shape;
 }
 
-std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int steps) {
-    const Shape shape = shapeOf(kernel, tsFromIs, steps);
-    const auto q = static_cast<std::size_t>(steps);
-    return q * q * q * sizeof(float) * static_cast<std::size_t>(shape.sheets.count) *
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
+    return static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
+           static_cast<std::size_t>(shape.sheets.count) *
            static_cast<std::size_t>(shape.rows.count * shape.rowStride);
 }
 
-FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int steps) : m_steps(steps) {
-    while ((1 << m_log2Steps) < steps) ++m_log2Steps;
-    const Shape shape = shapeOf(kernel, tsFromIs, steps);
+FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
+    // A voxel's size along an axis of texel space: the length of its three edges there, taken together.
+    const auto voxelAlong = [&](int axis) {
+        const Vec3 edges(tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]);
+        return glm::length(edges);
+    };
+    const auto steps = [&](double voxel) {
+        int n = 2;
+        while (n < 128 && n * voxel < 0.75 * stepsPerVoxel) n *= 2;
+        return n;
+    };
+    return {steps(std::min(voxelAlong(0), voxelAlong(1))), steps(voxelAlong(2))};
+}
+
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps)
+    : m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     m_extent = shape.extent;
     m_columns = shape.columns;
     m_rows = shape.rows;
     m_sheets = shape.sheets;
     m_rowStride = shape.rowStride;
-    m_weights.resize(bytes(kernel, tsFromIs, steps) / sizeof(float));
+    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps) / sizeof(float));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
-    parallelFor(static_cast<std::size_t>(steps),
+    parallelFor(static_cast<std::size_t>(texelSteps),
                 [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
 }
 
 // Fills the entries of one quantised fraction in v. For each texel of the footprint: integrate the kernel
-// along w once, cumulatively in steps of 1/steps sheet, then read every sheet's share as a difference.
+// along w once, cumulatively in the table's steps, then read every sheet's share as a difference.
 void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
-    const int fineCount = (m_sheets.count + 1) * m_steps;
-    const double fine = 1.0 / m_steps;
+    const int fineCount = (m_sheets.count + 1) * m_sheetSteps;
+    const double fine = 1.0 / m_sheetSteps;
     // N of the cumulative integral's first point: half a step in, where fractions are represented.
     const double depth0 = m_sheets.first - 1.0 + 0.5 * fine;
     // Two-point Gauss quadrature is exact for the cubics that `linear` is made of, kinks aside.
     const double gauss = 0.5 * fine / std::sqrt(3.0);
     std::vector<double> cumulative(static_cast<std::size_t>(fineCount) + 1);
 
-    for (int stepU = 0; stepU < m_steps; ++stepU)
+    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
         for (int row = 0; row < m_rows.count; ++row)
             for (int column = 0; column < m_columns.count; ++column) {
-                const double x = m_columns.first + column - (stepU + 0.5) * fine;
-                const double y = m_rows.first + row - (stepV + 0.5) * fine;
+                const double x = m_columns.first + column - (stepU + 0.5) / m_texelSteps;
+                const double y = m_rows.first + row - (stepV + 0.5) / m_texelSteps;
                 const Vec3 at0 = isFromTs * Vec3(x, y, 0);
                 double sum = 0;
                 cumulative[0] = 0;
@@ -95,9 +113,9 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                                 kernelValue(kernel, at0 + isFromTs[2] * (middle + gauss)));
                     cumulative[static_cast<std::size_t>(i) + 1] = sum;
                 }
-                for (int stepN = 0; stepN < m_steps; ++stepN) {
+                for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
                     const auto read = [&](int slab) {
-                        return cumulative[static_cast<std::size_t>((slab + 1) * m_steps - stepN - 1)];
+                        return cumulative[static_cast<std::size_t>((slab + 1) * m_sheetSteps - stepN - 1)];
                     };
                     float* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
                     for (int slab = 0; slab < m_sheets.count; ++slab)

@@ -2,7 +2,7 @@
 // Footprints: what one voxel's kernel adds to the texels of the sheets it reaches (ZC02 section 2).
 //
 // A footprint depends on nothing but the voxel's fractional position against texels and sheets, so it is
-// tabulated over quantised fractions (`steps` a texel and a sheet). Each weight is the mean of the kernel over
+// tabulated over quantised fractions. Each weight is the mean of the kernel over
 // the sheet's thickness, along w through the texel's centre: numerically integrated once, which makes every
 // kernel, rotation, shear and anisotropic voxel equally cheap. Because one cumulative integral along w serves
 // all sheets, the weights of a texel sum over the sheets to the kernel's line integral for every thickness.
@@ -18,11 +18,12 @@ namespace scrim {
 
 class FootprintTable {
   public:
-    /// `tsFromIs`: the grid's map to texel space (its linear part counts). `steps`: a power of two in [2, 128].
-    FootprintTable(Kernel kernel, const Mat4& tsFromIs, int steps);
+    /// `tsFromIs`: the grid's map to texel space (its linear part counts). Positions are quantised to `texelSteps`
+    /// a texel along U and V and `sheetSteps` a sheet along N: powers of two in [2, 128].
+    FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
 
-    int steps() const { return m_steps; }
-    int log2Steps() const { return m_log2Steps; }
+    int texelSteps() const { return m_texelSteps; }
+    int sheetSteps() const { return m_sheetSteps; }
 
     // For a voxel at (U, V, N) the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
     // likewise, and sheets floor(N) + firstSheet() + [0, sheets()).
@@ -37,31 +38,36 @@ class FootprintTable {
     double extentN() const { return m_extent.z; }       ///< half the kernel's extent along w, in sheets
     const Vec3& extent() const { return m_extent; }     ///< half the kernel's extent, in texels and sheets
 
-    /// Offset of the weights for quantised fractions (each in [0, steps)), sheets() x rows() x rowStride().
+    /// Offset of the weights for quantised fractions (each below its number of steps), sheets() x rows() x
+    /// rowStride() of them.
     std::size_t offset(int stepU, int stepV, int stepN) const {
-        const auto q = static_cast<std::size_t>(m_steps);
-        return ((static_cast<std::size_t>(stepV) * q + static_cast<std::size_t>(stepU)) * q +
-                static_cast<std::size_t>(stepN)) *
+        return static_cast<std::size_t>((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
                static_cast<std::size_t>(sheetStride() * m_sheets.count);
     }
     const float* weights() const { return m_weights.data(); }
     std::size_t bytes() const { return m_weights.size() * sizeof(float); }
 
     /// Bytes a table would take, without building it.
-    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int steps);
+    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
 
   private:
     struct Range {
         int first = 0, count = 0;
     };
     struct Shape;
-    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, int steps);
+    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
     void fill(Kernel kernel, const Mat3& isFromTs, int stepV);
 
-    int m_steps = 0, m_log2Steps = 0, m_rowStride = 0;
+    int m_texelSteps = 0, m_sheetSteps = 0, m_rowStride = 0;
     Vec3 m_extent{0};
     Range m_columns, m_rows, m_sheets;
     std::vector<float> m_weights;
 };
+
+/// How finely to quantise positions: at least `stepsPerVoxel`, for a voxel of the size that `tsFromIs` gives it.
+struct FootprintSteps {
+    int texel, sheet;
+};
+FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
 
 }  // namespace scrim

@@ -7,6 +7,7 @@
 #define HWY_TARGET_INCLUDE "scrim/splat/splat_block.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include <hwy/cache_control.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
@@ -21,61 +22,93 @@ struct Chunk {
     alignas(64) std::int32_t table[kChunk];  // index of the quantised fraction
     alignas(64) std::int32_t texel[kChunk];  // offset of the footprint's first texel in its plane
     alignas(64) std::int32_t sheet[kChunk];  // first sheet of the footprint
+    float value[kChunk];
+    int filled[kChunk];  // voxels of the chunk whose value is not 0
 };
+
+// Looks up the values of voxels [begin, end) of the chunk and lists those that are not 0, without a branch: in
+// wisps, which voxels are empty cannot be predicted. Returns their number.
+HWY_INLINE int listFilled(const std::int32_t* index, const float* values, float scale, int begin, int end,
+                          Chunk& chunk) {
+    int count = 0;
+    for (int i = begin; i < end; ++i) {
+        chunk.value[i] = values[index[i]] * scale;
+        chunk.filled[count] = i;
+        count += chunk.value[i] != 0 ? 1 : 0;
+    }
+    return count;
+}
+
+HWY_INLINE int log2Of(int powerOfTwo) {
+    int log2 = 0;
+    while ((1 << log2) < powerOfTwo) ++log2;
+    return log2;
+}
 
 // Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
 HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Chunk& chunk) {
     const hn::ScalableTag<float> df;
     const hn::RebindToSigned<decltype(df)> di;
     const FootprintTable& table = *splat.table;
-    const int log2Steps = table.log2Steps();
-    const auto steps = hn::Set(df, static_cast<float>(table.steps()));
-    const auto mask = hn::Set(di, table.steps() - 1);
+    const int log2Texel = log2Of(table.texelSteps()), log2Sheet = log2Of(table.sheetSteps());
+    const auto texelMask = hn::Set(di, table.texelSteps() - 1), sheetMask = hn::Set(di, table.sheetSteps() - 1);
 
     for (int i = 0; i < kChunk; i += static_cast<int>(hn::Lanes(df))) {
         // Positions in whole quantisation steps.
-        const auto at = [&](float fraction, const auto& offsets) {
+        const auto at = [&](float fraction, const auto& offsets, int steps) {
             const auto offset = hn::LoadU(df, offsets.data() + k + i);
-            return hn::ConvertTo(di, hn::Floor(hn::Mul(hn::Add(hn::Set(df, fraction), offset), steps)));
+            const auto position = hn::Add(hn::Set(df, fraction), offset);
+            return hn::ConvertTo(di, hn::Floor(hn::Mul(position, hn::Set(df, static_cast<float>(steps)))));
         };
-        const auto u = at(place.fractionU, splat.order->offsetU);
-        const auto v = at(place.fractionV, splat.order->offsetV);
-        const auto n = at(place.fractionN, splat.order->offsetN);
+        const auto u = at(place.fractionU, splat.order->offsetU, table.texelSteps());
+        const auto v = at(place.fractionV, splat.order->offsetV, table.texelSteps());
+        const auto n = at(place.fractionN, splat.order->offsetN, table.sheetSteps());
 
-        const auto whole = [&](auto position, int first) {
+        const auto whole = [&](auto position, int log2Steps, int first) {
             return hn::Add(hn::ShiftRightSame(position, log2Steps), hn::Set(di, first));
         };
-        const auto column = whole(u, place.wholeU + table.firstColumn());
-        const auto row = whole(v, place.wholeV + table.firstRow());
+        const auto column = whole(u, log2Texel, place.wholeU + table.firstColumn());
+        const auto row = whole(v, log2Texel, place.wholeV + table.firstRow());
         hn::StoreU(hn::Add(hn::Mul(row, hn::Set(di, splat.rowStride)), column), di, chunk.texel + i);
-        hn::StoreU(whole(n, place.wholeN + table.firstSheet()), di, chunk.sheet + i);
+        hn::StoreU(whole(n, log2Sheet, place.wholeN + table.firstSheet()), di, chunk.sheet + i);
 
-        auto entry = hn::ShiftLeftSame(hn::And(v, mask), log2Steps);
-        entry = hn::ShiftLeftSame(hn::Or(entry, hn::And(u, mask)), log2Steps);
-        hn::StoreU(hn::Or(entry, hn::And(n, mask)), di, chunk.table + i);
+        auto entry = hn::ShiftLeftSame(hn::And(v, texelMask), log2Texel);
+        entry = hn::ShiftLeftSame(hn::Or(entry, hn::And(u, texelMask)), log2Sheet);
+        hn::StoreU(hn::Or(entry, hn::And(n, sheetMask)), di, chunk.table + i);
     }
 }
 
-// Adds value * weights to `rows` rows of kVectors * 4 texels. kVectors = 0: any width.
-template <int kVectors>
-HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float value, int rows, int rowFloats,
+// Adds value * weights to kRows rows of kWidth texels; 0 stands for any number.
+template <int kWidth, int kRows>
+HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float value, int rows, int width,
                                       float* HWY_RESTRICT texels, std::ptrdiff_t rowStride) {
-    const hn::CappedTag<float, kVectors == 1 ? 4 : 8> d;
+    const hn::CappedTag<float, kWidth == 8 ? 8 : 4> d;  // widths are multiples of 4
     const int step = static_cast<int>(hn::Lanes(d));
-    const int width = kVectors > 0 ? kVectors * 4 : rowFloats;
     const auto scale = hn::Set(d, value);
+    if constexpr (kRows > 0) rows = kRows;
+    if constexpr (kWidth > 0) width = kWidth;
     for (int row = 0; row < rows; ++row, weights += width, texels += rowStride)
         for (int i = 0; i < width; i += step)
             hn::StoreU(hn::MulAdd(scale, hn::LoadU(d, weights + i), hn::LoadU(d, texels + i)), d, texels + i);
 }
 
-template <int kVectors>
+// Voxels whose weights are fetched into the cache ahead of their turn: the table is larger than the first level.
+constexpr int kPrefetch = 4;
+
+template <int kWidth, int kRows>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values,
                                   int first, int second) {
+    // Copies, because the compiler must assume that writing texels changes what pointers lead to.
     const FootprintTable& table = *splat.table;
-    const int rows = table.rows(), rowFloats = table.rowStride(), sheets = table.sheets();
-    const std::ptrdiff_t sheetStride = table.sheetStride();
+    const int rows = table.rows(), width = table.rowStride(), sheets = table.sheets();
+    const std::ptrdiff_t sheetStride = kWidth * kRows > 0 ? kWidth * kRows : table.sheetStride();
     const std::ptrdiff_t entryStride = sheetStride * sheets;
+    const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
+    const int firstSheet = splat.firstSheet, lastSheet = splat.lastSheet;
+    const float scale = splat.scale;
+    const float* const allWeights = table.weights();
+    const std::int32_t* const index = splat.order->index.data();
+    float* const planes = splat.planes;
     std::uint64_t footprints = 0;
     Chunk chunk;
 
@@ -83,17 +116,20 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
         // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
         locate(splat, place, k, chunk);
-        const int end = std::min(kChunk, second - k);
-        for (int i = k0 - k; i < end; ++i) {
-            const float value = values[splat.order->index[static_cast<std::size_t>(k + i)]] * splat.scale;
-            if (value == 0) continue;
+        const int count = listFilled(index + k, values, scale, k0 - k, std::min(kChunk, second - k), chunk);
+        for (int f = 0; f < count; ++f) {
+            const float* ahead = allWeights + chunk.table[chunk.filled[std::min(f + kPrefetch, count - 1)]] * entryStride;
+            for (std::ptrdiff_t line = 0; line < entryStride; line += 16) hwy::Prefetch(ahead + line);
+
+            const int i = chunk.filled[f];
+            const float value = chunk.value[i];
             const int sheet = chunk.sheet[i];
-            const int from = std::max(0, splat.firstSheet - sheet);
-            const int to = std::min(sheets, splat.lastSheet - sheet);
-            const float* weights = table.weights() + chunk.table[i] * entryStride + from * sheetStride;
-            float* texels = splat.planes + (sheet + from - splat.firstSheet) * splat.planeStride + chunk.texel[i];
-            for (int s = from; s < to; ++s, weights += sheetStride, texels += splat.planeStride)
-                addFootprint<kVectors>(weights, value, rows, rowFloats, texels, splat.rowStride);
+            const int from = std::max(0, firstSheet - sheet);
+            const int to = std::min(sheets, lastSheet - sheet);
+            const float* weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
+            float* texels = planes + (sheet + from - firstSheet) * planeStride + chunk.texel[i];
+            for (int s = from; s < to; ++s, weights += sheetStride, texels += planeStride)
+                addFootprint<kWidth, kRows>(weights, value, rows, width, texels, rowStride);
             footprints += static_cast<std::uint64_t>(std::max(0, to - from));
         }
     }
@@ -102,12 +138,13 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
 
 HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place,
                                           const float* values, int first, int second) {
-    switch (splat.table->rowStride()) {
-        case 4: return splatRange<1>(splat, place, values, first, second);
-        case 8: return splatRange<2>(splat, place, values, first, second);
-        case 16: return splatRange<4>(splat, place, values, first, second);
-        default: return splatRange<0>(splat, place, values, first, second);
-    }
+    const int width = splat.table->rowStride(), rows = splat.table->rows();
+    // The shapes of the linear kernel at one texel a voxel, of wider kernels, and all others.
+    if (width == 4 && rows == 4) return splatRange<4, 4>(splat, place, values, first, second);
+    if (width == 4 && rows == 3) return splatRange<4, 3>(splat, place, values, first, second);
+    if (width == 4) return splatRange<4, 0>(splat, place, values, first, second);
+    if (width == 8) return splatRange<8, 0>(splat, place, values, first, second);
+    return splatRange<0, 0>(splat, place, values, first, second);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -19,8 +19,8 @@ struct Part {
     float constant;
 };
 
-/// Fine block at a multiple of 8 → the coarse block that holds it. Dividing by 16 with an arithmetic shift rounds
-/// down, also below zero.
+/// Fine block at a multiple of 8 → the coarse block that holds it. Dividing by 16 with an arithmetic shift
+/// rounds down, also below zero.
 Part partAt(const Int3& origin, const float* values, float constant) {
     const Int3 block(origin.x >> 3, origin.y >> 3, origin.z >> 3);
     const Int3 coarse(block.x >> 1, block.y >> 1, block.z >> 1);

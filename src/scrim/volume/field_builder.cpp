@@ -8,6 +8,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <tuple>
@@ -22,6 +23,10 @@ namespace {
 
 /// Blocks a task: some tens of microseconds of work.
 constexpr std::size_t kBlocksPerTask = 64;
+
+/// Denormal values count as 0, and are not worth a warning: whether a thread can tell them from 0 depends on
+/// how its arithmetic is set, and the result must not.
+constexpr float kSmallest = std::numeric_limits<float>::min();
 
 struct Counts {
     std::uint64_t active = 0;
@@ -42,10 +47,10 @@ Counts clean(float* values) {
     for (int i = 0; i < kBlockVoxels; ++i) {
         const float v = values[i];
         const bool finite = std::isfinite(v);
-        const bool positive = finite && v > 0;
+        const bool positive = finite && v >= kSmallest;
         counts.active += positive;
         counts.nonFinite += !finite;
-        counts.negative += finite && v < 0;
+        counts.negative += finite && v <= -kSmallest;
         values[i] = positive ? v : 0.0f;  // also turns -0 into 0
         counts.maxValue = std::max(counts.maxValue, values[i]);
     }
@@ -56,14 +61,17 @@ Counts clean(float* values) {
     throw Error(ErrorKind::input, "grid '" + clipped(name, 80) + "': " + reason);
 }
 
-bool aligned(const Int3& p, int edge) { return p.x % edge == 0 && p.y % edge == 0 && p.z % edge == 0; }
+bool aligned(const Int3& p, int edge) {
+    return p.x % edge == 0 && p.y % edge == 0 && p.z % edge == 0;
+}
 
 void checkTransform(const std::string& name, const Mat4& m) {
     bool finite = true;
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r) finite = finite && std::isfinite(m[c][r]);
     if (!finite) refuse(name, "its transform is not finite");
-    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) refuse(name, "its transform is not affine");
+    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
+        refuse(name, "its transform is not affine");
     // Relative to the edge lengths, so that tiny voxels pass and flat ones do not.
     const double volume = std::abs(glm::determinant(Mat3(m)));
     const double edges = glm::length(Vec3(m[0])) * glm::length(Vec3(m[1])) * glm::length(Vec3(m[2]));
@@ -74,19 +82,19 @@ void checkTiles(const FieldPieces& pieces) {
     for (const ConstantTile& tile : pieces.tiles) {
         const bool power = tile.edge >= kBlockEdge && std::has_single_bit(static_cast<unsigned>(tile.edge));
         if (!power || !aligned(tile.origin, tile.edge))
-            refuse(pieces.name, fmt::format("a tile of edge {} at {}: the edge must be 8 times a power of two and "
-                                            "the origin a multiple of it",
-                                            tile.edge, toText(tile.origin)));
+            refuse(pieces.name,
+                   fmt::format("a tile of edge {} at {}: the edge must be 8 times a power of two and "
+                               "the origin a multiple of it",
+                               tile.edge, toText(tile.origin)));
     }
 }
 
-/// Blocks and tiles live on nested lattices, so two of them overlap only where the lattice cell of the smaller
-/// one lies in that of the larger.
+/// Blocks and tiles live on nested lattices, so two of them overlap only where the lattice cell of the
+/// smaller one lies in that of the larger.
 void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks,
                   const std::vector<ConstantTile>& tiles) {
     for (std::size_t i = 1; i < sortedBlocks.size(); ++i)
-        if (sortedBlocks[i] == sortedBlocks[i - 1])
-            refuse(name, "two blocks at " + toText(sortedBlocks[i]));
+        if (sortedBlocks[i] == sortedBlocks[i - 1]) refuse(name, "two blocks at " + toText(sortedBlocks[i]));
     if (tiles.empty()) return;
 
     const auto hash = [](const ConstantTile& t) {
@@ -110,7 +118,8 @@ void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks
             const int mask = ~(*e - 1);
             const Int3 cell(origin.x & mask, origin.y & mask, origin.z & mask);
             if (cells.contains(ConstantTile{cell, *e, 0}))
-                refuse(name, fmt::format("values at {} lie inside the tile at {}", toText(origin), toText(cell)));
+                refuse(name,
+                       fmt::format("values at {} lie inside the tile at {}", toText(origin), toText(cell)));
         }
     };
     for (const Int3& origin : sortedBlocks) check(origin, kBlockEdge - 1);
@@ -122,18 +131,19 @@ void addTiles(const FieldPieces& pieces, SparseField& field, Counts& counts) {
         const auto edge = static_cast<std::uint64_t>(tile.edge);
         const std::uint64_t voxels = edge * edge * edge;
         Counts one;
-        if (!std::isfinite(tile.value)) one.nonFinite = voxels;
-        else if (tile.value < 0) one.negative = voxels;
-        else if (tile.value > 0) {
+        if (!std::isfinite(tile.value))
+            one.nonFinite = voxels;
+        else if (tile.value <= -kSmallest)
+            one.negative = voxels;
+        else if (tile.value >= kSmallest) {
             one.active = voxels;
             one.maxValue = tile.value;
             field.tiles.push_back(tile);
         }
         counts.add(one);
     }
-    std::sort(field.tiles.begin(), field.tiles.end(), [](const ConstantTile& a, const ConstantTile& b) {
-        return originLess(a.origin, b.origin);
-    });
+    std::sort(field.tiles.begin(), field.tiles.end(),
+              [](const ConstantTile& a, const ConstantTile& b) { return originLess(a.origin, b.origin); });
 }
 
 }  // namespace
@@ -142,7 +152,9 @@ bool originLess(const Int3& a, const Int3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
-std::string toText(const Int3& p) { return fmt::format("{}, {}, {}", p.x, p.y, p.z); }
+std::string toText(const Int3& p) {
+    return fmt::format("{}, {}, {}", p.x, p.y, p.z);
+}
 
 void checkPieces(const FieldPieces& pieces) {
     checkTransform(pieces.name, pieces.wsFromIs);
@@ -225,14 +237,17 @@ void FieldBuilder::addBlock(const Int3& origin, const float* values) {
     std::memcpy(m_values.emplace_back().data(), values, kBlockVoxels * sizeof(float));
 }
 
-void FieldBuilder::addTile(const ConstantTile& tile) { m_pieces.tiles.push_back(tile); }
+void FieldBuilder::addTile(const ConstantTile& tile) {
+    m_pieces.tiles.push_back(tile);
+}
 
 SparseField FieldBuilder::finish() {
     m_pieces.fill = [this](std::size_t i, float* values) {
         std::memcpy(values, m_values[i].data(), kBlockVoxels * sizeof(float));
     };
     SparseField field = buildField(std::move(m_pieces));
-    m_pieces = FieldPieces{.name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
+    m_pieces = FieldPieces{
+        .name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
     m_values.clear();
     return field;
 }

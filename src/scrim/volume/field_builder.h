@@ -25,21 +25,22 @@ struct FieldPieces {
     std::string name;
     Mat4 wsFromIs{1.0};
     std::vector<Int3> blockOrigins;  ///< multiples of 8, each once, in any order
-    /// Writes the 512 values of block i (the place in `blockOrigins`) in `blockOffset` order, 0 where a voxel is
-    /// inactive. Called once a block, from several threads at a time.
+    /// Writes the 512 values of block i (the place in `blockOrigins`) in `blockOffset` order, 0 where a voxel
+    /// is inactive. Called once a block, from several threads at a time.
     std::function<void(std::size_t i, float* values)> fill;
-    /// Active tiles, whose edge is 8 times a power of two and whose origin is a multiple of the edge; any order.
+    /// Active tiles, whose edge is 8 times a power of two and whose origin is a multiple of the edge; any
+    /// order.
     std::vector<ConstantTile> tiles;
 };
 
-/// Checks all of `pieces` but the values, whose origins must be sorted by `originLess`. Throws Error(input) where
-/// origins break the rules above, two blocks or tiles overlap, or the transform cannot be inverted; the message
-/// names the grid, not the file.
+/// Checks all of `pieces` but the values, whose origins must be sorted by `originLess`. Throws Error(input)
+/// where origins break the rules above, two blocks or tiles overlap, or the transform cannot be inverted; the
+/// message names the grid, not the file.
 void checkPieces(const FieldPieces& pieces);
 
-/// Cleans, counts and sorts: values that are not finite or below 0 become 0 and are counted, blocks and tiles
-/// without a value above 0 are dropped. The result does not depend on the number of threads. Throws what
-/// `checkPieces` throws.
+/// Cleans, counts and sorts: values that are not finite or below 0 become 0 and are counted, denormal ones
+/// become 0, blocks and tiles without a value above 0 are dropped. The result does not depend on the number
+/// of threads. Throws what `checkPieces` throws.
 SparseField buildField(FieldPieces pieces);
 
 /// One warning "`where`: grid 'name': ..." if cleaning changed any value, with the numbers.
@@ -50,7 +51,8 @@ class FieldBuilder {
   public:
     FieldBuilder(std::string name, const Mat4& wsFromIs);
 
-    /// `values`: 512 values in `blockOffset` order, copied. Rules are those of FieldPieces, checked by finish().
+    /// `values`: 512 values in `blockOffset` order, copied. Rules are those of FieldPieces, checked by
+    /// finish().
     void addBlock(const Int3& origin, const float* values);
     void addTile(const ConstantTile& tile);
 

@@ -22,8 +22,9 @@ namespace scrim {
 
 namespace {
 
-/// Layout: Header, then `kind`'s content. Fields: per field a FieldHeader, its name, origins, tiles, and the values
-/// of its blocks, which begin at a multiple of kAlignment. Numbers are those of this machine: both ends are on it.
+/// Layout: Header, then `kind`'s content. Fields: per field a FieldHeader, its name, origins, tiles, and the
+/// values of its blocks, which begin at a multiple of kAlignment. Numbers are those of this machine: both
+/// ends are on it.
 constexpr std::uint64_t kMagic = 0x3152464d49524353;  // "SCRIMFR1"
 constexpr std::uint64_t kAlignment = 64;              // a cache line, and more than any float needs
 
@@ -33,7 +34,7 @@ struct Header {
     std::uint64_t magic = 0;
     std::uint64_t bytes = 0;  ///< of the whole file
     std::uint32_t kind = 0;
-    std::uint32_t code = 0;   ///< of an error: its kind
+    std::uint32_t code = 0;  ///< of an error: its kind
     std::uint64_t fields = 0;
     std::uint64_t messages = 0;
 };
@@ -52,7 +53,9 @@ struct TileRecord {
     float value;
 };
 
-std::uint64_t alignedUp(std::uint64_t at) { return (at + kAlignment - 1) / kAlignment * kAlignment; }
+std::uint64_t alignedUp(std::uint64_t at) {
+    return (at + kAlignment - 1) / kAlignment * kAlignment;
+}
 
 class Writer {
   public:
@@ -125,7 +128,8 @@ struct Mapping {
         size = static_cast<std::size_t>(status.st_size);
         if (size < sizeof(Header)) incomplete("the process that read it stopped before it was done");
         address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-        if (address == MAP_FAILED) throw Error(ErrorKind::memory, "not enough memory to take over what was read");
+        if (address == MAP_FAILED)
+            throw Error(ErrorKind::memory, "not enough memory to take over what was read");
     }
     ~Mapping() {
         if (address != MAP_FAILED) ::munmap(address, size);
@@ -234,7 +238,8 @@ SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapp
         if (!(std::isfinite(t.value) && t.value > 0)) incomplete("a tile holds a value that is not above 0");
     }
     reader.align();
-    const auto* values = reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
+    const auto* values =
+        reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
     field.blockValues = std::shared_ptr<const float>(mapping, values);
 
     if (!std::is_sorted(field.blockOrigins.begin(), field.blockOrigins.end(), originLess))
@@ -264,7 +269,8 @@ int createTransfer() {
     return fd;
 }
 
-void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
+void sendFields(int fd, const std::vector<SparseField>& fields,
+                const std::vector<TransferMessage>& messages) {
     Writer writer(fd);
     for (const TransferMessage& message : messages) {
         writer.value(static_cast<std::uint32_t>(message.severity));
@@ -316,7 +322,8 @@ ReceivedFields receiveFields(int fd) {
     ReceivedFields out;
     for (std::uint64_t i = 0; i < header.messages; ++i) {
         const auto severity = reader.value<std::uint32_t>();
-        out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, clipped(reader.text(), 2000)});
+        out.messages.push_back(
+            {severity == 0 ? Severity::info : Severity::warning, clipped(reader.text(), 2000)});
     }
     for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
     if (!reader.done()) incomplete("it is longer than it says");

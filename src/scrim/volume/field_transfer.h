@@ -2,9 +2,13 @@
 // Hands what one process read to another, so that an untrusted .vdb is parsed in a child that may crash, and
 // parsed only once.
 //
-// The two share a file descriptor: a memfd, or any regular file. The sender writes everything and then the header;
-// a sender that died half way leaves no valid header. The receiver maps the file, and the blocks of its fields
-// point into the mapping. It trusts nothing: the sender's memory may have been overwritten by the file it read.
+// The two share a file descriptor: a memfd, or any regular file. The sender writes everything and then the
+// header; a sender that died half way leaves no valid header. The receiver maps the file, and the blocks of
+// its fields point into the mapping. It trusts nothing: the sender's memory may have been overwritten by the
+// file it read.
+//
+// A child that is forked without exec must be forked before this process first runs a parallel loop: threads
+// do not survive a fork, and loops in the child would wait for them for ever.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -18,7 +22,9 @@
 
 namespace scrim {
 
-/// Creates the descriptor to share: a memfd that is closed on exec. The caller closes it. Throws Error(memory).
+/// Creates the descriptor to share: a memfd that is closed on exec (dup it for a child that
+/// execs). The caller closes it. Throws
+/// Error(memory).
 int createTransfer();
 
 struct TransferMessage {
@@ -38,8 +44,8 @@ void sendInfo(int fd, const VdbFileInfo& info);
 void sendError(int fd, const Error& error);
 
 /// Each takes over what was sent, and throws the Error that was sent instead, if one was. Throws Error(input)
-/// "what was read is incomplete: ..." where the sender did not finish or sent nonsense. The memory of the fields
-/// lives as long as one of them does; `fd` may be closed at once.
+/// "what was read is incomplete: ..." where the sender did not finish or sent nonsense. The memory of the
+/// fields lives as long as one of them does; `fd` may be closed at once.
 ReceivedFields receiveFields(int fd);
 VdbFileInfo receiveInfo(int fd);
 

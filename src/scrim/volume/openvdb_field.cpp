@@ -18,8 +18,8 @@ namespace scrim {
 
 namespace {
 
-/// A frustum grid resampled at its middle's voxel size may grow without bounds; this many voxels of its bounding
-/// box are the most it gets (the box, not the active part: a frustum fills about half of it).
+/// A frustum grid resampled at its middle's voxel size may grow without bounds; this many voxels of its
+/// bounding box are the most it gets (the box, not the active part: a frustum fills about half of it).
 constexpr double kMaxResampledVoxels = 1e9;
 
 /// OpenVDB multiplies rows from the left: its row i is the image of axis i, which is GLM's column i.
@@ -31,7 +31,9 @@ Mat4 fromOpenVdb(const openvdb::math::Transform& transform) {
     return out;
 }
 
-Int3 fromOpenVdb(const openvdb::Coord& c) { return {c.x(), c.y(), c.z()}; }
+Int3 fromOpenVdb(const openvdb::Coord& c) {
+    return {c.x(), c.y(), c.z()};
+}
 
 /// Runs `task` with the grid in its own type.
 template <typename Task>
@@ -69,7 +71,8 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
 
     openvdb::BBoxd wsBox;
     for (int i = 0; i < 8; ++i) {
-        const openvdb::Vec3d corner(i & 1 ? box.max().x() : box.min().x(), i & 2 ? box.max().y() : box.min().y(),
+        const openvdb::Vec3d corner(i & 1 ? box.max().x() : box.min().x(),
+                                    i & 2 ? box.max().y() : box.min().y(),
                                     i & 4 ? box.max().z() : box.min().z());
         wsBox.expand(grid.indexToWorld(corner));
     }
@@ -77,14 +80,15 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
     double edge = std::min({size.x(), size.y(), size.z()});
     const openvdb::Vec3d extent = wsBox.extents();
     const double voxels = (extent.x() / edge + 1) * (extent.y() / edge + 1) * (extent.z() / edge + 1);
-    if (!std::isfinite(voxels)) throw Error(ErrorKind::input, where + ": its frustum transform is degenerate");
+    if (!std::isfinite(voxels))
+        throw Error(ErrorKind::input, where + ": its frustum transform is degenerate");
     if (voxels > kMaxResampledVoxels) edge *= std::cbrt(voxels / kMaxResampledVoxels);
 
     out->setTransform(openvdb::math::Transform::createLinearTransform(edge));
     openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
     say(messages, Severity::info,
-        fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}", where,
-                    clipped(grid.getName(), 80), edge));
+        fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}",
+                    where, clipped(grid.getName(), 80), edge));
     return out;
 }
 
@@ -158,7 +162,8 @@ bool isScalarGrid(const openvdb::GridBase& grid) {
     return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
 }
 
-SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
+SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where,
+                          const MessageSink& messages) {
     return withScalarGrid(grid, [&](const auto& original) {
         using Grid = std::decay_t<decltype(original)>;
         typename Grid::ConstPtr current = openvdb::gridConstPtrCast<Grid>(original.copyGrid());
@@ -188,7 +193,8 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
     info.valueType = grid.valueType();
     info.gridClass = openvdb::GridBase::gridClassToString(grid.getGridClass());
     info.savedAsHalf = grid.saveFloatAsHalf();
-    if (const auto codec = grid.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_FILE_COMPRESSION))
+    if (const auto codec =
+            grid.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_FILE_COMPRESSION))
         info.codec = codec->value();
     info.activeVoxels = grid.baseTree().activeLeafVoxelCount();
     info.activeTiles = grid.baseTree().activeTileCount();
@@ -201,8 +207,8 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
         box = openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(0));
     }
     info.affine = grid.transform().isLinear();
-    const openvdb::Vec3d size = info.affine ? grid.transform().voxelSize()
-                                            : grid.transform().voxelSize(box.getCenter());
+    const openvdb::Vec3d size =
+        info.affine ? grid.transform().voxelSize() : grid.transform().voxelSize(box.getCenter());
     info.voxelSize = {size.x(), size.y(), size.z()};
     if (info.affine) info.wsFromIs = fromOpenVdb(grid.transform());
 

@@ -38,7 +38,8 @@ std::map<std::string, std::string> sourceFiles() {
     std::map<std::string, std::string> files;
     for (const std::string& folder : sourceFolders()) {
         std::error_code error;
-        for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+        for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+             entry.increment(error)) {
             const std::string file = entry->path().filename().string();
             if (!file.starts_with(kFilePrefix) || !file.ends_with(kFileSuffix)) continue;
             const std::size_t begin = std::strlen(kFilePrefix);
@@ -54,12 +55,15 @@ std::string fileOf(const std::string& name) {
     if (const auto found = files.find(name); found != files.end()) return found->second;
     std::vector<std::string> names;
     for (const auto& [other, path] : files) names.push_back(other);
-    throw Error(ErrorKind::input, clipped(fmt::format("no volume source '{}' in {}; there is {}", clipped(name, 80),
-                                                      fmt::join(sourceFolders(), ", "), choices(names)),
-                                          1000));
+    throw Error(ErrorKind::input,
+                clipped(fmt::format("no volume source '{}' in {}; there is {}", clipped(name, 80),
+                                    fmt::join(sourceFolders(), ", "), choices(names)),
+                        1000));
 }
 
-std::string copied(const char* text) { return text != nullptr ? clipped(text) : ""; }
+std::string copied(const char* text) {
+    return text != nullptr ? clipped(text) : "";
+}
 
 ParameterDescription describe(const scrim_parameter& p, const std::string& path) {
     ParameterDescription out;
@@ -124,7 +128,8 @@ LoadedSource load(const std::string& name, const std::string& path) {
                                  sizeof(scrim_source)));
     if (out.abi->generate == nullptr) refuse(path, "its description lacks 'generate'");
     if (out.abi->name == nullptr || name != out.abi->name)
-        refuse(path, fmt::format("calls itself '{}', expected '{}' as in its file name", copied(out.abi->name), name));
+        refuse(path, fmt::format("calls itself '{}', expected '{}' as in its file name",
+                                 copied(out.abi->name), name));
     out.description.name = name;
     out.description.description = copied(out.abi->description);
     out.description.path = path;
@@ -171,7 +176,9 @@ std::vector<SourceDescription> listSources(const MessageSink& messages) {
     return sources;
 }
 
-SourceDescription describeSource(const std::string& name) { return load(name, fileOf(name)).description; }
+SourceDescription describeSource(const std::string& name) {
+    return load(name, fileOf(name)).description;
+}
 
 std::vector<SparseField> generate(const std::string& name,
                                   const std::vector<std::pair<std::string, std::string>>& parameters,

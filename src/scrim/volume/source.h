@@ -27,12 +27,13 @@ std::vector<std::string> sourceFolders();
 /// left out with a warning.
 std::vector<SourceDescription> listSources(const MessageSink& messages);
 
-/// The description of one source. Throws Error(input) where it is missing (with those found) or cannot be loaded.
+/// The description of one source. Throws Error(input) where it is missing (with those found) or cannot be
+/// loaded.
 SourceDescription describeSource(const std::string& name);
 
-/// Runs a source with parameters given as text, defaults for the others. Throws Error(input) on a missing or bad
-/// source, bad parameters and whatever the source does wrong, Error(interrupted) where `progress` asks to stop.
-/// Not for use from several threads at once unless the source allows it (those of Scrim do).
+/// Runs a source with parameters given as text, defaults for the others. Throws Error(input) on a missing or
+/// bad source, bad parameters and whatever the source does wrong, Error(interrupted) where `progress` asks to
+/// stop. Not for use from several threads at once unless the source allows it (those of Scrim do).
 std::vector<SparseField> generate(const std::string& name,
                                   const std::vector<std::pair<std::string, std::string>>& parameters,
                                   const MessageSink& messages, const ProgressSink& progress = {});

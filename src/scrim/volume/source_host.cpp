@@ -24,8 +24,8 @@ SourceHost::SourceHost(std::string where, MessageSink messages, ProgressSink pro
 
 template <typename Task>
 int SourceHost::guarded(const Task& task) noexcept {
-    // Called from another thread, even noting the error would be a race; a race in an error path that ends the
-    // run is the lesser evil than calling sinks from a thread their owner does not expect.
+    // Called from another thread, even noting the error would be a race; a race in an error path that ends
+    // the run is the lesser evil than calling sinks from a thread their owner does not expect.
     try {
         if (std::this_thread::get_id() != m_thread) refuse("it called the host from a thread of its own");
         if (m_problem) return -1;
@@ -95,7 +95,8 @@ int SourceHost::progress(const scrim_host* host, double done) noexcept {
     SourceHost& h = self(host);
     return h.guarded([&] {
         const double part = done >= 0 && done <= 1 ? done : 1;  // also NaN
-        if (h.m_progress && !h.m_progress(part)) throw Error(ErrorKind::interrupted, h.m_where + ": interrupted");
+        if (h.m_progress && !h.m_progress(part))
+            throw Error(ErrorKind::interrupted, h.m_where + ": interrupted");
         return 0;
     });
 }
@@ -115,7 +116,8 @@ std::vector<SparseField> SourceHost::finish(int code) {
         throw Error(ErrorKind::memory, m_where + ": not enough memory for its grids");
     }
     if (code != 0 || !m_failure.empty())
-        refuse(m_failure.empty() ? fmt::format("it failed with code {} and without a reason", code) : m_failure);
+        refuse(m_failure.empty() ? fmt::format("it failed with code {} and without a reason", code)
+                                 : m_failure);
     if (m_grids.empty()) refuse("it made no grid");
     std::vector<SparseField> fields;
     for (FieldBuilder& builder : m_grids) {

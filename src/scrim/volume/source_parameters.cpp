@@ -29,7 +29,9 @@ bool parse(std::string_view text, T& value) {
     return error == std::errc() && stop == text.data() + text.size();
 }
 
-bool parseFinite(std::string_view text, double& value) { return parse(text, value) && std::isfinite(value); }
+bool parseFinite(std::string_view text, double& value) {
+    return parse(text, value) && std::isfinite(value);
+}
 
 /// "x, y, z" with or without brackets around it.
 bool parseVec3(std::string_view text, double* value) {
@@ -46,11 +48,16 @@ bool parseVec3(std::string_view text, double* value) {
 
 std::string expectation(const ParameterDescription& d) {
     switch (d.type) {
-        case ParameterType::number: return "a number such as 0.5";
-        case ParameterType::integer: return "a whole number such as 12";
-        case ParameterType::vec3: return "three numbers such as 0, 1.5, 0";
-        case ParameterType::boolean: return "true or false";
-        case ParameterType::string: break;
+        case ParameterType::number:
+            return "a number such as 0.5";
+        case ParameterType::integer:
+            return "a whole number such as 12";
+        case ParameterType::vec3:
+            return "three numbers such as 0, 1.5, 0";
+        case ParameterType::boolean:
+            return "true or false";
+        case ParameterType::string:
+            break;
     }
     return choices(d.choices);
 }
@@ -61,7 +68,9 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
     value.type = static_cast<std::int32_t>(d.type);
     bool good = true;
     bool inRange = true;
-    const auto limit = [&](double v) { inRange = inRange && (!d.limited() || (v >= d.minimum && v <= d.maximum)); };
+    const auto limit = [&](double v) {
+        inRange = inRange && (!d.limited() || (v >= d.minimum && v <= d.maximum));
+    };
     switch (d.type) {
         case ParameterType::number:
             good = parseFinite(text, value.number[0]);
@@ -80,7 +89,8 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
             value.boolean = text == "true";
             break;
         case ParameterType::string:
-            good = d.choices.empty() || std::find(d.choices.begin(), d.choices.end(), text) != d.choices.end();
+            good =
+                d.choices.empty() || std::find(d.choices.begin(), d.choices.end(), text) != d.choices.end();
             value.text = texts.emplace_back(text).c_str();
             break;
     }
@@ -88,8 +98,8 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
         throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is '{}', expected {}", where, d.name,
                                                   clipped(text, 80), expectation(d)));
     if (!inRange)
-        throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is {}, expected {} to {}", where, d.name,
-                                                  clipped(text, 80), d.minimum, d.maximum));
+        throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is {}, expected {} to {}", where,
+                                                  d.name, clipped(text, 80), d.minimum, d.maximum));
     return value;
 }
 
@@ -97,11 +107,16 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
 
 std::string typeName(ParameterType type) {
     switch (type) {
-        case ParameterType::number: return "number";
-        case ParameterType::integer: return "integer";
-        case ParameterType::vec3: return "vec3";
-        case ParameterType::string: return "string";
-        case ParameterType::boolean: break;
+        case ParameterType::number:
+            return "number";
+        case ParameterType::integer:
+            return "integer";
+        case ParameterType::vec3:
+            return "vec3";
+        case ParameterType::string:
+            return "string";
+        case ParameterType::boolean:
+            break;
     }
     return "bool";
 }
@@ -127,7 +142,8 @@ ParameterValues parseParameters(const std::vector<ParameterDescription>& descrip
     ParameterValues out;
     for (std::size_t i = 0; i < descriptions.size(); ++i) {
         const ParameterDescription& d = descriptions[i];
-        out.values.push_back(parseValue(d, texts[i] != nullptr ? *texts[i] : d.defaultText, where, out.texts));
+        out.values.push_back(
+            parseValue(d, texts[i] != nullptr ? *texts[i] : d.defaultText, where, out.texts));
     }
     return out;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Parameters of volume sources: what a source declares, and how text becomes values. The host does this, so that
-// every source refuses bad parameters in the same words and none needs a parser.
+// Parameters of volume sources: what a source declares, and how text becomes values. The host does this, so
+// that every source refuses bad parameters in the same words and none needs a parser.
 #pragma once
 
 #include <scrim/volume/scrim_source.h>
@@ -21,7 +21,7 @@ struct ParameterDescription {
     std::string name;
     ParameterType type = ParameterType::number;
     std::string defaultText;
-    double minimum = 0;                ///< both 0: no limits
+    double minimum = 0;  ///< both 0: no limits
     double maximum = 0;
     std::vector<std::string> choices;  ///< of a string; empty: any text
     std::string help;
@@ -35,8 +35,8 @@ struct ParameterValues {
     std::deque<std::string> texts;
 };
 
-/// Values from text, defaults where none is given. Throws Error(input) "`where`: ..." on an unknown or repeated
-/// name (with the choices), and on text that is not of the type, range or choices.
+/// Values from text, defaults where none is given. Throws Error(input) "`where`: ..." on an unknown or
+/// repeated name (with the choices), and on text that is not of the type, range or choices.
 ParameterValues parseParameters(const std::vector<ParameterDescription>& descriptions,
                                 const std::vector<std::pair<std::string, std::string>>& given,
                                 const std::string& where);

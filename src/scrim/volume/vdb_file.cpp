@@ -30,8 +30,8 @@ struct VdbFile::Content {
 
 namespace {
 
-constexpr std::size_t kMessageLimit = 1000;   ///< bytes of an error that lists grids
-constexpr std::size_t kMetadataLimit = 200;   ///< bytes of a metadata value worth keeping
+constexpr std::size_t kMessageLimit = 1000;  ///< bytes of an error that lists grids
+constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value worth keeping
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
     throw Error(ErrorKind::input, clipped(path + ": " + reason, kMessageLimit));
@@ -104,7 +104,8 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
         stream.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
         openvdb::io::Stream reader(stream, /*delayLoad=*/false);
         if (buffer.remaining() > 0)
-            fail(content.path, fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
+            fail(content.path,
+                 fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
         content.grids = *reader.getGrids();
         const openvdb::MetaMap::Ptr metadata = reader.getMetadata();
         for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
@@ -115,9 +116,11 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
     } catch (const std::ios_base::failure&) {
         fail(content.path, damaged + "its data end too early");
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory,
-                    clipped(fmt::format("{}: not enough memory to read this file of {} bytes, or it is damaged",
-                                        content.path, bytes.size()), kMessageLimit));
+        throw Error(
+            ErrorKind::memory,
+            clipped(fmt::format("{}: not enough memory to read this file of {} bytes, or it is damaged",
+                                content.path, bytes.size()),
+                    kMessageLimit));
     } catch (const std::exception& error) {
         fail(content.path, damaged + clipped(error.what(), 200));
     }
@@ -160,8 +163,10 @@ openvdb::GridBase::Ptr defaultGrid(const VdbFile::Content& content) {
     };
     using Grid = openvdb::GridBase;
     if (auto grid = first([](const Grid& g) { return g.getName() == "density"; })) return grid;
-    if (auto grid = first([](const Grid& g) { return g.getGridClass() == openvdb::GRID_FOG_VOLUME; })) return grid;
-    if (auto grid = first([](const Grid& g) { return g.getGridClass() != openvdb::GRID_LEVEL_SET; })) return grid;
+    if (auto grid = first([](const Grid& g) { return g.getGridClass() == openvdb::GRID_FOG_VOLUME; }))
+        return grid;
+    if (auto grid = first([](const Grid& g) { return g.getGridClass() != openvdb::GRID_LEVEL_SET; }))
+        return grid;
     if (auto grid = first([](const Grid&) { return true; })) return grid;
     std::string types;
     for (std::size_t i = 0; i < content.grids.size(); ++i)
@@ -197,7 +202,8 @@ openvdb::GridBase::Ptr findGrid(const VdbFile::Content& content, const std::stri
     for (std::size_t i = 0; i < content.grids.size(); ++i)
         list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(content.grids, i), 80),
                             content.grids[i]->valueType());
-    fail(content.path, fmt::format("no grid '{}'; it holds {}", clipped(wanted, 80), list.empty() ? "none" : list));
+    fail(content.path,
+         fmt::format("no grid '{}'; it holds {}", clipped(wanted, 80), list.empty() ? "none" : list));
 }
 
 }  // namespace
@@ -207,7 +213,8 @@ VdbFile VdbFile::open(const std::string& path) {
     try {
         bytes = readBytes(path);
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, clipped(path + ": not enough memory to read this file", kMessageLimit));
+        throw Error(ErrorKind::memory,
+                    clipped(path + ": not enough memory to read this file", kMessageLimit));
     }
     auto content = std::make_unique<Content>();
     content->path = path;
@@ -234,15 +241,18 @@ VdbFileInfo VdbFile::info() const {
     return info;
 }
 
-std::vector<std::string> VdbFile::usableGrids() const { return usableNames(m_content->grids); }
+std::vector<std::string> VdbFile::usableGrids() const {
+    return usableNames(m_content->grids);
+}
 
 SparseField VdbFile::field(const std::string& grid, const MessageSink& messages) const {
     const openvdb::GridBase::Ptr found = findGrid(*m_content, grid);
     if (!isScalarGrid(*found))
-        fail(m_content->path,
-             fmt::format("grid '{}' holds {} values, where a float, half or double grid is expected; of those "
-                         "there is {}",
-                         clipped(grid, 80), found->valueType(), choices(usableGrids())));
+        fail(
+            m_content->path,
+            fmt::format("grid '{}' holds {} values, where a float, half or double grid is expected; of those "
+                        "there is {}",
+                        clipped(grid, 80), found->valueType(), choices(usableGrids())));
     return fieldFromGrid(*found, m_content->path, messages);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // An open .vdb file: what it holds, and fields made of its grids.
 //
-// OpenVDB's reader is not safe on damaged files. What can be done inside one process is done here: the bytes are
-// read first, their outer structure is checked, and the stream that OpenVDB parses throws at its end. A crash
-// inside OpenVDB remains possible; a program that must survive it opens files in a child process and takes the
-// result over with field_transfer.h.
+// OpenVDB's reader is not safe on damaged files. What can be done inside one process is done here: the bytes
+// are read first, their outer structure is checked, and the stream that OpenVDB parses throws at its end. A
+// crash inside OpenVDB remains possible; a program that must survive it opens files in a child process and
+// takes the result over with field_transfer.h.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -25,12 +25,13 @@ class VdbFile {
     /// Describes all grids; looks at every active voxel of the scalar ones.
     VdbFileInfo info() const;
 
-    /// Grids that `field` accepts, as it accepts them: "density", or "density[0]", "density[1]" where a name is
-    /// not unique, or "[0]" for one without a name. In the file's order.
+    /// Grids that `field` accepts, as it accepts them: "density", or "density[0]", "density[1]" where a name
+    /// is not unique, or "[0]" for one without a name. In the file's order.
     std::vector<std::string> usableGrids() const;
 
-    /// The field of one grid. `grid` is its name, or "name[i]" for the i-th (from 0) of that name; "" stands for
-    /// the one called "density", else the first fog volume, else the first that is not a level set, else the first.
+    /// The field of one grid. `grid` is its name, or "name[i]" for the i-th (from 0) of that name; "" stands
+    /// for the one called "density", else the first fog volume, else the first that is not a level set, else
+    /// the first.
     ///
     /// Level sets become fog, and grids whose transform is not affine are resampled; both are said in an info
     /// message. Values that are not finite or negative count as 0 and are reported in one warning. Throws

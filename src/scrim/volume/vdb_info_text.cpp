@@ -11,8 +11,12 @@ namespace {
 
 using nlohmann::json;
 
-json vector(const Vec3& v) { return json::array({v.x, v.y, v.z}); }
-json vector(const Int3& v) { return json::array({v.x, v.y, v.z}); }
+json vector(const Vec3& v) {
+    return json::array({v.x, v.y, v.z});
+}
+json vector(const Int3& v) {
+    return json::array({v.x, v.y, v.z});
+}
 
 template <typename Vector>
 Vector vectorFrom(const json& j) {
@@ -31,7 +35,8 @@ Mat4 matrixFrom(const json& j) {
     Mat4 m;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
-            m[column][row] = j.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)).get<double>();
+            m[column][row] =
+                j.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)).get<double>();
     return m;
 }
 

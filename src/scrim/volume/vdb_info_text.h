@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VdbFileInfo as JSON: between processes, and for programs that ask for it. Apart, because the JSON library is
-// slow to compile.
+// VdbFileInfo as JSON: between processes, and for programs that ask for it. Apart, because the JSON library
+// is slow to compile.
 #pragma once
 
 #include <scrim/volume/vdb_info.h>

@@ -4,7 +4,8 @@
 // OpenVDB believes the lengths it reads: one flipped byte in a name's length makes it allocate gigabytes. The
 // header, the descriptors and each grid's metadata are a simple chain of lengths and offsets that must end
 // exactly at the end of the file; walking it costs microseconds and catches every truncation and most damage
-// outside the voxels. What is inside a grid's tree is OpenVDB's business (and that of the process that guards it).
+// outside the voxels. What is inside a grid's tree is OpenVDB's business (and that of the process that guards
+// it).
 #pragma once
 
 #include <cstddef>
@@ -17,15 +18,16 @@ namespace scrim {
 
 struct VdbLayout {
     struct Grid {
-        std::string name;  ///< without the suffix OpenVDB adds to tell equal names apart
-        std::string type;  ///< "Tree_float_5_4_3", ...
+        std::string name;   ///< without the suffix OpenVDB adds to tell equal names apart
+        std::string type;   ///< "Tree_float_5_4_3", ...
         std::string codec;  ///< "zip + active values", "blosc", "none", ...
     };
     std::uint32_t fileVersion = 0;
     std::uint32_t libraryMajor = 0;
     std::uint32_t libraryMinor = 0;
-    bool hasOffsets = false;   ///< written to a file, not to a pipe
-    std::vector<Grid> grids;   ///< empty where the file does not say where grids begin (no offsets, or before 222)
+    bool hasOffsets = false;  ///< written to a file, not to a pipe
+    std::vector<Grid>
+        grids;  ///< empty where the file does not say where grids begin (no offsets, or before 222)
 };
 
 /// Throws Error(input) "`path`: not a VDB file (...)" or "`path`: truncated or damaged: ...".

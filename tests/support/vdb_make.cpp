@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "vdb_make.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+#include <openvdb/io/File.h>
+#include <openvdb/io/Stream.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/points/PointConversion.h>
+#include <openvdb/tools/LevelSetSphere.h>
+
+namespace scrim::test {
+
+namespace {
+
+openvdb::Coord coord(const Int3& p) {
+    return {p.x, p.y, p.z};
+}
+
+template <typename Grid>
+openvdb::GridBase::Ptr scalarGrid(const MadeGrid& made) {
+    using Value = typename Grid::ValueType;
+    typename Grid::Ptr grid = Grid::create(static_cast<Value>(made.background));
+    for (const MadeTile& tile : made.tiles)
+        grid->tree().addTile(tile.edge == 8     ? 1
+                             : tile.edge == 128 ? 2
+                                                : 3,
+                             coord(tile.at), static_cast<Value>(tile.value), true);
+    for (const MadeVoxel& v : made.voxels) grid->tree().setValue(coord(v.at), static_cast<Value>(v.value));
+    for (const MadeVoxel& v : made.inactive)
+        grid->tree().setValueOff(coord(v.at), static_cast<Value>(v.value));
+    return grid;
+}
+
+openvdb::GridBase::Ptr vectorGrid(const MadeGrid& made) {
+    openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
+    for (const MadeVoxel& v : made.voxels)
+        grid->tree().setValue(coord(v.at), openvdb::Vec3s(static_cast<float>(v.value)));
+    return grid;
+}
+
+openvdb::GridBase::Ptr pointGrid(const MadeGrid& made) {
+    std::vector<openvdb::Vec3s> positions;
+    for (const MadeVoxel& v : made.voxels) positions.emplace_back(coord(v.at).asVec3s());
+    const auto transform = openvdb::math::Transform::createLinearTransform(made.voxelSize);
+    return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
+        positions, *transform);
+}
+
+openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
+    if (made.type == "float" || made.type == "half") return scalarGrid<openvdb::FloatGrid>(made);
+    if (made.type == "double") return scalarGrid<openvdb::DoubleGrid>(made);
+    if (made.type == "int32") return scalarGrid<openvdb::Int32Grid>(made);
+    if (made.type == "bool") return scalarGrid<openvdb::BoolGrid>(made);
+    if (made.type == "vec3s") return vectorGrid(made);
+    if (made.type == "points") return pointGrid(made);
+    if (made.type == "sphere")
+        return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
+            static_cast<float>(10 * made.voxelSize), openvdb::Vec3f(0), static_cast<float>(made.voxelSize));
+    throw std::runtime_error("vdb_make: unknown type " + made.type);
+}
+
+openvdb::math::Transform::Ptr transformOf(const MadeGrid& made) {
+    if (made.frustum)
+        return openvdb::math::Transform::createFrustumTransform(
+            openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(16)), /*taper=*/0.5, /*depth=*/1.0,
+            /*x voxel=*/made.voxelSize);
+    auto transform = openvdb::math::Transform::createLinearTransform(made.voxelSize);
+    transform->postTranslate(openvdb::Vec3d(made.translate.x, made.translate.y, made.translate.z));
+    return transform;
+}
+
+openvdb::GridBase::Ptr make(const MadeGrid& made) {
+    openvdb::GridBase::Ptr grid = typedGrid(made);
+    grid->setName(made.name);
+    grid->setSaveFloatAsHalf(made.type == "half");
+    if (made.type != "sphere") grid->setGridClass(openvdb::GridBase::stringToGridClass(made.gridClass));
+    if (made.type != "sphere" && made.type != "points") grid->setTransform(transformOf(made));
+    return grid;
+}
+
+}  // namespace
+
+double frustumVolume(const MadeGrid& grid, const Int3& lower, const Int3& upper) {
+    const auto transform = transformOf(grid);
+    const auto at = [&](int x, int y, int z) {
+        return transform->indexToWorld(openvdb::Vec3d(x ? upper.x + 0.5 : lower.x - 0.5,
+                                                      y ? upper.y + 0.5 : lower.y - 0.5,
+                                                      z ? upper.z + 0.5 : lower.z - 0.5));
+    };
+    const auto area = [&](int z) {
+        return (at(1, 0, z) - at(0, 0, z)).length() * (at(0, 1, z) - at(0, 0, z)).length();
+    };
+    const double depth = std::abs(at(0, 0, 1).z() - at(0, 0, 0).z());
+    return depth / 3 * (area(0) + area(1) + std::sqrt(area(0) * area(1)));
+}
+
+std::vector<MadeVoxel> box(const Int3& lower, const Int3& upper, double value) {
+    std::vector<MadeVoxel> voxels;
+    for (int x = lower.x; x <= upper.x; ++x)
+        for (int y = lower.y; y <= upper.y; ++y)
+            for (int z = lower.z; z <= upper.z; ++z) voxels.push_back({{x, y, z}, value});
+    return voxels;
+}
+
+void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container) {
+    openvdb::initialize();
+    openvdb::GridCPtrVec made;
+    for (const MadeGrid& grid : grids) made.push_back(make(grid));
+    openvdb::MetaMap metadata;
+    metadata.insertMeta("creator", openvdb::StringMetadata("vdb_make"));
+    if (container == Container::stream) {
+        std::ofstream file(path, std::ios::binary);
+        openvdb::io::Stream(file).write(made, metadata);
+        return;
+    }
+    openvdb::io::File file(path);
+    file.write(made, metadata);
+}
+
+std::string readBytes(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw std::runtime_error("cannot read " + path);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void writeBytes(const std::string& path, const std::string& bytes) {
+    std::ofstream file(path, std::ios::binary);
+    file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+    if (!file) throw std::runtime_error("cannot write " + path);
+}
+
+}  // namespace scrim::test
