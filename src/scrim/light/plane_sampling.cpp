@@ -20,20 +20,21 @@ using DI = hn::RebindToSigned<DF>;
 using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 
-// A coordinate as whole part and fraction, clamped so that whole and whole + 1 lie on the axis.
+// A coordinate as index on an axis of `size` places from `first`, and fraction; clamped so that index and index + 1
+// lie on the axis.
 struct Split {
     VI whole;
     VF fraction;
 };
 
-HWY_ATTR HWY_INLINE Split split(VF x, int size, bool nearest) {
+HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest) {
     const DF d;
     const DI di;
-    x = hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, static_cast<float>(size - 1)));
-    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<float>(size - 2)));
+    x = hn::Min(hn::Max(x, hn::Set(d, static_cast<float>(first))), hn::Set(d, static_cast<float>(first + size - 1)));
+    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<float>(first + size - 2)));
     auto fraction = hn::Sub(x, floor);
     if (nearest) fraction = hn::Floor(hn::Add(fraction, hn::Set(d, 0.5f)));
-    return {hn::ConvertTo(di, floor), fraction};
+    return {hn::Sub(hn::ConvertTo(di, floor), hn::Set(di, first)), fraction};
 }
 
 HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) { return hn::MulAdd(t, hn::Sub(b, a), a); }
@@ -49,13 +50,13 @@ HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Spl
     return lerp(top, bottom, v.fraction);
 }
 
-HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const float* u, const float* v, float scale,
-                                   float offset, bool nearest, int count, float* out) {
+HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count,
+                                   float* out) {
     const DF d;
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
-        const auto su = split(hn::LoadU(d, u + k), plane.width, nearest);
-        const auto sv = split(hn::LoadU(d, v + k), plane.height, nearest);
-        hn::StoreU(hn::MulAdd(gather(plane, su, sv), hn::Set(d, scale), hn::Set(d, offset)), d, out + k);
+        const auto su = split(hn::LoadU(d, u + k), plane.x0, plane.width, nearest);
+        const auto sv = split(hn::LoadU(d, v + k), plane.y0, plane.height, nearest);
+        hn::StoreU(gather(plane, su, sv), d, out + k);
     }
 }
 
@@ -66,16 +67,17 @@ HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, float u, float v, f
     const DF d;
     const int lanes = static_cast<int>(hn::Lanes(d));
     const float floorU = std::floor(u);
-    const bool streaming = step == 1.0f && floorU >= 0 && floorU + kTileEdge < static_cast<float>(plane.width);
+    const float column = floorU - static_cast<float>(plane.x0);
+    const bool streaming = step == 1.0f && column >= 0 && column + kTileEdge < static_cast<float>(plane.width);
     for (int j = 0; j < kTileEdge; ++j) {
-        const auto sv = split(hn::Set(d, v + static_cast<float>(j) * step), plane.height, nearest);
+        const auto sv = split(hn::Set(d, v + static_cast<float>(j) * step), plane.y0, plane.height, nearest);
         if (streaming) {
             // One texel a cell: the whole row shares its fractions, and neighbours are consecutive floats.
             float fraction = u - floorU;
             if (nearest) fraction = std::floor(fraction + 0.5f);
             const auto t = hn::Set(d, fraction);
             const float* top = plane.data + hn::GetLane(sv.whole) * static_cast<std::ptrdiff_t>(plane.width) +
-                               static_cast<std::ptrdiff_t>(floorU);
+                               static_cast<std::ptrdiff_t>(column);
             const float* bottom = top + plane.width;
             for (int i = 0; i < kTileEdge; i += lanes)
                 consume(j, i,
@@ -84,7 +86,7 @@ HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, float u, float v, f
         } else {
             for (int i = 0; i < kTileEdge; i += lanes) {
                 const auto at = hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, step), hn::Set(d, u));
-                consume(j, i, gather(plane, split(at, plane.width, nearest), sv));
+                consume(j, i, gather(plane, split(at, plane.x0, plane.width, nearest), sv));
             }
         }
     }
@@ -122,9 +124,8 @@ HWY_EXPORT(samplePointsOnTarget);
 HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
 
-void samplePoints(const FloatPlane& plane, const float* u, const float* v, float scale, float offset,
-                  bool nearest, int count, float* out) {
-    HWY_DYNAMIC_DISPATCH(samplePointsOnTarget)(plane, u, v, scale, offset, nearest, count, out);
+void samplePoints(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count, float* out) {
+    HWY_DYNAMIC_DISPATCH(samplePointsOnTarget)(plane, u, v, nearest, count, out);
 }
 
 void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {

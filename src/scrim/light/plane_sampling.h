@@ -7,15 +7,17 @@
 
 namespace scrim {
 
-/// A plane of floats, `width` x `height`, rows `width` apart, at least 2 x 2.
+/// A plane of floats, `width` x `height`, rows `width` apart, at least 2 x 2. It may be a window of a larger
+/// plane: positions are those of the larger one, where the window's corner is (x0, y0). (Positions that counted
+/// from the window's corner would round differently from window to window.)
 struct FloatPlane {
     const float* data;
     int width, height;
+    int x0 = 0, y0 = 0;
 };
 
-/// out[k] = plane at (u[k], v[k]) * scale + offset, for k in [0, count); count a multiple of 16.
-void samplePoints(const FloatPlane& plane, const float* u, const float* v, float scale, float offset,
-                  bool nearest, int count, float* out);
+/// out[k] = plane at (u[k], v[k]), for k in [0, count); count a multiple of 16.
+void samplePoints(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count, float* out);
 
 /// out[j * 16 + i] = plane at (u + i * step, v + j * step), for i, j in [0, 16).
 void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out);

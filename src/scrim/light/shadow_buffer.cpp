@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/light/shadow_buffer.h>
 
-#include <scrim/light/plane_sampling.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -123,43 +121,35 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
     return samples;
 }
 
-ShadowBuffer::Entry ShadowBuffer::entry(int s) const {
-    Entry e{};
-    e.lit = m_view.reaches(m_firstSheet + s) && m_windowTilesX > 0;
-    if (!e.lit) return e;
-    e.cells = m_entry.data() + static_cast<std::size_t>(s) * entryStride();
-    e.width = windowWidth();
-    e.height = m_windowTilesY * kTileEdge;
-    e.map = m_view.at(m_firstSheet + s);
-    e.map.offsetU += m_windowTileX * kTileEdge * e.map.scale;
-    e.map.offsetV += m_windowTileY * kTileEdge * e.map.scale;
-    return e;
+// Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
+FloatPlane ShadowBuffer::entryPlane(int s) const {
+    return {m_entry.data() + static_cast<std::size_t>(s) * entryStride(), windowWidth(), m_windowTilesY * kTileEdge,
+            m_windowTileX * kTileEdge, m_windowTileY * kTileEdge};
 }
 
 void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {
-    const Entry e = entry(s);
-    if (!e.lit) {
+    if (!lit(s)) {
         std::fill(tau, tau + kTileSize, 0.0f);
         return;
     }
-    sampleLattice({e.cells, e.width, e.height}, static_cast<float>((texelX - e.map.offsetU) / e.map.scale),
-                  static_cast<float>((texelY - e.map.offsetV) / e.map.scale), static_cast<float>(1 / e.map.scale),
-                  m_nearest, tau);
+    const CellMap map = m_view.at(m_firstSheet + s);
+    sampleLattice(entryPlane(s), static_cast<float>((texelX - map.offsetU) / map.scale),
+                  static_cast<float>((texelY - map.offsetV) / map.scale), static_cast<float>(1 / map.scale), m_nearest,
+                  tau);
 }
 
-void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, int count, float* tau) const {
-    const Entry e = entry(s);
-    if (!e.lit) {
-        std::fill(tau, tau + count, 0.0f);
+void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, float* tau) const {
+    if (!lit(s)) {
+        std::fill(tau, tau + kTileSize, 0.0f);
         return;
     }
-    // Texel to cell: both axes share one scale.
-    std::vector<float> cellU(static_cast<std::size_t>(count)), cellV(static_cast<std::size_t>(count));
-    for (int k = 0; k < count; ++k) {
-        cellU[static_cast<std::size_t>(k)] = static_cast<float>((u[k] - e.map.offsetU) / e.map.scale);
-        cellV[static_cast<std::size_t>(k)] = static_cast<float>((v[k] - e.map.offsetV) / e.map.scale);
+    const CellMap map = m_view.at(m_firstSheet + s);
+    alignas(64) float cellU[kTileSize], cellV[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        cellU[k] = static_cast<float>((u[k] - map.offsetU) / map.scale);
+        cellV[k] = static_cast<float>((v[k] - map.offsetV) / map.scale);
     }
-    samplePoints({e.cells, e.width, e.height}, cellU.data(), cellV.data(), 1, 0, m_nearest, count, tau);
+    samplePoints(entryPlane(s), cellU, cellV, m_nearest, kTileSize, tau);
 }
 
 std::size_t ShadowBuffer::bytes() const { return (m_tau.size() + m_entry.size()) * sizeof(float) + m_used.size(); }

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <scrim/light/light_view.h>
+#include <scrim/light/plane_sampling.h>
 #include <scrim/splat/plane_stack.h>
 
 #include <cstdint>
@@ -34,26 +35,19 @@ class ShadowBuffer {
     /// extinction times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    /// The raster of tau at entry of sheet `firstSheet + s`, and the map to look it up with:
-    /// texel = offset + cell * scale, cells counted from the window's corner.
-    struct Entry {
-        const float* cells;
-        int width, height;
-        CellMap map;
-        bool lit;  ///< false: the light does not reach this sheet
-    };
-    Entry entry(int s) const;
-
     /// Tau at entry of sheet `firstSheet + s` for the 16 x 16 texels from (texelX, texelY), rows of 16.
     void lookUpTile(int s, int texelX, int texelY, float* tau) const;
-    /// The same at `count` (a multiple of 16) arbitrary texel positions.
-    void lookUpPoints(int s, const float* u, const float* v, int count, float* tau) const;
+    /// The same at 256 arbitrary texel positions.
+    void lookUpPoints(int s, const float* u, const float* v, float* tau) const;
 
     std::size_t bytes() const;
     /// Upper estimate of the bytes a buffer takes.
     static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets);
 
   private:
+    FloatPlane entryPlane(int s) const;
+    bool lit(int s) const { return m_windowTilesX > 0 && m_view.reaches(m_firstSheet + s); }
+
     LightView m_view;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;

@@ -8,28 +8,40 @@
 #include <vector>
 
 namespace scrim {
+namespace {
+
+// Positions on rays are floats relative to a plane every so many sheets, and rays end at those planes: results
+// must not depend on how many sheets a batch has.
+constexpr int kBlock = 8;
+
+int blockBegin(int sheet) { return sheet / kBlock * kBlock; }
+
+}  // namespace
 
 // A tile's rays, and what they meet in a batch.
 struct EyeWalk::TileWalk {
     RayTile rays;
     float startLeast, startMost;      // extremes of rays.startN
+    int firstStep;                    // place of plane 0 among the block's sheets
     std::vector<int> planes;          // those with active texels under the tile
 };
 
 // Sets up the rays of a tile, and finds the planes whose active texels they may meet.
-EyeWalk::TileWalk EyeWalk::enter(int tile, int firstSheet, int count, const PlaneStack& planes) const {
+EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack& planes) const {
     TileWalk walk;
-    const double reference = firstSheet + 0.5;
+    walk.firstStep = range.sheet - blockBegin(range.sheet) - range.firstPlane;
+    const double reference = blockBegin(range.sheet) + 0.5;
     const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
 
     // First the four corners: a batch that misses the tile must cost next to nothing.
     PixelRay corners[4];
     for (int i = 0; i < 4; ++i)
         corners[i] = m_eye.ray(x0 + (i & 1 ? kTileEdge : 0), y0 + (i & 2 ? kTileEdge : 0), reference);
-    for (int p = 0; p < count; ++p) {
+    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
+        const int step = p + walk.firstStep;
         double u0 = 1e30, u1 = -1e30, v0 = 1e30, v1 = -1e30;
         for (const PixelRay& ray : corners) {
-            const double u = ray.u + p * ray.slopeU, v = ray.v + p * ray.slopeV;
+            const double u = ray.u + step * ray.slopeU, v = ray.v + step * ray.slopeV;
             u0 = std::min(u0, u);
             u1 = std::max(u1, u);
             v0 = std::min(v0, v);
@@ -59,17 +71,17 @@ namespace {
 
 enum class Before { all, part, none };
 
-// How much of plane p's slab, [p - 1/2, p + 1/2], lies beyond the start of the rays?
-Before seenPart(int p, float startLeast, float startMost, bool frontToBack) {
-    const float near = static_cast<float>(p) - 0.5f, far = static_cast<float>(p) + 0.5f;
+// How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies beyond the start of the rays?
+Before seenPart(int step, float startLeast, float startMost, bool frontToBack) {
+    const float near = static_cast<float>(step) - 0.5f, far = near + 1;
     if (frontToBack) return startMost <= near ? Before::all : startLeast >= far ? Before::none : Before::part;
     return startLeast >= far ? Before::all : startMost <= near ? Before::none : Before::part;
 }
 
 // The seen part of a slab that the rays begin in, and the place in the middle of it.
-void cutSlab(const RayTile& rays, int p, bool frontToBack, float* part, float* at) {
+void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float* at) {
     for (int k = 0; k < kTileSize; ++k) {
-        float near = static_cast<float>(p) - 0.5f, far = near + 1;
+        float near = static_cast<float>(step) - 0.5f, far = near + 1;
         if (frontToBack)
             near = std::clamp(rays.startN[k], near, far);
         else
@@ -81,33 +93,35 @@ void cutSlab(const RayTile& rays, int p, bool frontToBack, float* part, float* a
 
 }  // namespace
 
-std::uint64_t EyeWalk::compositeTexels(int tile, int firstSheet, int count, const PlaneStack& shaded) {
-    const TileWalk walk = enter(tile, firstSheet, count, shaded);
+std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
+    const TileWalk walk = enter(tile, range, shaded);
     float* states = m_tiles.states(tile);
     std::vector<const float*> planes;
     std::vector<float> steps;
     std::uint64_t walked = 0;
+    const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
         if (planes.empty()) return;
         const int listed = static_cast<int>(planes.size());
         steps.resize(planes.size() + 8, 0.0f);  // vectors read ahead of the last step
         compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height()},
-                      m_frontToBack, m_cutoff, states);
+                      m_frontToBack, mayStop ? m_cutoff : 0.0f, states);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         planes.clear();
         steps.clear();
     };
     for (const int p : walk.planes) {
-        switch (seenPart(p, walk.startLeast, walk.startMost, m_frontToBack)) {
+        const int step = p + walk.firstStep;
+        switch (seenPart(step, walk.startLeast, walk.startMost, m_frontToBack)) {
             case Before::none: break;
             case Before::all:
                 planes.push_back(shaded.plane(p));
-                steps.push_back(static_cast<float>(p));
+                steps.push_back(static_cast<float>(step));
                 break;
             case Before::part: {
                 flush();
                 alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
-                cutSlab(walk.rays, p, m_frontToBack, part, at);
+                cutSlab(walk.rays, step, m_frontToBack, part, at);
                 sampleRgba(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), samples);
                 compositeSamples(samples, part, m_frontToBack, states);
                 walked += kTileSize;
@@ -118,20 +132,21 @@ std::uint64_t EyeWalk::compositeTexels(int tile, int firstSheet, int count, cons
     return walked;
 }
 
-std::uint64_t EyeWalk::shadePixels(int tile, int firstSheet, int count, const PlaneStack& extinction,
+std::uint64_t EyeWalk::shadePixels(int tile, const Range& range, const PlaneStack& extinction,
                                    const SheetShader& shader) {
-    const TileWalk walk = enter(tile, firstSheet, count, extinction);
+    const TileWalk walk = enter(tile, range, extinction);
     float* states = m_tiles.states(tile);
     std::uint64_t walked = 0;
     SampleTile points;
     alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
     for (const int p : walk.planes) {
-        const Before seen = seenPart(p, walk.startLeast, walk.startMost, m_frontToBack);
+        const int step = p + walk.firstStep;
+        const Before seen = seenPart(step, walk.startLeast, walk.startMost, m_frontToBack);
         if (seen == Before::none) continue;
         if (seen == Before::part)
-            cutSlab(walk.rays, p, m_frontToBack, part, at);
+            cutSlab(walk.rays, step, m_frontToBack, part, at);
         else
-            std::fill(at, at + kTileSize, static_cast<float>(p));
+            std::fill(at, at + kTileSize, static_cast<float>(step));
         const auto toSlope = static_cast<float>(shader.slopeScale());
         for (int k = 0; k < kTileSize; ++k) {
             points.u[k] = walk.rays.u[k] + at[k] * walk.rays.stepU[k];
@@ -155,13 +170,18 @@ void EyeWalk::markIfOpaque(int tile) {
 }
 
 template <class Walk>
-std::uint64_t EyeWalk::forOpenTiles(const Walk& walk) {
+std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const Walk& walk) {
     std::vector<std::uint64_t> walked(static_cast<std::size_t>(m_tiles.count()));
     parallelFor(walked.size(), [&](std::size_t i) {
         const int tile = static_cast<int>(i);
-        if (m_tiles.opaque(tile)) return;
-        walked[i] = walk(tile);
-        if (walked[i] > 0) markIfOpaque(tile);
+        for (int p = 0; p < count && !m_tiles.opaque(tile);) {
+            const int sheet = firstSheet + p;
+            const int blockEnd = blockBegin(sheet) + kBlock;
+            const int last = std::min(count, p + blockEnd - sheet);
+            walked[i] += walk(tile, Range{sheet, p, last});
+            if (firstSheet + last == blockEnd) markIfOpaque(tile);
+            p = last;
+        }
     });
     std::uint64_t sum = 0;
     for (const std::uint64_t w : walked) sum += w;
@@ -169,12 +189,15 @@ std::uint64_t EyeWalk::forOpenTiles(const Walk& walk) {
 }
 
 std::uint64_t EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
-    return forOpenTiles([&](int tile) { return compositeTexels(tile, firstSheet, count, shaded); });
+    return forOpenTiles(firstSheet, count,
+                        [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
 std::uint64_t EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& extinction,
                                      const SheetShader& shader) {
-    return forOpenTiles([&](int tile) { return shadePixels(tile, firstSheet, count, extinction, shader); });
+    return forOpenTiles(firstSheet, count, [&](int tile, const Range& range) {
+        return shadePixels(tile, range, extinction, shader);
+    });
 }
 
 bool EyeWalk::allOpaque() const {

@@ -29,12 +29,16 @@ class EyeWalk {
 
   private:
     struct TileWalk;
-    TileWalk enter(int tile, int firstSheet, int count, const PlaneStack& planes) const;
-    std::uint64_t compositeTexels(int tile, int firstSheet, int count, const PlaneStack& shaded);
-    std::uint64_t shadePixels(int tile, int firstSheet, int count, const PlaneStack& extinction,
-                              const SheetShader& shader);
+    struct Range {
+        int sheet;       ///< that plane `firstPlane` holds
+        int firstPlane;  ///< planes [firstPlane, lastPlane) of the batch, within one block of sheets
+        int lastPlane;
+    };
+    TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
+    std::uint64_t compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    std::uint64_t shadePixels(int tile, const Range& range, const PlaneStack& extinction, const SheetShader& shader);
     template <class Walk>
-    std::uint64_t forOpenTiles(const Walk& walk);
+    std::uint64_t forOpenTiles(int firstSheet, int count, const Walk& walk);
     void markIfOpaque(int tile);
 
     const EyeView& m_eye;

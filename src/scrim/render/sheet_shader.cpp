@@ -81,8 +81,8 @@ void SheetShader::shadePoints(int p, const SampleTile& samples, float* out) cons
     float* rows = threadScratch().rows(static_cast<std::size_t>(volumes + 1) + lights.lights.size());
 
     const auto sample = [&](const PlaneStack& planes, float* to) {
-        samplePoints({planes.plane(p), planes.width(), planes.height()}, samples.u, samples.v, 1, 0, false,
-                     kTileSize, to);
+        samplePoints({planes.plane(p), planes.width(), planes.height()}, samples.u, samples.v, false, kTileSize,
+                     to);
     };
     sample(m_fields.extinction(), rows);
     if (volumes > 1)
@@ -91,7 +91,7 @@ void SheetShader::shadePoints(int p, const SampleTile& samples, float* out) cons
     float* tauIn = rows + (volumes + 1) * kTileSize;
     for (std::size_t i = 0; i < lights.lights.size(); ++i)
         if (lights.shadows[i])
-            lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, kTileSize, tauIn + i * kTileSize);
+            lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, tauIn + i * kTileSize);
     shade(p, samples, rows, tauIn, out);
 }
 

@@ -25,7 +25,9 @@ struct Piece {
     int digits = 0;  ///< 0: literal; otherwise the frame with at least so many digits
 };
 
-bool isDigit(char c) { return c >= '0' && c <= '9'; }
+bool isDigit(char c) {
+    return c >= '0' && c <= '9';
+}
 
 std::size_t digitsAt(const std::string& text, std::size_t i) {
     std::size_t end = i;
@@ -52,7 +54,8 @@ std::optional<std::pair<Piece, std::size_t>> placeAt(const std::string& pattern,
     if (pattern[i] == '%') {
         // "%d" and "%04d"; "%4d" would pad with blanks, and stands for itself.
         const std::size_t digits = digitsAt(pattern, i + 1), end = i + 1 + digits;
-        if (end < pattern.size() && pattern[end] == 'd' && (digits == 0 || (pattern[i + 1] == '0' && digits > 1)))
+        if (end < pattern.size() && pattern[end] == 'd' &&
+            (digits == 0 || (pattern[i + 1] == '0' && digits > 1)))
             return {{Piece{"", widthOf(std::string_view(pattern).substr(i + 1, digits))}, end + 1 - i}};
     }
     return std::nullopt;
@@ -76,11 +79,14 @@ std::vector<Piece> piecesOf(const std::string& pattern) {
     return pieces;
 }
 
-std::string frameText(int frame, int digits) { return fmt::sprintf("%0*d", digits, frame); }
+std::string frameText(int frame, int digits) {
+    return fmt::sprintf("%0*d", digits, frame);
+}
 
 std::string expanded(const std::vector<Piece>& pieces, int frame) {
     std::string path;
-    for (const Piece& piece : pieces) path += piece.digits > 0 ? frameText(frame, piece.digits) : piece.literal;
+    for (const Piece& piece : pieces)
+        path += piece.digits > 0 ? frameText(frame, piece.digits) : piece.literal;
     return path;
 }
 
@@ -101,13 +107,15 @@ std::optional<int> frameIn(const std::string& name, const std::vector<Piece>& pi
     }
     if (start >= name.size()) return std::nullopt;
     int frame = 0;
-    if (std::from_chars(name.data() + start, name.data() + name.size(), frame).ec != std::errc()) return std::nullopt;
+    if (std::from_chars(name.data() + start, name.data() + name.size(), frame).ec != std::errc())
+        return std::nullopt;
     return expanded(pieces, frame) == name ? std::optional<int>(frame) : std::nullopt;
 }
 
 }  // namespace
 
-std::string expandVariables(const std::string& pattern, const VariableLookup& lookup, const std::string& where) {
+std::string expandVariables(const std::string& pattern, const VariableLookup& lookup,
+                            const std::string& where) {
     std::string out;
     for (std::size_t i = 0; i < pattern.size(); ++i) {
         if (pattern[i] != '$') {
@@ -126,12 +134,14 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
             for (std::size_t k = 0; k < name.size(); ++k) good = good && isNameCharacter(name[k], k == 0);
             if (!good)
                 refuse(where, pattern,
-                       fmt::format("has '${{{}}}'; a variable's name is letters, digits and '_'", clipped(name, 40)));
+                       fmt::format("has '${{{}}}'; a variable's name is letters, digits and '_'",
+                                   clipped(name, 40)));
             const auto value = lookup(name);
             if (!value)
                 refuse(where, pattern,
-                       fmt::format("names the variable '{}', which is neither in [variables] nor in the environment",
-                                   name));
+                       fmt::format(
+                           "names the variable '{}', which is neither in [variables] nor in the environment",
+                           name));
             out += *value;
             i = end;
         } else if (next == 'F' && (i + 2 >= pattern.size() || !isNameCharacter(pattern[i + 2], true))) {
@@ -148,7 +158,9 @@ bool hasFrame(const std::string& pattern) {
     return std::any_of(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.digits > 0; });
 }
 
-std::string expandFrame(const std::string& pattern, int frame) { return expanded(piecesOf(pattern), frame); }
+std::string expandFrame(const std::string& pattern, int frame) {
+    return expanded(piecesOf(pattern), frame);
+}
 
 std::string pathIn(const std::string& folder, const std::string& path) {
     if (folder.empty() || path.empty() || path.front() == '/') return path;
@@ -163,7 +175,7 @@ std::vector<int> existingFrames(const FramePath& path) {
 
     std::vector<int> frames;
     const std::vector<Piece> pieces = piecesOf(name);
-    const std::string place = pathIn(path.folder, expandFrame(folder, 0));
+    const std::string place = folder.empty() ? path.folder : pathIn(path.folder, expandFrame(folder, 0));
     std::error_code error;
     std::filesystem::directory_iterator entry(place.empty() ? "." : place, error);
     for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error))

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// File names with a frame in them. "####", "%04d" and "$F4" stand for the frame with at least four digits, "%d"
-// and "$F" for the bare number, "$$" for a dollar sign. "${NAME}" stands for a variable. What stands for the frame
-// may be in a file's name or in the names of its folders.
+// File names with a frame in them. "####", "%04d" and "$F4" stand for the frame with at least four digits,
+// "%d" and "$F" for the bare number, "$$" for a dollar sign. "${NAME}" stands for a variable. What stands for
+// the frame may be in a file's name or in the names of its folders.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,10 @@ namespace scrim {
 using VariableLookup = std::function<std::optional<std::string>(const std::string& name)>;
 
 /// `pattern` with every ${NAME} replaced, once: values are not searched for further variables, but may hold
-/// "####". Throws Error(input) "`where`: ..." on an unknown or malformed one, and on a '$' that begins nothing.
-std::string expandVariables(const std::string& pattern, const VariableLookup& lookup, const std::string& where);
+/// "####". Throws Error(input) "`where`: ..." on an unknown or malformed one, and on a '$' that begins
+/// nothing.
+std::string expandVariables(const std::string& pattern, const VariableLookup& lookup,
+                            const std::string& where);
 
 /// Whether `pattern` names different files for different frames.
 bool hasFrame(const std::string& pattern);
@@ -27,7 +29,8 @@ std::string expandFrame(const std::string& pattern, int frame);
 /// `path` as seen from `folder`, or `path` itself where it is absolute or `folder` is empty.
 std::string pathIn(const std::string& folder, const std::string& path);
 
-/// A pattern and the folder it is relative to. Only the pattern is searched for frames: folders may have any name.
+/// A pattern and the folder it is relative to. Only the pattern is searched for frames: folders may have any
+/// name.
 struct FramePath {
     std::string folder;
     std::string pattern;
@@ -36,8 +39,8 @@ struct FramePath {
     std::string at(int frame) const { return pathIn(folder, expandFrame(pattern, frame)); }
 };
 
-/// The frames for which `path` has a file, ascending. None where the pattern has no frame, or has it in the name
-/// of a folder.
+/// The frames for which `path` has a file, ascending. None where the pattern has no frame, or has it in the
+/// name of a folder.
 std::vector<int> existingFrames(const FramePath& path);
 
 }  // namespace scrim

@@ -7,8 +7,8 @@ namespace scrim {
 namespace {
 
 /// Slope at a key with slopes a and b of the chords before and after it, of lengths h and k in frames: their
-/// weighted harmonic mean, or 0 at a turning point (F. N. Fritsch and J. Butland, "A method for constructing local
-/// monotone piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984).
+/// weighted harmonic mean, or 0 at a turning point (F. N. Fritsch and J. Butland, "A method for constructing
+/// local monotone piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984).
 double keySlope(double a, double h, double b, double k) {
     if (!(a * b > 0)) return 0;
     const double w1 = 2 * k + h, w2 = k + 2 * h;
@@ -20,7 +20,9 @@ Vec3 keySlope(const Vec3& a, double h, const Vec3& b, double k) {
 }
 
 /// Rounding must not carry a value beyond its keys either.
-double between(double value, double a, double b) { return std::clamp(value, std::min(a, b), std::max(a, b)); }
+double between(double value, double a, double b) {
+    return std::clamp(value, std::min(a, b), std::max(a, b));
+}
 
 Vec3 between(const Vec3& value, const Vec3& a, const Vec3& b) {
     return {between(value.x, a.x, b.x), between(value.y, a.y, b.y), between(value.z, a.z, b.z)};
@@ -46,8 +48,9 @@ T Keyed<T>::at(double frame) const {
     const T slopeP = i == 0 ? T(0) : keySlope(chord(i - 1), length(i - 1), chord(i), h);
     const T slopeQ = i + 2 == keys.size() ? T(0) : keySlope(chord(i), h, chord(i + 1), length(i + 1));
     const double s = 1 - t;
-    return between((1 + 2 * t) * s * s * p + t * t * (3 - 2 * t) * q + t * s * s * h * slopeP - t * t * s * h * slopeQ, p,
-                   q);
+    return between(
+        (1 + 2 * t) * s * s * p + t * t * (3 - 2 * t) * q + t * s * s * h * slopeP - t * t * s * h * slopeQ,
+        p, q);
 }
 
 template struct Keyed<double>;

@@ -11,8 +11,8 @@ namespace scrim {
 
 enum class Interpolation {
     linear,
-    /// Monotone cubic: continuous in its first derivative everywhere (it comes to rest at the first and last key,
-    /// outside of which the value is constant), and never beyond the two keys around it.
+    /// Monotone cubic: continuous in its first derivative everywhere (it comes to rest at the first and last
+    /// key, outside of which the value is constant), and never beyond the two keys around it.
     smooth,
 };
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of the dials: name, unit, default, what is allowed, meaning. The scene reader, the command line
-// and the README take them from here, so that they cannot disagree. Presets of quality are points in the same
-// space.
+// The one table of the dials: name, unit, default, what is allowed, meaning. The scene reader, the command
+// line and the README take them from here, so that they cannot disagree. Presets of quality are points in the
+// same space.
 #pragma once
 
 #include <scrim/scene/dials.h>
@@ -26,12 +26,13 @@ const std::vector<DialInfo>& dialTable();
 
 using DialValue = std::variant<double, std::string>;
 
-/// Turns one dial. Throws Error(input) "`where`: ..." on an unknown name, a value of the wrong type or one that is
-/// not allowed; the message says what is.
+/// Turns one dial. Throws Error(input) "`where`: ..." on an unknown name, a value of the wrong type or one
+/// that is not allowed; the message says what is.
 void setDial(Dials& dials, const std::string& name, const DialValue& value, const std::string& where);
 
 /// The same from text, as on a command line: "0.5", "bilinear".
-void setDialFromText(Dials& dials, const std::string& name, const std::string& text, const std::string& where);
+void setDialFromText(Dials& dials, const std::string& name, const std::string& text,
+                     const std::string& where);
 
 /// The value of one dial as text that `setDialFromText` takes. Throws Error(input) on an unknown name.
 std::string dialText(const Dials& dials, const std::string& name);

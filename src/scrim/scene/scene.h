@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene at one frame: checked, keyed values evaluated, colours in the working space, paths expanded; no file but
-// the scene itself was touched. Plain structs, so that whoever builds a scene in code needs no TOML.
+// A scene at one frame: checked, keyed values evaluated, colours in the working space, paths expanded; no
+// file but the scene itself was touched. Plain structs, so that whoever builds a scene in code needs no TOML.
 #pragma once
 
 #include <scrim/geometry/camera.h>
@@ -25,22 +25,23 @@ enum class OutsidePolicy {
 
 struct SceneVolume {
     std::string name;
-    FramePath sequence;   ///< file volumes: the path before the frame is put in
-    std::string file;     ///< file volumes: the path at this frame; empty for a source
-    int frame = 0;        ///< the number put into `file`: the scene's frame plus the volume's offset
+    FramePath sequence;  ///< file volumes: the path before the frame is put in
+    std::string file;    ///< file volumes: the path at this frame; empty for a source
+    int frame = 0;       ///< the number put into `file`: the scene's frame plus the volume's offset
     OutsidePolicy outside = OutsidePolicy::error;
-    std::string source;   ///< name of a volume source; empty for a file
+    std::string source;  ///< name of a volume source; empty for a file
     std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text
-    Mat4 wsFromAsset{1.0};     ///< takes the asset's own world space to the scene's
-    std::string densityGrid;   ///< as VdbFile::field takes it; "": choose
-    double densityScale = 1;   ///< extinction per world unit = ramp(grid value) * densityScale
-    std::vector<std::pair<double, double>> ramp;  ///< grid value to value, ascending; constant outside; empty: none
-    Medium medium;             ///< its densityScale is the one above
-    std::string where;         ///< of `file` or `source` in the scene: "scene.toml:12:8"
+    Mat4 wsFromAsset{1.0};    ///< takes the asset's own world space to the scene's
+    std::string densityGrid;  ///< as VdbFile::field takes it; "": choose
+    double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
+    std::vector<std::pair<double, double>>
+        ramp;           ///< grid value to value, ascending; constant outside; empty: none
+    Medium medium;      ///< its densityScale is the one above
+    std::string where;  ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
 
 struct ScenePreview {
-    std::string file;     ///< at this frame; empty: no preview
+    std::string file;  ///< at this frame; empty: no preview
     FramePath path;
     std::string display;  ///< "": the config's default
     std::string view;     ///< "": the display's default
@@ -57,13 +58,13 @@ struct SceneOutput {
 };
 
 struct Scene {
-    std::string file;   ///< where the scene comes from, as in error messages
+    std::string file;  ///< where the scene comes from, as in error messages
     double frame = 1;
     Camera camera;
-    int overscan = 0;   ///< pixels added on every side of the picture
+    int overscan = 0;                  ///< pixels added on every side of the picture
     std::vector<SceneVolume> volumes;  ///< at least one
     std::vector<Light> lights;
-    Rgb ambient{0};     ///< radiance of an unshadowed environment
+    Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
     std::string quality = "standard";  ///< the preset that `dials` started from
     SceneOutput output;

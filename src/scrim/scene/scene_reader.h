@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From the text of a scene (TOML) to a Scene. A key that nobody reads is an error, and so are a wrong type and a
-// value out of range: every message begins with "file:line:column: ", or with "--set key.path: " where the value
-// came from an override, and says what was found and what is allowed.
+// From the text of a scene (TOML) to a Scene. A key that nobody reads is an error, and so are a wrong type
+// and a value out of range: every message begins with "file:line:column: ", or with "--set key.path: " where
+// the value came from an override, and says what was found and what is allowed.
 #pragma once
 
 #include <scrim/image/colour.h>
@@ -18,20 +18,23 @@ struct SceneText {
     std::string text;    ///< TOML
 };
 
-/// Reads a file of up to 16 MB; `folder` becomes the file's. Throws Error(input) where it is missing or too large.
+/// Reads a file of up to 16 MB; `folder` becomes the file's. Throws Error(input) where it is missing or too
+/// large.
 SceneText loadSceneText(const std::string& path);
 
 /// The scene at `frame`. An override is "key.path=value" with a TOML value, or a bare word as a string:
-/// "camera.fov=20", "light[0].intensity=3" (from 0), "light.key.intensity=3" (by name), "camera.position[1]=2",
-/// "output.file=out.exr". Overrides are applied in order, before anything is read. Throws Error(input).
+/// "camera.fov=20", "light[0].intensity=3" (from 0), "light.key.intensity=3" (by name),
+/// "camera.position[1]=2", "output.file=out.exr". Overrides are applied in order, before anything is read.
+/// Throws Error(input).
 ///
-/// Matrices are written row by row and act on column vectors: the last column is the translation, the last row
-/// 0, 0, 0, 1. Only the environment is read besides the text; whether a volume's file exists is for volume_file.h.
+/// Matrices are written row by row and act on column vectors: the last column is the translation, the last
+/// row 0, 0, 0, 1. Only the environment is read besides the text; whether a volume's file exists is for
+/// volume_file.h.
 Scene readScene(const SceneText& text, double frame, const std::vector<std::string>& overrides,
                 const ColourConfig& colour);
 
-/// The scene with its overrides, as TOML: the text itself where there are none. Throws Error(input) where text or
-/// overrides are malformed; values are not checked.
+/// The scene with its overrides, as TOML: the text itself where there are none. Throws Error(input) where
+/// text or overrides are malformed; values are not checked.
 std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides);
 
 }  // namespace scrim

@@ -13,8 +13,8 @@
 namespace scrim {
 namespace {
 
-// Each level of nesting costs the parser, and the destructor of what it built, a few frames of the stack. Scenes
-// need about five levels.
+// Each level of nesting costs the parser, and the destructor of what it built, a few frames of the stack.
+// Scenes need about five levels.
 constexpr int kMostBrackets = 32;
 constexpr int kMostKeyParts = 16;
 
@@ -26,25 +26,30 @@ std::size_t endOfString(const std::string& text, std::size_t i) {
     const std::string three(3, quote);
     if (text.compare(i, 3, three) == 0) {
         for (i += 3; i < text.size(); ++i) {
-            if (quote == '"' && text[i] == '\\') ++i;
-            else if (text.compare(i, 3, three) == 0) return text.find_first_not_of(quote, i);
+            if (quote == '"' && text[i] == '\\')
+                ++i;
+            else if (text.compare(i, 3, three) == 0)
+                return text.find_first_not_of(quote, i);
         }
         return text.size();
     }
     for (++i; i < text.size() && text[i] != '\n'; ++i) {
-        if (quote == '"' && text[i] == '\\') ++i;
-        else if (text[i] == quote) return i + 1;
+        if (quote == '"' && text[i] == '\\')
+            ++i;
+        else if (text[i] == quote)
+            return i + 1;
     }
     return i;
 }
 
-/// Refuses text that the parser would descend into too deeply. Reads the text as TOML up to its first mistake,
-/// where the parser stops too.
+/// Refuses text that the parser would descend into too deeply. Reads the text as TOML up to its first
+/// mistake, where the parser stops too.
 void checkNesting(const std::string& text, const std::string& file) {
     int brackets = 0, keyParts = 1, line = 1;
     const auto refuse = [&](const std::string& problem) {
         const bool located = file.compare(0, kOverride.size(), kOverride) != 0;
-        throw Error(ErrorKind::input, fmt::format("{}: {}", located ? fmt::format("{}:{}:1", file, line) : file, problem));
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: {}", located ? fmt::format("{}:{}:1", file, line) : file, problem));
     };
     for (std::size_t i = 0; i < text.size();) {
         const char c = text[i];
@@ -65,9 +70,11 @@ void checkNesting(const std::string& text, const std::string& file) {
         if (c == '\n') ++line;
         if (std::string_view("=,{}[]\n").find(c) != std::string_view::npos) keyParts = 1;
         if (brackets > kMostBrackets)
-            refuse(fmt::format("more than {} brackets are open; a scene needs no more than a few", kMostBrackets));
+            refuse(fmt::format("more than {} brackets are open; a scene needs no more than a few",
+                               kMostBrackets));
         if (keyParts > kMostKeyParts)
-            refuse(fmt::format("a key has more than {} parts; a scene needs no more than a few", kMostKeyParts));
+            refuse(
+                fmt::format("a key has more than {} parts; a scene needs no more than a few", kMostKeyParts));
         ++i;
     }
 }
@@ -148,11 +155,13 @@ class Override {
                 part.key = m_path.substr(i, end - i);
                 i = end;
                 const bool bare = std::all_of(part.key.begin(), part.key.end(), [](char c) {
-                    return c == '-' || c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z');
+                    return c == '-' || c == '_' || (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+                           (c >= 'a' && c <= 'z');
                 });
                 if (part.key.empty() || !bare)
-                    fail(fmt::format("'{}' is no key; expected letters, digits, '-' and '_', or anything in quotes",
-                                     part.key));
+                    fail(fmt::format(
+                        "'{}' is no key; expected letters, digits, '-' and '_', or anything in quotes",
+                        part.key));
             }
             while (i < m_path.size() && m_path[i] == '[') {
                 std::size_t index = 0;
@@ -166,7 +175,8 @@ class Override {
             if (m_parts.size() == static_cast<std::size_t>(kMostKeyParts))
                 fail(fmt::format("the path has more than {} parts", kMostKeyParts));
             m_parts.push_back(std::move(part));
-            if (i < m_path.size() && m_path[i] != '.') fail("a part of the path is not followed by '.' or '['");
+            if (i < m_path.size() && m_path[i] != '.')
+                fail("a part of the path is not followed by '.' or '['");
         } while (i++ < m_path.size());
     }
 
@@ -178,6 +188,8 @@ class Override {
 
     /// The element of a list of tables that goes by the name that `part` gives.
     toml::node* elementNamed(toml::array& list, const std::string& key, const PathPart& part) const {
+        if (!list.is_array_of_tables())
+            fail(fmt::format("'{}' is a list; write {}[0] for its first element", key, key));
         std::vector<std::string> names;
         for (std::size_t i = 0; i < list.size(); ++i) {
             const toml::table* table = list[i].as_table();
@@ -196,8 +208,10 @@ class Override {
         std::string out = "\"";
         for (const char c : text) {
             if (c == '"' || c == '\\') out += '\\';
-            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) out += fmt::format("\\u{:04x}", c);
-            else out += c;
+            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
+                out += fmt::format("\\u{:04x}", c);
+            else
+                out += c;
         }
         return out + '"';
     }
@@ -206,22 +220,26 @@ class Override {
     toml::table parsed(std::size_t first) const {
         std::string key;
         for (std::size_t i = first; i < m_parts.size(); ++i) {
-            if (i > first && !m_parts[i].indices.empty()) fail(fmt::format("there is no list '{}'", m_parts[i].key));
+            if (i > first && !m_parts[i].indices.empty())
+                fail(fmt::format("there is no list '{}'", m_parts[i].key));
             key += (i > first ? "." : "") + quoted(m_parts[i].key);
         }
-        // What begins like no value of TOML is a string; so is what holds a '#' and no quote or bracket, since
-        // "smoke.####.vdb" and "12####.vdb" are file names and not values with comments.
-        const bool delimited = !m_value.empty() && std::string_view("\"'[{").find(m_value.front()) != std::string_view::npos;
-        if (!delimited) {
-            if (m_value.find('#') == std::string::npos) {
-                try {
-                    return checked(toml::parse(key + " = " + m_value, m_where));
-                } catch (const toml::parse_error&) {
-                }
-            }
-            return parseToml(key + " = " + quoted(m_value), m_where);
+        // What begins like no value of TOML is a string; so is what holds a '#' and no quote or bracket,
+        // since "smoke.####.vdb" and "12####.vdb" are file names and not values with comments.
+        const bool delimited =
+            !m_value.empty() && std::string_view("\"'[{").find(m_value.front()) != std::string_view::npos;
+        if (delimited || (m_value.find('#') == std::string::npos && isToml(m_value)))
+            return checked(parseToml(key + " = " + m_value, m_where));
+        return parseToml(key + " = " + quoted(m_value), m_where);
+    }
+
+    static bool isToml(const std::string& value) {
+        try {
+            parseToml("value = " + value, "override");
+            return true;
+        } catch (const Error&) {
+            return false;
         }
-        return checked(parseToml(key + " = " + m_value, m_where));
     }
 
     toml::table checked(toml::table table) const {
@@ -261,6 +279,8 @@ toml::table parseToml(const std::string& text, const std::string& file) {
     }
 }
 
-void applyOverride(toml::table& root, const std::string& assignment) { Override(assignment).applyTo(root); }
+void applyOverride(toml::table& root, const std::string& assignment) {
+    Override(assignment).applyTo(root);
+}
 
 }  // namespace scrim

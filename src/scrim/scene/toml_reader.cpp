@@ -12,16 +12,24 @@
 namespace scrim {
 namespace {
 
+/// "1000000", but "1e+15".
+std::string limitText(double v) {
+    return std::abs(v) > 1e6 ? fmt::format("{:g}", v) : fmt::format("{}", v);
+}
+
 /// " of at least 0 degrees".
 std::string limitsText(const Range& range) {
     std::string text;
     const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
     if (low && high && !range.openLow && !range.openHigh) {
-        text = fmt::format(" from {} to {}", range.low, range.high);
+        text = fmt::format(" from {} to {}", limitText(range.low), limitText(range.high));
     } else {
-        if (low) text += fmt::format(" {} {}", range.openLow ? "greater than" : "of at least", range.low);
+        if (low)
+            text +=
+                fmt::format(" {} {}", range.openLow ? "greater than" : "of at least", limitText(range.low));
         if (low && high) text += " and";
-        if (high) text += fmt::format(" {} {}", range.openHigh ? "less than" : "of at most", range.high);
+        if (high)
+            text += fmt::format(" {} {}", range.openHigh ? "less than" : "of at most", limitText(range.high));
     }
     if (range.unit.empty()) return text;
     return text + (low || high ? " " : " of ") + range.unit;
@@ -29,14 +37,20 @@ std::string limitsText(const Range& range) {
 
 bool holds(const Range& range, double v) {
     if (!std::isfinite(v)) return false;
-    return (range.openLow ? v > range.low : v >= range.low) && (range.openHigh ? v < range.high : v <= range.high);
+    return (range.openLow ? v > range.low : v >= range.low) &&
+           (range.openHigh ? v < range.high : v <= range.high);
 }
 
-std::string numberText(const Range& range) { return "a number" + limitsText(range); }
-std::string vectorText(const Range& range) { return "three numbers [x, y, z], each" + (limitsText(range).empty() ? " finite" : limitsText(range)); }
+std::string numberText(const Range& range) {
+    return "a number" + limitsText(range);
+}
+std::string vectorText(const Range& range) {
+    return "three numbers [x, y, z], each" + (limitsText(range).empty() ? " finite" : limitsText(range));
+}
 
 std::string foundText(const toml::node& node) {
-    if (const auto* text = node.as_string()) return fmt::format("the string \"{}\"", clipped(text->get(), 80));
+    if (const auto* text = node.as_string())
+        return fmt::format("the string \"{}\"", clipped(text->get(), 80));
     if (const auto* value = node.as_integer()) return fmt::format("{}", value->get());
     if (const auto* value = node.as_floating_point()) return fmt::format("{}", value->get());
     if (const auto* value = node.as_boolean()) return value->get() ? "true" : "false";
@@ -47,22 +61,37 @@ std::string foundText(const toml::node& node) {
 
 }  // namespace
 
-Range atLeast(double low, std::string unit) {
+/// Far beyond any scene.
+constexpr double kFarthest = 1e15;
+
+Range Range::atLeast(double low, std::string unit) {
     Range range;
     range.low = low;
     range.unit = std::move(unit);
     return range;
 }
 
-Range above(double low, std::string unit) {
+Range Range::above(double low, std::string unit) {
     Range range = atLeast(low, std::move(unit));
     range.openLow = true;
     return range;
 }
 
-Range fromTo(double low, double high, std::string unit) { return {low, high, false, false, std::move(unit)}; }
-Range between(double low, double high, std::string unit) { return {low, high, true, true, std::move(unit)}; }
-Range coordinate() { return fromTo(-1e15, 1e15, "world units"); }
+Range Range::fromTo(double low, double high, std::string unit) {
+    return {low, high, false, false, std::move(unit)};
+}
+Range Range::between(double low, double high, std::string unit) {
+    return {low, high, true, true, std::move(unit)};
+}
+Range Range::coordinate() {
+    return fromTo(-kFarthest, kFarthest, "world units");
+}
+Range Range::length() {
+    return fromTo(0, kFarthest, "world units");
+}
+Range Range::positiveLength() {
+    return {0, kFarthest, true, false, "world units"};
+}
 
 // ---- values
 
@@ -76,7 +105,8 @@ void TomlValue::failExpecting(const std::string& expected) const {
 
 double TomlValue::number(const Range& range) const {
     if (!m_node->is_number()) failExpecting(numberText(range));
-    const double v = *m_node->value<double>();
+    const double v = m_node->is_integer() ? static_cast<double>(m_node->as_integer()->get())
+                                          : m_node->as_floating_point()->get();
     if (!holds(range, v)) failExpecting(numberText(range));
     return v;
 }
@@ -124,16 +154,20 @@ Vec3 TomlValue::vec3(const Range& range) const {
 }
 
 Rgb TomlValue::colour(const ColourConfig& config) const {
-    constexpr const char* kExpected = "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";
+    constexpr const char* kExpected =
+        "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";
     const auto components = [&](const TomlValue& value) {
         const std::vector<TomlValue> parts = value.items(3, kExpected);
-        return Rgb(parts[0].number(atLeast(0)), parts[1].number(atLeast(0)), parts[2].number(atLeast(0)));
+        return Rgb(parts[0].number(Range::atLeast(0)), parts[1].number(Range::atLeast(0)),
+                   parts[2].number(Range::atLeast(0)));
     };
     if (!isTable()) return components(*this);
     TomlTable table = this->table(fmt::format("the colour '{}'", m_name));
+    table.find("rgb");
+    table.find("colorspace");
+    table.finish();  // before asking for both: { grid = ... } is no misspelt colour
     const TomlValue rgb = table.require("rgb", "three numbers [r, g, b]");
     const TomlValue space = table.require("colorspace", "the name of a colour space");
-    table.finish();
     try {
         return config.toWorking(components(rgb), space.string());
     } catch (const Error& error) {
@@ -154,14 +188,15 @@ T TomlValue::keyedAt(double frame, const std::function<T(const TomlValue&)>& rea
     TomlTable table = this->table(fmt::format("the keyed '{}'", m_name));
     const TomlValue list = table.require("keys", "a list of [frame, value]");
     Keyed<T> keyed;
-    if (table.choice("interpolation", {"linear", "smooth"}, 0) == 1) keyed.interpolation = Interpolation::smooth;
+    if (table.choice("interpolation", {"linear", "smooth"}, 0) == 1)
+        keyed.interpolation = Interpolation::smooth;
     table.finish();
     for (const TomlValue& key : list.items(0, "a list of [frame, value]")) {
         const std::vector<TomlValue> pair = key.items(2, "[frame, value]");
-        const double at = pair[0].number(fromTo(-1e9, 1e9, "frames"));
+        const double at = pair[0].number(Range::fromTo(-1e9, 1e9, "frames"));
         if (!keyed.keys.empty() && at <= keyed.keys.back().first)
-            pair[0].fail(fmt::format("'{}': frame {} does not come after frame {}; expected ascending frames", m_name,
-                                     at, keyed.keys.back().first));
+            pair[0].fail(fmt::format("'{}': frame {} does not come after frame {}; expected ascending frames",
+                                     m_name, at, keyed.keys.back().first));
         keyed.keys.emplace_back(at, read(pair[1]));
     }
     if (keyed.keys.empty()) list.failExpecting("at least one [frame, value]");
@@ -182,10 +217,12 @@ Rgb TomlValue::colourAt(double frame, const ColourConfig& config) const {
 
 Vec3 TomlValue::scaleAt(double frame) const {
     const Vec3 scale = keyedAt<Vec3>(frame, [&](const TomlValue& value) {
-        return value.isNumber() ? Vec3(value.number(fromTo(-1e12, 1e12))) : value.vec3(fromTo(-1e12, 1e12));
+        return value.isNumber() ? Vec3(value.number(Range::fromTo(-1e12, 1e12)))
+                                : value.vec3(Range::fromTo(-1e12, 1e12));
     });
     if (scale.x == 0 || scale.y == 0 || scale.z == 0)
-        fail(fmt::format("'{}' is 0 at frame {}; expected a number or three numbers, none of them 0", m_name, frame));
+        fail(fmt::format("'{}' is 0 at frame {}; expected a number or three numbers, none of them 0", m_name,
+                         frame));
     return scale;
 }
 
@@ -212,8 +249,9 @@ TomlValue TomlTable::require(std::string_view key, const std::string& expected) 
         const std::string name(other.str());
         const bool known = std::find(m_known.begin(), m_known.end(), name) != m_known.end();
         if (!known && nearestName(name, {std::string(key)}) == key)
-            throw Error(ErrorKind::input, fmt::format("{}: '{}' is not known here ({}); did you mean '{}'?",
-                                                      whereOf(other.source()), clipped(name, 60), m_description, key));
+            throw Error(ErrorKind::input,
+                        fmt::format("{}: '{}' is not known here ({}); did you mean '{}'?",
+                                    whereOf(other.source()), clipped(name, 60), m_description, key));
     }
     fail(fmt::format("{} lacks '{}'; expected {}", m_description, key, expected));
 }
@@ -251,7 +289,8 @@ std::string TomlTable::string(std::string_view key, std::string fallback) {
     return value ? value->string() : fallback;
 }
 
-std::size_t TomlTable::choice(std::string_view key, const std::vector<std::string>& words, std::size_t fallback) {
+std::size_t TomlTable::choice(std::string_view key, const std::vector<std::string>& words,
+                              std::size_t fallback) {
     const auto value = find(key);
     return value ? value->choice(words) : fallback;
 }

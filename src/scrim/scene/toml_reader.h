@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: reads checked values out of TOML. A TomlValue knows where it stands and what it is called, so every
-// complaint about it is made here, in the same words. A TomlTable remembers which keys it was asked for: in the
-// end nobody may have written another one.
+// Internal: reads checked values out of TOML. A TomlValue knows where it stands and what it is called, so
+// every complaint about it is made here, in the same words. A TomlTable remembers which keys it was asked
+// for: in the end nobody may have written another one.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -25,15 +25,16 @@ struct Range {
     double high = std::numeric_limits<double>::infinity();
     bool openLow = false, openHigh = false;  ///< the limit itself is not allowed
     std::string unit;                        ///< "degrees"
+
+    static Range atLeast(double low, std::string unit = "");
+    static Range above(double low, std::string unit = "");
+    static Range fromTo(double low, double high, std::string unit = "");
+    static Range between(double low, double high, std::string unit = "");  ///< without its limits
+    /// Coordinates and lengths in the world: their squares fit a double with room to spare.
+    static Range coordinate();
+    static Range length();  ///< 0 or more
+    static Range positiveLength();
 };
-
-Range atLeast(double low, std::string unit = "");
-Range above(double low, std::string unit = "");
-Range fromTo(double low, double high, std::string unit = "");
-Range between(double low, double high, std::string unit = "");  ///< without its limits
-
-/// Coordinates of the world. Their squares must fit a double with room to spare.
-Range coordinate();
 
 class TomlTable;
 
@@ -68,8 +69,9 @@ class TomlValue {
     Rgb colourAt(double frame, const ColourConfig& config) const;
     Vec3 scaleAt(double frame) const;  ///< a number or three, none of them 0
 
-    [[noreturn]] void fail(const std::string& problem) const;            ///< "where: problem"
-    [[noreturn]] void failExpecting(const std::string& expected) const;  ///< "where: 'x' is ...; expected ..."
+    [[noreturn]] void fail(const std::string& problem) const;  ///< "where: problem"
+    [[noreturn]] void failExpecting(
+        const std::string& expected) const;  ///< "where: 'x' is ...; expected ..."
 
   private:
     template <typename T>

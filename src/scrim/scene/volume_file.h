@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which file a volume shows at its frame, once the disk is asked: the sequence's own, the one that is held, or none.
+// Which file a volume shows at its frame, once the disk is asked: the sequence's own, the one that is held,
+// or none.
 #pragma once
 
 #include <scrim/scene/scene.h>
@@ -20,8 +21,8 @@ struct VolumeFile {
     std::string problem;
 };
 
-/// For a volume with a file. `hold` and `black` rule before the first and after the last file of a sequence; a gap
-/// inside it is a lost file, and missing whatever the policy.
+/// For a volume with a file. `hold` and `black` rule before the first and after the last file of a sequence;
+/// a gap inside it is a lost file, and missing whatever the policy.
 VolumeFile findVolumeFile(const SceneVolume& volume);
 
 }  // namespace scrim

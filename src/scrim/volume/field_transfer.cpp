@@ -89,7 +89,7 @@ class Writer {
 
   private:
     void write(const void* data, std::uint64_t size, std::uint64_t at) const {
-        const char* from = static_cast<const char*>(data);
+        const char* from = static_cast<const char*>(data);  // null where size is 0
         while (size > 0) {
             const ssize_t done = ::pwrite(m_fd, from, size, static_cast<off_t>(at));
             if (done < 0 && errno == EINTR) continue;
@@ -229,7 +229,7 @@ SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapp
 
     const char* origins = reader.take(header.blocks, sizeof(Int3));
     field.blockOrigins.resize(header.blocks);
-    std::memcpy(field.blockOrigins.data(), origins, header.blocks * sizeof(Int3));
+    if (header.blocks > 0) std::memcpy(field.blockOrigins.data(), origins, header.blocks * sizeof(Int3));
     const char* tiles = reader.take(header.tiles, sizeof(TileRecord));
     for (std::uint64_t i = 0; i < header.tiles; ++i) {
         TileRecord t;

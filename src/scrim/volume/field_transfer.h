@@ -23,8 +23,7 @@
 namespace scrim {
 
 /// Creates the descriptor to share: a memfd that is closed on exec (dup it for a child that
-/// execs). The caller closes it. Throws
-/// Error(memory).
+/// execs). The caller closes it. Throws Error(memory).
 int createTransfer();
 
 struct TransferMessage {

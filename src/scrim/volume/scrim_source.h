@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Volume sources for Scrim: shared objects that make volumes. This header is all a source needs; it is plain C99,
- * so that a source can be written in any language and with any compiler.
+ * Volume sources for Scrim: shared objects that make volumes. This header is all a source needs; it is plain
+ * C99, so that a source can be written in any language and with any compiler.
  *
- * A source is a shared object called `scrim_source_NAME.so` that exports one function, `scrim_source_v1`, which
- * returns a pointer to a constant description of the source (struct scrim_source). Scrim looks for it in the
- * folders of the environment variable SCRIM_PLUGIN_PATH (separated by colons), then beside itself in
+ * A source is a shared object called `scrim_source_NAME.so` that exports one function, `scrim_source_v1`,
+ * which returns a pointer to a constant description of the source (struct scrim_source). Scrim looks for it
+ * in the folders of the environment variable SCRIM_PLUGIN_PATH (separated by colons), then beside itself in
  * lib/scrim/sources. The shortest complete source:
  *
  *     #include <scrim/volume/scrim_source.h>
@@ -22,17 +22,17 @@
  *         return host->add_tile(host, grid, origin, 8, (float)values[0].number[0]);
  *     }
  *
- *     static const scrim_source source = {SCRIM_SOURCE_ABI, sizeof(scrim_source), "box", "a box of fog", parameters,
- *                                         1, sizeof(scrim_parameter), generate};
+ *     static const scrim_source source = {SCRIM_SOURCE_ABI, sizeof(scrim_source), "box", "a box of fog",
+ *                                         parameters, 1, sizeof(scrim_parameter), generate};
  *
  *     SCRIM_SOURCE_EXPORT const scrim_source* scrim_source_v1(void) { return &source; }
  *
  *     cc -shared -fPIC -o scrim_source_box.so box.c
  *
- * Rules. Nothing throws and nothing exits across this boundary, in either direction. The host's functions may be
- * called only during `generate` and only from the thread that called it; a source may use threads of its own
- * behind that. The same parameters give the same grids, whatever the number of threads. All text is UTF-8 and
- * ends with a zero byte; the host copies what it is given before a function returns.
+ * Rules. Nothing throws and nothing exits across this boundary, in either direction. The host's functions may
+ * be called only during `generate` and only from the thread that called it; a source may use threads of its
+ * own behind that. The same parameters give the same grids, whatever the number of threads. All text is UTF-8
+ * and ends with a zero byte; the host copies what it is given before a function returns.
  */
 #ifndef SCRIM_SOURCE_H
 #define SCRIM_SOURCE_H
@@ -61,12 +61,13 @@ typedef struct scrim_parameter {
     const char* name;         /* lower case and underscores, unique within the source */
     int32_t type;             /* SCRIM_NUMBER, ... */
     const char* default_text; /* as a user would write it; must itself be valid */
-    double minimum, maximum;  /* inclusive, for numbers, integers and each part of a vec3; both 0: no limits */
-    const char* choices;      /* of a string: "plume|ball|slab"; NULL: any text */
-    const char* help;         /* one line: meaning and unit */
+    double minimum, maximum; /* inclusive, for numbers, integers and each part of a vec3; both 0: no limits */
+    const char* choices;     /* of a string: "plume|ball|slab"; NULL: any text */
+    const char* help;        /* one line: meaning and unit */
 } scrim_parameter;
 
-/* The value of one parameter, checked by the host against its description. Only the member of its type counts. */
+/* The value of one parameter, checked by the host against its description. Only the member of its type
+ * counts. */
 typedef struct scrim_value {
     int32_t type;     /* as described */
     int32_t boolean;  /* SCRIM_BOOL: 0 or 1 */
@@ -75,32 +76,35 @@ typedef struct scrim_value {
     const char* text; /* SCRIM_STRING; valid until `generate` returns */
 } scrim_value;
 
-/* What the host offers. Functions that return int return 0 (or a grid's number) when all is well and a negative
- * number on an error the host has already noted: the source should then clean up and return that number. */
+/* What the host offers. Functions that return int return 0 (or a grid's number) when all is well and a
+ * negative number on an error the host has already noted: the source should then clean up and return that
+ * number. */
 typedef struct scrim_host scrim_host;
 struct scrim_host {
     uint32_t abi_version; /* SCRIM_SOURCE_ABI of the host */
     uint32_t struct_size; /* sizeof(scrim_host) of the host */
     void* context;        /* the host's own */
 
-    /* Starts a grid and returns its number. `name` is unique among the source's grids; "density" is what users
-     * expect. `world_from_index`: 4 x 4, row by row (the translation is [3], [7], [11]), affine and invertible;
-     * maps index space, where voxel centres are at integers, to world space. */
+    /* Starts a grid and returns its number. `name` is unique among the source's grids; "density" is what
+     * users expect. `world_from_index`: 4 x 4, row by row (the translation is [3], [7], [11]), affine and
+     * invertible; maps index space, where voxel centres are at integers, to world space. */
     int (*add_grid)(const scrim_host* host, const char* name, const double world_from_index[16]);
 
-    /* Adds the voxels origin .. origin + 7 of a grid. `origin`: multiples of 8, each block once. `values`: the one
-     * of voxel origin + (x, y, z) is at (x * 8 + y) * 8 + z; 0 means empty, and values that are negative, infinite
-     * or NaN count as 0, which the user is told. Blocks of nothing but 0 need not be added. */
+    /* Adds the voxels origin .. origin + 7 of a grid. `origin`: multiples of 8, each block once. `values`:
+     * the one of voxel origin + (x, y, z) is at (x * 8 + y) * 8 + z; 0 means empty, and values that are
+     * negative, infinite or NaN count as 0, which the user is told. Blocks of nothing but 0 need not be
+     * added. */
     int (*add_block)(const scrim_host* host, int grid, const int32_t origin[3], const float values[512]);
 
-    /* Adds a cube of constant value: voxels origin .. origin + edge - 1. `edge`: 8 times a power of two; `origin`:
-     * multiples of `edge`. Blocks and tiles must not overlap. */
+    /* Adds a cube of constant value: voxels origin .. origin + edge - 1. `edge`: 8 times a power of two;
+     * `origin`: multiples of `edge`. Blocks and tiles must not overlap. */
     int (*add_tile)(const scrim_host* host, int grid, const int32_t origin[3], int32_t edge, float value);
 
     /* Tells the user something, in one line. */
     void (*warn)(const scrim_host* host, const char* text);
 
-    /* Reports the finished part, in [0, 1]. Not 0: the user wants to stop; clean up and return that number. */
+    /* Reports the finished part, in [0, 1]. Not 0: the user wants to stop; clean up and return that number.
+     */
     int (*progress)(const scrim_host* host, double done);
 
     /* Says, in one line, why `generate` is about to return something other than 0. The first text counts. */
@@ -115,10 +119,10 @@ typedef struct scrim_source {
     const char* description;           /* one line */
     const scrim_parameter* parameters; /* may be NULL where there are none */
     uint32_t parameter_count;
-    uint32_t parameter_size;           /* sizeof(scrim_parameter) */
+    uint32_t parameter_size; /* sizeof(scrim_parameter) */
 
-    /* Makes the grids. `values`: one for each parameter, in the order described. Returns 0, or any other number
-     * after `fail`. Keeps no state from call to call. */
+    /* Makes the grids. `values`: one for each parameter, in the order described. Returns 0, or any other
+     * number after `fail`. Keeps no state from call to call. */
     int (*generate)(const scrim_host* host, const scrim_value* values);
 } scrim_source;
 

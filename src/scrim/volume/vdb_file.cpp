@@ -31,6 +31,9 @@ struct VdbFile::Content {
 namespace {
 
 constexpr std::size_t kMessageLimit = 1000;  ///< bytes of an error that lists grids
+/// A node of OpenVDB's trees takes some 35 times as much memory as it can be compressed to in a file, so
+/// files below this need less than 1 GiB, and an allocation that fails is their fault, not the machine's.
+constexpr std::size_t kSmallFile = std::size_t{16} << 20;
 constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value worth keeping
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
@@ -116,11 +119,10 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
     } catch (const std::ios_base::failure&) {
         fail(content.path, damaged + "its data end too early");
     } catch (const std::bad_alloc&) {
-        throw Error(
-            ErrorKind::memory,
-            clipped(fmt::format("{}: not enough memory to read this file of {} bytes, or it is damaged",
-                                content.path, bytes.size()),
-                    kMessageLimit));
+        if (bytes.size() < kSmallFile)
+            fail(content.path, damaged + "it claims more memory than its size allows");
+        throw Error(ErrorKind::memory,
+                    clipped(content.path + ": not enough memory to read it", kMessageLimit));
     } catch (const std::exception& error) {
         fail(content.path, damaged + clipped(error.what(), 200));
     }

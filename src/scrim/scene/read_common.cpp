@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// What several sections of a scene share: paths, directions, names.
+#include <scrim/scene/read_sections.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+double largest(const Vec3& v) {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Scaled first, so that squares neither underflow nor overflow.
+Vec3 unit(const Vec3& v) {
+    return glm::normalize(v / largest(v));
+}
+
+}  // namespace
+
+FramePath ReadContext::path(const TomlValue& value) const {
+    return {folder, expandVariables(value.string(), variables, value.where())};
+}
+
+int ReadContext::fileFrame() const {
+    return static_cast<int>(std::lround(frame));
+}
+
+Vec3 readDirection(const TomlValue& value, double frame) {
+    const Vec3 v = value.vec3At(frame);
+    if (largest(v) == 0)
+        value.fail(fmt::format("'{}' is 0, 0, 0 at frame {}; expected a direction", value.name(), frame));
+    return unit(v);
+}
+
+Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
+                      double frame) {
+    const Vec3 v = to - from;
+    if (largest(v) == 0)
+        value.fail(fmt::format("{} at frame {} ({}, {}, {})", problem, frame, from.x, from.y, from.z));
+    return unit(v);
+}
+
+std::string readName(TomlTable& table, const std::string& defaultName) {
+    std::string name = defaultName;
+    if (const auto value = table.find("name")) {
+        name = value->string();
+        const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+        if (std::any_of(name.begin(), name.end(), control))
+            value->failExpecting("a name without control characters");
+    }
+    table.describe(fmt::format("{} '{}'", table.description(), name));
+    return name;
+}
+
+}  // namespace scrim

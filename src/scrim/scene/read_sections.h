@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: one function a section of a scene. Each reads all keys of its table, refuses the rest, and
+// returns what the section says at the frame.
+#pragma once
+
+#include <scrim/scene/scene.h>
+#include <scrim/scene/toml_reader.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scrim {
+
+/// What all sections need to know.
+struct ReadContext {
+    double frame = 1;
+    const ColourConfig& colour;
+    std::string folder;        ///< of the scene
+    VariableLookup variables;  ///< [variables], then the environment
+
+    /// The pattern in `value` with its variables expanded, relative to the scene.
+    FramePath path(const TomlValue& value) const;
+    /// The scene's frame as files are numbered: the nearest whole number.
+    int fileFrame() const;
+};
+
+struct CameraSection {
+    Camera camera;
+    int overscan = 0;
+};
+
+struct RenderSection {
+    std::string quality = "standard";
+    Dials dials;
+};
+
+CameraSection readCamera(TomlTable table, const ReadContext& context);
+/// `defaultName` is the name of a volume or light that has none.
+SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
+/// The map of a volume's transform.
+Mat4 readTransform(TomlTable table, const ReadContext& context);
+Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context);
+Rgb readAmbient(TomlTable table, const ReadContext& context);
+RenderSection readRender(TomlTable table);
+/// Of a scene without [output] too: the defaults.
+SceneOutput defaultOutput(const ReadContext& context);
+SceneOutput readOutput(TomlTable table, const ReadContext& context);
+std::vector<std::pair<std::string, std::string>> readVariables(TomlTable table);
+
+/// The unit vector along the three numbers of `value`, which must not all be 0.
+Vec3 readDirection(const TomlValue& value, double frame);
+/// The unit vector from `from` to `to`; throws at `value` where they coincide, with "`problem` at frame ...".
+Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
+                      double frame);
+/// The text that is said about a volume or light: "[[light]] 'key'"; and its name.
+std::string readName(TomlTable& table, const std::string& defaultName);
+
+}  // namespace scrim

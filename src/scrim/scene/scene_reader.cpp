@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/scene_reader.h>
+
+#include <scrim/base/error.h>
+#include <scrim/scene/read_sections.h>
+#include <scrim/scene/quality.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <system_error>
+
+namespace scrim {
+namespace {
+
+/// Scenes are written by people, or by exporters that key a few dozen values.
+constexpr std::size_t kLargestFile = std::size_t{16} << 20;
+
+/// Keeps a frame plus an offset within an int.
+constexpr double kLargestFrame = 1e9;
+
+toml::table parsed(const SceneText& text, const std::vector<std::string>& overrides) {
+    toml::table root = parseToml(text.text, text.file);
+    for (const std::string& assignment : overrides) applyOverride(root, assignment);
+    return root;
+}
+
+/// Looks into `variables`, then into the environment.
+VariableLookup lookupIn(std::vector<std::pair<std::string, std::string>> variables) {
+    return [variables = std::move(variables)](const std::string& name) -> std::optional<std::string> {
+        for (const auto& [key, value] : variables)
+            if (key == name) return value;
+        const char* const value = std::getenv(name.c_str());
+        return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+    };
+}
+
+/// Reads all [[key]] with `read(table, default name)`, and sees that their names differ.
+template <typename Item, typename Read>
+std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read& read) {
+    std::vector<Item> items;
+    for (const TomlTable& table : root.tables(key)) {
+        Item item = read(table, fmt::format("{}{}", key, items.size() + 1));
+        for (std::size_t i = 0; i < items.size(); ++i)
+            if (items[i].name == item.name)
+                table.fail(fmt::format(
+                    "[[{}]] number {} is called '{}', and so is number {}; expected different names", key,
+                    items.size() + 1, item.name, i + 1));
+        items.push_back(std::move(item));
+    }
+    return items;
+}
+
+}  // namespace
+
+SceneText loadSceneText(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (!std::filesystem::exists(status))
+        throw Error(ErrorKind::input, fmt::format("{}: there is no such scene file", path));
+    // A pipe would hang, a folder reads as nothing.
+    if (!std::filesystem::is_regular_file(status))
+        throw Error(ErrorKind::input, fmt::format("{}: not a regular file; expected a scene (TOML)", path));
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
+    SceneText text{path, std::filesystem::path(path).parent_path().string(),
+                   std::string(kLargestFile + 1, '\0')};
+    file.read(text.text.data(), static_cast<std::streamsize>(text.text.size()));
+    if (file.bad()) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
+    text.text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.text.size() > kLargestFile)
+        throw Error(ErrorKind::input, fmt::format("{}: the scene file is larger than 16 MB", path));
+    return text;
+}
+
+Scene readScene(const SceneText& text, double frame, const std::vector<std::string>& overrides,
+                const ColourConfig& colour) {
+    if (!(std::abs(frame) <= kLargestFrame))
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: frame {} is beyond {}", text.file, frame, kLargestFrame));
+    const toml::table tree = parsed(text, overrides);
+    TomlTable root(tree, "the scene's top level");
+
+    ReadContext context{frame, colour, text.folder, lookupIn({})};
+    if (const auto variables = root.find("variables"))
+        context.variables = lookupIn(readVariables(variables->table("[variables]")));
+
+    Scene scene;
+    scene.file = text.file;
+    scene.frame = frame;
+    const CameraSection camera =
+        readCamera(root.require("camera", "a table [camera]").table("[camera]"), context);
+    scene.camera = camera.camera;
+    scene.overscan = camera.overscan;
+    root.require("volume", "at least one [[volume]]");
+    scene.volumes = readNamed<SceneVolume>(
+        root, "volume",
+        [&](const TomlTable& table, const std::string& name) { return readVolume(table, name, context); });
+    if (scene.volumes.empty()) root.require("volume", "").failExpecting("at least one [[volume]]");
+    scene.lights = readNamed<Light>(root, "light", [&](const TomlTable& table, const std::string& name) {
+        return readLight(table, name, context);
+    });
+    if (const auto ambient = root.find("ambient"))
+        scene.ambient = readAmbient(ambient->table("[ambient]"), context);
+    RenderSection render{"standard", *presetDials("standard")};
+    if (const auto table = root.find("render")) render = readRender(table->table("[render]"));
+    scene.quality = render.quality;
+    scene.dials = render.dials;
+    const auto output = root.find("output");
+    scene.output = output ? readOutput(output->table("[output]"), context) : defaultOutput(context);
+    root.finish();
+    return scene;
+}
+
+std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides) {
+    const toml::table root = parsed(text, overrides);
+    if (overrides.empty()) return text.text;
+    std::ostringstream out;
+    out << toml::toml_formatter(root) << '\n';
+    return out.str();
+}
+
+}  // namespace scrim

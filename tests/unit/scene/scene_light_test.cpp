@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/scene_reader.h>
+
+#include "unit/scene/read_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+using test::errorOf;
+using test::kCamera;
+using test::kVolume;
+using test::read;
+
+/// [[light]] is line 6, `lines` begin at line 7.
+std::string sceneWith(const std::string& lines) {
+    return kCamera + kVolume + "[[light]]\n" + lines;
+}
+Light light(const std::string& lines, double frame = 1) {
+    return read(sceneWith(lines), {}, frame).lights.at(0);
+}
+std::string lightError(const std::string& lines) {
+    return errorOf(sceneWith(lines));
+}
+
+TEST(SceneLight, DistantNeedsOnlyADirection) {
+    const Light l = light("type = \"distant\"\ndirection = [0, -3, 0]\n");
+    EXPECT_EQ(l.name, "light1");
+    EXPECT_EQ(l.type, LightType::distant);
+    EXPECT_EQ(l.wsDirection, Vec3(0, -1, 0));
+    EXPECT_EQ(l.intensity, Rgb(1));
+    EXPECT_TRUE(l.shadows);
+}
+
+TEST(SceneLight, IntensityIsColourTimesIntensityTimesExposure) {
+    const Light l = light(
+        "type = \"distant\"\ndirection = [0, 0, -1]\ncolor = [1, 0.5, 0]\nintensity = 3\nexposure = "
+        "2\nshadows = false\n");
+    EXPECT_EQ(l.intensity, Rgb(12, 6, 0));
+    EXPECT_FALSE(l.shadows);
+}
+
+TEST(SceneLight, ReadsEveryKeyOfASpot) {
+    const Light l = light(
+        "name = \"key\"\ntype = \"spot\"\nposition = [0, 5, 0]\ntarget = [3, 5, 0]\nradius = 0.25\ncone = "
+        "60\nblend = 1\n"
+        "decay = \"none\"\n");
+    EXPECT_EQ(l.name, "key");
+    EXPECT_EQ(l.type, LightType::spot);
+    EXPECT_EQ(l.wsPosition, Vec3(0, 5, 0));
+    EXPECT_EQ(l.wsDirection, Vec3(1, 0, 0));
+    EXPECT_EQ(l.radius, 0.25);
+    EXPECT_EQ(l.coneAngle, 60);
+    EXPECT_EQ(l.blend, 1);
+    EXPECT_FALSE(l.decay);
+    EXPECT_TRUE(light("type = \"point\"\nposition = [0, 5, 0]\ndecay = \"inverse-square\"\n").decay);
+}
+
+TEST(SceneLight, MayBeKeyed) {
+    const Light l = light(
+        "type = \"spot\"\nposition = { keys = [[1, [0, 0, 0]], [3, [2, 0, 0]]] }\ntarget = [1, -1, 0]\n"
+        "intensity = { keys = [[1, 0], [3, 4]] }\ncolor = { keys = [[1, [0, 0, 0]], [3, [2, 0, 0]]] }\n",
+        2);
+    EXPECT_EQ(l.wsPosition, Vec3(1, 0, 0));
+    EXPECT_EQ(l.wsDirection, Vec3(0, -1, 0));
+    EXPECT_EQ(l.intensity, Rgb(2, 0, 0));
+}
+
+TEST(SceneLight, ConvertsColoursIntoTheWorkingSpace) {
+    const Light l = light(
+        "type = \"distant\"\ndirection = [0, 0, -1]\ncolor = { rgb = [0.5, 0.5, 0.5], colorspace = \"sRGB\" "
+        "}\n");
+    // The sRGB curve: ((0.5 + 0.055) / 1.055)^2.4; grey stays grey.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(l.intensity[c], std::pow(0.555 / 1.055, 2.4), 1e-5);
+    EXPECT_EQ(
+        lightError(
+            "type = \"distant\"\ndirection = [0, 0, -1]\ncolor = { rgb = [1, 1, 1], colorspace = \"no\" }\n")
+            .substr(0, 17),
+        "scene.toml:9:41: ");
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = { rgb = [1, 1, 1] }\n"),
+              "scene.toml:9:9: the colour 'color' lacks 'colorspace'; expected the name of a colour space");
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = [1, -1, 1]\n"),
+              "scene.toml:9:13: 'color[1]' is -1; expected a number of at least 0");
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = \"red\"\n"),
+              "scene.toml:9:9: 'color' is the string \"red\"; expected a colour [r, g, b], each of at least "
+              "0, or { rgb = "
+              "[r, g, b], colorspace = \"...\" }");
+}
+
+TEST(SceneLight, KeysBelongToTypes) {
+    EXPECT_EQ(
+        lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
+        "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
+        "'type', 'direction', 'color', 'intensity', 'exposure' or 'shadows'");
+    EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
+              "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: "
+              "'name', 'type', "
+              "'position', 'radius', 'decay', 'color', 'intensity', 'exposure' or 'shadows'");
+    EXPECT_EQ(lightError("type = \"projector\"\n"),
+              "scene.toml:7:8: 'type' is the string \"projector\"; expected 'distant', 'point' or 'spot'");
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nslide = { file = \"a.png\" }\n")
+                  .substr(0, 41),
+              "scene.toml:9:1: 'slide' is not known here");
+}
+
+TEST(SceneLight, NeedsWhatItsTypeNeeds) {
+    EXPECT_EQ(lightError("name = \"key\"\n"),
+              "scene.toml:6:1: [[light]] 'key' lacks 'type'; expected 'distant', 'point' or 'spot'");
+    EXPECT_EQ(lightError("type = \"distant\"\n"),
+              "scene.toml:6:1: [[light]] 'light1' of type 'distant' lacks "
+              "'direction'; expected the way the light travels [x, y, z]");
+    EXPECT_EQ(
+        lightError("type = \"point\"\n"),
+        "scene.toml:6:1: [[light]] 'light1' of type 'point' lacks 'position'; expected a point [x, y, z]");
+    EXPECT_EQ(lightError("type = \"spot\"\nposition = [0, 0, 0]\n"),
+              "scene.toml:6:1: [[light]] 'light1' of type 'spot' lacks 'direction'; expected a direction [x, "
+              "y, z], or "
+              "'target', a point");
+    EXPECT_EQ(
+        lightError("type = \"spot\"\nposition = [0, 0, 0]\ndirection = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
+        "scene.toml:10:10: [[light]] 'light1' of type 'spot' has both 'direction' and 'target'; expected one "
+        "of "
+        "them");
+    EXPECT_EQ(lightError("type = \"spot\"\nposition = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
+              "scene.toml:9:10: the light stands at its own 'target' at frame 1 (1, 0, 0)");
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, 0]\n"),
+              "scene.toml:8:13: 'direction' is 0, 0, 0 at frame 1; expected a direction");
+}
+
+TEST(SceneLight, RangesAreChecked) {
+    EXPECT_EQ(lightError("type = \"spot\"\nposition = [0, 0, 0]\ndirection = [1, 0, 0]\ncone = 181\n"),
+              "scene.toml:10:8: 'cone' is 181; expected a number greater than 0 and of at most 180 degrees "
+              "(the full "
+              "angle)");
+    EXPECT_EQ(lightError("type = \"spot\"\nposition = [0, 0, 0]\ndirection = [1, 0, 0]\nblend = 1.1\n"),
+              "scene.toml:10:9: 'blend' is 1.1; expected a number from 0 to 1");
+    EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\nintensity = -1\n"),
+              "scene.toml:9:13: 'intensity' is -1; expected a number from 0 to 1e+30");
+    EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\nexposure = 100\n"),
+              "scene.toml:9:12: 'exposure' is 100; expected a number from -64 to 64 stops");
+    EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\nshadows = 1\n"),
+              "scene.toml:9:11: 'shadows' is 1; expected true or false");
+}
+
+TEST(SceneLight, NamesAreUnique) {
+    const std::string two =
+        "name = \"a\"\ntype = \"point\"\nposition = [0, 0, 0]\n[[light]]\nname = \"a\"\ntype = "
+        "\"point\"\nposition = [0, 0, 0]\n";
+    EXPECT_EQ(
+        lightError(two),
+        "scene.toml:10:1: [[light]] number 2 is called 'a', and so is number 1; expected different names");
+    EXPECT_EQ(lightError("name = \"a\\u0007\"\ntype = \"point\"\nposition = [0, 0, 0]\n"),
+              "scene.toml:7:8: 'name' is the string \"a?\"; expected a name without control characters");
+}
+
+TEST(SceneLight, ATableIsNoList) {
+    EXPECT_EQ(errorOf(kCamera + kVolume + "[light]\ntype = \"point\"\n"),
+              "scene.toml:6:1: 'light' is a table; expected a list of tables, each written [[light]]");
+}
+
+TEST(SceneAmbient, IsColourTimesIntensity) {
+    const auto ambient = [](const std::string& lines) { return read(kCamera + kVolume + lines).ambient; };
+    EXPECT_EQ(ambient(""), Rgb(0));
+    EXPECT_EQ(ambient("[ambient]\n"), Rgb(0));
+    EXPECT_EQ(ambient("[ambient]\ncolor = [0.1, 0.2, 0.3]\n"), Rgb(0.1, 0.2, 0.3));
+    EXPECT_EQ(ambient("[ambient]\nintensity = 0.5\n"), Rgb(0.5));
+    EXPECT_EQ(ambient("[ambient]\ncolor = [1, 2, 4]\nintensity = 0.5\n"), Rgb(0.5, 1, 2));
+    EXPECT_EQ(
+        errorOf(kCamera + kVolume + "[ambient]\ncolour = [1, 1, 1]\n"),
+        "scene.toml:7:1: 'colour' is not known here ([ambient]); did you mean 'color'?; allowed: 'color' or "
+        "'intensity'");
+}
+
+}  // namespace
+}  // namespace scrim

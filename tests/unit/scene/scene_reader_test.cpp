@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/scene_reader.h>
+
+#include "support/temp_folder.h"
+#include "unit/scene/read_scene.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <limits>
+#include <string>
+
+namespace scrim {
+namespace {
+
+using namespace std::string_literals;
+
+using test::errorOf;
+using test::kCamera;
+using test::kVolume;
+using test::read;
+
+const std::string kScene = kCamera + kVolume +
+                           "[[light]]\nname = \"key\"\ntype = \"point\"\nposition = [0, 0, 5]\n"
+                           "[[light]]\ntype = \"point\"\nposition = [0, 5, 5]\n";
+
+std::string overrideError(const std::string& assignment) {
+    return errorOf(kScene, {assignment});
+}
+
+TEST(SceneOutput, HasDefaults) {
+    const SceneOutput out = read(kScene).output;
+    EXPECT_EQ(out.file, "");
+    EXPECT_EQ(out.colorspace, "ACEScg");
+    EXPECT_TRUE(out.half);
+    EXPECT_EQ(out.compression, "zip");
+    EXPECT_EQ(out.fps, 24);
+    EXPECT_EQ(out.preview.file, "");
+}
+
+TEST(SceneOutput, ReadsEveryKey) {
+    const SceneOutput out =
+        read(kScene +
+                 "[output]\nfile = \"out/a.####.exr\"\ncolorspace = \"lin_rec709\"\ntype = "
+                 "\"float\"\ncompression = "
+                 "\"piz\"\nfps = 23.976\npreview = { file = \"a.##.png\", display = \"SRGB\" }\n",
+             {}, 7)
+            .output;
+    EXPECT_EQ(out.file, "/shots/out/a.0007.exr");
+    EXPECT_TRUE(out.path.hasFrame());
+    EXPECT_EQ(out.colorspace, test::ownColours().resolve("lin_rec709"));
+    EXPECT_FALSE(out.half);
+    EXPECT_EQ(out.compression, "piz");
+    EXPECT_EQ(out.fps, 23.976);
+    EXPECT_EQ(out.preview.file, "/shots/a.07.png");
+    EXPECT_EQ(out.preview.display, "sRGB");
+    EXPECT_EQ(read(kScene + "[output]\npreview = \"b.png\"\n").output.preview.file, "/shots/b.png");
+}
+
+TEST(SceneOutput, IsChecked) {
+    const auto outputError = [](const std::string& lines) {
+        return errorOf(kCamera + kVolume + "[output]\n" + lines);
+    };
+    EXPECT_EQ(outputError("compression = \"rle\"\n"),
+              "scene.toml:7:15: 'compression' is the string \"rle\"; expected "
+              "'zip', 'zips', 'piz', 'dwaa' or 'none'");
+    EXPECT_EQ(outputError("type = \"double\"\n"),
+              "scene.toml:7:8: 'type' is the string \"double\"; expected 'half' or "
+              "'float'");
+    EXPECT_EQ(outputError("fps = 0\n"),
+              "scene.toml:7:7: 'fps' is 0; expected a number greater than 0 and of at most 1000000 frames a "
+              "second");
+    EXPECT_EQ(outputError("layers = [\"depth\"]\n"),
+              "scene.toml:7:1: 'layers' is not known here ([output]); allowed: 'file', 'colorspace', 'type', "
+              "'compression', 'fps' or 'preview'");
+    EXPECT_EQ(outputError("colorspace = \"none such\"\n").substr(0, 31), "scene.toml:7:14: 'colorspace': ");
+    EXPECT_EQ(outputError("file = \"\"\n"),
+              "scene.toml:7:8: 'file' is the string \"\"; expected a string that is not empty");
+    EXPECT_EQ(outputError("preview = 3\n"),
+              "scene.toml:7:11: 'preview' is 3; expected a path, or a table with 'file', "
+              "'display' and 'view'");
+    EXPECT_EQ(outputError("preview = { file = \"a.png\", view = \"film\" }\n").substr(0, 59),
+              "scene.toml:7:36: 'view' is the string \"film\"; expected 'ACE");
+}
+
+TEST(SceneRender, DialsOverrideTheQuality) {
+    const Scene scene = read(
+        kScene + "[render]\nquality = \"high\"\ntexel = 0.75\nshadow_filter = \"nearest\"\nantialias = 2\n");
+    EXPECT_EQ(scene.quality, "high");
+    EXPECT_EQ(scene.dials.sheetThickness, 0.5);
+    EXPECT_EQ(scene.dials.texel, 0.75);
+    EXPECT_EQ(scene.dials.shadowFilter, ShadowFilter::nearest);
+    EXPECT_EQ(scene.dials.antialias, 2);
+    EXPECT_EQ(read(kScene).quality, "standard");
+    EXPECT_EQ(read(kScene).dials.footprintSteps, 16);
+}
+
+TEST(SceneRender, IsChecked) {
+    const auto renderError = [](const std::string& lines) {
+        return errorOf(kCamera + kVolume + "[render]\n" + lines);
+    };
+    EXPECT_EQ(renderError("quality = \"best\"\n"),
+              "scene.toml:7:11: 'quality' is the string \"best\"; expected 'draft', "
+              "'standard', 'high' or 'ultra'");
+    EXPECT_EQ(renderError("texel = -1\n"),
+              "scene.toml:7:9: 'texel' is -1; expected a number from 0.05 to 64 (voxels)");
+    EXPECT_EQ(renderError("texel = inf\n"), "scene.toml:7:9: 'texel' is inf; expected a number");
+    EXPECT_EQ(renderError("texel = []\n"),
+              "scene.toml:7:9: 'texel' is a list of 0; expected a number from 0.05 to 64");
+    EXPECT_EQ(renderError("tolerance = 0.005\n").substr(0, 56),
+              "scene.toml:7:1: 'tolerance' is not known here ([render])");
+}
+
+TEST(SceneReader, NeedsACameraAndAVolume) {
+    EXPECT_EQ(errorOf(kVolume),
+              "scene.toml:1:1: the scene's top level lacks 'camera'; expected a table [camera]");
+    EXPECT_EQ(errorOf(kCamera),
+              "scene.toml:1:1: the scene's top level lacks 'volume'; expected at least one [[volume]]");
+    EXPECT_EQ(errorOf("volume = []\n" + kCamera),
+              "scene.toml:1:10: 'volume' is a list of 0; expected at least one [[volume]]");
+    EXPECT_EQ(errorOf(kScene + "[lihgt]\n").substr(0, 89),
+              "scene.toml:13:2: 'lihgt' is not known here (the scene's top level); did you mean 'light'?");
+}
+
+TEST(SceneReader, LocatesMalformedTomlWithClippedText) {
+    EXPECT_EQ(errorOf("[camera\n").substr(0, 35), "scene.toml:1:8: malformed TOML: Err");
+    EXPECT_EQ(errorOf("a = 1\na = 2\n").substr(0, 33),
+              "scene.toml:2:5: malformed TOML: Error"s.substr(0, 33));
+    const std::string garbage = errorOf("a = " + std::string(100000, 'x'));
+    EXPECT_LT(garbage.size(), 300u);
+    EXPECT_EQ(errorOf("a = \"\xff\xfe\"\n").substr(0, 11), "scene.toml:");
+}
+
+TEST(SceneReader, RefusesDeepNestingBeforeItParses) {
+    const std::string brackets = ": more than 32 brackets are open; a scene needs no more than a few";
+    const std::string parts = ": a key has more than 16 parts; a scene needs no more than a few";
+    EXPECT_EQ(errorOf("\na = " + std::string(1000000, '[')), "scene.toml:2:1" + brackets);
+    std::string dotted = "a";
+    for (int i = 0; i < 100000; ++i) dotted += ".a";
+    EXPECT_EQ(errorOf(dotted + " = 1\n"), "scene.toml:1:1" + parts);
+    EXPECT_EQ(errorOf("# [[[\n[" + dotted + "]\n"), "scene.toml:2:1" + parts);
+    std::string tables = "a = ";
+    for (int i = 0; i < 100000; ++i) tables += "{a = ";
+    EXPECT_EQ(errorOf(tables), "scene.toml:1:1" + brackets);
+    EXPECT_EQ(overrideError("camera.fov=" + std::string(1000000, '[')), "--set camera.fov" + brackets);
+    EXPECT_EQ(overrideError(dotted + "=1").substr(0, 8), "--set a.");
+}
+
+TEST(SceneReader, DotsAndBracketsInStringsAndCommentsDoNotNest) {
+    const std::string many(100, '['), dots(100, '.');
+    EXPECT_EQ(errorOf("# " + many + "\n" + kCamera + "[[volume]]\nname = \"" + many + "\\\"" + dots +
+                      "\"\nfile = '" + dots + many + "'\n[variables]\na = \"\"\"" + many + "\n\" '" + dots +
+                      "\"\"\"\nb = '''" + many + "\n'" + dots + "'''\n"),
+              "no error");
+}
+
+TEST(SceneReader, RefusesFramesBeyondAnyClock) {
+    EXPECT_EQ(errorOf(kScene, {}, 1e10), "scene.toml: frame 10000000000 is beyond 1000000000");
+    EXPECT_EQ(errorOf(kScene, {}, std::numeric_limits<double>::quiet_NaN()),
+              "scene.toml: frame nan is beyond 1000000000");
+}
+
+TEST(SceneOverride, ReplacesAddsAndSelects) {
+    const Scene scene =
+        read(kScene, {"camera.fov=20", "light.key.intensity = 3", "light[1].intensity=4",
+                      "light.light2.name=rim", "camera.position[1]=2.5", "render.quality=high",
+                      "output.file=out.####.exr", "volume[0].density.scale=7", "light.key.color=[1, 0, 0]",
+                      "ambient={ intensity = 2 }", "camera.\"near\"=0.5"});
+    EXPECT_EQ(scene.camera.fov, 20);
+    EXPECT_EQ(scene.camera.near, 0.5);
+    EXPECT_EQ(scene.camera.wsPosition, Vec3(0, 2.5, 9));
+    EXPECT_EQ(scene.lights[0].intensity, Rgb(3, 0, 0));
+    EXPECT_EQ(scene.lights[1].intensity, Rgb(4));
+    EXPECT_EQ(scene.lights[1].name, "rim");
+    EXPECT_EQ(scene.quality, "high");
+    EXPECT_EQ(scene.output.file, "/shots/out.0001.exr");
+    EXPECT_EQ(scene.volumes[0].medium.densityScale, 7);
+    EXPECT_EQ(scene.ambient, Rgb(2));
+}
+
+TEST(SceneOverride, TheLastOneWins) {
+    EXPECT_EQ(read(kScene, {"camera.fov=20", "camera.fov=30"}).camera.fov, 30);
+}
+
+TEST(SceneOverride, BareWordsAreStrings) {
+    for (const char* value : {"####.exr", "12####.exr", "a b.exr", "1.2.exr", "#.exr"})
+        EXPECT_TRUE(read(kScene, {std::string("output.file=") + value}).output.path.pattern == value)
+            << value;
+    EXPECT_EQ(read(kScene, {"output.file=\"q # x.exr\""}).output.path.pattern, "q # x.exr");
+    EXPECT_EQ(read(kScene, {"output.file=C:\\\"a\""}).output.path.pattern, "C:\\\"a\"");
+}
+
+TEST(SceneOverride, ErrorsNameTheOverride) {
+    EXPECT_EQ(overrideError("camera.fov=200"),
+              "--set camera.fov: 'fov' is 200; expected a number greater than 0 and less than 180 degrees");
+    EXPECT_EQ(overrideError("camera.fov=wide").substr(0, 60),
+              "--set camera.fov: 'fov' is the string \"wide\"; expected a num"s.substr(0, 60));
+    EXPECT_EQ(overrideError("camera.fvo=20").substr(0, 55),
+              "--set camera.fvo: 'fvo' is not known here ([camera] of t"s.substr(0, 55));
+    EXPECT_EQ(overrideError("light[0].radius=-1"),
+              "--set light[0].radius: 'radius' is -1; expected a number from 0 to 1e+15 world units");
+    EXPECT_EQ(overrideError("camera.position[2]=far"),
+              "--set camera.position[2]: 'position[2]' is the string \"far\"; expected a number from -1e+15 "
+              "to 1e+15 world units");
+    EXPECT_EQ(overrideError("camra.fov=20").substr(0, 73),
+              "--set camra.fov: 'camra' is not known here (the scene's top level); did y");
+}
+
+TEST(SceneOverride, PathsAreChecked) {
+    EXPECT_EQ(overrideError("camera.fov"), "--set camera.fov: there is no '='; expected key.path=value");
+    EXPECT_EQ(overrideError("=3"),
+              "--set : '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+    EXPECT_EQ(
+        overrideError("camera..fov=3"),
+        "--set camera..fov: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+    EXPECT_EQ(overrideError("camera.=3"),
+              "--set camera.: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+    EXPECT_EQ(
+        overrideError("camera.f v=3"),
+        "--set camera.f v: 'f v' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+    EXPECT_EQ(overrideError("light[2].intensity=3"),
+              "--set light[2].intensity: 'light' has 2 elements, counted from 0");
+    EXPECT_EQ(overrideError("light[x].intensity=3"),
+              "--set light[x].intensity: '[' is not followed by a place (from 0) and ']'");
+    EXPECT_EQ(overrideError("light[0.intensity=3"),
+              "--set light[0.intensity: '[' is not followed by a place (from 0) and ']'");
+    EXPECT_EQ(overrideError("light[0]x=3"),
+              "--set light[0]x: a part of the path is not followed by '.' or '['");
+    EXPECT_EQ(overrideError("light.kee.intensity=3"),
+              "--set light.kee.intensity: there is no light 'kee'; expected 'key' or "
+              "'light2'");
+    EXPECT_EQ(overrideError("light.key=3"), "--set light.key: the path ends at a table; add the key to set");
+    EXPECT_EQ(overrideError("camera[0].fov=3"), "--set camera[0].fov: 'camera' is not a list");
+    EXPECT_EQ(overrideError("none[0]=3"), "--set none[0]: there is no list 'none'");
+    EXPECT_EQ(overrideError("none.a[0]=3"), "--set none.a[0]: there is no list 'a'");
+    EXPECT_EQ(overrideError("camera.position.x=3"),
+              "--set camera.position.x: 'position' is a list; write position[0] for its first element");
+    EXPECT_EQ(overrideError("light.key.type.x=3"), "--set light.key.type.x: 'type' is not a table");
+    EXPECT_EQ(overrideError("camera.\"fov=3"),
+              "--set camera.\"fov=3: there is no '='; expected key.path=value");
+}
+
+TEST(SceneOverride, ValuesAreOneValue) {
+    EXPECT_EQ(overrideError("camera.fov=[1, 2").substr(0, 33), "--set camera.fov: malformed TOML:");
+    EXPECT_EQ(overrideError("fov=20\ncamera.near = 1"), "--set fov: there is more than one value");
+    EXPECT_EQ(overrideError("camera.fov=").substr(0, 46),
+              "--set camera.fov: 'fov' is the string \"\"; expect"s.substr(0, 46));
+}
+
+TEST(SceneAsToml, IsTheTextItselfWithoutOverrides) {
+    EXPECT_EQ(sceneAsToml({"scene.toml", "", "# hello\n" + kScene}, {}), "# hello\n" + kScene);
+}
+
+TEST(SceneAsToml, HoldsTheOverridesAndReadsTheSame) {
+    const std::vector<std::string> overrides{
+        "camera.fov=20.1", "light.key.color={ rgb = [0.1, 0.2, 0.3], colorspace = \"sRGB\" }",
+        "variables.A=x\"y", "camera.near=1e-7"};
+    const std::string text = sceneAsToml({"scene.toml", "", kScene}, overrides);
+    const Scene direct = read(kScene, overrides), printed = read(text);
+    EXPECT_EQ(printed.camera.fov, 20.1) << text;
+    EXPECT_EQ(printed.camera.near, 1e-7);
+    EXPECT_EQ(printed.lights[0].intensity, direct.lights[0].intensity);
+    EXPECT_EQ(printed.lights[1].name, direct.lights[1].name);
+    EXPECT_EQ(sceneAsToml({"scene.toml", "", text}, {"camera.fov=20.1"}), text);
+}
+
+class SceneTextTest : public ::testing::Test {
+  protected:
+    std::string errorOf(const std::string& path) {
+        try {
+            loadSceneText(path);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::input);
+            return error.what();
+        }
+        return "no error";
+    }
+    test::TempFolder m_folder;
+};
+
+TEST_F(SceneTextTest, KnowsItsFolder) {
+    const std::string path = m_folder.file("a.toml");
+    std::ofstream(path) << kScene;
+    const SceneText text = loadSceneText(path);
+    EXPECT_EQ(text.file, path);
+    EXPECT_EQ(text.folder, m_folder.path());
+    EXPECT_EQ(text.text, kScene);
+}
+
+TEST_F(SceneTextTest, SaysWhyItCannotBeRead) {
+    EXPECT_EQ(errorOf(m_folder.file("none.toml")),
+              m_folder.file("none.toml") + ": there is no such scene file");
+    EXPECT_EQ(errorOf(m_folder.path()), m_folder.path() + ": not a regular file; expected a scene (TOML)");
+    const std::string big = m_folder.file("big.toml");
+    std::ofstream(big) << std::string((std::size_t{16} << 20) + 1, '\n');
+    EXPECT_EQ(errorOf(big), big + ": the scene file is larger than 16 MB");
+}
+
+}  // namespace
+}  // namespace scrim
