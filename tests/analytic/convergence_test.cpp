@@ -53,9 +53,10 @@ TEST_P(OrderOfThickness, IsTwo) {
     EXPECT_GT(std::log2(medium / fine), 1.6) << coarse << " " << medium << " " << fine;
 }
 
-// Slants of 45, 0 and 22 degrees, and a light that faces the eye at an angle.
+// Slants of 45, 6 and 22 degrees, and a light that faces the eye at an angle. (A light exactly along the view is
+// exact at any thickness: the closed form of one sheet telescopes.)
 INSTANTIATE_TEST_SUITE_P(Slants, OrderOfThickness,
-                         testing::Values(Vec3(1, 0, 0), Vec3(0, 0, -1), Vec3(1, 0, -1), Vec3(0, 1, 1.5)));
+                         testing::Values(Vec3(1, 0, 0), Vec3(0.2, 0, -1), Vec3(1, 0, -1), Vec3(0, 1, 1.5)));
 
 }  // namespace
 }  // namespace scrim::test

@@ -71,11 +71,11 @@ TEST(PointLight, IsNoBrighterThanAtItsRadius) {
     ViewScene scene = thinLayer();
     Light light;
     light.type = LightType::point;
-    light.wsPosition = {0, 0, 60};
-    light.radius = 90;
+    light.wsPosition = {0, 0, 120};
+    light.radius = 200;
     light.intensity = Rgb(1e6);
     scene.lights.push_back(light);
-    const double expected = 1e6 / (90 * 90) * 16 * kExtinction / (4 * kPi);
+    const double expected = 1e6 / (200 * 200) * 16 * kExtinction / (4 * kPi);
     EXPECT_NEAR(pixelOf(renderScene(scene), 30, 30)[0], expected, 5e-3 * expected);
 }
 

@@ -37,15 +37,13 @@ HWY_INLINE V4 times(V4 v, float by) {
 HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
     return each([&](int i) { return a.c[i] + t * (b.c[i] - a.c[i]); });
 }
-// Front to back: (C, T) += T (S, -alpha).
 HWY_INLINE V4 before(V4 state, V4 texel) {
-    return each([&](int i) { return state.c[i] + state.c[3] * texel.c[i]; });
+    return each([&](int i) { return state.c[i] + (1 + state.c[3]) * texel.c[i]; });
 }
-// Back to front: C = S + (1 - alpha) C, T = (1 - alpha) T.
 HWY_INLINE V4 behind(V4 state, V4 texel) {
-    return each([&](int i) { return (1 + texel.c[3]) * state.c[i] + (i < 3 ? texel.c[i] : 0.0f); });
+    return each([&](int i) { return texel.c[i] + (1 + texel.c[3]) * state.c[i]; });
 }
-HWY_INLINE float transmittance(V4 state) { return state.c[3]; }
+HWY_INLINE float transmittance(V4 state) { return 1 + state.c[3]; }
 #else
 using D4 = hn::CappedTag<float, 4>;
 using V4 = hn::Vec<D4>;
@@ -54,16 +52,13 @@ HWY_ATTR HWY_INLINE V4 load4(const float* from) { return hn::LoadU(D4(), from); 
 HWY_ATTR HWY_INLINE void store4(V4 v, float* to) { hn::StoreU(v, D4(), to); }
 HWY_ATTR HWY_INLINE V4 times(V4 v, float by) { return hn::Mul(v, hn::Set(D4(), by)); }
 HWY_ATTR HWY_INLINE V4 lerp4(V4 a, V4 b, float t) { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b, a), a); }
-// Front to back: (C, T) += T (S, -alpha).
-HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) { return hn::MulAdd(hn::Broadcast<3>(state), texel, state); }
-// Back to front: C = S + (1 - alpha) C, T = (1 - alpha) T.
-HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
-    const D4 d;
-    const auto through = hn::Add(hn::Set(d, 1.0f), hn::Broadcast<3>(texel));
-    const auto radiance = hn::IfThenElseZero(hn::FirstN(d, 3), texel);
-    return hn::MulAdd(state, through, radiance);
+HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
+    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hn::Broadcast<3>(state)), texel, state);
 }
-HWY_ATTR HWY_INLINE float transmittance(V4 state) { return hn::GetLane(hn::Broadcast<3>(state)); }
+HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
+    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hn::Broadcast<3>(texel)), state, texel);
+}
+HWY_ATTR HWY_INLINE float transmittance(V4 state) { return 1 + hn::GetLane(hn::Broadcast<3>(state)); }
 #endif
 
 struct Addresses {

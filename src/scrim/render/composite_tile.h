@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compositing: 256 pixels walk their rays through the shaded sheets of a batch (ZC02 eq. 1 and 2).
 //
-// A pixel's state is (C, T): radiance gathered and transmittance left. A shaded texel is (S, -alpha), so that
-// front to back is one multiply-add, state += T * texel, on all four channels.
+// A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is
+// state += (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
+// transmittance is what is kept: where a volume is thin, 1 - T would lose it.
 #pragma once
 
 #include <scrim/geometry/sheets.h>
@@ -27,7 +28,7 @@ struct SheetList {
     int width, height;           ///< of the planes, texels
 };
 
-/// Walks all sheets of the list. `frontToBack`: a pixel whose transmittance falls below `cutoff` stops.
+/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops.
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state);
 
 /// Composites 256 shaded samples of one sheet (S, -alpha interleaved), each with the part in [0, 1] of the sheet

@@ -165,7 +165,7 @@ void EyeWalk::markIfOpaque(int tile) {
     if (!m_frontToBack) return;
     const float* states = m_tiles.states(tile);
     for (int k = 0; k < kTileSize; ++k)
-        if (states[4 * k + 3] >= m_cutoff) return;
+        if (1 + states[4 * k + 3] >= m_cutoff) return;
     m_tiles.setOpaque(tile);
 }
 

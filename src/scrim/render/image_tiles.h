@@ -22,7 +22,6 @@ class ImageTiles {
     /// All pixels black and transparent.
     void reset() {
         m_states.assign(static_cast<std::size_t>(count()) * kTileSize * 4, 0.0f);
-        for (std::size_t i = 3; i < m_states.size(); i += 4) m_states[i] = 1.0f;
         m_opaque.assign(static_cast<std::size_t>(count()), 0);
     }
 
@@ -33,12 +32,12 @@ class ImageTiles {
     /// Raster position of the tile's corner.
     int cornerX(int tile) const { return m_region.x0 + tile % m_tilesX * kTileEdge; }
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
-    /// (C, T) of the tile's 256 pixels: 4 floats each.
+    /// (C, -A) of the tile's 256 pixels: 4 floats each, see composite_tile.h.
     float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4; }
     const float* states(int tile) const {
         return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4;
     }
-    /// (C, T) of pixel (x, y) of the region.
+    /// (C, -A) of pixel (x, y) of the region.
     const float* state(int x, int y) const {
         const int dx = x - m_region.x0, dy = y - m_region.y0;
         return states(dy / kTileEdge * m_tilesX + dx / kTileEdge) +

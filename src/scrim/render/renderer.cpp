@@ -21,7 +21,7 @@ void gather(const ImageTiles& tiles, int n, bool primary, Image& image) {
                 for (int i = 0; i < n; ++i) {
                     const float* state = tiles.state(x * n + i, y * n + j);
                     for (int c = 0; c < 3; ++c) sum[c] += state[c];
-                    sum[3] += 1 - state[3];
+                    sum[3] -= state[3];
                 }
             float* pixel = image.rgba.data() + image.indexOf(x, y);
             for (int c = 0; c < 3; ++c) pixel[c] += weight * sum[c];

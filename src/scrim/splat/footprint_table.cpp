@@ -30,10 +30,9 @@ struct FootprintTable::Shape {
 
 FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps,
                                               int sheetSteps) {
-    // Fractions are represented by the centres of their steps.
     const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
-        const double least = 0.5 / texelSteps, most = 1 - least;
-        const int first = static_cast<int>(std::floor(least - extent)) + 1;
+        const double most = 1 - 1.0 / texelSteps;
+        const int first = static_cast<int>(std::floor(-extent)) + 1;
         const int last = static_cast<int>(std::ceil(most + extent)) - 1;
         return Range{first, last - first + 1};
     };
@@ -42,8 +41,8 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     shape.columns = texels(shape.extent.x);
     shape.rows = texels(shape.extent.y);
     // Slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
-    const double least = 0.5 / sheetSteps, most = 1 - least;
-    const int firstSheet = static_cast<int>(std::floor(least - shape.extent.z - 1)) + 1;
+    const double most = 1 - 1.0 / sheetSteps;
+    const int firstSheet = static_cast<int>(std::floor(-shape.extent.z - 1)) + 1;
     const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
     shape.sheets = {firstSheet, lastSheet - firstSheet + 1};
     shape.rowStride = (shape.columns.count + 3) / 4 * 4;
@@ -91,8 +90,7 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSte
 void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     const int fineCount = (m_sheets.count + 1) * m_sheetSteps;
     const double fine = 1.0 / m_sheetSteps;
-    // N of the cumulative integral's first point: half a step in, where fractions are represented.
-    const double depth0 = m_sheets.first - 1.0 + 0.5 * fine;
+    const double depth0 = m_sheets.first - 1.0;  // N of the cumulative integral's first point
     // Two-point Gauss quadrature is exact for the cubics that `linear` is made of, kinks aside.
     const double gauss = 0.5 * fine / std::sqrt(3.0);
     std::vector<double> cumulative(static_cast<std::size_t>(fineCount) + 1);
@@ -100,8 +98,8 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
         for (int row = 0; row < m_rows.count; ++row)
             for (int column = 0; column < m_columns.count; ++column) {
-                const double x = m_columns.first + column - (stepU + 0.5) / m_texelSteps;
-                const double y = m_rows.first + row - (stepV + 0.5) / m_texelSteps;
+                const double x = m_columns.first + column - double(stepU) / m_texelSteps;
+                const double y = m_rows.first + row - double(stepV) / m_texelSteps;
                 const Vec3 at0 = isFromTs * Vec3(x, y, 0);
                 double sum = 0;
                 cumulative[0] = 0;
@@ -115,7 +113,7 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                 }
                 for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
                     const auto read = [&](int slab) {
-                        return cumulative[static_cast<std::size_t>((slab + 1) * m_sheetSteps - stepN - 1)];
+                        return cumulative[static_cast<std::size_t>((slab + 1) * m_sheetSteps - stepN)];
                     };
                     float* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
                     for (int slab = 0; slab < m_sheets.count; ++slab)

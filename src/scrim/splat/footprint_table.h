@@ -25,7 +25,8 @@ class FootprintTable {
     int texelSteps() const { return m_texelSteps; }
     int sheetSteps() const { return m_sheetSteps; }
 
-    // For a voxel at (U, V, N) the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
+    // A position is rounded to the nearest step, so that lattices which fall on the steps are exact. For a voxel at
+    // (rounded) (U, V, N) the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
     // likewise, and sheets floor(N) + firstSheet() + [0, sheets()).
     int firstColumn() const { return m_columns.first; }
     int firstRow() const { return m_rows.first; }

@@ -54,11 +54,12 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Ch
     const auto texelMask = hn::Set(di, table.texelSteps() - 1), sheetMask = hn::Set(di, table.sheetSteps() - 1);
 
     for (int i = 0; i < kChunk; i += static_cast<int>(hn::Lanes(df))) {
-        // Positions in whole quantisation steps.
+        // Positions in quantisation steps, rounded to the nearest.
         const auto at = [&](float fraction, const auto& offsets, int steps) {
             const auto offset = hn::LoadU(df, offsets.data() + k + i);
             const auto position = hn::Add(hn::Set(df, fraction), offset);
-            return hn::ConvertTo(di, hn::Floor(hn::Mul(position, hn::Set(df, static_cast<float>(steps)))));
+            const auto inSteps = hn::MulAdd(position, hn::Set(df, static_cast<float>(steps)), hn::Set(df, 0.5f));
+            return hn::ConvertTo(di, hn::Floor(inSteps));
         };
         const auto u = at(place.fractionU, splat.order->offsetU, table.texelSteps());
         const auto v = at(place.fractionV, splat.order->offsetV, table.texelSteps());

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+// Versions of the libraries behind pictures and colours, which no other header names.
+#pragma once
+
+#include <string>
+
+namespace scrim {
+
+std::string openExrVersion();
+std::string openColorIoVersion();
+std::string openImageIoVersion();
+
+}  // namespace scrim
