@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// The child's side of a guarded load: `scrim internal-load --fd FD fields|info MEMORY THREADS PATH GRID...`.
+#include "guarded_load.h"
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/volume/field_transfer.h>
+#include <scrim/volume/vdb_file.h>
+
+#include <csignal>
+#include <fstream>
+#include <new>
+
+#include <malloc.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace scrim::cli {
+namespace {
+
+constexpr int kBadArguments = 2;
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define SCRIM_HUGE_SHADOW_MEMORY 1
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define SCRIM_HUGE_SHADOW_MEMORY 1
+#endif
+
+/// Bytes of address space this process has now.
+[[maybe_unused]] std::size_t addressSpace() {
+    std::size_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+}
+
+/// No dump of a crash that was expected, no more memory than `memory` beyond that of the program itself, and no life
+/// beyond that of the parent.
+void limitSelf([[maybe_unused]] std::size_t memory) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    const rlimit none{0, 0};
+    ::setrlimit(RLIMIT_CORE, &none);
+#if !defined(SCRIM_HUGE_SHADOW_MEMORY)
+    // Arenas, one a thread, would take address space that holds nothing.
+    ::mallopt(M_ARENA_MAX, 2);
+    const rlim_t most = addressSpace() + memory;
+    const rlimit space{most, most};
+    ::setrlimit(RLIMIT_AS, &space);
+#endif
+}
+
+void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
+    const VdbFile file = VdbFile::open(path);
+    if (what == "info") return sendInfo(fd, file.info());
+    std::vector<TransferMessage> messages;
+    std::vector<SparseField> fields;
+    for (const std::string& grid : grids)
+        fields.push_back(file.field(grid, [&](Severity severity, const std::string& text) {
+            messages.push_back({severity, text});
+        }));
+    sendFields(fd, fields, messages);
+}
+
+/// Sends what `sendAll` throws in place of its result.
+void sendAllOrError(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
+    try {
+        sendAll(fd, what, path, grids);
+    } catch (const Error& error) {
+        sendError(fd, error);
+    } catch (const std::bad_alloc&) {
+        sendError(fd, Error(ErrorKind::memory, path + ": not enough memory to read it"));
+    } catch (const std::exception& error) {
+        sendError(fd, Error(ErrorKind::input, path + ": damaged: " + clipped(error.what())));
+    }
+}
+
+}  // namespace
+
+int internalLoad(const std::vector<std::string>& arguments) {
+    if (arguments.size() < 6 || arguments[0] != "--fd") return kBadArguments;
+    const int fd = std::stoi(arguments[1]);
+    const std::string& what = arguments[2];
+    limitSelf(std::stoull(arguments[3]));
+    const ThreadLimit threads(std::stoi(arguments[4]));
+    sendAllOrError(fd, what, arguments[5], {arguments.begin() + 6, arguments.end()});
+    // What a damaged file left of the heap is better not taken apart.
+    ::_exit(0);
+}
+
+}  // namespace scrim::cli

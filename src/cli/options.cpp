@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "options.h"
+
+#include <scrim/base/error.h>
+#include <scrim/scene/frame_range.h>
+#include <scrim/scene/quality.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <functional>
+#include <limits>
+#include <string_view>
+
+namespace scrim::cli {
+namespace {
+
+constexpr int kMostPixels = 65536;  // a side, as in scenes
+constexpr int kMostThreads = 4096;
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& expected) {
+    throw Error(ErrorKind::usage, fmt::format("{} {}: expected {}", option, clipped(text, 80), expected));
+}
+
+/// The numbers of `text` between `separator`s; nothing where it is anything else.
+template <typename Number>
+std::optional<std::vector<Number>> numbersOf(std::string_view text, char separator) {
+    std::vector<Number> numbers;
+    for (;;) {
+        Number value{};
+        const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        if (error != std::errc()) return std::nullopt;
+        numbers.push_back(value);
+        text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+        if (text.empty()) return numbers;
+        if (text.front() != separator) return std::nullopt;
+        text.remove_prefix(1);
+    }
+}
+
+int countFrom(const std::string& option, const std::string& text, int most) {
+    const auto numbers = numbersOf<int>(text, '\0');
+    if (!numbers || numbers->size() != 1 || numbers->front() < 0 || numbers->front() > most)
+        refuse(option, text, fmt::format("a whole number from 0 to {}", most));
+    return numbers->front();
+}
+
+/// An option whose text `take` reads.
+CLI::Option* add(CLI::App& command, const std::string& names, const std::string& form, const std::string& help,
+                 const std::function<void(const std::string&)>& take) {
+    return command.add_option_function<std::string>(names, take, help)->type_name(form);
+}
+
+/// An option that is one of some words; `take` gets the word's place.
+void addChoice(CLI::App& command, const std::string& name, const std::vector<std::string>& words,
+               const std::string& help, const std::function<void(std::size_t)>& take) {
+    add(command, name, fmt::format("{}", fmt::join(words, "|")), help, [=](const std::string& text) {
+        const auto found = std::find(words.begin(), words.end(), text);
+        if (found == words.end()) refuse(name, "'" + text + "'", choices(words));
+        take(static_cast<std::size_t>(found - words.begin()));
+    });
+}
+
+}  // namespace
+
+std::size_t parseSize(const std::string& text) {
+    const std::string expected = "a size such as 8G, 512M, 64K, or a number of bytes";
+    std::size_t value = 0;
+    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const std::string_view unit(stop, static_cast<std::size_t>(text.data() + text.size() - stop));
+    const std::size_t place = std::string_view("KMGT").find(unit.empty() ? 'K' : unit.front());
+    if (error != std::errc() || unit.size() > 1 || place == std::string_view::npos || value == 0)
+        refuse("--memory", text, expected);
+    const int shift = unit.empty() ? 0 : 10 * (static_cast<int>(place) + 1);
+    if (value > std::numeric_limits<std::size_t>::max() >> shift) refuse("--memory", text, expected);
+    return value << shift;
+}
+
+Int2 parseResolution(const std::string& text) {
+    const auto sides = numbersOf<int>(text, 'x');
+    if (!sides || sides->size() != 2 || std::min((*sides)[0], (*sides)[1]) < 1 ||
+        std::max((*sides)[0], (*sides)[1]) > kMostPixels)
+        refuse("--res", text, fmt::format("WIDTHxHEIGHT, each from 1 to {} pixels", kMostPixels));
+    return {(*sides)[0], (*sides)[1]};
+}
+
+PixelWindow parseCrop(const std::string& text) {
+    const auto n = numbersOf<int>(text, ',');
+    if (!n || n->size() != 4 || (*n)[0] >= (*n)[2] || (*n)[1] >= (*n)[3])
+        refuse("--crop", text, "X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1");
+    return {(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
+}
+
+void addVerbosity(CLI::App& command, bool& verbose, bool& quiet) {
+    CLI::Option* loud = command.add_flag("-v,--verbose", verbose, "tell about each stage");
+    command.add_flag("-q,--quiet", quiet, "only warnings and errors")->excludes(loud);
+}
+
+void addSceneOptions(CLI::App& command, SceneOptions& o) {
+    command.add_option("inputs", o.inputs, "scenes (.toml) or assets (.vdb); an asset alone is framed and lit")
+        ->type_name("SCENE|ASSET")
+        ->required();
+    add(command, "--frames", "RANGE", "frames to do: 1-48x2,60", [&o](const std::string& t) { o.frames = parseFrameRange(t); });
+    add(command, "--res", "WxH", "pixels, in place of the scene's", [&o](const std::string& t) { o.resolution = parseResolution(t); });
+    add(command, "--crop", "X0,Y0,X1,Y1", "only these pixels", [&o](const std::string& t) { o.crop = parseCrop(t); });
+    addChoice(command, "--quality", presetNames(), "preset of all dials, in place of the scene's",
+              [&o](std::size_t i) { o.quality = presetNames()[i]; });
+    command.add_option("--set", o.sets, "change a value of the scene: camera.fov=20, light.key.intensity=3")
+        ->type_name("KEY.PATH=VALUE")
+        ->allow_extra_args(false);
+    add(command, "--threads", "N", "threads to use; 0: all", [&o](const std::string& t) { o.threads = countFrom("--threads", t, kMostThreads); });
+    add(command, "--memory", "SIZE", "limit for volumes and buffers: 8G, 512M", [&o](const std::string& t) { o.memory = parseSize(t); });
+    addChoice(command, "--missing", {"error", "black", "skip"}, "what a missing file of a volume makes of a frame",
+              [&o](std::size_t i) { o.missing = static_cast<MissingPolicy>(i); });
+    command.add_option("--ocio", o.ocio, "OpenColorIO config, in place of $OCIO")->type_name("FILE");
+    command.add_flag("--print-scene", o.printScene, "print the scene with all changes, and do nothing else");
+    addVerbosity(command, o.verbose, o.quiet);
+}
+
+void addRenderOptions(CLI::App& command, SceneOptions& o) {
+    command.add_option("-o,--output", o.output, "picture to write: plume.####.exr")->type_name("FILE.exr");
+    command.add_option("--preview", o.preview, "also write a picture for a display")->type_name("FILE.png");
+    command.add_option("--stats", o.stats, "write times, work and memory")->type_name("FILE.json");
+    command.add_flag("--skip-existing", o.skipExisting, "leave frames alone whose picture exists");
+    add(command, "--verify", "N", "compare N random pixels with the brute-force reference",
+        [&o](const std::string& t) { o.verify = countFrom("--verify", t, std::numeric_limits<int>::max()); });
+    addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
+              [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
+}
+
+}  // namespace scrim::cli

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// The options that commands on scenes share, and the texts they are given as.
+#pragma once
+
+#include "progress.h"
+
+#include <scrim/geometry/spaces.h>
+#include <scrim/image/image.h>
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+}
+
+namespace scrim::cli {
+
+/// What becomes of a frame that lacks the file of a volume.
+enum class MissingPolicy { error, black, skip };
+
+struct SceneOptions {
+    std::vector<std::string> inputs;
+    std::string output;       ///< "": what the scene says
+    std::vector<int> frames;  ///< empty: not given
+    std::optional<Int2> resolution;
+    std::optional<PixelWindow> crop;
+    std::string quality;
+    std::vector<std::string> sets;  ///< key.path=value
+    int threads = 0;                ///< 0: all
+    std::size_t memory = 0;         ///< bytes; 0: no limit
+    MissingPolicy missing = MissingPolicy::error;
+    std::string ocio;
+    bool printScene = false;
+    bool verbose = false, quiet = false;
+
+    std::string stats, preview;
+    bool skipExisting = false;
+    ProgressStyle progress = ProgressStyle::automatic;
+    int verify = 0;  ///< pixels
+
+    bool json = false;  ///< of `scrim plan`
+};
+
+/// Those that decide what is rendered: of `render` and `plan`. `options` must outlive the parse.
+void addSceneOptions(CLI::App& command, SceneOptions& options);
+/// Those about what comes out: of `render`.
+void addRenderOptions(CLI::App& command, SceneOptions& options);
+/// -v and -q.
+void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
+
+/// "8G", "512M", "64K" (powers of 1024), or bytes. Throws Error(usage), as all of these.
+std::size_t parseSize(const std::string& text);
+/// "1920x1080".
+Int2 parseResolution(const std::string& text);
+/// "X0,Y0,X1,Y1": the half-open box from (X0, Y0) to (X1, Y1).
+PixelWindow parseCrop(const std::string& text);
+
+}  // namespace scrim::cli

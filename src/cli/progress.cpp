@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "progress.h"
+
+#include "interrupt.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <unistd.h>
+
+namespace scrim::cli {
+namespace {
+
+constexpr int kBarCells = 30;
+constexpr auto kRedraw = std::chrono::milliseconds(100);
+
+ProgressStyle chosen(ProgressStyle style, const Console& console) {
+    if (style != ProgressStyle::automatic) return style;
+    if (console.quiet()) return ProgressStyle::none;
+    return ::isatty(STDERR_FILENO) != 0 ? ProgressStyle::bar : ProgressStyle::plain;
+}
+
+/// How many steps there are from 0 to all of it.
+int stepsOf(ProgressStyle style) {
+    switch (style) {
+        case ProgressStyle::openjd: return 1000;
+        case ProgressStyle::plain: return 10;
+        default: return 100;
+    }
+}
+
+std::string clockText(double seconds) {
+    const long s = std::lround(seconds);
+    if (s >= 3600) return fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+    return fmt::format("{}:{:02}", s / 60, s % 60);
+}
+
+}  // namespace
+
+const std::vector<std::string>& progressStyleNames() {
+    static const std::vector<std::string> names{"auto", "bar", "plain", "alf", "openjd", "json", "none"};
+    return names;
+}
+
+Progress::Progress(ProgressStyle style, Console& console) : m_style(chosen(style, console)), m_console(console) {}
+
+void Progress::beginFrame(int frame) {
+    m_frame = frame;
+    if (m_style == ProgressStyle::plain) m_printed = 0;
+    if (m_style == ProgressStyle::openjd) {
+        printOut(fmt::format("openjd_status: frame {} ({} of {})\n", frame, m_index + 1, m_count));
+        flushOut();
+    }
+    report(0);
+}
+
+void Progress::endFrame() {
+    report(1);
+    m_index = std::min(m_index + 1, m_count);
+}
+
+void Progress::report(double part) {
+    if (m_style == ProgressStyle::none) return;
+    part = std::clamp(part, 0.0, 1.0);
+    if (m_style == ProgressStyle::bar) return printBar(part);
+    // Plain lines tell about the frame, the others about the whole run.
+    const double done = m_style == ProgressStyle::plain ? part : (m_index + part) / m_count;
+    const int step = static_cast<int>(std::floor(done * stepsOf(m_style) + 1e-9));
+    if (step <= m_printed) return;
+    m_printed = step;
+    print(part);
+}
+
+void Progress::print(double part) {
+    const double percent = 100.0 * m_printed / stepsOf(m_style);
+    if (m_style == ProgressStyle::plain)
+        return m_console.line(fmt::format("frame {} ({} of {}): {:.0f}%", m_frame, m_index + 1, m_count, percent));
+    if (m_style == ProgressStyle::alf) printOut(fmt::format("ALF_PROGRESS {:.0f}%\n", percent));
+    if (m_style == ProgressStyle::openjd) printOut(fmt::format("openjd_progress: {:.1f}\n", percent));
+    if (m_style == ProgressStyle::json) {
+        const nlohmann::ordered_json line{{"progress", percent},
+                                          {"frame", m_frame},
+                                          {"frame_progress", std::round(1000 * part) / 10},
+                                          {"index", m_index + 1},
+                                          {"count", m_count}};
+        printOut(line.dump() + "\n");
+    }
+    flushOut();
+}
+
+void Progress::printBar(double part) {
+    const Clock::time_point now = Clock::now();
+    if (now - m_drawn < kRedraw && part < 1) return;
+    m_drawn = now;
+    const double done = (m_index + part) / m_count;
+    const double elapsed = std::chrono::duration<double>(now - m_start).count();
+    const int full = static_cast<int>(std::lround(done * kBarCells));
+    std::string text = fmt::format("[{}{}] {:3.0f}%  frame {} ({} of {})  {}", std::string(std::size_t(full), '#'),
+                                   std::string(std::size_t(kBarCells - full), '.'), 100 * done, m_frame, m_index + 1,
+                                   m_count, clockText(elapsed));
+    // Before that the guess would jump about.
+    constexpr double kLeastToGuess = 0.02;
+    if (done > kLeastToGuess) text += fmt::format(", {} left", clockText(elapsed / done - elapsed));
+    m_console.status(text);
+}
+
+ProgressSink Progress::stage(double from, double to) {
+    return [this, from, to](double part) {
+        report(from + (to - from) * part);
+        return interruptSignal() == 0;
+    };
+}
+
+}  // namespace scrim::cli

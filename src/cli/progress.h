@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// Progress in the form that whoever looks at it wants: people at a terminal, log files, farm managers, programs.
+#pragma once
+
+#include "console.h"
+
+#include <scrim/base/messages.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+namespace scrim::cli {
+
+enum class ProgressStyle { automatic, bar, plain, alf, openjd, json, none };
+
+/// In the order of ProgressStyle.
+const std::vector<std::string>& progressStyleNames();
+
+/// Reports one run of several frames. Prints only on change: bar and plain lines to stderr, the others to stdout.
+class Progress {
+  public:
+    /// `automatic` is a bar on a terminal and plain lines elsewhere, or nothing under -q. Refers to `console`.
+    Progress(ProgressStyle style, Console& console);
+    ~Progress() { m_console.status(""); }
+    Progress(const Progress&) = delete;
+    Progress& operator=(const Progress&) = delete;
+
+    void setFrameCount(int count) { m_count = count; }
+    void beginFrame(int frame);
+    /// `part` of the frame, 0 to 1.
+    void report(double part);
+    void endFrame();
+
+    /// Maps a stage of the frame that lasts from `from` to `to`; stops where a signal came.
+    ProgressSink stage(double from, double to);
+
+  private:
+    using Clock = std::chrono::steady_clock;
+
+    void print(double part);
+    void printBar(double part);
+
+    ProgressStyle m_style;
+    Console& m_console;
+    int m_count = 1, m_index = 0, m_frame = 0;
+    int m_printed = -1;  ///< what the last line said, in the steps of the style
+    Clock::time_point m_start = Clock::now();
+    Clock::time_point m_drawn{};
+};
+
+}  // namespace scrim::cli
