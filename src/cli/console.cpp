@@ -3,9 +3,12 @@
 
 #include <scrim/base/error.h>
 
+#include <fmt/format.h>
+
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <iterator>
 
 namespace scrim::cli {
 namespace {
@@ -48,6 +51,15 @@ MessageSink Console::sink() {
         else
             line("scrim: " + text);
     };
+}
+
+std::string bytesText(std::size_t bytes) {
+    constexpr double kStep = 1024;
+    const char* const units[] = {"bytes", "KB", "MB", "GB", "TB"};
+    double value = static_cast<double>(bytes);
+    std::size_t unit = 0;
+    for (; value >= kStep && unit + 1 < std::size(units); ++unit) value /= kStep;
+    return unit == 0 ? fmt::format("{} bytes", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
 }
 
 void printOut(const std::string& text) {

@@ -5,6 +5,7 @@
 
 #include <scrim/base/messages.h>
 
+#include <cstddef>
 #include <string>
 
 namespace scrim::cli {
@@ -34,6 +35,9 @@ class Console {
     bool m_verbose, m_quiet;
     std::string m_status;
 };
+
+/// "34.2 KB": powers of 1024.
+std::string bytesText(std::size_t bytes);
 
 /// Writes to stdout. Throws Error(output).
 void printOut(const std::string& text);

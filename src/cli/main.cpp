@@ -1,1 +1,193 @@
-int main() {}
+// SPDX-License-Identifier: Apache-2.0
+// The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an exit
+// status. The only place that catches exceptions.
+#include "console.h"
+#include "guarded_load.h"
+#include "info_command.h"
+#include "interrupt.h"
+#include "make_command.h"
+#include "options.h"
+#include "plan_command.h"
+#include "render_command.h"
+
+#include <scrim/base/error.h>
+#include <scrim/base/version.h>
+#include <scrim/image/versions.h>
+#include <scrim/scene/nearest_name.h>
+#include <scrim/volume/vdb_version.h>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <new>
+#include <string>
+#include <vector>
+
+namespace scrim::cli {
+namespace {
+
+constexpr int kMemoryStatus = 33;  // farms take it for "try again on a larger machine"
+
+int statusOf(ErrorKind kind) {
+    switch (kind) {
+        case ErrorKind::render: return 1;
+        case ErrorKind::usage: return 2;
+        case ErrorKind::input: return 3;
+        case ErrorKind::output: return 4;
+        case ErrorKind::memory: return kMemoryStatus;
+        case ErrorKind::interrupted: return 128 + (interruptSignal() != 0 ? interruptSignal() : SIGINT);
+    }
+    return 1;
+}
+
+/// The last line on stderr.
+int fail(int status, const std::string& reason) {
+    constexpr std::size_t kLongestReason = 4000;
+    std::fputs(fmt::format("scrim: error: {}\n", clipped(reason, kLongestReason)).c_str(), stderr);
+    return status;
+}
+
+std::string versionText() {
+    return fmt::format(
+        "scrim {}\nOpenVDB {} (files up to version {}; codecs {})\nOpenEXR {}\nOpenColorIO {}\nOpenImageIO {}\n"
+        "oneTBB {}\nHighway {}",
+        scrimVersion(), openVdbVersion(), vdbFileVersion(), fmt::join(vdbCodecs(), ", "), openExrVersion(),
+        openColorIoVersion(), openImageIoVersion(), tbbVersion(), highwayVersion());
+}
+
+/// The command line and what it fills in.
+struct CommandLine {
+    CLI::App app{"Renders OpenVDB volumes with volumetric shadows by sheet-based splatting.", "scrim"};
+    SceneOptions render, plan;
+    InfoOptions info;
+    MakeOptions make;
+
+    CommandLine() {
+        app.set_version_flag("--version", versionText, "print the versions of scrim and its libraries");
+        app.require_subcommand(0, 1);
+        addRender();
+        addPlan();
+        addInfo();
+        addMake();
+    }
+
+    void addRender() {
+        CLI::App* command = app.add_subcommand("render", "render scenes, or assets alone");
+        addSceneOptions(*command, render);
+        addRenderOptions(*command, render, "Output");
+    }
+    void addPlan() {
+        CLI::App* command = app.add_subcommand("plan", "show what a render would do");
+        addSceneOptions(*command, plan);
+        addRenderOptions(*command, plan, "Accepted, so that the arguments of a render can be planned as they are");
+        command->add_flag("--json", plan.json, "print JSON");
+    }
+    void addInfo() {
+        CLI::App* command = app.add_subcommand("info", "show what .vdb files hold");
+        command->add_option("files", info.files, "files to look into")->type_name("ASSET")->required();
+        command->add_flag("--json", info.json, "print JSON");
+        command->add_flag("-v,--verbose", info.verbose, "show what the reading process says");
+    }
+    void addMake() {
+        CLI::App* command = app.add_subcommand("make", "run a volume source and save its grids");
+        command->add_option("source", make.source, "name of the source")->type_name("SOURCE");
+        command->add_option("parameters", make.parameters, "values in place of the defaults")->type_name("KEY=VALUE");
+        command->add_option("-o,--output", make.output, "file to write")->type_name("OUT.vdb");
+        command->add_option("--threads", make.threads, "threads to use; 0: all")->type_name("N")->check(
+            CLI::Range(0, 4096));
+        command->add_flag("--list", make.list, "print all sources with their parameters");
+        command->add_flag("--help-source", make.helpSource, "print the parameters of the source");
+        addVerbosity(*command, make.verbose, make.quiet);
+    }
+
+    std::vector<std::string> commandNames() const {
+        std::vector<std::string> names;
+        for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+        return names;
+    }
+    /// The command that was given, else the program itself.
+    const CLI::App& current() const {
+        const std::vector<CLI::App*> given = app.get_subcommands();
+        return given.empty() ? app : *given.front();
+    }
+};
+
+/// What CLI11 says of a mistake, in one line and with what might have been meant.
+std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
+    std::string text = error.what();
+    const CLI::App& command = line.current();
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr) {
+        std::vector<std::string> options;
+        for (const CLI::Option* option : command.get_options())
+            for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+        for (const std::string& extra : command.remaining()) {
+            const std::string hint = didYouMean(extra.substr(0, extra.find('=')), options);
+            if (!hint.empty()) return text + hint;
+        }
+    }
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
+        text = command.get_name() + (command.get_name() == "info" ? ": expected one or more ASSET.vdb"
+                                                                  : ": expected one or more SCENE.toml or ASSET.vdb");
+    const bool inCommand = &command != &line.app;
+    return fmt::format("{}; see scrim {}--help", text, inCommand ? command.get_name() + " " : "");
+}
+
+void checkCommandName(const CommandLine& line, const std::vector<std::string>& arguments) {
+    if (arguments.empty() || arguments.front().rfind('-', 0) == 0) return;
+    const std::vector<std::string> names = line.commandNames();
+    for (const std::string& name : names)
+        if (name == arguments.front()) return;
+    throw Error(ErrorKind::usage, fmt::format("unknown command '{}'; expected {}", clipped(arguments.front(), 80),
+                                              choices(names)));
+}
+
+int runCommand(CommandLine& line) {
+    const std::string name = &line.current() == &line.app ? "" : line.current().get_name();
+    if (name == "render") renderCommand(line.render);
+    if (name == "plan") planCommand(line.plan);
+    if (name == "info") infoCommand(line.info);
+    if (name == "make") makeCommand(line.make);
+    if (name.empty()) {
+        printOut(line.app.help());
+        flushOut();
+        throw Error(ErrorKind::usage, fmt::format("no command; expected {}", choices(line.commandNames())));
+    }
+    flushOut();
+    return 0;
+}
+
+int run(const std::vector<std::string>& arguments) {
+    if (!arguments.empty() && arguments.front() == kInternalLoad)
+        return internalLoad({arguments.begin() + 1, arguments.end()});
+    handleInterrupts();
+    CommandLine line;
+    checkCommandName(line, arguments);
+    try {
+        line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    } catch (const CLI::Success& success) {  // help and version are asked for by exceptions
+        line.app.exit(success);
+        flushOut();
+        return 0;
+    } catch (const CLI::ParseError& error) {
+        throw Error(ErrorKind::usage, usageText(line, error));
+    }
+    return runCommand(line);
+}
+
+}  // namespace
+}  // namespace scrim::cli
+
+int main(int argc, char** argv) {
+    using namespace scrim;
+    try {
+        return cli::run({argv + 1, argv + argc});
+    } catch (const Error& error) {
+        return cli::fail(cli::statusOf(error.kind()), error.what());
+    } catch (const std::bad_alloc&) {
+        return cli::fail(cli::kMemoryStatus, "out of memory");
+    } catch (const std::exception& error) {
+        return cli::fail(1, error.what());
+    }
+}

@@ -119,7 +119,8 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
     addVerbosity(command, o.verbose, o.quiet);
 }
 
-void addRenderOptions(CLI::App& command, SceneOptions& o) {
+void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& group) {
+    command.option_defaults()->group(group);
     command.add_option("-o,--output", o.output, "picture to write: plume.####.exr")->type_name("FILE.exr");
     command.add_option("--preview", o.preview, "also write a picture for a display")->type_name("FILE.png");
     command.add_option("--stats", o.stats, "write times, work and memory")->type_name("FILE.json");
@@ -128,6 +129,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& o) {
         [&o](const std::string& t) { o.verify = countFrom("--verify", t, std::numeric_limits<int>::max()); });
     addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
               [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
+    command.option_defaults()->group("Options");
 }
 
 }  // namespace scrim::cli

@@ -46,8 +46,8 @@ struct SceneOptions {
 
 /// Those that decide what is rendered: of `render` and `plan`. `options` must outlive the parse.
 void addSceneOptions(CLI::App& command, SceneOptions& options);
-/// Those about what comes out: of `render`.
-void addRenderOptions(CLI::App& command, SceneOptions& options);
+/// Those about what comes out: of `render`. `group` is their title in the help.
+void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
 /// -v and -q.
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
 

@@ -15,7 +15,8 @@ namespace scrim::cli {
 namespace {
 
 constexpr int kBarCells = 30;
-constexpr auto kRedraw = std::chrono::milliseconds(100);
+constexpr std::chrono::milliseconds kRedraw(100);
+constexpr std::chrono::seconds kLogPause(5);  // where nobody asked for the lines
 
 ProgressStyle chosen(ProgressStyle style, const Console& console) {
     if (style != ProgressStyle::automatic) return style;
@@ -45,7 +46,14 @@ const std::vector<std::string>& progressStyleNames() {
     return names;
 }
 
-Progress::Progress(ProgressStyle style, Console& console) : m_style(chosen(style, console)), m_console(console) {}
+Progress::Progress(ProgressStyle style, Console& console)
+    : m_style(chosen(style, console)), m_pause(0), m_console(console) {
+    if (m_style == ProgressStyle::bar) m_pause = kRedraw;
+    if (m_style == ProgressStyle::plain && style == ProgressStyle::automatic) {
+        m_pause = kLogPause;
+        m_drawn = m_start;
+    }
+}
 
 void Progress::beginFrame(int frame) {
     m_frame = frame;
@@ -69,8 +77,9 @@ void Progress::report(double part) {
     // Plain lines tell about the frame, the others about the whole run.
     const double done = m_style == ProgressStyle::plain ? part : (m_index + part) / m_count;
     const int step = static_cast<int>(std::floor(done * stepsOf(m_style) + 1e-9));
-    if (step <= m_printed) return;
+    if (step <= m_printed || Clock::now() - m_drawn < m_pause) return;
     m_printed = step;
+    m_drawn = Clock::now();
     print(part);
 }
 
@@ -93,7 +102,7 @@ void Progress::print(double part) {
 
 void Progress::printBar(double part) {
     const Clock::time_point now = Clock::now();
-    if (now - m_drawn < kRedraw && part < 1) return;
+    if (now - m_drawn < m_pause && part < 1) return;
     m_drawn = now;
     const double done = (m_index + part) / m_count;
     const double elapsed = std::chrono::duration<double>(now - m_start).count();

@@ -20,7 +20,7 @@ const std::vector<std::string>& progressStyleNames();
 /// Reports one run of several frames. Prints only on change: bar and plain lines to stderr, the others to stdout.
 class Progress {
   public:
-    /// `automatic` is a bar on a terminal and plain lines elsewhere, or nothing under -q. Refers to `console`.
+    /// `automatic` is a bar on a terminal, and elsewhere plain lines, but few; or nothing under -q. Refers to `console`.
     Progress(ProgressStyle style, Console& console);
     ~Progress() { m_console.status(""); }
     Progress(const Progress&) = delete;
@@ -42,6 +42,7 @@ class Progress {
     void printBar(double part);
 
     ProgressStyle m_style;
+    Clock::duration m_pause;  ///< between two lines, at least
     Console& m_console;
     int m_count = 1, m_index = 0, m_frame = 0;
     int m_printed = -1;  ///< what the last line said, in the steps of the style

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_input.h"
 
+#include "console.h"
+
 #include <scrim/base/error.h>
 #include <scrim/scene/framing.h>
 
@@ -44,29 +46,27 @@ std::string assetPattern(const std::string& path) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) return path;
     std::string pattern;
-    for (const char c : path) pattern += c == '$' ? "$$" : std::string(1, c);
+    for (const char c : path) pattern.append(c == '$' ? 2 : 1, c);
     return pattern;
 }
 
 std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) out += (c == '"' || c == '\\' ? "\\" : "") + std::string(1, c);
-    return out + '"';
+    std::string out(1, '"');
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;
+    }
+    out += '"';
+    return out;
 }
 
-/// What the command line changes, in the order of being applied.
-std::vector<std::string> overridesOf(const SceneOptions& options, const std::string& folder) {
+/// What the command line changes in the scene (that of an asset has the resolution already), in the order of being applied.
+std::vector<std::string> overridesOf(const SceneOptions& options, bool framed) {
     std::vector<std::string> overrides;
-    if (options.resolution)
+    if (options.resolution && !framed)
         overrides.push_back(fmt::format("camera.resolution=[{}, {}]", options.resolution->x, options.resolution->y));
-    if (!options.quality.empty()) overrides.push_back("render.quality=" + quoted(options.quality));
+    if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", quoted(options.quality)));
     overrides.insert(overrides.end(), options.sets.begin(), options.sets.end());
-    // Paths of the command line are relative to the current folder, those of a scene to its own.
-    if (!options.output.empty()) {
-        const std::string file =
-            folder.empty() ? options.output : (std::filesystem::current_path() / options.output).string();
-        overrides.push_back("output.file=" + quoted(file));
-    }
     return overrides;
 }
 
@@ -106,12 +106,11 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
         // Until the asset is loaded: its scene but for the numbers.
         m_assetPattern = assetPattern(path);
         const SparseField nothing;
-        m_text = {path + " (framed)", "",
-                  framingScene(m_assetPattern, {{"", &nothing}}, options.resolution.value_or(kFramedResolution))};
+        m_text = {path + " (framed)", "", framedText(nothing)};
     } else {
         m_text = loadSceneText(path);
     }
-    m_overrides = overridesOf(options, m_text.folder);
+    m_overrides = overridesOf(options, m_asset);
     const Scene scene = read(m_text, options.frames.empty() ? 1 : options.frames.front());
     m_frames = framesOf(scene);
     m_output = scene.output.path;
@@ -138,12 +137,13 @@ Scene SceneInput::read(const SceneText& text, int frame) const {
 
 std::vector<int> SceneInput::framesOf(const Scene& scene) const {
     if (!m_options.frames.empty()) return m_options.frames;
+    if (m_options.printScene) return {1};
     for (const SceneVolume& volume : scene.volumes)
         if (volume.source.empty() && volume.sequence.hasFrame())
             throw Error(ErrorKind::usage,
                         fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", m_path,
                                     volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
-    if (!m_options.printScene && scene.output.path.hasFrame())
+    if (scene.output.path.hasFrame())
         throw Error(ErrorKind::usage, fmt::format("{}: the output '{}' has a place for the frame; say which frames "
                                                   "with --frames",
                                                   m_path, scene.output.path.pattern));
@@ -157,8 +157,11 @@ void SceneInput::frameAsset() {
         const auto field = m_store.fieldOf(file, "");
         if (!largest || sizeOf(*field) > sizeOf(*largest)) largest = field;
     }
-    m_text.text = framingScene(m_assetPattern, {{"", largest.get()}},
-                               m_options.resolution.value_or(kFramedResolution));
+    m_text.text = framedText(*largest);
+}
+
+std::string SceneInput::framedText(const SparseField& field) const {
+    return framingScene(m_assetPattern, {{"", &field}}, m_options.resolution.value_or(kFramedResolution));
 }
 
 Scene SceneInput::sceneAt(int frame) {
@@ -171,10 +174,25 @@ std::string SceneInput::toml() {
     return sceneAsToml(m_text, m_overrides);
 }
 
-std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store) {
+std::string SceneInput::printedToml() {
+    if (m_options.output.empty()) return toml();
+    // The text that frames an asset stays as readable as it is.
+    if (m_asset && m_overrides.empty())
+        return toml() + fmt::format("\n[output]\nfile = {}\n", quoted(m_options.output));
+    // Paths of the command line are relative to the current folder, those of a scene to its own.
+    const bool here = m_text.folder.empty();
+    const std::string file = here ? m_options.output : (std::filesystem::current_path() / m_options.output).string();
+    toml();
+    std::vector<std::string> overrides = m_overrides;
+    overrides.push_back(fmt::format("output.file={}", quoted(file)));
+    return sceneAsToml(m_text, overrides);
+}
+
+std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store,
+                                   bool writes) {
     std::vector<SceneInput> inputs;
     for (const std::string& path : options.inputs) inputs.emplace_back(path, options, colour, store);
-    if (options.printScene) return inputs;
+    if (!writes) return inputs;
 
     std::map<std::string, std::string> writers;  // of each file
     const auto claim = [&](const SceneInput& input, const FramePath& path, int frame) {
@@ -183,12 +201,12 @@ std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConf
         const std::string place = std::filesystem::absolute(file).lexically_normal().string();
         const auto [writer, isNew] = writers.emplace(place, input.name());
         if (isNew) return;
-        if (&input == &inputs.front() && inputs.size() == 1 && !path.hasFrame())
+        if (inputs.size() == 1 && input.frames().size() > 1 && !path.hasFrame())
             throw Error(ErrorKind::usage,
                         fmt::format("all {} frames would be written to '{}'; put the frame into its name: {}",
                                     input.frames().size(), file,
-                                    std::filesystem::path(file).stem().string() + ".####" +
-                                        std::filesystem::path(file).extension().string()));
+                                    std::filesystem::path(file).replace_extension(
+                                        ".####" + std::filesystem::path(file).extension().string()).string()));
         throw Error(ErrorKind::usage,
                     fmt::format("'{}' would be written twice, for {} and for {}", file, writer->second, input.name()));
     };
@@ -205,8 +223,8 @@ std::size_t memoryLeft(std::size_t limit, const Fields& fields) {
     if (limit == 0) return 0;
     if (taken >= limit)
         throw Error(ErrorKind::memory,
-                    fmt::format("the volumes take {:.1f} MB, which leaves nothing of the limit of {:.1f} MB (--memory)",
-                                double(taken) / (1 << 20), double(limit) / (1 << 20)));
+                    fmt::format("the volumes take {}, which leaves nothing of the limit of {} (--memory)",
+                                bytesText(taken), bytesText(limit)));
     return limit - taken;
 }
 

@@ -30,11 +30,14 @@ class SceneInput {
     /// loads an asset.
     Scene sceneAt(int frame);
 
-    /// With all changes of the command line, as TOML.
+    /// With the changes of the command line to what is seen, as TOML; the first call loads an asset.
     std::string toml();
+    /// The same, and with the output of the command line.
+    std::string printedToml();
 
   private:
     void frameAsset();
+    std::string framedText(const SparseField& field) const;
     Scene read(const SceneText& text, int frame) const;
     std::vector<int> framesOf(const Scene& scene) const;
 
@@ -51,8 +54,9 @@ class SceneInput {
     FramePath m_output, m_preview;
 };
 
-/// All inputs of the command, once it is known that no two pictures are written to one file.
-std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store);
+/// All inputs of the command; where it `writes` pictures, once it is known that no two go to one file.
+std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store,
+                                   bool writes);
 
 /// Bytes that buffers may take: what `fields` leave of `limit`; 0 where there is no limit. Throws Error(memory).
 std::size_t memoryLeft(std::size_t limit, const Fields& fields);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/version.h>
 
-#include <hwy/base.h>
+#include <hwy/highway.h>
 #include <tbb/version.h>
 
 #ifndef SCRIM_VERSION

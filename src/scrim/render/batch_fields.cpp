@@ -2,6 +2,7 @@
 #include <scrim/render/batch_fields.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/splat/unblur.h>
 
 #include <algorithm>
 
@@ -38,7 +39,10 @@ SplatWork BatchFields::splat(int firstSheet, int count) {
         const int last = std::min(first + kSheetsPerTask, count);
         for (int p = first; p < last; ++p) field.planes.begin(p);
         work[i] = field.splatter.splat(firstSheet + first, firstSheet + last, field.planes, first);
-        for (int p = first; p < last; ++p) field.planes.finish(p);
+        for (int p = first; p < last; ++p) {
+            field.planes.finish(p);
+            unblur(field.planes, p);
+        }
     });
     if (m_total) parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) { add(static_cast<int>(p)); });
 

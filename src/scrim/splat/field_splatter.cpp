@@ -9,6 +9,21 @@
 #include <numeric>
 
 namespace scrim {
+namespace {
+
+// How far the position in a table may be from the true one, in sheets: half a step, and a whole one to have floats'
+// rounding in it too.
+double rounding(const FootprintTable& table) { return 1.0 / table.sheetSteps(); }
+
+// The sheets that footprints of voxels at depths [lower, upper] may be written to, before and behind.
+int firstTouched(const FootprintTable& table, double lower) {
+    return static_cast<int>(std::floor(lower - rounding(table))) + table.firstSheet();
+}
+int lastTouched(const FootprintTable& table, double upper) {
+    return static_cast<int>(std::floor(upper + rounding(table))) + table.firstSheet() + table.sheets() - 1;
+}
+
+}  // namespace
 
 struct FieldSplatter::Target {
     BlockSplat splat;
@@ -28,14 +43,14 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
         lattice.include(transformVector(tsFromIs, corner));
-    m_blockLower = lattice.lower - m_table.extent();
-    m_blockUpper = lattice.upper + m_table.extent();
-    m_sheetSpan = static_cast<int>(std::ceil(m_blockUpper.z - m_blockLower.z)) + 1;
+    m_blockLower = lattice.lower - m_table.extent() - Vec3(0, 0, rounding(m_table));
+    m_blockUpper = lattice.upper + m_table.extent() + Vec3(0, 0, rounding(m_table));
+    m_sheetSpan = lastTouched(m_table, lattice.size().z) - firstTouched(m_table, 0) + 2;
 
     std::vector<std::int32_t> first(field.blockCount());
     for (std::size_t b = 0; b < first.size(); ++b) {
-        const double n = transformPoint(tsFromIs, Vec3(field.blockOrigins[b])).z + m_blockLower.z;
-        first[b] = static_cast<std::int32_t>(std::floor(n));
+        const double n = transformPoint(tsFromIs, Vec3(field.blockOrigins[b])).z + lattice.lower.z;
+        first[b] = firstTouched(m_table, n);
     }
     m_byFirstSheet.resize(first.size());
     std::iota(m_byFirstSheet.begin(), m_byFirstSheet.end(), 0U);
@@ -70,8 +85,8 @@ SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes
 void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values, Target& target) const {
     const Bounds is{Vec3(origin), Vec3(origin + Int3(edge - 1))};
     const Bounds ts = transformed(m_tsFromIs, is);
-    if (ts.upper.z + m_table.extentN() <= target.splat.firstSheet ||
-        ts.lower.z - m_table.extentN() >= target.splat.lastSheet)
+    if (lastTouched(m_table, ts.upper.z) < target.splat.firstSheet ||
+        firstTouched(m_table, ts.lower.z) >= target.splat.lastSheet)
         return;
     if (edge == kBlockEdge) return splatOneBlock(transformPoint(m_tsFromIs, Vec3(origin)), values, target);
     const int half = edge / 2;
@@ -81,9 +96,11 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
 
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& target) const {
     const BlockSplat& splat = target.splat;
-    const auto [first, second] =
-        m_order.between(splat.firstSheet - m_table.extentN() - ts.z,
-                        splat.lastSheet + m_table.extentN() - ts.z);
+    // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are fed to a sheet,
+    // and the count of footprints, must not hang on how sheets are spread over calls.
+    const auto [first, second] = m_order.between(
+        splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
+        splat.lastSheet - m_table.firstSheet() - ts.z);
     if (first == second) return;
 
     // Activate the tiles under the block, once for each sheet that it may touch.

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// `scrim render`: scenes and assets to pictures.
+#pragma once
+
+#include "options.h"
+
+namespace scrim::cli {
+
+/// Renders all frames of all inputs; stops at the first failure. Throws Error.
+void renderCommand(const SceneOptions& options);
+
+}  // namespace scrim::cli
