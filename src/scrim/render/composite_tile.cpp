@@ -81,6 +81,29 @@ HWY_ATTR HWY_INLINE V4 bilinear(const float* texel, std::ptrdiff_t rowStride, fl
     return lerp4(lerp4(load4(texel), load4(texel + 4), u), lerp4(load4(below), load4(below + 4), u), v);
 }
 
+HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
+    const hn::CappedTag<double, kTileEdge> d;
+    const hn::Rebind<float, decltype(d)> df;
+    for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
+        const auto column = hn::Iota(d, static_cast<double>(i));
+        const auto at = [&](const double* start, const double* step, int axis) HWY_ATTR {
+            return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis]));
+        };
+        const auto directionN = at(row.direction, row.directionStep, 2);
+        const auto inverse = hn::Div(hn::Set(d, 1.0), directionN);
+        const auto away = hn::Sub(hn::Set(d, row.reference), at(row.origin, row.originStep, 2));
+        const auto slopeU = hn::Mul(at(row.direction, row.directionStep, 0), inverse);
+        const auto slopeV = hn::Mul(at(row.direction, row.directionStep, 1), inverse);
+        const int k = j * kTileEdge + i;
+        const auto store = [&](auto value, float* to) HWY_ATTR { hn::StoreU(hn::DemoteTo(df, value), df, to + k); };
+        store(hn::MulAdd(slopeU, away, at(row.origin, row.originStep, 0)), tile.u);
+        store(hn::MulAdd(slopeV, away, at(row.origin, row.originStep, 1)), tile.v);
+        store(slopeU, tile.stepU);
+        store(slopeV, tile.stepV);
+        store(hn::MulSub(hn::Set(d, row.near), directionN, away), tile.startN);
+    }
+}
+
 template <bool kFrontToBack>
 HWY_ATTR void walk(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
     const DF d;
@@ -155,9 +178,12 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace scrim {
 
+HWY_EXPORT(fillRaysOnTarget);
 HWY_EXPORT(compositeTileOnTarget);
 HWY_EXPORT(sampleRgbaOnTarget);
 HWY_EXPORT(compositeSamplesOnTarget);
+
+void fillRays(const RayRow& row, int j, RayTile& tile) { HWY_DYNAMIC_DISPATCH(fillRaysOnTarget)(row, j, tile); }
 
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state) {
     HWY_DYNAMIC_DISPATCH(compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state);

@@ -21,6 +21,17 @@ struct RayTile {
     alignas(64) float startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
 };
 
+/// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
+/// likewise for directions. In double: an eye may be far away.
+struct RayRow {
+    double origin[3], originStep[3], direction[3], directionStep[3];
+    double near;       ///< depth at which rays begin, in units of the direction
+    double reference;  ///< N of the plane that positions are wanted on
+};
+
+/// Fills row j of a tile.
+void fillRays(const RayRow& row, int j, RayTile& tile);
+
 struct SheetList {
     const float* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
     const float* steps;          ///< its place in the batch: planes from the batch's first

@@ -36,24 +36,20 @@ PixelRay EyeView::ray(double x, double y, double reference) const {
     return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
 }
 
-// In double, because an eye may be far away; simple enough for the compiler to vectorise.
 RayTile EyeView::rays(int x0, int y0, double reference) const {
     RayTile tile;
+    RayRow row{};
+    row.near = m_ts.near;
+    row.reference = reference;
     for (int j = 0; j < kTileEdge; ++j) {
         const Vec3 o = m_ts.origin(x0 + 0.5, y0 + j + 0.5), d = m_ts.direction(x0 + 0.5, y0 + j + 0.5);
-        const Vec3 ox = m_ts.originX, dx = m_ts.directionX;
-        const double near = m_ts.near;
-        for (int i = 0; i < kTileEdge; ++i) {
-            const int k = j * kTileEdge + i;
-            const double originN = o.z + i * ox.z, directionN = d.z + i * dx.z;
-            const double inverse = 1 / directionN, away = reference - originN;
-            const double slopeU = (d.x + i * dx.x) * inverse, slopeV = (d.y + i * dx.y) * inverse;
-            tile.u[k] = static_cast<float>(o.x + i * ox.x + slopeU * away);
-            tile.v[k] = static_cast<float>(o.y + i * ox.y + slopeV * away);
-            tile.stepU[k] = static_cast<float>(slopeU);
-            tile.stepV[k] = static_cast<float>(slopeV);
-            tile.startN[k] = static_cast<float>(near * directionN - away);
+        for (int axis = 0; axis < 3; ++axis) {
+            row.origin[axis] = o[axis];
+            row.originStep[axis] = m_ts.originX[axis];
+            row.direction[axis] = d[axis];
+            row.directionStep[axis] = m_ts.directionX[axis];
         }
+        fillRays(row, j, tile);
     }
     return tile;
 }

@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct EyeWalk::TileWalk {
     RayTile rays;
     float startLeast, startMost;      // extremes of rays.startN
     int firstStep;                    // place of plane 0 among the block's sheets
-    std::vector<int> planes;          // those with active texels under the tile
+    std::array<int, kBlock> planes;   // those with active texels under the tile
+    int planeCount = 0;
 };
 
 // Sets up the rays of a tile, and finds the planes whose active texels they may meet.
@@ -53,9 +55,9 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
         };
         if (planes.anyActive(p, tileOf(u0, planes.width()), tileOf(v0, planes.height()),
                              tileOf(u1 + 1, planes.width()), tileOf(v1 + 1, planes.height())))
-            walk.planes.push_back(p);
+            walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
     }
-    if (walk.planes.empty()) return walk;
+    if (walk.planeCount == 0) return walk;
 
     walk.startLeast = INFINITY;
     walk.startMost = -INFINITY;
@@ -96,27 +98,26 @@ void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float
 std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
     float* states = m_tiles.states(tile);
-    std::vector<const float*> planes;
-    std::vector<float> steps;
+    std::array<const float*, kBlock> planes;
+    std::array<float, kBlock> steps{};
+    int listed = 0;
     std::uint64_t walked = 0;
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
-        if (planes.empty()) return;
-        const int listed = static_cast<int>(planes.size());
-        steps.resize(planes.size() + 8, 0.0f);  // vectors read ahead of the last step
+        if (listed == 0) return;
         compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height()},
                       m_frontToBack, mayStop ? m_cutoff : 0.0f, states);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
-        planes.clear();
-        steps.clear();
+        listed = 0;
     };
-    for (const int p : walk.planes) {
+    for (int i = 0; i < walk.planeCount; ++i) {
+        const int p = walk.planes[static_cast<std::size_t>(i)];
         const int step = p + walk.firstStep;
         switch (seenPart(step, walk.startLeast, walk.startMost, m_frontToBack)) {
             case Before::none: break;
             case Before::all:
-                planes.push_back(shaded.plane(p));
-                steps.push_back(static_cast<float>(step));
+                planes[static_cast<std::size_t>(listed)] = shaded.plane(p);
+                steps[static_cast<std::size_t>(listed++)] = static_cast<float>(step);
                 break;
             case Before::part: {
                 flush();
@@ -139,7 +140,8 @@ std::uint64_t EyeWalk::shadePixels(int tile, const Range& range, const PlaneStac
     std::uint64_t walked = 0;
     SampleTile points;
     alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
-    for (const int p : walk.planes) {
+    for (int i = 0; i < walk.planeCount; ++i) {
+        const int p = walk.planes[static_cast<std::size_t>(i)];
         const int step = p + walk.firstStep;
         const Before seen = seenPart(step, walk.startLeast, walk.startMost, m_frontToBack);
         if (seen == Before::none) continue;
@@ -169,18 +171,56 @@ void EyeWalk::markIfOpaque(int tile) {
     m_tiles.setOpaque(tile);
 }
 
+// The tiles of the picture that may see an active texel of the range: most see none, and should cost nothing.
+EyeWalk::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& planes) const {
+    const TileBox all{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
+    EyeView::Box seen{1e30, 1e30, -1e30, -1e30};
+    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
+        const PlaneStack::TileBounds active = planes.activeBounds(p);
+        if (active.x1 < active.x0) continue;
+        const auto box = m_eye.seenBy(active.x0 * kTileEdge - 1, active.y0 * kTileEdge - 1,
+                                      (active.x1 + 1) * kTileEdge, (active.y1 + 1) * kTileEdge,
+                                      range.sheet + p - range.firstPlane + 0.5);
+        if (!box) return all;
+        seen = {std::min(seen.x0, box->x0), std::min(seen.y0, box->y0), std::max(seen.x1, box->x1),
+                std::max(seen.y1, box->y1)};
+    }
+    const auto tile = [](double position, int origin, int tiles) {
+        return static_cast<int>(std::clamp(std::floor((position - origin) / kTileEdge), -1.0, double(tiles)));
+    };
+    const PixelWindow& region = m_tiles.region();
+    return {std::max(all.x0, tile(seen.x0, region.x0, m_tiles.tilesX())),
+            std::max(all.y0, tile(seen.y0, region.y0, m_tiles.tilesY())),
+            std::min(all.x1, tile(seen.x1, region.x0, m_tiles.tilesX())),
+            std::min(all.y1, tile(seen.y1, region.y0, m_tiles.tilesY()))};
+}
+
 template <class Walk>
-std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const Walk& walk) {
+std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const PlaneStack& planes, const Walk& walk) {
+    struct Part {
+        Range range;
+        TileBox box;
+        bool endsBlock;
+    };
+    std::vector<Part> parts;
+    for (int p = 0; p < count;) {
+        const int sheet = firstSheet + p, blockEnd = blockBegin(sheet) + kBlock;
+        const int last = std::min(count, p + blockEnd - sheet);
+        const Range range{sheet, p, last};
+        parts.push_back({range, tilesThatSee(range, planes), firstSheet + last == blockEnd});
+        p = last;
+    }
     std::vector<std::uint64_t> walked(static_cast<std::size_t>(m_tiles.count()));
-    parallelFor(walked.size(), [&](std::size_t i) {
-        const int tile = static_cast<int>(i);
-        for (int p = 0; p < count && !m_tiles.opaque(tile);) {
-            const int sheet = firstSheet + p;
-            const int blockEnd = blockBegin(sheet) + kBlock;
-            const int last = std::min(count, p + blockEnd - sheet);
-            walked[i] += walk(tile, Range{sheet, p, last});
-            if (firstSheet + last == blockEnd) markIfOpaque(tile);
-            p = last;
+    parallelFor(static_cast<std::size_t>(m_tiles.tilesY()), [&](std::size_t row) {
+        const int ty = static_cast<int>(row);
+        for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
+            const int tile = ty * m_tiles.tilesX() + tx;
+            for (const Part& part : parts) {
+                if (m_tiles.opaque(tile)) break;
+                if (tx >= part.box.x0 && tx <= part.box.x1 && ty >= part.box.y0 && ty <= part.box.y1)
+                    walked[static_cast<std::size_t>(tile)] += walk(tile, part.range);
+                if (part.endsBlock) markIfOpaque(tile);
+            }
         }
     });
     std::uint64_t sum = 0;
@@ -189,13 +229,13 @@ std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const Walk& walk)
 }
 
 std::uint64_t EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
-    return forOpenTiles(firstSheet, count,
+    return forOpenTiles(firstSheet, count, shaded,
                         [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
 std::uint64_t EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& extinction,
                                      const SheetShader& shader) {
-    return forOpenTiles(firstSheet, count, [&](int tile, const Range& range) {
+    return forOpenTiles(firstSheet, count, extinction, [&](int tile, const Range& range) {
         return shadePixels(tile, range, extinction, shader);
     });
 }

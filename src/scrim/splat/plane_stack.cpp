@@ -54,6 +54,15 @@ bool PlaneStack::anyActive(int p, int tx0, int ty0, int tx1, int ty1) const {
     return false;
 }
 
+PlaneStack::TileBounds PlaneStack::activeBounds(int p) const {
+    TileBounds box{tilesX(), tilesY(), -1, -1};
+    for (int ty = 0; ty < tilesY(); ++ty)
+        for (int tx = 0; tx < tilesX(); ++tx)
+            if (active(p, tx, ty))
+                box = {std::min(box.x0, tx), std::min(box.y0, ty), std::max(box.x1, tx), std::max(box.y1, ty)};
+    return box;
+}
+
 void PlaneStack::begin(int p) {
     const auto first = m_state.begin() + static_cast<std::ptrdiff_t>(tileIndex(p, 0, 0));
     std::replace(first, first + tilesX() * tilesY(), static_cast<std::uint8_t>(kActive),

@@ -36,6 +36,12 @@ class PlaneStack {
     /// Is any tile active that the closed range of tiles touches? The range is clipped to the plane.
     bool anyActive(int p, int tx0, int ty0, int tx1, int ty1) const;
 
+    /// The smallest box of tiles around the active ones, closed; x1 < x0 where there are none.
+    struct TileBounds {
+        int x0, y0, x1, y1;
+    };
+    TileBounds activeBounds(int p) const;
+
     // The life of a plane in a batch: begin, then any mix of activate (before adding to a tile) and replace
     // (before writing all of a tile), then finish. Different planes, and different tiles of one plane, may be
     // handled by different threads.
