@@ -7,6 +7,7 @@
 
 #include <algorithm>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace scrim::test {
@@ -30,12 +31,17 @@ TEST_F(CliErrors, MissingSceneIsNamed) {
 
 TEST_F(CliErrors, FileThatIsNoVdbIsRefused) {
     write("text.vdb", "this is a letter, and not a volume\n");
-    expectFailure({"render", "text.vdb"}, kInput, "text.vdb: not a VDB file");
+    expectFailure({"render", "text.vdb"}, kInput, "text.vdb: not a VDB file (starts with 'this is ')");
 }
 
 TEST_F(CliErrors, FolderInPlaceOfAnAssetIsRefused) {
     std::filesystem::create_directory(file("folder.vdb"));
     expectFailure({"render", "folder.vdb"}, kInput, "folder.vdb: is a folder, not a VDB file");
+}
+
+TEST_F(CliErrors, PipeInPlaceOfAnAssetIsRefused) {
+    ASSERT_EQ(::mkfifo(file("pipe.vdb").c_str(), 0600), 0);
+    expectFailure({"render", "pipe.vdb"}, kInput, "pipe.vdb: is not a regular file");
 }
 
 TEST_F(CliErrors, TruncatedVdbIsRefused) {
@@ -54,8 +60,7 @@ TEST_F(CliErrors, UnknownGridListsThoseThereAre) {
 }
 
 /// A grid of a type that is no density.
-void expectTypeRefused(const std::string& type, const std::string& valueType, const ProgramTest&,
-                       const std::string& folder) {
+void expectTypeRefused(const std::string& folder, const std::string& type, const std::string& valueType) {
     makeVdb(folder + "/odd.vdb", {{.name = "odd", .type = type, .voxels = {{{0, 0, 0}, 1}}}});
     const ProgramResult result = runProgram(folder, {"render", "odd.vdb"});
     EXPECT_EQ(result.status, kInput);
@@ -63,9 +68,9 @@ void expectTypeRefused(const std::string& type, const std::string& valueType, co
     EXPECT_FALSE(std::filesystem::exists(folder + "/odd.exr"));
 }
 
-TEST_F(CliErrors, PointGridIsRefused) { expectTypeRefused("points", "ptdataidx32", *this, m_folder.path()); }
-TEST_F(CliErrors, VectorGridIsRefused) { expectTypeRefused("vec3s", "vec3s", *this, m_folder.path()); }
-TEST_F(CliErrors, IntegerGridIsRefused) { expectTypeRefused("int32", "int32", *this, m_folder.path()); }
+TEST_F(CliErrors, PointGridIsRefused) { expectTypeRefused(m_folder.path(), "points", "ptdataidx32"); }
+TEST_F(CliErrors, VectorGridIsRefused) { expectTypeRefused(m_folder.path(), "vec3s", "vec3s"); }
+TEST_F(CliErrors, IntegerGridIsRefused) { expectTypeRefused(m_folder.path(), "int32", "int32"); }
 
 TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
     makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}}, {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});

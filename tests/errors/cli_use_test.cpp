@@ -41,7 +41,9 @@ TEST_F(CliUse, OutputOfAnAssetIsNamedAfterIt) {
 }
 
 TEST_F(CliUse, PictureTellsHowItWasMade) {
-    runWell({"render", "scene.toml", "-o", "x.exr", "--verify", "10", "--set", "output.fps=23.976"});
+    const std::string scene = kCamera + kVolume + kLight + "[output]\nfps = 23.976\n";
+    write("scene.toml", scene);
+    runWell({"render", "scene.toml", "-o", "x.exr", "--verify", "10"});
     const auto attributes = readExrAttributes(file("x.exr"));
     EXPECT_EQ(attributes.at("displayWindow"), "0 0 32 24");
     EXPECT_EQ(attributes.at("channels"), "A:half B:half G:half R:half");
@@ -51,8 +53,7 @@ TEST_F(CliUse, PictureTellsHowItWasMade) {
     EXPECT_EQ(attributes.at("software"), "scrim " + attributes.at("scrim:version"));
     EXPECT_EQ(attributes.at("framesPerSecond"), "24000/1001");
     EXPECT_EQ(attributes.at("scrim:ocio:config"), "scrim-aces");
-    EXPECT_NE(attributes.at("scrim:scene").find("smoke.vdb"), std::string::npos);
-    EXPECT_NE(attributes.at("scrim:scene").find("23.976"), std::string::npos);
+    EXPECT_EQ(attributes.at("scrim:scene"), scene);
     EXPECT_TRUE(attributes.contains("worldToCamera") && attributes.contains("worldToNDC"));
     EXPECT_TRUE(attributes.contains("scrim:verify:error"));
     EXPECT_EQ(nlohmann::json::parse(attributes.at("scrim:plan")).at("groups").size(), 1u);
@@ -75,12 +76,15 @@ TEST_F(CliUse, PreviewIsWritten) {
     EXPECT_EQ(readBytes(file("x.png")).substr(1, 3), "PNG");
 }
 
-TEST_F(CliUse, CropRendersTheSamePixels) {
+// The sheets of a crop are laid for its own rays, so its pixels are those of the whole picture only as far as both are
+// right.
+TEST_F(CliUse, CropRendersItsPartOfThePicture) {
     runWell({"render", "scene.toml", "-o", "all.exr", "--set", "output.type=float"});
     runWell({"render", "scene.toml", "-o", "part.exr", "--set", "output.type=float", "--crop", "10,8,20,16"});
     const Image part = readExr(file("part.exr"));
-    EXPECT_EQ(part.window, (PixelWindow{10, 8, 20, 16}));
-    EXPECT_EQ(part.rgba, reframed(readExr(file("all.exr")), part.window).rgba);
+    ASSERT_EQ(part.window, (PixelWindow{10, 8, 20, 16}));
+    const Image same = reframed(readExr(file("all.exr")), part.window);
+    for (std::size_t i = 0; i < part.rgba.size(); ++i) EXPECT_NEAR(part.rgba[i], same.rgba[i], 0.05 * same.rgba[i]);
 }
 
 TEST_F(CliUse, PrintedSceneRendersToTheSamePixels) {

@@ -58,6 +58,18 @@ TEST(Threads, DoNotChangeABit) {
     EXPECT_EQ(one, with(7));
 }
 
+// Each instruction set is its own rounding, but the same picture, and a pinned one stays what it is.
+TEST(InstructionSets, AgreeToRounding) {
+    ViewScene scene = smokeScene();
+    scene.dials.simd = "sse4";
+    const Image narrow = renderScene(scene).image;
+    EXPECT_EQ(narrow.rgba, renderScene(scene).image.rgba);
+    for (const char* name : {"avx2", "avx512", "auto"}) {
+        scene.dials.simd = name;
+        EXPECT_LT(largestDifference(narrow, renderScene(scene).image), 1e-5 * brightest(narrow)) << name;
+    }
+}
+
 TEST(BatchSize, DoesNotChangeABit) {
     const ViewScene scene = smokeScene();
     Plan plan = makePlan(scene, 2);

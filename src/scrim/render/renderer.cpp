@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/base/simd.h>
 #include <scrim/render/sweep.h>
 
 namespace scrim {
@@ -37,6 +38,7 @@ Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progr
     frame.image = emptyImage(scene.region);
     if (plan.groups.empty()) return frame;
 
+    limitSimd(scene.dials.simd);
     const int n = scene.dials.antialias;
     const Camera camera = supersampled(scene.camera, n);
     ImageTiles tiles(plan.region);

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: Apache-2.0
+// The house rules of design/architecture.md and design/style.md that a program can check: who may include whom, how
+// long files get, and what library code never does.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#ifndef SCRIM_SOURCE_DIR
+#error "define SCRIM_SOURCE_DIR as the path of the repository, as a string"
+#endif
+
+namespace scrim::test {
+namespace {
+
+// From the bottom up: a file includes its own folder and those before it.
+const std::vector<std::string> kLayers{"base",  "geometry", "image", "volume", "splat",
+                                       "light", "shade",    "scene", "render", "study"};
+
+constexpr int kMostLines = 600, kManyLines = 400, kMedianLines = 150;
+
+struct SourceFile {
+    std::string path;    // below the repository
+    std::string folder;  // of the library's files: the layer
+    std::string text;
+    std::string code;    // without comments and string literals
+
+    bool header() const { return path.ends_with(".h"); }
+    int lines() const { return static_cast<int>(std::count(text.begin(), text.end(), '\n')); }
+};
+
+// Comments, texts and characters become blanks; lines stay.
+std::string withoutComments(const std::string& text) {
+    static const std::regex noise(R"re(//[^\n]*|/\*[^]*?\*/|R"(\w*)\([^]*?\)\1"|"(?:\\.|[^"\\\n])*"|'(?:\\.|[^'\\\n])+')re");
+    std::string out;
+    std::size_t last = 0;
+    for (std::sregex_iterator it(text.begin(), text.end(), noise), end; it != end; ++it) {
+        const auto at = static_cast<std::size_t>(it->position()), length = static_cast<std::size_t>(it->length());
+        // An apostrophe within a number separates digits, and is no character.
+        out += text.substr(last, at - last);
+        for (std::size_t i = at; i < at + length; ++i) out += text[i] == '\n' ? '\n' : ' ';
+        last = at + length;
+    }
+    return out + text.substr(last);
+}
+
+std::vector<SourceFile> filesBelow(const std::string& folder) {
+    namespace fs = std::filesystem;
+    const fs::path root(SCRIM_SOURCE_DIR);
+    std::vector<SourceFile> files;
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+        const std::string extension = entry.path().extension().string();
+        if (!entry.is_regular_file() || (extension != ".h" && extension != ".cpp" && extension != ".c")) continue;
+        std::ifstream in(entry.path());
+        std::stringstream text;
+        text << in.rdbuf();
+        SourceFile file{fs::relative(entry.path(), root).string(), entry.path().parent_path().filename().string(),
+                        text.str(), {}};
+        file.code = withoutComments(file.text);
+        files.push_back(std::move(file));
+    }
+    std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.path < b.path; });
+    return files;
+}
+
+const std::vector<SourceFile>& library() {
+    static const std::vector<SourceFile> files = filesBelow("src/scrim");
+    return files;
+}
+
+// "splat/kernel.h" for every #include of ours, however it is quoted.
+std::vector<std::string> ourIncludes(const SourceFile& file) {
+    static const std::regex include(R"re(^[ \t]*#[ \t]*include[ \t]*["<]scrim/([^">]+)[">])re", std::regex::multiline);
+    std::vector<std::string> names;
+    for (std::sregex_iterator it(file.text.begin(), file.text.end(), include), end; it != end; ++it)
+        names.push_back((*it)[1]);
+    return names;
+}
+
+std::size_t layerOf(const std::string& folder) {
+    return static_cast<std::size_t>(std::find(kLayers.begin(), kLayers.end(), folder) - kLayers.begin());
+}
+
+std::string folderOf(const std::string& include) {
+    const auto slash = include.find('/');
+    return slash == std::string::npos ? "" : include.substr(0, slash);
+}
+
+// The lines of `code` that match, as "path:line".
+std::vector<std::string> linesWith(const SourceFile& file, const std::regex& pattern) {
+    std::vector<std::string> found;
+    std::istringstream in(file.code);
+    std::string line;
+    for (int number = 1; std::getline(in, line); ++number)
+        if (std::regex_search(line, pattern)) found.push_back(file.path + ":" + std::to_string(number));
+    return found;
+}
+
+TEST(Architecture, HasFilesToLookAt) {
+    EXPECT_GT(library().size(), 80u) << SCRIM_SOURCE_DIR;
+    std::size_t includes = 0;
+    for (const SourceFile& file : library()) includes += ourIncludes(file).size();
+    EXPECT_GT(includes, 200u);
+}
+
+TEST(Architecture, CommentsAndTextsAreNotTakenForCode) {
+    EXPECT_EQ(withoutComments("a; // exit(1)\nb /* printf( */ c"), "a;           \nb               c");
+    EXPECT_EQ(withoutComments("f(\"exit(\\\"1\", 'x');"), "f(          ,    );");
+}
+
+TEST(Layers, AreKnownFoldersOnly) {
+    for (const SourceFile& file : library()) EXPECT_LT(layerOf(file.folder), kLayers.size()) << file.path;
+}
+
+TEST(Layers, IncludeNothingFromAbove) {
+    for (const SourceFile& file : library())
+        for (const std::string& include : ourIncludes(file)) {
+            const std::string folder = folderOf(include);
+            ASSERT_LT(layerOf(folder), kLayers.size()) << file.path << " includes scrim/" << include;
+            EXPECT_LE(layerOf(folder), layerOf(file.folder))
+                << file.path << " (" << file.folder << ") includes scrim/" << include << ", which stands above it";
+        }
+}
+
+// Ours are included as <scrim/...>: the only other form would escape the test above.
+TEST(Layers, AreNamedInEveryInclude) {
+    static const std::regex quoted(R"re(^[ \t]*#[ \t]*include[ \t]*"([^"]*)")re", std::regex::multiline);
+    for (const SourceFile& file : library())
+        EXPECT_FALSE(std::regex_search(file.text, quoted)) << file.path << " has an #include in quotes";
+}
+
+TEST(PlugIns, IncludeTheSourceInterfaceOnly) {
+    const std::vector<SourceFile> files = filesBelow("plugins/sources");
+    EXPECT_FALSE(files.empty());
+    for (const SourceFile& file : files)
+        for (const std::string& include : ourIncludes(file)) EXPECT_EQ(include, "volume/scrim_source.h") << file.path;
+}
+
+TEST(Program, IncludesHeadersThatExist) {
+    for (const SourceFile& file : filesBelow("src/cli"))
+        for (const std::string& include : ourIncludes(file))
+            EXPECT_TRUE(std::filesystem::exists(std::string(SCRIM_SOURCE_DIR) + "/src/scrim/" + include))
+                << file.path << " includes scrim/" << include;
+}
+
+TEST(Files, AreShort) {
+    std::vector<int> lines;
+    std::string many;
+    for (const SourceFile& file : library()) {
+        lines.push_back(file.lines());
+        EXPECT_LE(file.lines(), kMostLines) << file.path << ": split it, by idea";
+        if (file.lines() > kManyLines) many += " " + file.path + " (" + std::to_string(file.lines()) + ")";
+    }
+    std::nth_element(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(lines.size() / 2), lines.end());
+    const int median = lines[lines.size() / 2];
+    RecordProperty("median", median);
+    EXPECT_LE(median, kMedianLines);
+    if (!many.empty()) std::cout << "over " << kManyLines << " lines:" << many << "\n";
+}
+
+TEST(Files, BeginWithTheLicence) {
+    std::vector<SourceFile> files = library();
+    for (const char* folder : {"src/cli", "plugins", "tests"}) {
+        const std::vector<SourceFile> more = filesBelow(folder);
+        files.insert(files.end(), more.begin(), more.end());
+    }
+    for (const SourceFile& file : files)
+        EXPECT_TRUE(file.text.starts_with("// SPDX-License-Identifier: Apache-2.0\n") ||
+                    file.text.starts_with("/* SPDX-License-Identifier: Apache-2.0"))
+            << file.path;
+}
+
+TEST(Headers, AreGuardedByPragmaOnce) {
+    for (const SourceFile& file : library())
+        if (file.header()) {
+            EXPECT_TRUE(file.code.find("#pragma once") != std::string::npos || file.code.find("#ifndef SCRIM_") != std::string::npos)
+                << file.path;
+        }
+}
+
+TEST(Headers, OpenNoNamespaces) {
+    static const std::regex open(R"re(\busing\s+namespace\b)re");
+    for (const SourceFile& file : library())
+        if (file.header()) {
+            for (const std::string& line : linesWith(file, open)) ADD_FAILURE() << line;
+        }
+}
+
+// "The library throws, never prints, never exits": output goes through sinks, and only `main` ends a program.
+TEST(Library, NeitherPrintsNorExits) {
+    static const std::regex forbidden(
+        R"re(\bstd::(cout|cerr|clog)\b|\b(printf|fprintf|vprintf|puts|fputs|perror)\s*\(|\bfmt::print\s*\(|\b(exit|_exit|quick_exit|abort|terminate)\s*\()re");
+    for (const SourceFile& file : library())
+        for (const std::string& line : linesWith(file, forbidden)) ADD_FAILURE() << line;
+}
+
+}  // namespace
+}  // namespace scrim::test
