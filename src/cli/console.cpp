@@ -16,7 +16,8 @@ namespace {
 constexpr const char* kEraseLine = "\r\x1b[K";
 
 [[noreturn]] void cannotPrint() {
-    throw Error(ErrorKind::output, std::string("cannot write to the standard output: ") + std::strerror(errno));
+    throw Error(ErrorKind::output,
+                std::string("cannot write to the standard output: ") + std::strerror(errno));
 }
 
 }  // namespace
@@ -35,7 +36,9 @@ void Console::detail(const std::string& text) {
     if (m_verbose) print(text);
 }
 
-void Console::warning(const std::string& text) { print("scrim: warning: " + text); }
+void Console::warning(const std::string& text) {
+    print("scrim: warning: " + text);
+}
 
 void Console::status(const std::string& text) {
     if (text == m_status) return;

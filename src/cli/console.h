@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program says on stderr: lines that stay, and one line of status below them that is drawn over. One place,
-// so that the two do not write into each other.
+// What the program says on stderr: lines that stay, and one line of status below them that is drawn over. One
+// place, so that the two do not write into each other.
 #pragma once
 
 #include <scrim/base/messages.h>

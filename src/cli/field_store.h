@@ -21,8 +21,9 @@ class FieldStore {
   public:
     FieldStore(LoadLimits limits, MessageSink messages) : m_limits(limits), m_messages(std::move(messages)) {}
 
-    /// One field a volume of `scene`, null where `files` has none; forgets those of the frame before that this one
-    /// does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Throws Error.
+    /// One field a volume of `scene`, null where `files` has none; forgets those of the frame before that
+    /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Throws
+    /// Error.
     Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files);
 
     /// One field of a file, kept for the next `fieldsOf`.

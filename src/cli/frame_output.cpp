@@ -56,9 +56,10 @@ void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourCo
     const std::size_t clamped =
         writeExr(output.file, image, options, attributesOf(scene, sceneToml, colour, report));
     if (clamped > 0)
-        console.warning(fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" "
-                                    "keeps them",
-                                    output.file, clamped));
+        console.warning(
+            fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" "
+                        "keeps them",
+                        output.file, clamped));
     if (withPreview)
         writePreview(output.preview.file, *working, options.displayWindow, colour, output.preview.display,
                      output.preview.view);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendered frame as files: the OpenEXR picture with what a pipeline wants to know about it, and the preview.
+// A rendered frame as files: the OpenEXR picture with what a pipeline wants to know about it, and the
+// preview.
 #pragma once
 
 #include "console.h"
@@ -12,7 +13,8 @@
 
 namespace scrim::cli {
 
-/// Writes `image` (in the working space), and converts it in doing so. `sceneToml` goes into the metadata. Throws Error.
+/// Writes `image` (in the working space), and converts it in doing so. `sceneToml` goes into the metadata.
+/// Throws Error.
 void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour, Image image,
                 const FrameReport& report, Console& console);
 

@@ -12,15 +12,24 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json workJson(const RenderWork& w) {
-    return {{"voxels_fed", w.voxelsFed},         {"footprints", w.footprints},
-            {"texels_shaded", w.texelsShaded},   {"light_samples", w.lightSamples},
-            {"light_lookups", w.lightLookups},   {"pixel_sheets", w.pixelSheets},
-            {"sheets", w.sheets},                {"buffer_bytes", w.bufferBytes}};
+    return {{"voxels_fed", w.voxelsFed},
+            {"footprints", w.footprints},
+            {"texels_shaded", w.texelsShaded},
+            {"light_samples", w.lightSamples},
+            {"light_lookups", w.lightLookups},
+            {"pixel_sheets", w.pixelSheets},
+            {"sheets", w.sheets},
+            {"buffer_bytes", w.bufferBytes}};
 }
 
 Json verificationJson(const Verification& v) {
-    return {{"pixels", v.pixels}, {"error", v.error}, {"lower", v.lower}, {"upper", v.upper},
-            {"bias", v.bias},     {"worst", v.worst}, {"worst_pixel", {v.worstX, v.worstY}}};
+    return {{"pixels", v.pixels},
+            {"error", v.error},
+            {"lower", v.lower},
+            {"upper", v.upper},
+            {"bias", v.bias},
+            {"worst", v.worst},
+            {"worst_pixel", {v.worstX, v.worstY}}};
 }
 
 Json reportJson(const FrameReport& r) {
@@ -58,25 +67,31 @@ std::size_t peakResidentBytes() {
 }
 
 std::string summaryLine(const FrameReport& r) {
-    std::string text = fmt::format("frame {}: {} {}x{}, {:.2f} s (load {:.2f}, render {:.2f}, write {:.2f})", r.frame,
-                                   r.file, r.resolution.x, r.resolution.y, r.total(), r.load, r.plan + r.render, r.write);
+    std::string text =
+        fmt::format("frame {}: {} {}x{}, {:.2f} s (load {:.2f}, render {:.2f}, write {:.2f})", r.frame,
+                    r.file, r.resolution.x, r.resolution.y, r.total(), r.load, r.plan + r.render, r.write);
     if (r.verification)
-        text += fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
-                            100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
+        text +=
+            fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
+                        100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
     return text;
 }
 
 std::string detailLines(const FrameReport& r) {
     return fmt::format(
-        "  plan {:.3f} s, prepare {:.3f}, splat {:.3f}, attenuate {:.3f}, shade {:.3f}, composite {:.3f}, verify {:.3f}\n"
+        "  plan {:.3f} s, prepare {:.3f}, splat {:.3f}, attenuate {:.3f}, shade {:.3f}, composite {:.3f}, "
+        "verify {:.3f}\n"
         "  {} sheets, {} footprints, {} texels shaded, {} light samples, {} pixel sheets\n"
         "  {} threads, {:.1f} MB of buffers, {:.1f} MB resident at most",
-        r.plan, r.stages.prepare, r.stages.splat, r.stages.attenuate, r.stages.shade, r.stages.composite, r.verify,
-        r.work.sheets, r.work.footprints, r.work.texelsShaded, r.work.lightSamples, r.work.pixelSheets, r.threads,
-        double(r.work.bufferBytes) / (1 << 20), double(r.peakBytes) / (1 << 20));
+        r.plan, r.stages.prepare, r.stages.splat, r.stages.attenuate, r.stages.shade, r.stages.composite,
+        r.verify, r.work.sheets, r.work.footprints, r.work.texelsShaded, r.work.lightSamples,
+        r.work.pixelSheets, r.threads, double(r.work.bufferBytes) / (1 << 20),
+        double(r.peakBytes) / (1 << 20));
 }
 
-std::string workAsJson(const RenderWork& work) { return workJson(work).dump(); }
+std::string workAsJson(const RenderWork& work) {
+    return workJson(work).dump();
+}
 
 std::string reportsAsJson(const std::vector<FrameReport>& reports) {
     Json all = Json::array();

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What one rendered frame took and how good it is: for the line at its end, for --stats and for the picture's metadata.
+// What one rendered frame took and how good it is: for the line at its end, for --stats and for the picture's
+// metadata.
 #pragma once
 
 #include <scrim/render/frame.h>
@@ -19,7 +20,7 @@ struct FrameReport {
     int frame = 1;
     Int2 resolution{0};
     double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< seconds
-    StageTimes stages;  ///< of `render`
+    StageTimes stages;                                             ///< of `render`
     RenderWork work;
     std::string planJson;
     int threads = 0;

@@ -28,7 +28,8 @@ namespace {
 
 constexpr int kChildDescriptor = 3;  // the first behind stdin, stdout and stderr
 constexpr std::size_t kLeastMemory = std::size_t{4} << 30;
-/// OpenVDB's trees take some 35 times what they can be compressed to in a file, and the field made of them comes on top.
+/// OpenVDB's trees take some 35 times what they can be compressed to in a file, and the field made of them
+/// comes on top.
 constexpr std::size_t kMemoryPerByte = 64;
 /// Below this the reader itself would take an honest small file for a damaged one.
 constexpr std::size_t kLeastGivenMemory = std::size_t{1} << 30;
@@ -106,8 +107,8 @@ class Child {
                                                            std::strerror(errno)));
             throwIfInterrupted();
             if (std::chrono::steady_clock::now() - start > patience)
-                throw Error(ErrorKind::input, fmt::format("{}: reading it took more than {:.0f} minutes", path,
-                                                          patience.count() / 60));
+                throw Error(ErrorKind::input, fmt::format("{}: reading it took more than {:.0f} minutes",
+                                                          path, patience.count() / 60));
             std::this_thread::sleep_for(pause);
             pause = std::min(pause * 2, std::chrono::microseconds(5000));
         }
@@ -125,12 +126,13 @@ std::string signalName(int signal) {
 void checkStatus(int status, const std::string& path) {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
     if (WIFEXITED(status))
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: damaged: reading it failed (exit status {})", path, WEXITSTATUS(status)));
+        throw Error(ErrorKind::input, fmt::format("{}: damaged: reading it failed (exit status {})", path,
+                                                  WEXITSTATUS(status)));
     // Nobody but the system's guard against running out of memory kills a child like that.
     if (WTERMSIG(status) == SIGKILL)
-        throw Error(ErrorKind::memory,
-                    fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
     throw Error(ErrorKind::input,
                 fmt::format("{}: damaged: reading it crashed ({})", path, signalName(WTERMSIG(status))));
 }
@@ -140,8 +142,14 @@ void run(const std::string& what, const std::string& path, const std::vector<std
          const LoadLimits& limits, int transfer) {
     throwIfInterrupted();
     const int threads = limits.threads > 0 ? std::min(limits.threads, kMostThreads) : kMostThreads;
-    std::vector<std::string> arguments{"scrim", kInternalLoad, "--fd", std::to_string(kChildDescriptor),
-                                       what, std::to_string(memoryFor(path, limits)), std::to_string(threads), path};
+    std::vector<std::string> arguments{"scrim",
+                                       kInternalLoad,
+                                       "--fd",
+                                       std::to_string(kChildDescriptor),
+                                       what,
+                                       std::to_string(memoryFor(path, limits)),
+                                       std::to_string(threads),
+                                       path};
     arguments.insert(arguments.end(), grids.begin(), grids.end());
     Child child(arguments, transfer, limits.showStderr);
     const std::chrono::duration<double> slowest(static_cast<double>(sizeOf(path)) / kSlowestBytesPerSecond);

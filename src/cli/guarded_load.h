@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reads .vdb files in a child process under a memory limit: OpenVDB's reader can crash on damaged files, and then the
-// child dies and this process says so. The child is this program itself with a hidden command; the result comes
-// back through shared memory (volume/field_transfer.h).
+// Reads .vdb files in a child process under a memory limit: OpenVDB's reader can crash on damaged files, and
+// then the child dies and this process says so. The child is this program itself with a hidden command; the
+// result comes back through shared memory (volume/field_transfer.h).
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -20,8 +20,8 @@ struct LoadLimits {
     bool showStderr = false;  ///< the child's, for those who look for its reason
 };
 
-/// The fields of `grids` (as VdbFile::field takes them) of one file, in that order. Throws Error: input, memory,
-/// interrupted.
+/// The fields of `grids` (as VdbFile::field takes them) of one file, in that order. Throws Error: input,
+/// memory, interrupted.
 std::vector<SparseField> loadFields(const std::string& path, const std::vector<std::string>& grids,
                                     const LoadLimits& limits, const MessageSink& messages);
 

@@ -12,14 +12,18 @@
 namespace scrim::cli {
 namespace {
 
-std::string vectorText(const Vec3& v) { return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x, v.y, v.z); }
-std::string vectorText(const Int3& v) { return fmt::format("[{}, {}, {}]", v.x, v.y, v.z); }
+std::string vectorText(const Vec3& v) {
+    return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x, v.y, v.z);
+}
+std::string vectorText(const Int3& v) {
+    return fmt::format("[{}, {}, {}]", v.x, v.y, v.z);
+}
 
 std::string boundsText(const GridInfo& grid) {
     if (grid.isUpper.x < grid.isLower.x) return "empty";
     const Int3 size = grid.isUpper - grid.isLower + 1;
-    return fmt::format("{} to {} ({} x {} x {})", vectorText(grid.isLower), vectorText(grid.isUpper), size.x, size.y,
-                       size.z);
+    return fmt::format("{} to {} ({} x {} x {})", vectorText(grid.isLower), vectorText(grid.isUpper), size.x,
+                       size.y, size.z);
 }
 
 std::string gridText(const GridInfo& g) {
@@ -43,9 +47,9 @@ std::string gridText(const GridInfo& g) {
 }
 
 std::string fileText(const VdbFileInfo& info) {
-    std::string text = fmt::format("{}\n  {:<16} {}\n  {:<16} {}, written by OpenVDB {}.{}\n", info.path, "bytes",
-                                   info.fileBytes, "file version", info.fileVersion, info.libraryMajor,
-                                   info.libraryMinor);
+    std::string text =
+        fmt::format("{}\n  {:<16} {}\n  {:<16} {}, written by OpenVDB {}.{}\n", info.path, "bytes",
+                    info.fileBytes, "file version", info.fileVersion, info.libraryMajor, info.libraryMinor);
     for (const auto& [name, value] : info.metadata) text += fmt::format("  {:<16} {}\n", name, value);
     for (const GridInfo& grid : info.grids) text += gridText(grid);
     return text;

@@ -37,8 +37,8 @@ constexpr int kBadArguments = 2;
     return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
 }
 
-/// No dump of a crash that was expected, no more memory than `memory` beyond that of the program itself, and no life
-/// beyond that of the parent.
+/// No dump of a crash that was expected, no more memory than `memory` beyond that of the program itself, and
+/// no life beyond that of the parent.
 void limitSelf([[maybe_unused]] std::size_t memory) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     const rlimit none{0, 0};
@@ -52,7 +52,8 @@ void limitSelf([[maybe_unused]] std::size_t memory) {
 #endif
 }
 
-void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
+void sendAll(int fd, const std::string& what, const std::string& path,
+             const std::vector<std::string>& grids) {
     const VdbFile file = VdbFile::open(path);
     if (what == "info") return sendInfo(fd, file.info());
     std::vector<TransferMessage> messages;
@@ -65,7 +66,8 @@ void sendAll(int fd, const std::string& what, const std::string& path, const std
 }
 
 /// Sends what `sendAll` throws in place of its result.
-void sendAllOrError(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
+void sendAllOrError(int fd, const std::string& what, const std::string& path,
+                    const std::vector<std::string>& grids) {
     try {
         sendAll(fd, what, path, grids);
     } catch (const Error& error) {

@@ -36,11 +36,14 @@ void handleInterrupts() {
         ::sigaction(signal, nullptr, &before);
         if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
     }
-    // A reader of our output that went away is an error of writing, not a reason to die with files half written.
+    // A reader of our output that went away is an error of writing, not a reason to die with files half
+    // written.
     std::signal(SIGPIPE, SIG_IGN);
 }
 
-int interruptSignal() noexcept { return g_signal.load(); }
+int interruptSignal() noexcept {
+    return g_signal.load();
+}
 
 void throwIfInterrupted() {
     if (const int signal = interruptSignal())

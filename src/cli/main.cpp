@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an exit
-// status. The only place that catches exceptions.
+// The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an
+// exit status. The only place that catches exceptions.
 #include "console.h"
 #include "guarded_load.h"
 #include "info_command.h"
@@ -32,12 +32,18 @@ constexpr int kMemoryStatus = 33;  // farms take it for "try again on a larger m
 
 int statusOf(ErrorKind kind) {
     switch (kind) {
-        case ErrorKind::render: return 1;
-        case ErrorKind::usage: return 2;
-        case ErrorKind::input: return 3;
-        case ErrorKind::output: return 4;
-        case ErrorKind::memory: return kMemoryStatus;
-        case ErrorKind::interrupted: return 128 + (interruptSignal() != 0 ? interruptSignal() : SIGINT);
+        case ErrorKind::render:
+            return 1;
+        case ErrorKind::usage:
+            return 2;
+        case ErrorKind::input:
+            return 3;
+        case ErrorKind::output:
+            return 4;
+        case ErrorKind::memory:
+            return kMemoryStatus;
+        case ErrorKind::interrupted:
+            return 128 + (interruptSignal() != 0 ? interruptSignal() : SIGINT);
     }
     return 1;
 }
@@ -51,7 +57,8 @@ int fail(int status, const std::string& reason) {
 
 std::string versionText() {
     return fmt::format(
-        "scrim {}\nOpenVDB {} (files up to version {}; codecs {})\nOpenEXR {}\nOpenColorIO {}\nOpenImageIO {}\n"
+        "scrim {}\nOpenVDB {} (files up to version {}; codecs {})\nOpenEXR {}\nOpenColorIO {}\nOpenImageIO "
+        "{}\n"
         "oneTBB {}\nHighway {}",
         scrimVersion(), openVdbVersion(), vdbFileVersion(), fmt::join(vdbCodecs(), ", "), openExrVersion(),
         openColorIoVersion(), openImageIoVersion(), tbbVersion(), highwayVersion());
@@ -81,7 +88,8 @@ struct CommandLine {
     void addPlan() {
         CLI::App* command = app.add_subcommand("plan", "show what a render would do");
         addSceneOptions(*command, plan);
-        addRenderOptions(*command, plan, "Accepted, so that the arguments of a render can be planned as they are");
+        addRenderOptions(*command, plan,
+                         "Accepted, so that the arguments of a render can be planned as they are");
         command->add_flag("--json", plan.json, "print JSON");
     }
     void addInfo() {
@@ -93,10 +101,12 @@ struct CommandLine {
     void addMake() {
         CLI::App* command = app.add_subcommand("make", "run a volume source and save its grids");
         command->add_option("source", make.source, "name of the source")->type_name("SOURCE");
-        command->add_option("parameters", make.parameters, "values in place of the defaults")->type_name("KEY=VALUE");
+        command->add_option("parameters", make.parameters, "values in place of the defaults")
+            ->type_name("KEY=VALUE");
         command->add_option("-o,--output", make.output, "file to write")->type_name("OUT.vdb");
-        command->add_option("--threads", make.threads, "threads to use; 0: all")->type_name("N")->check(
-            CLI::Range(0, 4096));
+        command->add_option("--threads", make.threads, "threads to use; 0: all")
+            ->type_name("N")
+            ->check(CLI::Range(0, 4096));
         command->add_flag("--list", make.list, "print all sources with their parameters");
         command->add_flag("--help-source", make.helpSource, "print the parameters of the source");
         addVerbosity(*command, make.verbose, make.quiet);
@@ -128,8 +138,9 @@ std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
         }
     }
     if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-        text = command.get_name() + (command.get_name() == "info" ? ": expected one or more ASSET.vdb"
-                                                                  : ": expected one or more SCENE.toml or ASSET.vdb");
+        text = command.get_name() + (command.get_name() == "info"
+                                         ? ": expected one or more ASSET.vdb"
+                                         : ": expected one or more SCENE.toml or ASSET.vdb");
     const bool inCommand = &command != &line.app;
     return fmt::format("{}; see scrim {}--help", text, inCommand ? command.get_name() + " " : "");
 }
@@ -139,8 +150,8 @@ void checkCommandName(const CommandLine& line, const std::vector<std::string>& a
     const std::vector<std::string> names = line.commandNames();
     for (const std::string& name : names)
         if (name == arguments.front()) return;
-    throw Error(ErrorKind::usage, fmt::format("unknown command '{}'; expected {}", clipped(arguments.front(), 80),
-                                              choices(names)));
+    throw Error(ErrorKind::usage, fmt::format("unknown command '{}'; expected {}",
+                                              clipped(arguments.front(), 80), choices(names)));
 }
 
 int runCommand(CommandLine& line) {

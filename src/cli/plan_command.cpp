@@ -74,7 +74,8 @@ void planCommand(const SceneOptions& options) {
             first = false;
         }
     }
-    if (options.json && !options.printScene) printOut(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    if (options.json && !options.printScene)
+        printOut(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace scrim::cli

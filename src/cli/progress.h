@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress in the form that whoever looks at it wants: people at a terminal, log files, farm managers, programs.
+// Progress in the form that whoever looks at it wants: people at a terminal, log files, farm managers,
+// programs.
 #pragma once
 
 #include "console.h"
@@ -17,10 +18,12 @@ enum class ProgressStyle { automatic, bar, plain, alf, openjd, json, none };
 /// In the order of ProgressStyle.
 const std::vector<std::string>& progressStyleNames();
 
-/// Reports one run of several frames. Prints only on change: bar and plain lines to stderr, the others to stdout.
+/// Reports one run of several frames. Prints only on change: bar and plain lines to stderr, the others to
+/// stdout.
 class Progress {
   public:
-    /// `automatic` is a bar on a terminal, and elsewhere plain lines, but few; or nothing under -q. Refers to `console`.
+    /// `automatic` is a bar on a terminal, and elsewhere plain lines, but few; or nothing under -q. Refers to
+    /// `console`.
     Progress(ProgressStyle style, Console& console);
     ~Progress() { m_console.status(""); }
     Progress(const Progress&) = delete;

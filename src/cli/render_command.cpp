@@ -35,7 +35,9 @@ void checkWritable(const std::string& path) {
 class RenderRun {
   public:
     explicit RenderRun(const SceneOptions& options)
-        : m_options(options), m_console(options.verbose, options.quiet), m_threads(options.threads),
+        : m_options(options),
+          m_console(options.verbose, options.quiet),
+          m_threads(options.threads),
           m_colour(ColourConfig::open(options.ocio)),
           m_store({options.memory, options.threads, options.verbose}, m_console.sink()),
           m_progress(options.progress, m_console) {}
@@ -97,21 +99,23 @@ void RenderRun::warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& f
     for (std::size_t i = 0; i < fields.size(); ++i) {
         if (!fields[i] || !fields[i]->empty()) continue;
         const SceneVolume& volume = scene.volumes[i];
-        m_console.warning(fmt::format("{}: nothing to render: grid '{}' has no active voxels",
-                                      volume.source.empty() ? files[i].path : "source '" + volume.source + "'",
-                                      fields[i]->name));
+        m_console.warning(fmt::format(
+            "{}: nothing to render: grid '{}' has no active voxels",
+            volume.source.empty() ? files[i].path : "source '" + volume.source + "'", fields[i]->name));
     }
 }
 
 Image RenderRun::renderImage(const ViewScene& view, const Plan& plan, FrameReport& report) {
-    constexpr double kRenderedOfVerified = 0.5;  // where both are done, how much of the frame rendering seems to be
+    constexpr double kRenderedOfVerified =
+        0.5;  // where both are done, how much of the frame rendering seems to be
     const double rendered = m_options.verify > 0 ? kRenderedOfVerified : 1;
     Frame frame = timed(report.render, [&] { return render(view, plan, m_progress.stage(0, rendered)); });
     report.stages = frame.times;
     report.work = frame.work;
     if (m_options.verify > 0)
         report.verification = timed(report.verify, [&] {
-            return summarise(samplePixels(view, frame.image, m_options.verify, kVerifySeed, m_progress.stage(rendered, 1)));
+            return summarise(samplePixels(view, frame.image, m_options.verify, kVerifySeed,
+                                          m_progress.stage(rendered, 1)));
         });
     throwIfInterrupted();
     return std::move(frame.image);
@@ -130,7 +134,8 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     report.resolution = scene.camera.resolution;
     report.threads = threadCount();
 
-    for (const std::string& path : {scene.output.file, scene.output.preview.file, m_options.stats}) checkWritable(path);
+    for (const std::string& path : {scene.output.file, scene.output.preview.file, m_options.stats})
+        checkWritable(path);
 
     std::vector<VolumeFile> files = findFiles(scene);
     if (!mayRender(frame, files)) return;
@@ -156,6 +161,8 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
 
 }  // namespace
 
-void renderCommand(const SceneOptions& options) { RenderRun(options).run(); }
+void renderCommand(const SceneOptions& options) {
+    RenderRun(options).run();
+}
 
 }  // namespace scrim::cli

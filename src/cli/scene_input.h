@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// One input of a command, a scene or an asset alone, as scenes at frames. For an asset the text of a scene is made up,
-// so that all that follows knows scenes only.
+// One input of a command, a scene or an asset alone, as scenes at frames. For an asset the text of a scene is
+// made up, so that all that follows knows scenes only.
 #pragma once
 
 #include "field_store.h"
@@ -16,9 +16,10 @@ namespace scrim::cli {
 
 class SceneInput {
   public:
-    /// Reads a scene, and tells which frames there are. An asset is not looked at yet. `options`, `colour` and `store`
-    /// must outlive this. Throws Error: usage, input.
-    SceneInput(const std::string& path, const SceneOptions& options, const ColourConfig& colour, FieldStore& store);
+    /// Reads a scene, and tells which frames there are. An asset is not looked at yet. `options`, `colour`
+    /// and `store` must outlive this. Throws Error: usage, input.
+    SceneInput(const std::string& path, const SceneOptions& options, const ColourConfig& colour,
+               FieldStore& store);
 
     const std::string& name() const { return m_path; }
     const std::vector<int>& frames() const { return m_frames; }
@@ -26,8 +27,8 @@ class SceneInput {
     const FramePath& output() const { return m_output; }
     const FramePath& preview() const { return m_preview; }
 
-    /// The scene at one of the frames; its output and preview are those of the command line where given. The first call
-    /// loads an asset.
+    /// The scene at one of the frames; its output and preview are those of the command line where given. The
+    /// first call loads an asset.
     Scene sceneAt(int frame);
 
     /// With the changes of the command line to what is seen, as TOML; the first call loads an asset.
@@ -58,7 +59,8 @@ class SceneInput {
 std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store,
                                    bool writes);
 
-/// Bytes that buffers may take: what `fields` leave of `limit`; 0 where there is no limit. Throws Error(memory).
+/// Bytes that buffers may take: what `fields` leave of `limit`; 0 where there is no limit. Throws
+/// Error(memory).
 std::size_t memoryLeft(std::size_t limit, const Fields& fields);
 
 }  // namespace scrim::cli

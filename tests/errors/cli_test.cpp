@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Bad input of every kind: each gives its exit status and one line that says where, what was found and what there is
-// to choose from, and leaves no file behind.
+// Bad input of every kind: each gives its exit status and one line that says where, what was found and what
+// there is to choose from, and leaves no file behind.
 #include "errors/program_test.h"
 
 #include <scrim/image/exr_read.h>
@@ -19,7 +19,9 @@ using CliErrors = ProgramTest;
 
 // ---- assets
 
-TEST_F(CliErrors, MissingAssetIsNamed) { expectFailure({"render", "nothere.vdb"}, kInput, "nothere.vdb: no such file"); }
+TEST_F(CliErrors, MissingAssetIsNamed) {
+    expectFailure({"render", "nothere.vdb"}, kInput, "nothere.vdb: no such file");
+}
 
 TEST_F(CliErrors, MissingAssetOfInfoIsNamed) {
     expectFailure({"info", "nothere.vdb"}, kInput, "nothere.vdb: no such file");
@@ -54,9 +56,11 @@ TEST_F(CliErrors, TruncatedVdbIsRefused) {
 }
 
 TEST_F(CliErrors, UnknownGridListsThoseThereAre) {
-    makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}}, {.name = "speed", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
+    makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}},
+                              {.name = "speed", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"smoke\" }\n");
-    expectFailure({"render", "grid.toml"}, kInput, "two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' (vec3s)");
+    expectFailure({"render", "grid.toml"}, kInput,
+                  "two.vdb: no grid 'smoke'; it holds 'fuel' (float), 'speed' (vec3s)");
 }
 
 /// A grid of a type that is no density.
@@ -64,26 +68,36 @@ void expectTypeRefused(const std::string& folder, const std::string& type, const
     makeVdb(folder + "/odd.vdb", {{.name = "odd", .type = type, .voxels = {{{0, 0, 0}, 1}}}});
     const ProgramResult result = runProgram(folder, {"render", "odd.vdb"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err, "scrim: error: odd.vdb: holds no float, half or double grid, only 'odd' (" + valueType + ")\n");
+    EXPECT_EQ(result.err,
+              "scrim: error: odd.vdb: holds no float, half or double grid, only 'odd' (" + valueType + ")\n");
     EXPECT_FALSE(std::filesystem::exists(folder + "/odd.exr"));
 }
 
-TEST_F(CliErrors, PointGridIsRefused) { expectTypeRefused(m_folder.path(), "points", "ptdataidx32"); }
-TEST_F(CliErrors, VectorGridIsRefused) { expectTypeRefused(m_folder.path(), "vec3s", "vec3s"); }
-TEST_F(CliErrors, IntegerGridIsRefused) { expectTypeRefused(m_folder.path(), "int32", "int32"); }
+TEST_F(CliErrors, PointGridIsRefused) {
+    expectTypeRefused(m_folder.path(), "points", "ptdataidx32");
+}
+TEST_F(CliErrors, VectorGridIsRefused) {
+    expectTypeRefused(m_folder.path(), "vec3s", "vec3s");
+}
+TEST_F(CliErrors, IntegerGridIsRefused) {
+    expectTypeRefused(m_folder.path(), "int32", "int32");
+}
 
 TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
-    makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}}, {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
+    makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}},
+                              {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"id\" }\n");
-    expectFailure({"render", "grid.toml"}, kInput,
-                  "two.vdb: grid 'id' holds int32 values, where a float, half or double grid is expected; of those "
-                  "there is 'fuel'");
+    expectFailure(
+        {"render", "grid.toml"}, kInput,
+        "two.vdb: grid 'id' holds int32 values, where a float, half or double grid is expected; of those "
+        "there is 'fuel'");
 }
 
 TEST_F(CliErrors, EmptyGridGivesABlackFrameAndAWarning) {
     makeVdb(file("empty.vdb"), {MadeGrid{}});
     const ProgramResult result = runWell({"render", "empty.vdb", "--res", "20x10", "-q"});
-    EXPECT_EQ(result.err, "scrim: warning: empty.vdb: nothing to render: grid 'density' has no active voxels\n");
+    EXPECT_EQ(result.err,
+              "scrim: warning: empty.vdb: nothing to render: grid 'density' has no active voxels\n");
     const Image picture = readExr(file("empty.exr"));
     EXPECT_EQ(picture.rgba, std::vector<float>(4, 0.0f));  // one pixel: EXR cannot say "nothing"
     EXPECT_EQ(readExrAttributes(file("empty.exr")).at("displayWindow"), "0 0 20 10");
@@ -93,7 +107,8 @@ TEST_F(CliErrors, UnknownSourceOfASceneIsLocated) {
     write("source.toml", kCamera + "[[volume]]\nsource = \"nois\"\n");
     const ProgramResult result = run({"render", "source.toml"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: source.toml:7:10: no volume source 'nois' in ", 0), 0u) << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: source.toml:7:10: no volume source 'nois' in ", 0), 0u)
+        << result.err;
 }
 
 // ---- scenes
@@ -131,22 +146,26 @@ TEST_F(CliErrors, ValueOutOfRangeIsLocated) {
 }
 
 TEST_F(CliErrors, OverrideOutOfRangeNamesTheOption) {
-    expectFailure({"render", "scene.toml", "--set", "camera.fov=180"}, kInput,
-                  "--set camera.fov: 'fov' is 180; expected a number greater than 0 and less than 180 degrees");
+    expectFailure(
+        {"render", "scene.toml", "--set", "camera.fov=180"}, kInput,
+        "--set camera.fov: 'fov' is 180; expected a number greater than 0 and less than 180 degrees");
 }
 
 TEST_F(CliErrors, CameraAtItsOwnTargetIsLocated) {
     write("bad.toml", "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 40]\n" + kVolume);
     const ProgramResult result = run({"render", "bad.toml"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:3:10: the camera stands at its own 'target'", 0), 0u) << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:3:10: the camera stands at its own 'target'", 0), 0u)
+        << result.err;
 }
 
 TEST_F(CliErrors, ZeroResolutionOfASceneIsLocated) {
-    write("bad.toml", "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 0]\nresolution = [0, 24]\n" + kVolume);
+    write("bad.toml",
+          "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 0]\nresolution = [0, 24]\n" + kVolume);
     const ProgramResult result = run({"render", "bad.toml"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:4:15: 'resolution[0]' is 0; expected ", 0), 0u) << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:4:15: 'resolution[0]' is 0; expected ", 0), 0u)
+        << result.err;
 }
 
 TEST_F(CliErrors, ZeroResolutionOfTheCommandLineIsUsage) {
@@ -169,7 +188,8 @@ TEST_F(CliErrors, OutputThatIsAFolderIsRefused) {
 TEST_F(CliErrors, FolderWithoutPermissionIsRefused) {
     if (::geteuid() == 0) GTEST_SKIP() << "root may write everywhere";
     std::filesystem::create_directory(file("sealed"));
-    std::filesystem::permissions(file("sealed"), std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
+    std::filesystem::permissions(file("sealed"),
+                                 std::filesystem::perms::owner_read | std::filesystem::perms::owner_exec);
     expectFailure({"render", "scene.toml", "-o", "sealed/x.exr"}, kOutput,
                   "cannot write 'sealed/x.exr': Permission denied");
 }
@@ -199,7 +219,8 @@ TEST_F(CliErrors, TwoInputsInOneFileAreRefused) {
 TEST_F(CliErrors, UnreadableOcioConfigIsNamed) {
     const ProgramResult result = run({"render", "scene.toml", "--ocio", "no.ocio"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: cannot read the OpenColorIO config 'no.ocio': ", 0), 0u) << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: cannot read the OpenColorIO config 'no.ocio': ", 0), 0u)
+        << result.err;
     EXPECT_FALSE(exists("scene.exr"));
 }
 
@@ -226,9 +247,10 @@ TEST_F(CliErrors, MemoryLimitBelowOneSheetIsRefused) {
 // ---- the command line
 
 TEST_F(CliErrors, ColonInAFrameRangeIsRefused) {
-    expectFailure({"render", "scene.toml", "--frames", "1:5"}, kUsage,
-                  "frame range '1:5': ':' is refused, since farm managers disagree on its meaning; write 1-48x2 for "
-                  "every second frame");
+    expectFailure(
+        {"render", "scene.toml", "--frames", "1:5"}, kUsage,
+        "frame range '1:5': ':' is refused, since farm managers disagree on its meaning; write 1-48x2 for "
+        "every second frame");
 }
 
 TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
@@ -237,7 +259,8 @@ TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
 }
 
 TEST_F(CliErrors, UnknownCommandListsTheCommands) {
-    expectFailure({"rendr", "scene.toml"}, kUsage, "unknown command 'rendr'; expected 'render', 'plan', 'info' or 'make'");
+    expectFailure({"rendr", "scene.toml"}, kUsage,
+                  "unknown command 'rendr'; expected 'render', 'plan', 'info' or 'make'");
 }
 
 TEST_F(CliErrors, UnknownQualityListsThePresets) {
@@ -272,7 +295,8 @@ TEST_F(CliErrors, MemoryThatIsNoSizeIsUsage) {
 TEST_F(CliErrors, UnknownParameterOfASourceListsThem) {
     const ProgramResult result = run({"make", "noise", "resolutoin=32", "-o", "x.vdb"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: source 'noise': unknown parameter 'resolutoin', expected ", 0), 0u)
+    EXPECT_EQ(result.err.rfind("scrim: error: source 'noise': unknown parameter 'resolutoin', expected ", 0),
+              0u)
         << result.err;
     EXPECT_FALSE(exists("x.vdb"));
 }
@@ -287,8 +311,9 @@ class CliMissingFrame : public ProgramTest {
             std::filesystem::copy_file(file("smoke.vdb"), file(name));
         write("seq.toml", kCamera + "[[volume]]\nname = \"fog\"\nfile = \"s.####.vdb\"\n" + kLight);
     }
-    const std::string m_problem = "seq.toml:8:8: volume 'fog': there is no file 's.0002.vdb' for frame 2; the sequence "
-                                  "has frames 1 to 3";
+    const std::string m_problem =
+        "seq.toml:8:8: volume 'fog': there is no file 's.0002.vdb' for frame 2; the sequence "
+        "has frames 1 to 3";
 };
 
 TEST_F(CliMissingFrame, IsAnErrorByDefault) {
@@ -318,8 +343,9 @@ TEST_F(CliMissingFrame, IsSkippedWhereAllowed) {
 }
 
 TEST_F(CliMissingFrame, SequenceDemandsFrames) {
-    expectFailure({"render", "seq.toml"}, kUsage,
-                  "seq.toml: 's.####.vdb' is a sequence; say which frames with --frames (files exist for 1 to 3)");
+    expectFailure(
+        {"render", "seq.toml"}, kUsage,
+        "seq.toml: 's.####.vdb' is a sequence; say which frames with --frames (files exist for 1 to 3)");
 }
 
 }  // namespace

@@ -76,21 +76,22 @@ TEST_F(CliUse, PreviewIsWritten) {
     EXPECT_EQ(readBytes(file("x.png")).substr(1, 3), "PNG");
 }
 
-// The sheets of a crop are laid for its own rays, so its pixels are those of the whole picture only as far as both are
-// right.
+// The sheets of a crop are laid for its own rays, so its pixels are those of the whole picture only as far as
+// both are right.
 TEST_F(CliUse, CropRendersItsPartOfThePicture) {
     runWell({"render", "scene.toml", "-o", "all.exr", "--set", "output.type=float"});
     runWell({"render", "scene.toml", "-o", "part.exr", "--set", "output.type=float", "--crop", "10,8,20,16"});
     const Image part = readExr(file("part.exr"));
     ASSERT_EQ(part.window, (PixelWindow{10, 8, 20, 16}));
     const Image same = reframed(readExr(file("all.exr")), part.window);
-    for (std::size_t i = 0; i < part.rgba.size(); ++i) EXPECT_NEAR(part.rgba[i], same.rgba[i], 0.05 * same.rgba[i]);
+    for (std::size_t i = 0; i < part.rgba.size(); ++i)
+        EXPECT_NEAR(part.rgba[i], same.rgba[i], 0.05 * same.rgba[i]);
 }
 
 TEST_F(CliUse, PrintedSceneRendersToTheSamePixels) {
     runWell({"render", "smoke.vdb", "-o", "a.exr", "--res", "40x30", "--quality", "draft"});
-    const ProgramResult printed =
-        runWell({"render", "smoke.vdb", "-o", "b.exr", "--res", "40x30", "--quality", "draft", "--print-scene"});
+    const ProgramResult printed = runWell(
+        {"render", "smoke.vdb", "-o", "b.exr", "--res", "40x30", "--quality", "draft", "--print-scene"});
     EXPECT_EQ(printed.err, "");
     EXPECT_FALSE(exists("b.exr"));
     write("printed.toml", printed.out);
@@ -110,8 +111,10 @@ TEST_F(CliUse, OutputIsRelativeToTheCurrentFolderAndVolumesToTheScene) {
 }
 
 TEST_F(CliUse, KeyedCameraMovesOverTheFrames) {
-    write("move.toml", "[camera]\nposition = { keys = [[1, [0, 0, 40]], [3, [40, 0, 1]]] }\ntarget = [0, 0, 0]\n"
-                       "resolution = [24, 24]\n" + kVolume + kLight + "[output]\nfile = \"m.####.exr\"\n");
+    write("move.toml",
+          "[camera]\nposition = { keys = [[1, [0, 0, 40]], [3, [40, 0, 1]]] }\ntarget = [0, 0, 0]\n"
+          "resolution = [24, 24]\n" +
+              kVolume + kLight + "[output]\nfile = \"m.####.exr\"\n");
     runWell({"render", "move.toml", "--frames", "1-3"});
     const Image first = readExr(file("m.0001.exr")), second = readExr(file("m.0002.exr")),
                 third = readExr(file("m.0003.exr"));
@@ -129,13 +132,15 @@ TEST_F(CliUse, SkipExistingLeavesPicturesAlone) {
 }
 
 TEST_F(CliUse, SourceOfASceneIsRendered) {
-    write("source.toml", kCamera + "[[volume]]\nsource = \"noise\"\nparameters = { resolution = 16, size = 10 }\n" + kLight);
+    write("source.toml",
+          kCamera + "[[volume]]\nsource = \"noise\"\nparameters = { resolution = 16, size = 10 }\n" + kLight);
     runWell({"render", "source.toml"});
     EXPECT_GT(readExr(file("source.exr")).rgba.size(), 4u);
 }
 
 TEST_F(CliUse, SequenceIsFramedAlikeWhicheverFramesAreRendered) {
-    for (const char* name : {"s.1.vdb", "s.2.vdb", "s.3.vdb"}) std::filesystem::copy_file(file("smoke.vdb"), file(name));
+    for (const char* name : {"s.1.vdb", "s.2.vdb", "s.3.vdb"})
+        std::filesystem::copy_file(file("smoke.vdb"), file(name));
     makeVdb(file("s.1.vdb"), {{.voxels = box({0, 0, 0}, {1, 1, 1}, 0.2)}});
     const auto printed = [&](const std::string& frames) {
         return runWell({"render", "s.#.vdb", "--frames", frames, "--print-scene"}).out;
@@ -146,7 +151,8 @@ TEST_F(CliUse, SequenceIsFramedAlikeWhicheverFramesAreRendered) {
 // ---- what is told
 
 TEST_F(CliUse, StatsTellEachFrame) {
-    runWell({"render", "scene.toml", "-o", "o.#.exr", "--frames", "1-2", "--stats", "s.json", "--verify", "5"});
+    runWell(
+        {"render", "scene.toml", "-o", "o.#.exr", "--frames", "1-2", "--stats", "s.json", "--verify", "5"});
     const auto stats = nlohmann::json::parse(readBytes(file("s.json")));
     ASSERT_EQ(stats.size(), 2u);
     EXPECT_EQ(stats[1].at("file"), "o.2.exr");
@@ -205,7 +211,8 @@ TEST_F(CliUse, PlanIsJsonOrATable) {
     EXPECT_EQ(group.at("lights").at(0).at("name"), "key");
     EXPECT_GT(group.at("sheets").get<int>(), 0);
     const std::string table = runWell({"plan", "scene.toml"}).out;
-    for (const char* word : {"shadows", "of 'key'", "group 1", "slant", "sheets", "raster", "batch", "memory"})
+    for (const char* word :
+         {"shadows", "of 'key'", "group 1", "slant", "sheets", "raster", "batch", "memory"})
         EXPECT_NE(table.find(word), std::string::npos) << word << "\n" << table;
     EXPECT_FALSE(exists("scene.exr"));
 }
@@ -216,7 +223,8 @@ TEST_F(CliUse, InfoIsJsonOrATable) {
     const auto both = nlohmann::json::parse(runWell({"info", "smoke.vdb", "smoke.vdb", "--json"}).out);
     EXPECT_EQ(both.size(), 2u);
     const std::string table = runWell({"info", "smoke.vdb"}).out;
-    for (const char* text : {"grid 'density'", "fog volume", "2197, and 0 tiles", "[-6, -6, -6] to [6, 6, 6]"})
+    for (const char* text :
+         {"grid 'density'", "fog volume", "2197, and 0 tiles", "[-6, -6, -6] to [6, 6, 6]"})
         EXPECT_NE(table.find(text), std::string::npos) << text << "\n" << table;
 }
 
@@ -229,7 +237,8 @@ TEST_F(CliUse, MakeWritesAnAssetAndExplainsSources) {
 
 TEST_F(CliUse, VersionNamesTheLibraries) {
     const std::string text = runWell({"--version"}).out;
-    for (const char* name : {"scrim ", "OpenVDB ", "OpenEXR ", "OpenColorIO ", "OpenImageIO ", "TBB ", "Highway ", "zip"})
+    for (const char* name :
+         {"scrim ", "OpenVDB ", "OpenEXR ", "OpenColorIO ", "OpenImageIO ", "TBB ", "Highway ", "zip"})
         EXPECT_NE(text.find(name), std::string::npos) << name << "\n" << text;
 }
 
@@ -245,8 +254,8 @@ TEST_F(CliUse, HelpIsPrintedToStdout) {
 TEST_F(CliUse, SigtermEndsARenderWithoutAPartialFile) {
     runWell({"make", "noise", "resolution=160", "-o", "large.vdb"});
     const std::set<std::string> before = listing();
-    RunningProgram program(m_folder.path(), {"render", "large.vdb", "-o", "x.exr", "--res", "3000x3000", "--quality",
-                                             "ultra", "--progress", "json"});
+    RunningProgram program(m_folder.path(), {"render", "large.vdb", "-o", "x.exr", "--res", "3000x3000",
+                                             "--quality", "ultra", "--progress", "json"});
     ASSERT_TRUE(program.waitForOutput("\"progress\":1.0"));
     program.sendSignal(SIGTERM);
     const ProgramResult result = program.wait();
@@ -270,7 +279,8 @@ TEST_F(CliUse, DamagedFilesAreRefusedOrRenderedAndNothingElse) {
         const ProgramResult result =
             run({"render", "bad.vdb", "-o", "bad.exr", "--res", "16x16", "--quality", "draft", "-q"});
         EXPECT_TRUE(result.status == 0 || result.status == 3)
-            << "byte " << place << ": status " << result.status << ", signal " << result.signal << "\n" << result.err;
+            << "byte " << place << ": status " << result.status << ", signal " << result.signal << "\n"
+            << result.err;
         refused += result.status == 3;
         if (result.status == 3) {
             EXPECT_EQ(result.lastErrorLine().rfind("scrim: error: bad.vdb: ", 0), 0u)

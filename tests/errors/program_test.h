@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A folder with a small asset and a scene, and the program to run there: what all tests of the command line share.
+// A folder with a small asset and a scene, and the program to run there: what all tests of the command line
+// share.
 #pragma once
 
 #include "support/run_program.h"
@@ -37,7 +38,8 @@ class ProgramTest : public ::testing::Test {
     }
 
     /// Runs what must succeed.
-    ProgramResult runWell(const std::vector<std::string>& arguments, const ProgramOptions& options = {}) const {
+    ProgramResult runWell(const std::vector<std::string>& arguments,
+                          const ProgramOptions& options = {}) const {
         ProgramResult result = run(arguments, options);
         EXPECT_EQ(result.status, 0) << result.err;
         return result;
@@ -50,8 +52,8 @@ class ProgramTest : public ::testing::Test {
         return names;
     }
 
-    /// Runs what must fail: with this exit status, with "scrim: error: " and `reason` as the only line on stderr, and
-    /// without a new file, half or whole.
+    /// Runs what must fail: with this exit status, with "scrim: error: " and `reason` as the only line on
+    /// stderr, and without a new file, half or whole.
     void expectFailure(const std::vector<std::string>& arguments, int status, const std::string& reason,
                        const ProgramOptions& options = {}) const {
         const std::set<std::string> before = listing();

@@ -87,7 +87,9 @@ bool RunningProgram::ended() {
     return m_pid <= 0;
 }
 
-void RunningProgram::sendSignal(int signal) const { ::kill(m_pid, signal); }
+void RunningProgram::sendSignal(int signal) const {
+    ::kill(m_pid, signal);
+}
 
 bool RunningProgram::waitForOutput(const std::string& text) {
     while (std::chrono::steady_clock::now() < m_deadline) {

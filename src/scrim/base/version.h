@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Scrim is made of, for `scrim --version`, pictures' metadata and bug reports. The folders that hide a library
-// say its version themselves (image/versions.h, volume/vdb_version.h).
+// What Scrim is made of, for `scrim --version`, pictures' metadata and bug reports. The folders that hide a
+// library say its version themselves (image/versions.h, volume/vdb_version.h).
 #pragma once
 
 #include <string>

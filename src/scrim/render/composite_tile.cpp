@@ -15,9 +15,7 @@ namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Sheets whose addresses are computed together.
-constexpr int kAhead = 8;
-using DF = hn::CappedTag<float, kAhead>;
+using DF = hn::CappedTag<float, kTileEdge>;
 using DI = hn::RebindToSigned<DF>;
 
 // The four channels of a texel. The scalar target has vectors of one lane only, so there they are an array.
@@ -43,7 +41,6 @@ HWY_INLINE V4 before(V4 state, V4 texel) {
 HWY_INLINE V4 behind(V4 state, V4 texel) {
     return each([&](int i) { return texel.c[i] + (1 + texel.c[3]) * state.c[i]; });
 }
-HWY_INLINE float transmittance(V4 state) { return 1 + state.c[3]; }
 #else
 using D4 = hn::CappedTag<float, 4>;
 using V4 = hn::Vec<D4>;
@@ -58,13 +55,13 @@ HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
 HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
     return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hn::Broadcast<3>(texel)), state, texel);
 }
-HWY_ATTR HWY_INLINE float transmittance(V4 state) { return 1 + hn::GetLane(hn::Broadcast<3>(state)); }
 #endif
 
+// Where the rays of a tile meet one plane.
 struct Addresses {
-    alignas(64) std::int32_t texel[kAhead];
-    alignas(64) float u[kAhead];  // fractions
-    alignas(64) float v[kAhead];
+    alignas(64) std::int32_t texel[kTileSize];  // offset of its first channel
+    alignas(64) float u[kTileSize];             // fractions
+    alignas(64) float v[kTileSize];
 };
 
 // Whole part and fraction of a coordinate, clamped to the plane, whose border is zeros.
@@ -74,6 +71,22 @@ HWY_ATTR HWY_INLINE void split(hn::Vec<DF> x, int size, hn::Vec<DI>& whole, hn::
     const auto floor = hn::Floor(x);
     whole = hn::ConvertTo(DI(), floor);
     fraction = hn::Sub(x, floor);
+}
+
+HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, Addresses& at) {
+    const DF d;
+    const DI di;
+    const auto steps = hn::Set(d, step);
+    for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(d))) {
+        hn::Vec<DI> column, row;
+        hn::Vec<DF> fu, fv;
+        split(hn::MulAdd(steps, hn::Load(d, rays.stepU + k), hn::Load(d, rays.u + k)), width, column, fu);
+        split(hn::MulAdd(steps, hn::Load(d, rays.stepV + k), hn::Load(d, rays.v + k)), height, row, fv);
+        const auto texel = hn::Add(hn::Mul(row, hn::Set(di, width)), column);
+        hn::Store(hn::ShiftLeft<2>(texel), di, at.texel + k);
+        hn::Store(fu, d, at.u + k);
+        hn::Store(fv, d, at.v + k);
+    }
 }
 
 HWY_ATTR HWY_INLINE V4 bilinear(const float* texel, std::ptrdiff_t rowStride, float u, float v) {
@@ -104,35 +117,27 @@ HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
     }
 }
 
+// Plane by plane and pixel by pixel: neighbours do not wait for each other, as the sheets of one pixel do.
 template <bool kFrontToBack>
 HWY_ATTR void walk(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
-    const DF d;
-    const DI di;
-    const int lanes = static_cast<int>(hn::Lanes(d));
     const std::ptrdiff_t rowStride = std::ptrdiff_t{4} * sheets.width;
-    Addresses at;
+    std::int32_t open[kTileSize];
+    int openCount = 0;
     for (int k = 0; k < kTileSize; ++k) {
-        auto state = load4(states + 4 * k);
-        for (int first = 0; first < sheets.count; first += kAhead) {
-            if (kFrontToBack && transmittance(state) < cutoff) break;
-            const int count = std::min(kAhead, sheets.count - first);
-            for (int i = 0; i < count; i += lanes) {
-                const auto step = hn::LoadU(d, sheets.steps + first + i);
-                hn::Vec<DI> column, row;
-                hn::Vec<DF> fu, fv;
-                split(hn::MulAdd(step, hn::Set(d, rays.stepU[k]), hn::Set(d, rays.u[k])), sheets.width, column, fu);
-                split(hn::MulAdd(step, hn::Set(d, rays.stepV[k]), hn::Set(d, rays.v[k])), sheets.height, row, fv);
-                const auto texel = hn::Add(hn::Mul(row, hn::Set(di, sheets.width)), column);
-                hn::StoreU(hn::ShiftLeft<2>(texel), di, at.texel + i);
-                hn::StoreU(fu, d, at.u + i);
-                hn::StoreU(fv, d, at.v + i);
-            }
-            for (int i = 0; i < count; ++i) {
-                const auto texel = bilinear(sheets.planes[first + i] + at.texel[i], rowStride, at.u[i], at.v[i]);
-                state = kFrontToBack ? before(state, texel) : behind(state, texel);
-            }
+        open[openCount] = k;
+        openCount += !kFrontToBack || 1 + states[4 * k + 3] >= cutoff ? 1 : 0;
+    }
+    if (openCount == 0) return;
+    Addresses at;
+    for (int s = 0; s < sheets.count; ++s) {
+        locate(rays, sheets.steps[s], sheets.width, sheets.height, at);
+        const float* plane = sheets.planes[s];
+        for (int i = 0; i < openCount; ++i) {
+            const int k = open[i];
+            const auto texel = bilinear(plane + at.texel[k], rowStride, at.u[k], at.v[k]);
+            const auto state = load4(states + 4 * k);
+            store4(kFrontToBack ? before(state, texel) : behind(state, texel), states + 4 * k);
         }
-        store4(state, states + 4 * k);
     }
 }
 

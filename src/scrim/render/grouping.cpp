@@ -179,8 +179,10 @@ std::vector<Vec3> eyeDirections(const ViewScene& scene, const std::vector<Vec3>&
     const RayFamily rays = wsRays(scene.camera);
     if (scene.camera.type == CameraType::orthographic) return {glm::normalize(rays.direction0)};
 
-    // The rectangle of the region that the volume covers; all of it where the volume reaches behind the eye.
-    double x0 = scene.region.x0, y0 = scene.region.y0, x1 = scene.region.x1, y1 = scene.region.y1;
+    // The rectangle of the picture that the volume covers; all of it where the volume reaches behind the eye. A crop
+    // does not count: its pixels must come out as in the whole picture.
+    double x0 = std::min(0, scene.region.x0), x1 = std::max(scene.camera.resolution.x, scene.region.x1);
+    double y0 = std::min(0, scene.region.y0), y1 = std::max(scene.camera.resolution.y, scene.region.y1);
     const Mat3 rasterFromWs = glm::inverse(Mat3(rays.direction0, rays.directionX, rays.directionY));
     double left = x1, right = x0, top = y1, bottom = y0;
     bool inFront = !corners.empty();

@@ -49,15 +49,17 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back({"ambient light", ambient, ambient ? "[ambient] has a color" : "[ambient] is black"});
     const int n = scene.dials.antialias;
     effects.push_back({"antialiasing", n > 1, fmt::format("{0} x {0} rays a pixel", n)});
-    effects.push_back({"level of detail", scene.dials.lod > 0,
-                       scene.dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", scene.dials.lod)
-                                           : "lod is 0"});
+    effects.push_back(
+        {"level of detail", scene.dials.lod > 0,
+         scene.dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", scene.dials.lod) : "lod is 0"});
     effects.push_back({"shading at pixels", plan.shadeAtPixels,
                        plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason});
     return effects;
 }
 
-Json vector(const Vec3& v) { return Json::array({v.x, v.y, v.z}); }
+Json vector(const Vec3& v) {
+    return Json::array({v.x, v.y, v.z});
+}
 
 /// The axis of a group's sweep in world space: the third row of the rotation into sweep space.
 Vec3 axisOf(const GroupPlan& group) {
@@ -95,22 +97,25 @@ Json groupJson(const ViewScene& scene, const GroupPlan& group) {
             {"lights", lights}};
 }
 
-double megabytes(std::size_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+double megabytes(std::size_t bytes) {
+    return static_cast<double>(bytes) / (1 << 20);
+}
 
 std::string lightLine(const ViewScene& scene, const LightPlan& light) {
     std::string line = fmt::format("  light '{}'", lightName(scene, light));
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
-    line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
-                           : std::string(": no shadows\n");
+    line += light.shadowed
+                ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
+                : std::string(": no shadows\n");
     return line;
 }
 
 std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
     const Vec3 axis = axisOf(group);
-    std::string text = fmt::format(
-        "group {}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
-        group.primary ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z, group.sameSide ? "+1" : "-1",
-        glm::degrees(group.slant));
+    std::string text =
+        fmt::format("group {}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
+                    group.primary ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z,
+                    group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
     text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
                         group.batchSheets);
     text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
@@ -153,9 +158,10 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);
     if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";
     text += fmt::format("{:<23} {:.1f} MB\n", "memory without fields", megabytes(plan.bytes));
-    text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
-                        "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
-                        plan.work.pixelSheets);
+    text +=
+        fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
+                    "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
+                    plan.work.pixelSheets);
     return text;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A plan in words: as a table for people (`scrim plan`), as JSON for programs and for the metadata of pictures.
-// Apart from plan.h, because the JSON library is slow to compile.
+// A plan in words: as a table for people (`scrim plan`), as JSON for programs and for the metadata of
+// pictures. Apart from plan.h, because the JSON library is slow to compile.
 #pragma once
 
 #include <scrim/render/plan.h>

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/base/parallel.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <limits>
+#include <mutex>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#if defined(__SSE__)
+#include <xmmintrin.h>
+#endif
+
+namespace scrim::test {
+namespace {
+
+TEST(ParallelFor, CallsEveryIndexOnce) {
+    for (const std::size_t count : {0u, 1u, 2u, 7u, 1000u}) {
+        std::vector<std::atomic<int>> calls(count);
+        parallelFor(count, [&](std::size_t i) { ++calls.at(i); });
+        EXPECT_TRUE(std::all_of(calls.begin(), calls.end(), [](const auto& c) { return c == 1; })) << count;
+    }
+}
+
+TEST(ParallelFor, MayBeNested) {
+    std::atomic<int> calls{0};
+    parallelFor(5, [&](std::size_t) { parallelFor(7, [&](std::size_t) { ++calls; }); });
+    EXPECT_EQ(calls, 35);
+}
+
+TEST(ParallelFor, RethrowsWhatATaskThrows) {
+    for (const std::size_t count : {1u, 2u, 500u}) {
+        std::string text;
+        try {
+            parallelFor(count, [&](std::size_t i) {
+                if (i == count / 2) throw std::runtime_error("task failed");
+            });
+        } catch (const std::runtime_error& error) {
+            text = error.what();
+        }
+        EXPECT_EQ(text, "task failed") << count;
+    }
+}
+
+TEST(ParallelFor, WorksOnAfterAnException) {
+    EXPECT_THROW(parallelFor(100, [](std::size_t) { throw std::logic_error("x"); }), std::logic_error);
+    std::atomic<int> calls{0};
+    parallelFor(100, [&](std::size_t) { ++calls; });
+    EXPECT_EQ(calls, 100);
+}
+
+#if defined(__SSE__)
+
+// Half of the smallest normal float, computed where the compiler cannot see it.
+float halfOfTheSmallest() {
+    volatile float smallest = std::numeric_limits<float>::min();
+    volatile float half = 0.5f;
+    return smallest * half;
+}
+
+TEST(Denormals, AreFlushedInsideTasksAndNotOutside) {
+    for (const std::size_t count : {1u, 64u}) {
+        const unsigned before = _mm_getcsr();
+        ASSERT_GT(halfOfTheSmallest(), 0) << "this thread flushes denormals anyway";
+        std::atomic<int> flushed{0};
+        parallelFor(count, [&](std::size_t) { flushed += halfOfTheSmallest() == 0 ? 1 : 0; });
+        EXPECT_EQ(flushed, static_cast<int>(count));
+        // Flags that arithmetic itself sets (the low six bits) may differ.
+        EXPECT_EQ(_mm_getcsr() & ~0x3fu, before & ~0x3fu);
+        EXPECT_GT(halfOfTheSmallest(), 0);
+    }
+}
+
+TEST(Denormals, CountAgainAfterAnException) {
+    for (const std::size_t count : {1u, 64u}) {
+        EXPECT_THROW(parallelFor(count, [](std::size_t) { throw std::runtime_error("x"); }), std::runtime_error);
+        EXPECT_GT(halfOfTheSmallest(), 0) << count;
+    }
+}
+
+// Workers belong to the program, too: what they compute outside of our loops must not change.
+TEST(Denormals, CountInOtherLoopsOfTheSameThread) {
+    parallelFor(64, [](std::size_t) {});
+    float outside = 0;
+    std::thread([&] { outside = halfOfTheSmallest(); }).join();
+    EXPECT_GT(outside, 0);
+}
+
+#endif
+
+TEST(ThreadLimit, HoldsWhileItLives) {
+    const int before = threadCount();
+    EXPECT_GE(before, 1);
+    {
+        const ThreadLimit limit(1);
+        EXPECT_EQ(threadCount(), 1);
+        std::mutex mutex;
+        std::set<std::thread::id> threads;
+        parallelFor(200, [&](std::size_t) {
+            const std::lock_guard lock(mutex);
+            threads.insert(std::this_thread::get_id());
+        });
+        EXPECT_EQ(threads.size(), 1u);
+    }
+    EXPECT_EQ(threadCount(), before);
+}
+
+TEST(ThreadLimit, OfZeroIsNone) {
+    const int before = threadCount();
+    const ThreadLimit limit(0);
+    EXPECT_EQ(threadCount(), before);
+}
+
+// The stricter of two limits wins, whichever came first.
+TEST(ThreadLimit, NestedTakesTheLower) {
+    const ThreadLimit outer(1);
+    const ThreadLimit inner(7);
+    EXPECT_EQ(threadCount(), 1);
+}
+
+}  // namespace
+}  // namespace scrim::test

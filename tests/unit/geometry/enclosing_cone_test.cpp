@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/geometry/enclosing_cone.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+class Random {
+  public:
+    explicit Random(unsigned seed) : m_engine(seed) {}
+    double normal() { return std::normal_distribution<double>()(m_engine); }
+    std::mt19937& engine() { return m_engine; }
+    /// Directions within about `spread` of a random axis; in [0, pi] by eye.
+    std::vector<Vec3> directions(int count, double spread) {
+        const Vec3 axis = glm::normalize(Vec3(normal(), normal(), normal()));
+        std::vector<Vec3> out;
+        for (int i = 0; i < count; ++i)
+            out.push_back(glm::normalize(axis + spread * Vec3(normal(), normal(), normal())));
+        return out;
+    }
+
+  private:
+    std::mt19937 m_engine;
+};
+
+double narrowestCosine(const std::vector<Vec3>& directions, const Vec3& axis) {
+    double least = 1;
+    for (const Vec3& d : directions) least = std::min(least, glm::dot(axis, d));
+    return least;
+}
+
+// The best cone that two or three of the directions fix: one of them is the smallest.
+double bruteForceCosine(const std::vector<Vec3>& d) {
+    double best = -1;
+    const auto offer = [&](const Vec3& axis) {
+        if (const double length = glm::length(axis); length > 1e-12)
+            for (const double side : {1.0, -1.0}) best = std::max(best, narrowestCosine(d, side / length * axis));
+    };
+    for (std::size_t i = 0; i < d.size(); ++i) {
+        offer(d[i]);
+        for (std::size_t j = 0; j < i; ++j) {
+            offer(d[i] + d[j]);
+            for (std::size_t k = 0; k < j; ++k) offer(glm::cross(d[j] - d[i], d[k] - d[i]));
+        }
+    }
+    return best;
+}
+
+TEST(EnclosingCone, OfOneDirectionIsThatDirection) {
+    const Cone cone = enclosingCone({Vec3(0, 0.6, 0.8)});
+    EXPECT_EQ(cone.axis, Vec3(0, 0.6, 0.8));
+    EXPECT_EQ(cone.cosAngle, 1);
+}
+
+// ZC02 section 6: between two directions lies the half-way vector.
+TEST(EnclosingCone, OfTwoDirectionsIsTheHalfWayVector) {
+    Random random(1);
+    for (int i = 0; i < 200; ++i) {
+        const std::vector<Vec3> two = random.directions(2, 2);
+        const Cone cone = enclosingCone(two);
+        const Vec3 halfWay = glm::normalize(two[0] + two[1]);
+        EXPECT_LT(glm::distance(cone.axis, halfWay), 1e-9);
+        EXPECT_NEAR(cone.cosAngle, glm::dot(halfWay, two[0]), 1e-9);
+    }
+}
+
+TEST(EnclosingCone, HoldsAllDirectionsAndIsTheNarrowest) {
+    Random random(2);
+    int wide = 0;
+    for (int i = 0; i < 400; ++i) {
+        const std::vector<Vec3> d = random.directions(3 + i % 9, 0.02 + 0.004 * i);
+        const Cone cone = enclosingCone(d);
+        const double best = bruteForceCosine(d);
+        if (best <= 0) {
+            ++wide;
+            EXPECT_LE(cone.cosAngle, 1e-9) << "set " << i;
+            continue;
+        }
+        EXPECT_NEAR(glm::length(cone.axis), 1, 1e-12);
+        EXPECT_NEAR(narrowestCosine(d, cone.axis), cone.cosAngle, 1e-9) << "set " << i;
+        EXPECT_NEAR(cone.cosAngle, best, 1e-9) << "set " << i;
+    }
+    EXPECT_GT(wide, 20);  // the draw met both kinds
+    EXPECT_LT(wide, 200);
+}
+
+TEST(EnclosingCone, DoesNotHangOnTheOrder) {
+    Random random(3);
+    for (int i = 0; i < 50; ++i) {
+        std::vector<Vec3> d = random.directions(12, 0.4);
+        const Cone expected = enclosingCone(d);
+        for (int k = 0; k < 10; ++k) {
+            std::shuffle(d.begin(), d.end(), random.engine());
+            const Cone cone = enclosingCone(d);
+            EXPECT_EQ(cone.axis, expected.axis);  // sorted inside: the very same bits
+            EXPECT_EQ(cone.cosAngle, expected.cosAngle);
+        }
+    }
+}
+
+TEST(EnclosingCone, IsNotMovedByDirectionsInsideOrTwice) {
+    Random random(4);
+    for (int i = 0; i < 50; ++i) {
+        std::vector<Vec3> d = random.directions(5, 0.3);
+        const Cone expected = enclosingCone(d);
+        d.push_back(expected.axis);
+        d.push_back(d[2]);
+        d.push_back(glm::normalize(d[2] + Vec3(1e-15, 0, 0)));
+        const Cone cone = enclosingCone(d);
+        EXPECT_LT(glm::distance(cone.axis, expected.axis), 1e-7);
+        EXPECT_NEAR(cone.cosAngle, expected.cosAngle, 1e-9);
+    }
+}
+
+TEST(EnclosingCone, OfMoreThanAHemisphereIsNone) {
+    EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(-1, 0, 0)}).cosAngle, 0);
+    EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(-0.6, 0.8, 0), Vec3(-0.6, -0.8, 0)}).cosAngle, 1e-12);
+    EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, -1)})
+                  .cosAngle,
+              0);
+}
+
+// Rims of cones, as lights and eyes of known opening give them; near 0 and near 90 degrees.
+TEST(EnclosingCone, OfARimIsItsCone) {
+    for (const double angle : {1e-6, 0.01, 0.5, 1.0, 1.5, 1.57}) {
+        std::vector<Vec3> rim;
+        for (int i = 0; i < 24; ++i) {
+            const double t = i * 0.2618;
+            rim.push_back({std::sin(angle) * std::cos(t), std::sin(angle) * std::sin(t), std::cos(angle)});
+        }
+        const Cone cone = enclosingCone(rim);
+        EXPECT_NEAR(cone.cosAngle, std::cos(angle), 1e-9) << angle;
+        EXPECT_LT(glm::distance(cone.axis, Vec3(0, 0, 1)), 1e-6) << angle;
+    }
+}
+
+}  // namespace
+}  // namespace scrim::test
