@@ -76,16 +76,15 @@ TEST_F(CliUse, PreviewIsWritten) {
     EXPECT_EQ(readBytes(file("x.png")).substr(1, 3), "PNG");
 }
 
-// The sheets of a crop are laid for its own rays, so its pixels are those of the whole picture only as far as
-// both are right.
-TEST_F(CliUse, CropRendersItsPartOfThePicture) {
+// Tiles of a picture that were rendered on several machines must fit together.
+TEST_F(CliUse, CropRendersThePixelsOfTheWholePicture) {
     runWell({"render", "scene.toml", "-o", "all.exr", "--set", "output.type=float"});
     runWell({"render", "scene.toml", "-o", "part.exr", "--set", "output.type=float", "--crop", "10,8,20,16"});
     const Image part = readExr(file("part.exr"));
     ASSERT_EQ(part.window, (PixelWindow{10, 8, 20, 16}));
     const Image same = reframed(readExr(file("all.exr")), part.window);
     for (std::size_t i = 0; i < part.rgba.size(); ++i)
-        EXPECT_NEAR(part.rgba[i], same.rgba[i], 0.05 * same.rgba[i]);
+        EXPECT_NEAR(part.rgba[i], same.rgba[i], 1e-5 * same.rgba[i]);
 }
 
 TEST_F(CliUse, PrintedSceneRendersToTheSamePixels) {
@@ -269,7 +268,11 @@ TEST_F(CliUse, DamagedFilesAreRefusedOrRenderedAndNothingElse) {
     runWell({"make", "noise", "resolution=24", "-o", "good.vdb"});
     const std::string good = readBytes(file("good.vdb"));
     std::mt19937 random(7);
+#if defined(__SANITIZE_ADDRESS__)
+    constexpr int kFlips = 30;  // a process takes several times as long
+#else
     constexpr int kFlips = 200;
+#endif
     int refused = 0;
     for (int i = 0; i < kFlips; ++i) {
         std::string bad = good;

@@ -10,7 +10,7 @@ namespace scrim {
 namespace {
 
 // Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
-constexpr int kSheetsPerTask = 8;
+constexpr int kSheetsPerTask = 4;
 
 }  // namespace
 
@@ -42,6 +42,7 @@ SplatWork BatchFields::splat(int firstSheet, int count) {
         for (int p = first; p < last; ++p) {
             field.planes.finish(p);
             unblur(field.planes, p);
+            field.planes.dropEmpty(p);
         }
     });
     if (m_total) parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) { add(static_cast<int>(p)); });

@@ -17,7 +17,7 @@ namespace {
 
 // Buffers of a batch should stay near the caches: more only pays with more threads.
 constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
-constexpr int kLeastBatch = 8;
+constexpr int kLeastBatch = 16;
 
 int roundUpToTile(double texels) {
     return (static_cast<int>(std::ceil(texels)) + kTileEdge - 1) / kTileEdge * kTileEdge;
@@ -86,7 +86,7 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
 // Sheets a batch: enough for every thread to have some, few enough to stay in memory.
 void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, bool shadeAtPixels,
                  GroupPlan& group) {
-    const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 4 * threads));
+    const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
     const std::size_t budget =
         std::min(kComfortableBytes,
                  scene.memoryLimit == 0 ? kComfortableBytes

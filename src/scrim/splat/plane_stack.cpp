@@ -88,6 +88,19 @@ void PlaneStack::finishRow(int p, int ty) {
     }
 }
 
+void PlaneStack::dropEmpty(int p) {
+    for (int ty = 0; ty < tilesY(); ++ty)
+        for (int tx = 0; tx < tilesX(); ++tx) {
+            std::uint8_t& state = m_state[tileIndex(p, tx, ty)];
+            if (state != kActive) continue;
+            const float* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge;
+            float largest = 0;
+            for (int y = 0; y < kTileEdge && largest == 0; ++y, row += rowStride())
+                for (int x = 0; x < kTileEdge; ++x) largest = std::max(largest, row[x]);
+            if (largest == 0) state = kClean;
+        }
+}
+
 void PlaneStack::clearTile(int p, int tx, int ty) {
     const std::size_t rowFloats = static_cast<std::size_t>(kTileEdge * m_channels);
     float* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() +

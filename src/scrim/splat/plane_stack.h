@@ -55,6 +55,8 @@ class PlaneStack {
     /// Clears what is left of the old content. `finishRow` does so for one row of tiles.
     void finish(int p);
     void finishRow(int p, int ty);
+    /// Makes tiles inactive that hold nothing but zeros (of a plane with one channel).
+    void dropEmpty(int p);
 
     /// Bytes of address space a stack of this shape takes, at most all of it in memory.
     static std::size_t bytes(int planes, int width, int height, int channels);
