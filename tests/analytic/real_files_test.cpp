@@ -5,12 +5,8 @@
 // No closed form here, so the tolerances are measured ones: 1.5 times the relative RMSE that the method showed when
 // they were set (dials of half a voxel, 60 pixels, fixed seed). The errors are recorded, so that a change for the
 // better can be claimed as well.
-#include "support/fields.h"
-
-#ifndef SCRIM_REPOSITORY
-#define SCRIM_REPOSITORY SCRIM_SOURCE_DIR
-#endif
 #include "support/data.h"
+#include "support/fields.h"
 
 #include <scrim/geometry/camera.h>
 #include <scrim/study/reference.h>

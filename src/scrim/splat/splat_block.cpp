@@ -7,7 +7,6 @@
 #define HWY_TARGET_INCLUDE "scrim/splat/splat_block.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include <hwy/cache_control.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
@@ -22,22 +21,7 @@ struct Chunk {
     alignas(64) std::int32_t table[kChunk];  // index of the quantised fraction
     alignas(64) std::int32_t texel[kChunk];  // offset of the footprint's first texel in its plane
     alignas(64) std::int32_t sheet[kChunk];  // first sheet of the footprint
-    float value[kChunk];
-    int filled[kChunk];  // voxels of the chunk whose value is not 0
 };
-
-// Looks up the values of voxels [begin, end) of the chunk and lists those that are not 0, without a branch: in
-// wisps, which voxels are empty cannot be predicted. Returns their number.
-HWY_INLINE int listFilled(const std::int32_t* index, const float* values, float scale, int begin, int end,
-                          Chunk& chunk) {
-    int count = 0;
-    for (int i = begin; i < end; ++i) {
-        chunk.value[i] = values[index[i]] * scale;
-        chunk.filled[count] = i;
-        count += chunk.value[i] != 0 ? 1 : 0;
-    }
-    return count;
-}
 
 HWY_INLINE int log2Of(int powerOfTwo) {
     int log2 = 0;
@@ -93,9 +77,6 @@ HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float v
             hn::StoreU(hn::MulAdd(scale, hn::LoadU(d, weights + i), hn::LoadU(d, texels + i)), d, texels + i);
 }
 
-// Voxels whose weights are fetched into the cache ahead of their turn: the table is larger than the first level.
-constexpr int kPrefetch = 4;
-
 template <int kWidth, int kRows>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values,
                                   int first, int second) {
@@ -117,13 +98,10 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
         // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
         locate(splat, place, k, chunk);
-        const int count = listFilled(index + k, values, scale, k0 - k, std::min(kChunk, second - k), chunk);
-        for (int f = 0; f < count; ++f) {
-            const float* ahead = allWeights + chunk.table[chunk.filled[std::min(f + kPrefetch, count - 1)]] * entryStride;
-            for (std::ptrdiff_t line = 0; line < entryStride; line += 16) hwy::Prefetch(ahead + line);
-
-            const int i = chunk.filled[f];
-            const float value = chunk.value[i];
+        const int end = std::min(kChunk, second - k);
+        for (int i = k0 - k; i < end; ++i) {
+            const float value = values[index[k + i]] * scale;
+            if (value == 0) continue;
             const int sheet = chunk.sheet[i];
             const int from = std::max(0, firstSheet - sheet);
             const int to = std::min(sheets, lastSheet - sheet);
