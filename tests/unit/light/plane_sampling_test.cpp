@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -34,7 +35,8 @@ struct Plane {
     Plane(int w, int h, unsigned seed) : width(w), height(h) {
         Random random(seed);
         for (int i = 0; i < w * h; ++i) values.push_back(random.in(0, 1));
-        values.resize(values.size() + 64);  // vectors may read a little behind the last row
+        // Vectors may read behind the last row, but nothing of that may count, not even times 0.
+        values.resize(values.size() + 128, std::numeric_limits<float>::quiet_NaN());
     }
     FloatPlane view() const { return {values.data(), width, height}; }
     double at(int x, int y) const { return values[static_cast<std::size_t>(y * width + x)]; }

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/matrix_transform.hpp>
@@ -116,12 +117,17 @@ TEST(LightRaster, HoldsTheRaysToEveryPointOfTheVolume) {
             for (const LightPlan& light : group.lights) {
                 EXPECT_EQ(light.view.width % kTileEdge, 0);
                 EXPECT_EQ(light.view.height % kTileEdge, 0);
+                // The corners, kernels included, and points in between.
+                std::vector<Vec3> points = wsCorners(scene);
                 std::mt19937 random(1);
                 std::uniform_real_distribution<double> unit(0, 1);
                 const Bounds is = scene.volumes[0].field->isBounds();
-                for (int i = 0; i < 300; ++i) {
-                    const Vec3 in = is.lower + is.size() * Vec3(unit(random), unit(random), unit(random));
-                    const Vec3 ts = group.sheets.tsPoint(transformPoint(scene.volumes[0].wsFromIs, in));
+                for (int i = 0; i < 300; ++i)
+                    points.push_back(transformPoint(
+                        scene.volumes[0].wsFromIs,
+                        is.lower + is.size() * Vec3(unit(random), unit(random), unit(random))));
+                for (const Vec3& ws : points) {
+                    const Vec3 ts = group.sheets.tsPoint(ws);
                     const int sheet = static_cast<int>(std::floor(ts.z));
                     ASSERT_TRUE(light.view.reaches(sheet));
                     const CellMap map = light.view.at(sheet);
