@@ -15,9 +15,15 @@ fail() {
     echo "check.sh: $*" >&2
     exit 1
 }
+# quietly WHAT COMMAND...: runs it, and shows its output only where it fails.
+quietly() {
+    local what="$1"
+    shift
+    "$@" >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "$what"; }
+}
 
 echo "-- installing $build"
-cmake --install "$build" --prefix "$work/first" >"$work/install.log" || { cat "$work/install.log" >&2; fail "cmake --install failed"; }
+quietly "cmake --install failed" cmake --install "$build" --prefix "$work/first"
 # An installation may be moved: whatever holds the path it was made for would break here.
 prefix="$work/moved"
 mv "$work/first" "$prefix"
@@ -25,10 +31,10 @@ config="$(find "$prefix" -name scrimConfig.cmake)"
 [ -n "$config" ] || fail "no scrimConfig.cmake was installed"
 
 echo "-- building a project that uses it"
-cmake -S "$here" -B "$work/consumer" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" \
-    -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror" >"$work/configure.log" 2>&1 || { cat "$work/configure.log" >&2; fail "the project does not configure"; }
+quietly "the project does not configure" cmake -S "$here" -B "$work/consumer" -DCMAKE_BUILD_TYPE=Release \
+    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror"
 grep -q "^scrim_DIR:PATH=$prefix/" "$work/consumer/CMakeCache.txt" || fail "the project found another scrim"
-cmake --build "$work/consumer" >"$work/build.log" 2>&1 || { cat "$work/build.log" >&2; fail "the project does not build"; }
+quietly "the project does not build" cmake --build "$work/consumer"
 
 echo "-- running it"
 libraries="$(ldd "$work/consumer/consumer")"

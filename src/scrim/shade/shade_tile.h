@@ -59,6 +59,7 @@ struct SheetMedium {
     float g;                  ///< Henyey-Greenstein; 0: isotropic
 };
 
+/// Buffers of samples (`extinction`, of media too, and `tauIn`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
     float texel, thickness;       ///< world units

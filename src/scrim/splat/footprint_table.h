@@ -65,7 +65,8 @@ class FootprintTable {
     std::vector<float> m_weights;
 };
 
-/// How finely to quantise positions: at least `stepsPerVoxel`, for a voxel of the size that `tsFromIs` gives it.
+/// How finely to quantise positions: powers of two, and at least 3/4 of `stepsPerVoxel` for a voxel of the size that
+/// `tsFromIs` gives it.
 struct FootprintSteps {
     int texel, sheet;
 };

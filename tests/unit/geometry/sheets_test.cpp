@@ -58,7 +58,8 @@ TEST(Sheets, MeasureInTexelsAndSheets) {
             EXPECT_NEAR(glm::dot(glm::normalize(step), row), 1, 1e-12);
             EXPECT_LT(glm::distance(sheets.tsVector(step), next - Vec3(3, 4, 5)), 1e-12);
         }
-        EXPECT_LT(glm::length(sheets.tsPoint(sheets.wsAnchor + glm::transpose(sheets.ssFromWs) * sheets.ssOrigin)), 1e-10);
+        const Vec3 origin = sheets.wsAnchor + glm::transpose(sheets.ssFromWs) * sheets.ssOrigin;
+        EXPECT_LT(glm::length(sheets.tsPoint(origin)), 1e-10);
     }
 }
 

@@ -65,8 +65,8 @@ Stack randomStack(unsigned seed, double mostAlpha) {
 RayTile randomRays(unsigned seed) {
     std::mt19937 random(seed);
     const auto dyadic = [&](int lower, int upper) {
-        return static_cast<float>(lower * 64 + static_cast<int>(random() % static_cast<unsigned>((upper - lower) * 64))) /
-               64;
+        const int steps = static_cast<int>(random() % static_cast<unsigned>((upper - lower) * 64));
+        return static_cast<float>(lower * 64 + steps) / 64;
     };
     RayTile rays{};
     for (int k = 0; k < kTileSize; ++k) {

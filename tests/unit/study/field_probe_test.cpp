@@ -81,7 +81,8 @@ TEST(FieldProbe, IsTheSumOfAllKernels) {
             for (int x = -4; x <= 4; ++x)
                 for (int y = -4; y <= 4; ++y)
                     for (int z = -4; z <= 4; ++z)
-                        expected += double(static_cast<float>(number(Vec3(x, y, z)))) * kernelValue(kernel, p - Vec3(x, y, z));
+                        expected += double(static_cast<float>(number(Vec3(x, y, z)))) *
+                                    kernelValue(kernel, p - Vec3(x, y, z));
             ASSERT_NEAR(probe.value(p), expected, 1e-12) << kernelName(kernel);
         }
     }

@@ -97,7 +97,8 @@ class Ball {
         const Vec3 d = glm::normalize(b - a);
         const double from = glm::dot(a, d), to = glm::dot(b, d), aside2 = glm::dot(a, a) - from * from;
         const auto erf = [&](double t) { return std::erf(t / (m_width * std::sqrt(2.0))); };
-        return m_peak * std::exp(-aside2 / (2 * m_width * m_width)) * m_width * std::sqrt(kPi / 2) * (erf(to) - erf(from));
+        return m_peak * std::exp(-aside2 / (2 * m_width * m_width)) * m_width * std::sqrt(kPi / 2) *
+               (erf(to) - erf(from));
     }
     ViewScene scene;
 
@@ -135,8 +136,9 @@ TEST(Sample, IsLightTimesPhaseTimesExtinction) {
     for (const Vec3& eye : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0.6, 0.8)}) {
         const Reference::Sample sample = reference.sample(at, eye);
         EXPECT_NEAR(sample.extinction, ball.sigma(at), 1e-5);
-        // Light that goes on to the eye travels against the eye's ray: looking along the light is to see it turned back.
-        const double expected = 3 * std::exp(-ball.depth(at - Vec3(80, 0, 0), at)) * phaseValue({0.6}, -eye.x) * ball.sigma(at);
+        // Light that goes on to the eye travels against the eye's ray: looking along the light, it is turned back.
+        const double lit = 3 * std::exp(-ball.depth(at - Vec3(80, 0, 0), at));
+        const double expected = lit * phaseValue({0.6}, -eye.x) * ball.sigma(at);
         EXPECT_NEAR(sample.source.x, expected, 1e-4 * expected);
     }
 }
@@ -196,7 +198,8 @@ TEST(EmptySpace, SkippedDoesNotChangeAValue) {
                         if (it == field->blockOrigins.end())
                             values->insert(values->end(), kBlockVoxels, 0.0f);
                         else {
-                            const float* block = field->block(static_cast<std::size_t>(it - field->blockOrigins.begin()));
+                            const auto i = static_cast<std::size_t>(it - field->blockOrigins.begin());
+                            const float* block = field->block(i);
                             values->insert(values->end(), block, block + kBlockVoxels);
                         }
                     }
