@@ -16,8 +16,7 @@ namespace {
 constexpr const char* kEraseLine = "\r\x1b[K";
 
 [[noreturn]] void cannotPrint() {
-    throw Error(ErrorKind::output,
-                std::string("cannot write to the standard output: ") + std::strerror(errno));
+    throw Error(ErrorKind::output, std::string("cannot write to the standard output: ") + std::strerror(errno));
 }
 
 }  // namespace

@@ -28,13 +28,11 @@ std::vector<std::string> keyOf(const SceneVolume& volume, const VolumeFile& file
 SparseField pick(std::vector<SparseField> fields, const SceneVolume& volume) {
     std::vector<std::string> names;
     for (const SparseField& field : fields) names.push_back(field.name);
-    auto found =
-        std::find(names.begin(), names.end(), volume.densityGrid.empty() ? "density" : volume.densityGrid);
+    auto found = std::find(names.begin(), names.end(), volume.densityGrid.empty() ? "density" : volume.densityGrid);
     if (found == names.end() && volume.densityGrid.empty()) found = names.begin();
     if (found == names.end())
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: source '{}' makes no grid '{}'; there is {}", volume.where,
-                                volume.source, volume.densityGrid, choices(names)));
+        throw Error(ErrorKind::input, fmt::format("{}: source '{}' makes no grid '{}'; there is {}", volume.where,
+                                                  volume.source, volume.densityGrid, choices(names)));
     return std::move(fields[static_cast<std::size_t>(found - names.begin())]);
 }
 
@@ -49,8 +47,7 @@ void FieldStore::loadMissing(const std::string& path, const std::vector<std::str
 void FieldStore::makeMissing(const SceneVolume& volume) {
     std::vector<SparseField> fields;
     try {
-        fields = generate(volume.source, volume.parameters, m_messages,
-                          [](double) { return interruptSignal() == 0; });
+        fields = generate(volume.source, volume.parameters, m_messages, [](double) { return interruptSignal() == 0; });
     } catch (const Error& error) {
         throw Error(error.kind(), fmt::format("{}: {}", volume.where, error.what()));
     }

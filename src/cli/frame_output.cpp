@@ -53,8 +53,7 @@ void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourCo
     options.colorInteropId = colour.interopId(output.colorspace);
     options.acesContainer = output.half && colour.isAces2065(output.colorspace);
     colour.convert(image, colour.workingSpace(), output.colorspace);
-    const std::size_t clamped =
-        writeExr(output.file, image, options, attributesOf(scene, sceneToml, colour, report));
+    const std::size_t clamped = writeExr(output.file, image, options, attributesOf(scene, sceneToml, colour, report));
     if (clamped > 0)
         console.warning(
             fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" "

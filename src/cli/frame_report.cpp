@@ -68,12 +68,11 @@ std::size_t peakResidentBytes() {
 
 std::string summaryLine(const FrameReport& r) {
     std::string text =
-        fmt::format("frame {}: {} {}x{}, {:.2f} s (load {:.2f}, render {:.2f}, write {:.2f})", r.frame,
-                    r.file, r.resolution.x, r.resolution.y, r.total(), r.load, r.plan + r.render, r.write);
+        fmt::format("frame {}: {} {}x{}, {:.2f} s (load {:.2f}, render {:.2f}, write {:.2f})", r.frame, r.file,
+                    r.resolution.x, r.resolution.y, r.total(), r.load, r.plan + r.render, r.write);
     if (r.verification)
-        text +=
-            fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
-                        100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
+        text += fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
+                            100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
     return text;
 }
 
@@ -83,10 +82,9 @@ std::string detailLines(const FrameReport& r) {
         "verify {:.3f}\n"
         "  {} sheets, {} footprints, {} texels shaded, {} light samples, {} pixel sheets\n"
         "  {} threads, {:.1f} MB of buffers, {:.1f} MB resident at most",
-        r.plan, r.stages.prepare, r.stages.splat, r.stages.attenuate, r.stages.shade, r.stages.composite,
-        r.verify, r.work.sheets, r.work.footprints, r.work.texelsShaded, r.work.lightSamples,
-        r.work.pixelSheets, r.threads, double(r.work.bufferBytes) / (1 << 20),
-        double(r.peakBytes) / (1 << 20));
+        r.plan, r.stages.prepare, r.stages.splat, r.stages.attenuate, r.stages.shade, r.stages.composite, r.verify,
+        r.work.sheets, r.work.footprints, r.work.texelsShaded, r.work.lightSamples, r.work.pixelSheets, r.threads,
+        double(r.work.bufferBytes) / (1 << 20), double(r.peakBytes) / (1 << 20));
 }
 
 std::string workAsJson(const RenderWork& work) {

@@ -103,12 +103,12 @@ class Child {
                 return status;
             }
             if (ended < 0 && errno != EINTR)
-                throw Error(ErrorKind::render, fmt::format("{}: lost the process that reads it: {}", path,
-                                                           std::strerror(errno)));
+                throw Error(ErrorKind::render,
+                            fmt::format("{}: lost the process that reads it: {}", path, std::strerror(errno)));
             throwIfInterrupted();
             if (std::chrono::steady_clock::now() - start > patience)
-                throw Error(ErrorKind::input, fmt::format("{}: reading it took more than {:.0f} minutes",
-                                                          path, patience.count() / 60));
+                throw Error(ErrorKind::input,
+                            fmt::format("{}: reading it took more than {:.0f} minutes", path, patience.count() / 60));
             std::this_thread::sleep_for(pause);
             pause = std::min(pause * 2, std::chrono::microseconds(5000));
         }
@@ -126,13 +126,12 @@ std::string signalName(int signal) {
 void checkStatus(int status, const std::string& path) {
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
     if (WIFEXITED(status))
-        throw Error(ErrorKind::input, fmt::format("{}: damaged: reading it failed (exit status {})", path,
-                                                  WEXITSTATUS(status)));
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: damaged: reading it failed (exit status {})", path, WEXITSTATUS(status)));
     // Nobody but the system's guard against running out of memory kills a child like that.
     if (WTERMSIG(status) == SIGKILL)
-        throw Error(
-            ErrorKind::memory,
-            fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
+        throw Error(ErrorKind::memory,
+                    fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
     throw Error(ErrorKind::input,
                 fmt::format("{}: damaged: reading it crashed ({})", path, signalName(WTERMSIG(status))));
 }

@@ -22,8 +22,8 @@ std::string vectorText(const Int3& v) {
 std::string boundsText(const GridInfo& grid) {
     if (grid.isUpper.x < grid.isLower.x) return "empty";
     const Int3 size = grid.isUpper - grid.isLower + 1;
-    return fmt::format("{} to {} ({} x {} x {})", vectorText(grid.isLower), vectorText(grid.isUpper), size.x,
-                       size.y, size.z);
+    return fmt::format("{} to {} ({} x {} x {})", vectorText(grid.isLower), vectorText(grid.isUpper), size.x, size.y,
+                       size.z);
 }
 
 std::string gridText(const GridInfo& g) {
@@ -48,8 +48,8 @@ std::string gridText(const GridInfo& g) {
 
 std::string fileText(const VdbFileInfo& info) {
     std::string text =
-        fmt::format("{}\n  {:<16} {}\n  {:<16} {}, written by OpenVDB {}.{}\n", info.path, "bytes",
-                    info.fileBytes, "file version", info.fileVersion, info.libraryMajor, info.libraryMinor);
+        fmt::format("{}\n  {:<16} {}\n  {:<16} {}, written by OpenVDB {}.{}\n", info.path, "bytes", info.fileBytes,
+                    "file version", info.fileVersion, info.libraryMajor, info.libraryMinor);
     for (const auto& [name, value] : info.metadata) text += fmt::format("  {:<16} {}\n", name, value);
     for (const GridInfo& grid : info.grids) text += gridText(grid);
     return text;

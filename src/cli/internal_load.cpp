@@ -52,8 +52,7 @@ void limitSelf([[maybe_unused]] std::size_t memory) {
 #endif
 }
 
-void sendAll(int fd, const std::string& what, const std::string& path,
-             const std::vector<std::string>& grids) {
+void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
     const VdbFile file = VdbFile::open(path);
     if (what == "info") return sendInfo(fd, file.info());
     std::vector<TransferMessage> messages;
@@ -66,8 +65,7 @@ void sendAll(int fd, const std::string& what, const std::string& path,
 }
 
 /// Sends what `sendAll` throws in place of its result.
-void sendAllOrError(int fd, const std::string& what, const std::string& path,
-                    const std::vector<std::string>& grids) {
+void sendAllOrError(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
     try {
         sendAll(fd, what, path, grids);
     } catch (const Error& error) {

@@ -47,8 +47,7 @@ int interruptSignal() noexcept {
 
 void throwIfInterrupted() {
     if (const int signal = interruptSignal())
-        throw Error(ErrorKind::interrupted,
-                    std::string("interrupted by ") + (signal == SIGINT ? "SIGINT" : "SIGTERM"));
+        throw Error(ErrorKind::interrupted, std::string("interrupted by ") + (signal == SIGINT ? "SIGINT" : "SIGTERM"));
 }
 
 }  // namespace scrim::cli

@@ -88,8 +88,7 @@ struct CommandLine {
     void addPlan() {
         CLI::App* command = app.add_subcommand("plan", "show what a render would do");
         addSceneOptions(*command, plan);
-        addRenderOptions(*command, plan,
-                         "Accepted, so that the arguments of a render can be planned as they are");
+        addRenderOptions(*command, plan, "Accepted, so that the arguments of a render can be planned as they are");
         command->add_flag("--json", plan.json, "print JSON");
     }
     void addInfo() {
@@ -101,8 +100,7 @@ struct CommandLine {
     void addMake() {
         CLI::App* command = app.add_subcommand("make", "run a volume source and save its grids");
         command->add_option("source", make.source, "name of the source")->type_name("SOURCE");
-        command->add_option("parameters", make.parameters, "values in place of the defaults")
-            ->type_name("KEY=VALUE");
+        command->add_option("parameters", make.parameters, "values in place of the defaults")->type_name("KEY=VALUE");
         command->add_option("-o,--output", make.output, "file to write")->type_name("OUT.vdb");
         command->add_option("--threads", make.threads, "threads to use; 0: all")
             ->type_name("N")
@@ -138,9 +136,8 @@ std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
         }
     }
     if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-        text = command.get_name() + (command.get_name() == "info"
-                                         ? ": expected one or more ASSET.vdb"
-                                         : ": expected one or more SCENE.toml or ASSET.vdb");
+        text = command.get_name() + (command.get_name() == "info" ? ": expected one or more ASSET.vdb"
+                                                                  : ": expected one or more SCENE.toml or ASSET.vdb");
     const bool inCommand = &command != &line.app;
     return fmt::format("{}; see scrim {}--help", text, inCommand ? command.get_name() + " " : "");
 }
@@ -150,8 +147,8 @@ void checkCommandName(const CommandLine& line, const std::vector<std::string>& a
     const std::vector<std::string> names = line.commandNames();
     for (const std::string& name : names)
         if (name == arguments.front()) return;
-    throw Error(ErrorKind::usage, fmt::format("unknown command '{}'; expected {}",
-                                              clipped(arguments.front(), 80), choices(names)));
+    throw Error(ErrorKind::usage,
+                fmt::format("unknown command '{}'; expected {}", clipped(arguments.front(), 80), choices(names)));
 }
 
 int runCommand(CommandLine& line) {

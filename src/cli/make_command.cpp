@@ -42,8 +42,7 @@ void listAll(Console& console) {
     const std::vector<SourceDescription> sources = listSources(console.sink());
     for (const SourceDescription& source : sources) printOut(describedText(source));
     if (sources.empty())
-        throw Error(ErrorKind::input,
-                    fmt::format("there are no volume sources in {}", choices(sourceFolders())));
+        throw Error(ErrorKind::input, fmt::format("there are no volume sources in {}", choices(sourceFolders())));
 }
 
 }  // namespace
@@ -52,8 +51,7 @@ void makeCommand(const MakeOptions& options) {
     Console console(options.verbose, options.quiet);
     if (options.list) return listAll(console);
     if (options.source.empty())
-        throw Error(ErrorKind::usage,
-                    "make: expected the name of a volume source; scrim make --list shows them");
+        throw Error(ErrorKind::usage, "make: expected the name of a volume source; scrim make --list shows them");
     if (options.helpSource) return printOut(describedText(describeSource(options.source)));
     const auto parameters = split(options.parameters);
     if (options.output.empty()) throw Error(ErrorKind::usage, "make: expected -o OUT.vdb, the file to write");
@@ -64,8 +62,8 @@ void makeCommand(const MakeOptions& options) {
     throwIfInterrupted();
     writeVdb(options.output, fields);
     for (const SparseField& field : fields)
-        console.line(fmt::format("{}: grid '{}' with {} active voxels", options.output, field.name,
-                                 field.activeVoxels));
+        console.line(
+            fmt::format("{}: grid '{}' with {} active voxels", options.output, field.name, field.activeVoxels));
 }
 
 }  // namespace scrim::cli

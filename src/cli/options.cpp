@@ -48,8 +48,8 @@ int countFrom(const std::string& option, const std::string& text, int most) {
 }
 
 /// An option whose text `take` reads.
-CLI::Option* add(CLI::App& command, const std::string& names, const std::string& form,
-                 const std::string& help, const std::function<void(const std::string&)>& take) {
+CLI::Option* add(CLI::App& command, const std::string& names, const std::string& form, const std::string& help,
+                 const std::function<void(const std::string&)>& take) {
     return command.add_option_function<std::string>(names, take, help)->type_name(form);
 }
 
@@ -99,16 +99,14 @@ void addVerbosity(CLI::App& command, bool& verbose, bool& quiet) {
 }
 
 void addSceneOptions(CLI::App& command, SceneOptions& o) {
-    command
-        .add_option("inputs", o.inputs, "scenes (.toml) or assets (.vdb); an asset alone is framed and lit")
+    command.add_option("inputs", o.inputs, "scenes (.toml) or assets (.vdb); an asset alone is framed and lit")
         ->type_name("SCENE|ASSET")
         ->required();
     add(command, "--frames", "RANGE", "frames to do: 1-48x2,60",
         [&o](const std::string& t) { o.frames = parseFrameRange(t); });
     add(command, "--res", "WxH", "pixels, in place of the scene's",
         [&o](const std::string& t) { o.resolution = parseResolution(t); });
-    add(command, "--crop", "X0,Y0,X1,Y1", "only these pixels",
-        [&o](const std::string& t) { o.crop = parseCrop(t); });
+    add(command, "--crop", "X0,Y0,X1,Y1", "only these pixels", [&o](const std::string& t) { o.crop = parseCrop(t); });
     addChoice(command, "--quality", presetNames(), "preset of all dials, in place of the scene's",
               [&o](std::size_t i) { o.quality = presetNames()[i]; });
     command.add_option("--set", o.sets, "change a value of the scene: camera.fov=20, light.key.intensity=3")
@@ -118,8 +116,7 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
         [&o](const std::string& t) { o.threads = countFrom("--threads", t, kMostThreads); });
     add(command, "--memory", "SIZE", "limit for volumes and buffers: 8G, 512M",
         [&o](const std::string& t) { o.memory = parseSize(t); });
-    addChoice(command, "--missing", {"error", "black", "skip"},
-              "what a missing file of a volume makes of a frame",
+    addChoice(command, "--missing", {"error", "black", "skip"}, "what a missing file of a volume makes of a frame",
               [&o](std::size_t i) { o.missing = static_cast<MissingPolicy>(i); });
     command.add_option("--ocio", o.ocio, "OpenColorIO config, in place of $OCIO")->type_name("FILE");
     command.add_flag("--print-scene", o.printScene, "print the scene with all changes, and do nothing else");

@@ -24,8 +24,7 @@ struct PlannedFrame {
     std::string text;
 };
 
-PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options, FieldStore& store,
-                       Console& console) {
+PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options, FieldStore& store, Console& console) {
     const Scene scene = input.sceneAt(frame);
     std::vector<VolumeFile> files = findFiles(scene);
     for (VolumeFile& file : files) {
@@ -74,8 +73,7 @@ void planCommand(const SceneOptions& options) {
             first = false;
         }
     }
-    if (options.json && !options.printScene)
-        printOut(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    if (options.json && !options.printScene) printOut(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace scrim::cli

@@ -89,8 +89,7 @@ void Progress::report(double part) {
 void Progress::print(double part) {
     const double percent = 100.0 * m_printed / stepsOf(m_style);
     if (m_style == ProgressStyle::plain)
-        return m_console.line(
-            fmt::format("frame {} ({} of {}): {:.0f}%", m_frame, m_index + 1, m_count, percent));
+        return m_console.line(fmt::format("frame {} ({} of {}): {:.0f}%", m_frame, m_index + 1, m_count, percent));
     if (m_style == ProgressStyle::alf) printOut(fmt::format("ALF_PROGRESS {:.0f}%\n", percent));
     if (m_style == ProgressStyle::openjd) printOut(fmt::format("openjd_progress: {:.1f}\n", percent));
     if (m_style == ProgressStyle::json) {
@@ -111,10 +110,9 @@ void Progress::printBar(double part) {
     const double done = (m_index + part) / m_count;
     const double elapsed = std::chrono::duration<double>(now - m_start).count();
     const int full = static_cast<int>(std::lround(done * kBarCells));
-    std::string text =
-        fmt::format("[{}{}] {:3.0f}%  frame {} ({} of {})  {}", std::string(std::size_t(full), '#'),
-                    std::string(std::size_t(kBarCells - full), '.'), 100 * done, m_frame, m_index + 1,
-                    m_count, clockText(elapsed));
+    std::string text = fmt::format("[{}{}] {:3.0f}%  frame {} ({} of {})  {}", std::string(std::size_t(full), '#'),
+                                   std::string(std::size_t(kBarCells - full), '.'), 100 * done, m_frame, m_index + 1,
+                                   m_count, clockText(elapsed));
     // Before that the guess would jump about.
     constexpr double kLeastToGuess = 0.02;
     if (done > kLeastToGuess) text += fmt::format(", {} left", clockText(elapsed / done - elapsed));

@@ -99,23 +99,22 @@ void RenderRun::warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& f
     for (std::size_t i = 0; i < fields.size(); ++i) {
         if (!fields[i] || !fields[i]->empty()) continue;
         const SceneVolume& volume = scene.volumes[i];
-        m_console.warning(fmt::format(
-            "{}: nothing to render: grid '{}' has no active voxels",
-            volume.source.empty() ? files[i].path : "source '" + volume.source + "'", fields[i]->name));
+        m_console.warning(fmt::format("{}: nothing to render: grid '{}' has no active voxels",
+                                      volume.source.empty() ? files[i].path : "source '" + volume.source + "'",
+                                      fields[i]->name));
     }
 }
 
 Image RenderRun::renderImage(const ViewScene& view, const Plan& plan, FrameReport& report) {
-    constexpr double kRenderedOfVerified =
-        0.5;  // where both are done, how much of the frame rendering seems to be
+    constexpr double kRenderedOfVerified = 0.5;  // where both are done, how much of the frame rendering seems to be
     const double rendered = m_options.verify > 0 ? kRenderedOfVerified : 1;
     Frame frame = timed(report.render, [&] { return render(view, plan, m_progress.stage(0, rendered)); });
     report.stages = frame.times;
     report.work = frame.work;
     if (m_options.verify > 0)
         report.verification = timed(report.verify, [&] {
-            return summarise(samplePixels(view, frame.image, m_options.verify, kVerifySeed,
-                                          m_progress.stage(rendered, 1)));
+            return summarise(
+                samplePixels(view, frame.image, m_options.verify, kVerifySeed, m_progress.stage(rendered, 1)));
         });
     throwIfInterrupted();
     return std::move(frame.image);
@@ -134,8 +133,7 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     report.resolution = scene.camera.resolution;
     report.threads = threadCount();
 
-    for (const std::string& path : {scene.output.file, scene.output.preview.file, m_options.stats})
-        checkWritable(path);
+    for (const std::string& path : {scene.output.file, scene.output.preview.file, m_options.stats}) checkWritable(path);
 
     std::vector<VolumeFile> files = findFiles(scene);
     if (!mayRender(frame, files)) return;
@@ -151,8 +149,7 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     if (m_options.verbose) m_console.detail(planAsTable(view, plan));
     Image image = renderImage(view, plan, report);
 
-    timed(report.write,
-          [&] { writeFrame(scene, input.toml(), m_colour, std::move(image), report, m_console); });
+    timed(report.write, [&] { writeFrame(scene, input.toml(), m_colour, std::move(image), report, m_console); });
     report.peakBytes = peakResidentBytes();
     m_console.line(summaryLine(report));
     m_console.detail(detailLines(report));

@@ -65,10 +65,8 @@ std::string quoted(const std::string& text) {
 std::vector<std::string> overridesOf(const SceneOptions& options, bool framed) {
     std::vector<std::string> overrides;
     if (options.resolution && !framed)
-        overrides.push_back(
-            fmt::format("camera.resolution=[{}, {}]", options.resolution->x, options.resolution->y));
-    if (!options.quality.empty())
-        overrides.push_back(fmt::format("render.quality={}", quoted(options.quality)));
+        overrides.push_back(fmt::format("camera.resolution=[{}, {}]", options.resolution->x, options.resolution->y));
+    if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", quoted(options.quality)));
     overrides.insert(overrides.end(), options.sets.begin(), options.sets.end());
     return overrides;
 }
@@ -103,8 +101,7 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
     const std::string extension = lowerExtension(path);
     m_asset = extension == ".vdb";
     if (!m_asset && extension != ".toml")
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: expected a scene (.toml) or an asset (.vdb)", clipped(path)));
+        throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml) or an asset (.vdb)", clipped(path)));
     if (m_asset) {
         // Until the asset is loaded: its scene but for the numbers.
         m_assetPattern = assetPattern(path);
@@ -119,10 +116,9 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
     if (lowerExtension(m_output.pattern) != ".exr")
-        throw Error(ErrorKind::usage,
-                    fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
-                                "kinds of pictures",
-                                clipped(m_output.pattern)));
+        throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
+                                                  "kinds of pictures",
+                                                  clipped(m_output.pattern)));
 }
 
 Scene SceneInput::read(const SceneText& text, int frame) const {
@@ -148,10 +144,9 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
                         fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", m_path,
                                     volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
     if (scene.output.path.hasFrame())
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: the output '{}' has a place for the frame; say which frames "
-                                "with --frames",
-                                m_path, scene.output.path.pattern));
+        throw Error(ErrorKind::usage, fmt::format("{}: the output '{}' has a place for the frame; say which frames "
+                                                  "with --frames",
+                                                  m_path, scene.output.path.pattern));
     return {1};
 }
 
@@ -186,8 +181,7 @@ std::string SceneInput::printedToml() {
         return toml() + fmt::format("\n[output]\nfile = {}\n", quoted(m_options.output));
     // Paths of the command line are relative to the current folder, those of a scene to its own.
     const bool here = m_text.folder.empty();
-    const std::string file =
-        here ? m_options.output : (std::filesystem::current_path() / m_options.output).string();
+    const std::string file = here ? m_options.output : (std::filesystem::current_path() / m_options.output).string();
     toml();
     std::vector<std::string> overrides = m_overrides;
     overrides.push_back(fmt::format("output.file={}", quoted(file)));
@@ -208,15 +202,14 @@ std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConf
         const auto [writer, isNew] = writers.emplace(place, input.name());
         if (isNew) return;
         if (inputs.size() == 1 && input.frames().size() > 1 && !path.hasFrame())
-            throw Error(
-                ErrorKind::usage,
-                fmt::format("all {} frames would be written to '{}'; put the frame into its name: {}",
-                            input.frames().size(), file,
-                            std::filesystem::path(file)
-                                .replace_extension(".####" + std::filesystem::path(file).extension().string())
-                                .string()));
-        throw Error(ErrorKind::usage, fmt::format("'{}' would be written twice, for {} and for {}", file,
-                                                  writer->second, input.name()));
+            throw Error(ErrorKind::usage,
+                        fmt::format("all {} frames would be written to '{}'; put the frame into its name: {}",
+                                    input.frames().size(), file,
+                                    std::filesystem::path(file)
+                                        .replace_extension(".####" + std::filesystem::path(file).extension().string())
+                                        .string()));
+        throw Error(ErrorKind::usage,
+                    fmt::format("'{}' would be written twice, for {} and for {}", file, writer->second, input.name()));
     };
     for (const SceneInput& input : inputs)
         for (const int frame : input.frames()) {

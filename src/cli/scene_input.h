@@ -18,8 +18,7 @@ class SceneInput {
   public:
     /// Reads a scene, and tells which frames there are. An asset is not looked at yet. `options`, `colour`
     /// and `store` must outlive this. Throws Error: usage, input.
-    SceneInput(const std::string& path, const SceneOptions& options, const ColourConfig& colour,
-               FieldStore& store);
+    SceneInput(const std::string& path, const SceneOptions& options, const ColourConfig& colour, FieldStore& store);
 
     const std::string& name() const { return m_path; }
     const std::vector<int>& frames() const { return m_frames; }

@@ -32,9 +32,8 @@ struct Ball {
     }
     std::shared_ptr<SparseField> field() const {
         const Ball ball = *this;
-        return makeField(Int3(-36), Int3(36), 1, [ball](const Vec3& is) {
-            return std::exp(-glm::dot(is, is) / (2 * ball.s * ball.s));
-        });
+        return makeField(Int3(-36), Int3(36), 1,
+                         [ball](const Vec3& is) { return std::exp(-glm::dot(is, is) / (2 * ball.s * ball.s)); });
     }
     /// Radiance along the ray through `p`, for irradiance 1, albedo 1 and an isotropic phase function.
     double radiance(const Vec3& p, const Vec3& eye, const Vec3& light) const {

@@ -48,9 +48,8 @@ TEST(PointLight, FallsOffWithTheSquareOfDistance) {
     scene.lights.push_back(light);
     const Frame frame = renderScene(scene);
     for (const auto& [x, y] : {std::pair{30, 30}, {5, 5}, {50, 12}, {35, 33}}) {
-        const double expected = layerBrightness(x, y, [&](const Vec3& p) {
-            return 1e6 / glm::dot(p - light.wsPosition, p - light.wsPosition);
-        });
+        const double expected = layerBrightness(
+            x, y, [&](const Vec3& p) { return 1e6 / glm::dot(p - light.wsPosition, p - light.wsPosition); });
         EXPECT_NEAR(pixelOf(frame, x, y)[0], expected, 5e-3 * expected) << x << "," << y;
     }
 }

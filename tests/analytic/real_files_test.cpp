@@ -48,7 +48,9 @@ struct Case {
     Lit lit;
     double tolerance;  // on the relative RMSE: 1.5 times the measured one
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.file << " lit " << c.lit.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.file << " lit " << c.lit.name;
+}
 
 ViewScene sceneOf(const Case& c) {
     auto field = std::make_shared<SparseField>(VdbFile::open(dataFile("vdb/" + c.file + ".vdb")).field("", {}));

@@ -68,8 +68,7 @@ TEST(SlabLitFromTheSide, DarkensAwayFromTheLitFace) {
     for (int x = 6; x < 26; ++x) {
         // The tent kernel moves the face half a voxel out: to -16.5; pixels are one voxel wide.
         const double depth = (x + 0.5 - 16) + 16.5;
-        const double expected =
-            kIrradiance * kAlbedo / (4 * kPi) * through * std::exp(-medium.densityScale * depth);
+        const double expected = kIrradiance * kAlbedo / (4 * kPi) * through * std::exp(-medium.densityScale * depth);
         EXPECT_NEAR(pixelOf(frame, x, 16)[0], expected, 0.01 * expected) << "pixel " << x;
     }
 }

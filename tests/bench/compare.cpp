@@ -53,22 +53,24 @@ std::vector<Candidate> candidates(const ViewScene& scene, const DenseMarcher& de
             turned.dials.texel = texel;
             turned.dials.sheetThickness = thickness;
             turned.dials.footprintSteps = texel < 1 ? 16 : 8;
-            all.push_back({"scrim", fmt::format("texel {} thickness {}", texel, thickness),
+            all.push_back({"scrim",
+                           fmt::format("texel {} thickness {}", texel, thickness),
                            [turned] { return render(turned, makePlan(turned, threadCount())).image; },
                            {},
                            0});
         }
     for (const double step : {0.75, 1.0, 1.5})
         for (const auto& [coarseness, shadow] : {std::pair{1, 1.0}, {1, 2.0}, {2, 1.0}, {2, 2.0}, {3, 2.0}})
-            all.push_back({"light volume", fmt::format("step {} cell {} ray {}", step, coarseness, shadow),
-                           [&dense, step, cell = coarseness, ray = shadow] {
-                               return dense.withLightVolume(step, cell, ray);
-                           },
-                           {},
-                           0});
+            all.push_back(
+                {"light volume",
+                 fmt::format("step {} cell {} ray {}", step, coarseness, shadow),
+                 [&dense, step, cell = coarseness, ray = shadow] { return dense.withLightVolume(step, cell, ray); },
+                 {},
+                 0});
     for (const double step : {0.75, 1.0, 1.5})
         for (const double shadow : {1.0, 2.0, 3.0})
-            all.push_back({"shadow rays", fmt::format("step {} shadow {}", step, shadow),
+            all.push_back({"shadow rays",
+                           fmt::format("step {} shadow {}", step, shadow),
                            [&dense, step, shadow] { return dense.withShadowRays(step, shadow); },
                            {},
                            0});

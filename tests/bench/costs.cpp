@@ -27,7 +27,7 @@ struct Setting {
     ViewScene scene;
     int threads = 2;
     std::vector<double> times;
-    Frame frame;       // of the fastest round
+    Frame frame;  // of the fastest round
     double best = 1e9;
 
     void round() {
@@ -91,12 +91,12 @@ void report(const std::string& asset, int rounds) {
     const RenderWork& w = single.frame.work;
     const StageTimes& t = single.frame.times;
     const auto blockVoxels = static_cast<double>(field.blockCount() * kBlockVoxels);
-    fmt::print("  stages on one core: splat {:.1f} ns a voxel ({:.1f} a voxel of its blocks), {:.1f} ns a footprint; "
-               "attenuate {:.2f} ns a light sample; shade {:.2f} ns a texel; composite {:.2f} ns a pixel and sheet\n",
-               1e9 * t.splat / static_cast<double>(w.voxelsFed), 1e9 * t.splat / blockVoxels,
-               1e9 * t.splat / static_cast<double>(w.footprints), 1e9 * t.attenuate / static_cast<double>(w.lightSamples),
-               1e9 * t.shade / static_cast<double>(w.texelsShaded),
-               1e9 * t.composite / static_cast<double>(w.pixelSheets));
+    fmt::print(
+        "  stages on one core: splat {:.1f} ns a voxel ({:.1f} a voxel of its blocks), {:.1f} ns a footprint; "
+        "attenuate {:.2f} ns a light sample; shade {:.2f} ns a texel; composite {:.2f} ns a pixel and sheet\n",
+        1e9 * t.splat / static_cast<double>(w.voxelsFed), 1e9 * t.splat / blockVoxels,
+        1e9 * t.splat / static_cast<double>(w.footprints), 1e9 * t.attenuate / static_cast<double>(w.lightSamples),
+        1e9 * t.shade / static_cast<double>(w.texelsShaded), 1e9 * t.composite / static_cast<double>(w.pixelSheets));
 
     ViewScene large = benchScene(asset, {1920, 1080});
     addLights(large, 4);
@@ -105,7 +105,8 @@ void report(const std::string& asset, int rounds) {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     fmt::print("  1920 x 1080, 4 lights: buffers planned {:.0f} MB, grid {:.0f} MB, resident at most {:.0f} MB\n",
-               static_cast<double>(plan.bytes) / 1e6, blockVoxels * 4 / 1e6, static_cast<double>(usage.ru_maxrss) / 1e3);
+               static_cast<double>(plan.bytes) / 1e6, blockVoxels * 4 / 1e6,
+               static_cast<double>(usage.ru_maxrss) / 1e3);
 }
 
 }  // namespace

@@ -17,7 +17,9 @@ constexpr float kInverseFourPi = 0.0795774715f;
 constexpr float kLeastTransmittance = 1e-3f;
 
 // (1 - e^-t) / t without expm1, which is slow: its series where the quotient would lose digits.
-float psi(float t) { return t < 1e-2f ? 1 - t * (0.5f - t * (1.0f / 6)) : (1 - std::exp(-t)) / t; }
+float psi(float t) {
+    return t < 1e-2f ? 1 - t * (0.5f - t * (1.0f / 6)) : (1 - std::exp(-t)) / t;
+}
 
 }  // namespace
 
@@ -74,9 +76,9 @@ float DenseMarcher::value(float x, float y, float z) const {
 }
 
 bool DenseMarcher::occupied(float x, float y, float z) const {
-    return m_occupied[static_cast<std::size_t>(
-               (static_cast<int>(x) / 8 * m_blocks[1] + static_cast<int>(y) / 8) * m_blocks[2] +
-               static_cast<int>(z) / 8)] != 0;
+    return m_occupied[static_cast<std::size_t>((static_cast<int>(x) / 8 * m_blocks[1] + static_cast<int>(y) / 8) *
+                                                   m_blocks[2] +
+                                               static_cast<int>(z) / 8)] != 0;
 }
 
 // Is a block occupied that lies within two voxels of this position?

@@ -37,12 +37,12 @@ class DenseMarcher {
     static float exitOfBlock(const float* position, const float* direction);
 
     const ViewScene& m_scene;
-    int m_size[3];                     // voxels, two of margin on each side
-    Vec3 m_isOrigin;                   // index-space position of voxel (0, 0, 0) of the array
-    std::vector<float> m_values;       // extinction a voxel
+    int m_size[3];                // voxels, two of margin on each side
+    Vec3 m_isOrigin;              // index-space position of voxel (0, 0, 0) of the array
+    std::vector<float> m_values;  // extinction a voxel
     int m_blocks[3];
     std::vector<unsigned char> m_occupied;  // 8^3 blocks in which a sample can be above 0
-    float m_toLight[3];                // unit, index space
+    float m_toLight[3];                     // unit, index space
 };
 
 }  // namespace scrim::bench

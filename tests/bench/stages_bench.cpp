@@ -51,8 +51,8 @@ void splat(benchmark::State& state) {
             for (int p = 0; p < count; ++p) planes.finish(p);
         }
     state.counters["per_voxel"] =
-        benchmark::Counter(static_cast<double>(field.activeVoxels), benchmark::Counter::kIsIterationInvariantRate |
-                                                                        benchmark::Counter::kInvert);
+        benchmark::Counter(static_cast<double>(field.activeVoxels),
+                           benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(splat)->ArgName("kernel")->DenseRange(0, 2)->Unit(benchmark::kMillisecond);
 
@@ -98,8 +98,8 @@ void composite(benchmark::State& state) {
         compositeTile(rays, {planes, steps, kSheets, kSize, kSize}, state.range(0) != 0, 0, states.data());
         benchmark::ClobberMemory();
     }
-    state.counters["per_pixel_sheet"] =
-        benchmark::Counter(256.0 * kSheets, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+    state.counters["per_pixel_sheet"] = benchmark::Counter(
+        256.0 * kSheets, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
 }
 BENCHMARK(composite)->ArgName("front_to_back")->Arg(1)->Arg(0);
 

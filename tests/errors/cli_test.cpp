@@ -87,17 +87,15 @@ TEST_F(CliErrors, NamedGridOfAnotherTypeIsRefusedWithTheUsableOnes) {
     makeVdb(file("two.vdb"), {{.name = "fuel", .voxels = {{{0, 0, 0}, 1}}},
                               {.name = "id", .type = "int32", .voxels = {{{0, 0, 0}, 1}}}});
     write("grid.toml", kCamera + "[[volume]]\nfile = \"two.vdb\"\ndensity = { grid = \"id\" }\n");
-    expectFailure(
-        {"render", "grid.toml"}, kInput,
-        "two.vdb: grid 'id' holds int32 values, where a float, half or double grid is expected; of those "
-        "there is 'fuel'");
+    expectFailure({"render", "grid.toml"}, kInput,
+                  "two.vdb: grid 'id' holds int32 values, where a float, half or double grid is expected; of those "
+                  "there is 'fuel'");
 }
 
 TEST_F(CliErrors, EmptyGridGivesABlackFrameAndAWarning) {
     makeVdb(file("empty.vdb"), {MadeGrid{}});
     const ProgramResult result = runWell({"render", "empty.vdb", "--res", "20x10", "-q"});
-    EXPECT_EQ(result.err,
-              "scrim: warning: empty.vdb: nothing to render: grid 'density' has no active voxels\n");
+    EXPECT_EQ(result.err, "scrim: warning: empty.vdb: nothing to render: grid 'density' has no active voxels\n");
     const Image picture = readExr(file("empty.exr"));
     EXPECT_EQ(picture.rgba, std::vector<float>(4, 0.0f));  // one pixel: EXR cannot say "nothing"
     EXPECT_EQ(readExrAttributes(file("empty.exr")).at("displayWindow"), "0 0 20 10");
@@ -107,8 +105,7 @@ TEST_F(CliErrors, UnknownSourceOfASceneIsLocated) {
     write("source.toml", kCamera + "[[volume]]\nsource = \"nois\"\n");
     const ProgramResult result = run({"render", "source.toml"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: source.toml:7:10: no volume source 'nois' in ", 0), 0u)
-        << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: source.toml:7:10: no volume source 'nois' in ", 0), 0u) << result.err;
 }
 
 // ---- scenes
@@ -146,9 +143,8 @@ TEST_F(CliErrors, ValueOutOfRangeIsLocated) {
 }
 
 TEST_F(CliErrors, OverrideOutOfRangeNamesTheOption) {
-    expectFailure(
-        {"render", "scene.toml", "--set", "camera.fov=180"}, kInput,
-        "--set camera.fov: 'fov' is 180; expected a number greater than 0 and less than 180 degrees");
+    expectFailure({"render", "scene.toml", "--set", "camera.fov=180"}, kInput,
+                  "--set camera.fov: 'fov' is 180; expected a number greater than 0 and less than 180 degrees");
 }
 
 TEST_F(CliErrors, CameraAtItsOwnTargetIsLocated) {
@@ -160,12 +156,10 @@ TEST_F(CliErrors, CameraAtItsOwnTargetIsLocated) {
 }
 
 TEST_F(CliErrors, ZeroResolutionOfASceneIsLocated) {
-    write("bad.toml",
-          "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 0]\nresolution = [0, 24]\n" + kVolume);
+    write("bad.toml", "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 0]\nresolution = [0, 24]\n" + kVolume);
     const ProgramResult result = run({"render", "bad.toml"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:4:15: 'resolution[0]' is 0; expected ", 0), 0u)
-        << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:4:15: 'resolution[0]' is 0; expected ", 0), 0u) << result.err;
 }
 
 TEST_F(CliErrors, ZeroResolutionOfTheCommandLineIsUsage) {
@@ -219,8 +213,7 @@ TEST_F(CliErrors, TwoInputsInOneFileAreRefused) {
 TEST_F(CliErrors, UnreadableOcioConfigIsNamed) {
     const ProgramResult result = run({"render", "scene.toml", "--ocio", "no.ocio"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: cannot read the OpenColorIO config 'no.ocio': ", 0), 0u)
-        << result.err;
+    EXPECT_EQ(result.err.rfind("scrim: error: cannot read the OpenColorIO config 'no.ocio': ", 0), 0u) << result.err;
     EXPECT_FALSE(exists("scene.exr"));
 }
 
@@ -247,10 +240,9 @@ TEST_F(CliErrors, MemoryLimitBelowOneSheetIsRefused) {
 // ---- the command line
 
 TEST_F(CliErrors, ColonInAFrameRangeIsRefused) {
-    expectFailure(
-        {"render", "scene.toml", "--frames", "1:5"}, kUsage,
-        "frame range '1:5': ':' is refused, since farm managers disagree on its meaning; write 1-48x2 for "
-        "every second frame");
+    expectFailure({"render", "scene.toml", "--frames", "1:5"}, kUsage,
+                  "frame range '1:5': ':' is refused, since farm managers disagree on its meaning; write 1-48x2 for "
+                  "every second frame");
 }
 
 TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
@@ -273,8 +265,7 @@ TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {
-    expectFailure({"render"}, kUsage,
-                  "render: expected one or more SCENE.toml or ASSET.vdb; see scrim render --help");
+    expectFailure({"render"}, kUsage, "render: expected one or more SCENE.toml or ASSET.vdb; see scrim render --help");
 }
 
 TEST_F(CliErrors, CropOutsideThePictureIsUsage) {
@@ -295,8 +286,7 @@ TEST_F(CliErrors, MemoryThatIsNoSizeIsUsage) {
 TEST_F(CliErrors, UnknownParameterOfASourceListsThem) {
     const ProgramResult result = run({"make", "noise", "resolutoin=32", "-o", "x.vdb"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: source 'noise': unknown parameter 'resolutoin', expected ", 0),
-              0u)
+    EXPECT_EQ(result.err.rfind("scrim: error: source 'noise': unknown parameter 'resolutoin', expected ", 0), 0u)
         << result.err;
     EXPECT_FALSE(exists("x.vdb"));
 }
@@ -307,8 +297,7 @@ class CliMissingFrame : public ProgramTest {
   protected:
     void SetUp() override {
         ProgramTest::SetUp();
-        for (const char* name : {"s.0001.vdb", "s.0003.vdb"})
-            std::filesystem::copy_file(file("smoke.vdb"), file(name));
+        for (const char* name : {"s.0001.vdb", "s.0003.vdb"}) std::filesystem::copy_file(file("smoke.vdb"), file(name));
         write("seq.toml", kCamera + "[[volume]]\nname = \"fog\"\nfile = \"s.####.vdb\"\n" + kLight);
     }
     const std::string m_problem =
@@ -343,9 +332,8 @@ TEST_F(CliMissingFrame, IsSkippedWhereAllowed) {
 }
 
 TEST_F(CliMissingFrame, SequenceDemandsFrames) {
-    expectFailure(
-        {"render", "seq.toml"}, kUsage,
-        "seq.toml: 's.####.vdb' is a sequence; say which frames with --frames (files exist for 1 to 3)");
+    expectFailure({"render", "seq.toml"}, kUsage,
+                  "seq.toml: 's.####.vdb' is a sequence; say which frames with --frames (files exist for 1 to 3)");
 }
 
 }  // namespace

@@ -83,14 +83,13 @@ TEST_F(CliUse, CropRendersThePixelsOfTheWholePicture) {
     const Image part = readExr(file("part.exr"));
     ASSERT_EQ(part.window, (PixelWindow{10, 8, 20, 16}));
     const Image same = reframed(readExr(file("all.exr")), part.window);
-    for (std::size_t i = 0; i < part.rgba.size(); ++i)
-        EXPECT_NEAR(part.rgba[i], same.rgba[i], 1e-5 * same.rgba[i]);
+    for (std::size_t i = 0; i < part.rgba.size(); ++i) EXPECT_NEAR(part.rgba[i], same.rgba[i], 1e-5 * same.rgba[i]);
 }
 
 TEST_F(CliUse, PrintedSceneRendersToTheSamePixels) {
     runWell({"render", "smoke.vdb", "-o", "a.exr", "--res", "40x30", "--quality", "draft"});
-    const ProgramResult printed = runWell(
-        {"render", "smoke.vdb", "-o", "b.exr", "--res", "40x30", "--quality", "draft", "--print-scene"});
+    const ProgramResult printed =
+        runWell({"render", "smoke.vdb", "-o", "b.exr", "--res", "40x30", "--quality", "draft", "--print-scene"});
     EXPECT_EQ(printed.err, "");
     EXPECT_FALSE(exists("b.exr"));
     write("printed.toml", printed.out);
@@ -150,8 +149,7 @@ TEST_F(CliUse, SequenceIsFramedAlikeWhicheverFramesAreRendered) {
 // ---- what is told
 
 TEST_F(CliUse, StatsTellEachFrame) {
-    runWell(
-        {"render", "scene.toml", "-o", "o.#.exr", "--frames", "1-2", "--stats", "s.json", "--verify", "5"});
+    runWell({"render", "scene.toml", "-o", "o.#.exr", "--frames", "1-2", "--stats", "s.json", "--verify", "5"});
     const auto stats = nlohmann::json::parse(readBytes(file("s.json")));
     ASSERT_EQ(stats.size(), 2u);
     EXPECT_EQ(stats[1].at("file"), "o.2.exr");
@@ -173,8 +171,8 @@ TEST_F(CliUse, ProgressAlf) {
 }
 
 TEST_F(CliUse, ProgressOpenJd) {
-    const auto lines = linesOf(
-        runWell({"render", "scene.toml", "-o", "o.#.exr", "--frames", "5-6", "--progress", "openjd"}).out);
+    const auto lines =
+        linesOf(runWell({"render", "scene.toml", "-o", "o.#.exr", "--frames", "5-6", "--progress", "openjd"}).out);
     ASSERT_GE(lines.size(), 4u);
     EXPECT_EQ(lines[0], "openjd_status: frame 5 (1 of 2)");
     EXPECT_EQ(lines[1], "openjd_progress: 0.0");
@@ -210,8 +208,7 @@ TEST_F(CliUse, PlanIsJsonOrATable) {
     EXPECT_EQ(group.at("lights").at(0).at("name"), "key");
     EXPECT_GT(group.at("sheets").get<int>(), 0);
     const std::string table = runWell({"plan", "scene.toml"}).out;
-    for (const char* word :
-         {"shadows", "of 'key'", "group 1", "slant", "sheets", "raster", "batch", "memory"})
+    for (const char* word : {"shadows", "of 'key'", "group 1", "slant", "sheets", "raster", "batch", "memory"})
         EXPECT_NE(table.find(word), std::string::npos) << word << "\n" << table;
     EXPECT_FALSE(exists("scene.exr"));
 }
@@ -222,8 +219,7 @@ TEST_F(CliUse, InfoIsJsonOrATable) {
     const auto both = nlohmann::json::parse(runWell({"info", "smoke.vdb", "smoke.vdb", "--json"}).out);
     EXPECT_EQ(both.size(), 2u);
     const std::string table = runWell({"info", "smoke.vdb"}).out;
-    for (const char* text :
-         {"grid 'density'", "fog volume", "2197, and 0 tiles", "[-6, -6, -6] to [6, 6, 6]"})
+    for (const char* text : {"grid 'density'", "fog volume", "2197, and 0 tiles", "[-6, -6, -6] to [6, 6, 6]"})
         EXPECT_NE(table.find(text), std::string::npos) << text << "\n" << table;
 }
 
@@ -253,8 +249,8 @@ TEST_F(CliUse, HelpIsPrintedToStdout) {
 TEST_F(CliUse, SigtermEndsARenderWithoutAPartialFile) {
     runWell({"make", "noise", "resolution=160", "-o", "large.vdb"});
     const std::set<std::string> before = listing();
-    RunningProgram program(m_folder.path(), {"render", "large.vdb", "-o", "x.exr", "--res", "3000x3000",
-                                             "--quality", "ultra", "--progress", "json"});
+    RunningProgram program(m_folder.path(), {"render", "large.vdb", "-o", "x.exr", "--res", "3000x3000", "--quality",
+                                             "ultra", "--progress", "json"});
     ASSERT_TRUE(program.waitForOutput("\"progress\":1.0"));
     program.sendSignal(SIGTERM);
     const ProgramResult result = program.wait();

@@ -38,8 +38,7 @@ class ProgramTest : public ::testing::Test {
     }
 
     /// Runs what must succeed.
-    ProgramResult runWell(const std::vector<std::string>& arguments,
-                          const ProgramOptions& options = {}) const {
+    ProgramResult runWell(const std::vector<std::string>& arguments, const ProgramOptions& options = {}) const {
         ProgramResult result = run(arguments, options);
         EXPECT_EQ(result.status, 0) << result.err;
         return result;

@@ -22,8 +22,7 @@ constexpr int kResolution = 32;
 std::shared_ptr<const scrim::SparseField> fog() {
     scrim::FieldBuilder builder("density", scrim::Mat4(1.0));
     const std::vector<float> ones(scrim::kBlockVoxels, 1.0f);
-    for (int i = 0; i < 8; ++i)
-        builder.addBlock(scrim::Int3(i >> 2 & 1, i >> 1 & 1, i & 1) * 8 - 8, ones.data());
+    for (int i = 0; i < 8; ++i) builder.addBlock(scrim::Int3(i >> 2 & 1, i >> 1 & 1, i & 1) * 8 - 8, ones.data());
     return std::make_shared<scrim::SparseField>(builder.finish());
 }
 

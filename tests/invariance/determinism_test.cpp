@@ -146,8 +146,7 @@ TEST(ActiveTiles, LookLikeTheVoxelsTheyStandFor) {
     const auto voxels = boxField({-16, -16, -16}, {15, 15, 15});
     auto tiles = std::make_shared<SparseField>();
     tiles->wsFromIs = voxels->wsFromIs;
-    for (int i = 0; i < 8; ++i)
-        tiles->tiles.push_back({Int3(i >> 2 & 1, i >> 1 & 1, i & 1) * 16 - 16, 16, 1.0f});
+    for (int i = 0; i < 8; ++i) tiles->tiles.push_back({Int3(i >> 2 & 1, i >> 1 & 1, i & 1) * 16 - 16, 16, 1.0f});
     tiles->activeVoxels = voxels->activeVoxels;
     tiles->maxValue = 1;
     const auto picture = [](const std::shared_ptr<const SparseField>& field) {

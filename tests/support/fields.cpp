@@ -74,7 +74,9 @@ Light distantLight(const Vec3& direction, double irradiance) {
     return light;
 }
 
-Frame renderScene(const ViewScene& scene) { return render(scene, makePlan(scene, threadCount())); }
+Frame renderScene(const ViewScene& scene) {
+    return render(scene, makePlan(scene, threadCount()));
+}
 
 std::array<double, 4> pixelOf(const Frame& frame, int x, int y) {
     std::array<double, 4> out;

@@ -21,8 +21,7 @@ struct ProgramResult {
 
 struct ProgramOptions {
     std::chrono::seconds timeout{120};
-    std::vector<std::pair<std::string, std::string>>
-        environment;  ///< set beside the test's own, which loses OCIO
+    std::vector<std::pair<std::string, std::string>> environment;  ///< set beside the test's own, which loses OCIO
 };
 
 /// SCRIM_PROGRAM, running in `folder`.

@@ -30,8 +30,7 @@ openvdb::GridBase::Ptr scalarGrid(const MadeGrid& made) {
                                                 : 3,
                              coord(tile.at), static_cast<Value>(tile.value), true);
     for (const MadeVoxel& v : made.voxels) grid->tree().setValue(coord(v.at), static_cast<Value>(v.value));
-    for (const MadeVoxel& v : made.inactive)
-        grid->tree().setValueOff(coord(v.at), static_cast<Value>(v.value));
+    for (const MadeVoxel& v : made.inactive) grid->tree().setValueOff(coord(v.at), static_cast<Value>(v.value));
     return grid;
 }
 
@@ -46,8 +45,8 @@ openvdb::GridBase::Ptr pointGrid(const MadeGrid& made) {
     std::vector<openvdb::Vec3s> positions;
     for (const MadeVoxel& v : made.voxels) positions.emplace_back(coord(v.at).asVec3s());
     const auto transform = openvdb::math::Transform::createLinearTransform(made.voxelSize);
-    return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(
-        positions, *transform);
+    return openvdb::points::createPointDataGrid<openvdb::points::NullCodec, openvdb::points::PointDataGrid>(positions,
+                                                                                                            *transform);
 }
 
 openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
@@ -65,9 +64,9 @@ openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
 
 openvdb::math::Transform::Ptr transformOf(const MadeGrid& made) {
     if (made.frustum)
-        return openvdb::math::Transform::createFrustumTransform(
-            openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(16)), /*taper=*/0.5, /*depth=*/1.0,
-            /*x voxel=*/made.voxelSize);
+        return openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(16)),
+                                                                /*taper=*/0.5, /*depth=*/1.0,
+                                                                /*x voxel=*/made.voxelSize);
     auto transform = openvdb::math::Transform::createLinearTransform(made.voxelSize);
     transform->postTranslate(openvdb::Vec3d(made.translate.x, made.translate.y, made.translate.z));
     return transform;
@@ -87,9 +86,8 @@ openvdb::GridBase::Ptr make(const MadeGrid& made) {
 double frustumVolume(const MadeGrid& grid, const Int3& lower, const Int3& upper) {
     const auto transform = transformOf(grid);
     const auto at = [&](int x, int y, int z) {
-        return transform->indexToWorld(openvdb::Vec3d(x ? upper.x + 0.5 : lower.x - 0.5,
-                                                      y ? upper.y + 0.5 : lower.y - 0.5,
-                                                      z ? upper.z + 0.5 : lower.z - 0.5));
+        return transform->indexToWorld(openvdb::Vec3d(
+            x ? upper.x + 0.5 : lower.x - 0.5, y ? upper.y + 0.5 : lower.y - 0.5, z ? upper.z + 0.5 : lower.z - 0.5));
     };
     const auto area = [&](int z) {
         return (at(1, 0, z) - at(0, 0, z)).length() * (at(0, 1, z) - at(0, 0, z)).length();

@@ -43,8 +43,7 @@ std::vector<MadeVoxel> box(const Int3& lower, const Int3& upper, double value);
 
 enum class Container { file, stream };  ///< a stream has no offsets: the outer structure cannot be checked
 
-void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids,
-             Container container = Container::file);
+void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container = Container::file);
 
 /// A file's bytes; throws std::runtime_error.
 std::string readBytes(const std::string& path);

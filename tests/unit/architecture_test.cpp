@@ -29,7 +29,7 @@ struct SourceFile {
     std::string path;    // below the repository
     std::string folder;  // of the library's files: the layer
     std::string text;
-    std::string code;    // without comments and string literals
+    std::string code;  // without comments and string literals
 
     bool header() const { return path.ends_with(".h"); }
     int lines() const { return static_cast<int>(std::count(text.begin(), text.end(), '\n')); }
@@ -82,8 +82,8 @@ std::vector<SourceFile> filesBelow(const std::string& folder) {
         std::ifstream in(entry.path());
         std::stringstream text;
         text << in.rdbuf();
-        SourceFile file{fs::relative(entry.path(), root).string(), entry.path().parent_path().filename().string(),
-                        text.str(), {}};
+        SourceFile file{
+            fs::relative(entry.path(), root).string(), entry.path().parent_path().filename().string(), text.str(), {}};
         file.code = withoutComments(file.text);
         files.push_back(std::move(file));
     }
@@ -130,7 +130,9 @@ std::string folderOf(const std::string& include) {
     return slash == std::string::npos ? "" : include.substr(0, slash);
 }
 
-bool partOfName(char c) { return c == '_' || std::isalnum(static_cast<unsigned char>(c)); }
+bool partOfName(char c) {
+    return c == '_' || std::isalnum(static_cast<unsigned char>(c));
+}
 
 // The lines of `code` that hold `name` as a whole name (blanks count as they are), as "path:line". `call`: only where
 // an opening bracket follows.

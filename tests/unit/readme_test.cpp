@@ -16,8 +16,8 @@ TEST(Readme, ListsEveryDialAsTheTableHasIt) {
     std::ostringstream text;
     text << file.rdbuf();
     for (const DialInfo& d : dialTable()) {
-        const std::string row = "| `" + d.name + "` | " + d.unit + " | " + d.defaultText + " | " + d.allowed + " | " +
-                                d.meaning + " |";
+        const std::string row =
+            "| `" + d.name + "` | " + d.unit + " | " + d.defaultText + " | " + d.allowed + " | " + d.meaning + " |";
         EXPECT_NE(text.str().find(row), std::string::npos) << row;
     }
 }

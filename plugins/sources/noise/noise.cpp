@@ -15,14 +15,19 @@
 // rises, and thins out at the top.
 //
 // Parameters (lengths in world units; the volume is centred on the origin, y is up):
-//   resolution  voxels along the longest axis             size        length of that axis
-//   shape       plume, ball or slab                       density     largest value
-//   frequency   bulges of the coarsest octave along size  octaves     number of octaves; finer than voxels:
-//   left out lacunarity  how much finer the next octave is         gain        how much weaker the next
-//   octave is turbulence  height of bulges, in parts of the radius  warp        how far positions are
-//   displaced, in bulges coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest
-//   bulges softness    depth over which density grows, in parts of the radius seed        another number,
-//   another smoke
+//   resolution  voxels along the longest axis
+//   size        length of that axis
+//   shape       plume, ball or slab
+//   density     largest value
+//   frequency   bulges of the coarsest octave along size
+//   octaves     number of octaves; those finer than voxels are left out
+//   lacunarity  how much finer the next octave is
+//   gain        how much weaker the next octave is
+//   turbulence  height of bulges, in parts of the radius
+//   warp        how far positions are displaced, in bulges
+//   coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest bulges
+//   softness    depth over which density grows, in parts of the radius
+//   seed        another number, another smoke
 //
 // Every voxel is a pure function of its place and the parameters, so the bytes are the same on each run and
 // machine with IEEE arithmetic; blocks whose whole extent lies outside the highest possible bulge are never
@@ -61,8 +66,7 @@ double smoothstep(double low, double high, double x) {
 /// A well-mixed 32-bit hash of a lattice point (the finaliser of MurmurHash3 over three odd multiples).
 std::uint32_t hash(std::int32_t x, std::int32_t y, std::int32_t z, std::uint32_t seed) {
     std::uint32_t h = seed ^ (static_cast<std::uint32_t>(x) * 0x8da6b343u) ^
-                      (static_cast<std::uint32_t>(y) * 0xd8163841u) ^
-                      (static_cast<std::uint32_t>(z) * 0xcb1ab31fu);
+                      (static_cast<std::uint32_t>(y) * 0xd8163841u) ^ (static_cast<std::uint32_t>(z) * 0xcb1ab31fu);
     h ^= h >> 16;
     h *= 0x85ebca6bu;
     h ^= h >> 13;
@@ -151,8 +155,7 @@ class Smoke {
         const double reach = warpReach() + radius;
         // Within `reach` of p the depth changes by at most this: depth is measured in local radii, and for
         // the plume the radius itself changes with height.
-        const double local =
-            std::max(kSmallestRadius, radiusAt(p.y - (m_s.shape == Shape::plume ? reach : 0)));
+        const double local = std::max(kSmallestRadius, radiusAt(p.y - (m_s.shape == Shape::plume ? reach : 0)));
         const double slope = m_s.shape == Shape::plume ? 1.0 + kPlumeSpread + kWander : 1.0;
         return depth(p) + slope * reach / local + lift(1.0) <= 0;
     }
@@ -209,9 +212,7 @@ class Smoke {
     /// Fades towards the ends of the box, so that nothing is cut off.
     double thinning(Vec p) const {
         const Vec h = halfExtent();
-        const auto edge = [](double x, double half) {
-            return 1 - smoothstep(0.86 * half, 0.99 * half, std::abs(x));
-        };
+        const auto edge = [](double x, double half) { return 1 - smoothstep(0.86 * half, 0.99 * half, std::abs(x)); };
         if (m_s.shape == Shape::plume)
             return (1 - 0.7 * smoothstep(0.0, 0.5, p.y)) * smoothstep(-0.5, -0.46, p.y) * edge(p.x, h.x) *
                    edge(std::max(0.0, p.y), h.y) * edge(p.z, h.z);
@@ -219,9 +220,7 @@ class Smoke {
     }
 
     Vec displacement(Vec q) const {
-        const auto two = [&](Vec a, std::uint32_t seed) {
-            return noise(a, seed) + 0.5 * noise(2.03 * a, seed + 1);
-        };
+        const auto two = [&](Vec a, std::uint32_t seed) { return noise(a, seed) + 0.5 * noise(2.03 * a, seed + 1); };
         return {two(q, m_s.seed + 101), two(q, m_s.seed + 211), two(q, m_s.seed + 307)};
     }
 
@@ -259,8 +258,7 @@ bool fillBlock(const Smoke& smoke, const Settings& s, const std::int32_t origin[
     for (int x = 0; x < kEdge; ++x)
         for (int y = 0; y < kEdge; ++y)
             for (int z = 0; z < kEdge; ++z) {
-                const auto v =
-                    static_cast<float>(smoke.value(first + step * Vec{double(x), double(y), double(z)}));
+                const auto v = static_cast<float>(smoke.value(first + step * Vec{double(x), double(y), double(z)}));
                 values[(x * kEdge + y) * kEdge + z] = v;
                 any = any || v > 0;
             }
@@ -270,8 +268,7 @@ bool fillBlock(const Smoke& smoke, const Settings& s, const std::int32_t origin[
 int emit(const scrim_host* host, const Settings& s) {
     const double voxel = s.size / static_cast<double>(s.resolution);
     const double shift = 0.5 * voxel;
-    const double worldFromIndex[16] = {voxel, 0, 0,     shift, 0, voxel, 0, shift,
-                                       0,     0, voxel, shift, 0, 0,     0, 1};
+    const double worldFromIndex[16] = {voxel, 0, 0, shift, 0, voxel, 0, shift, 0, 0, voxel, shift, 0, 0, 0, 1};
     const int grid = host->add_grid(host, "density", worldFromIndex);
     if (grid < 0) return grid;
 
@@ -306,8 +303,7 @@ constexpr scrim_parameter kParameters[] = {
     {"turbulence", SCRIM_NUMBER, "1.6", 0, 10, nullptr, "height of bulges, in parts of the radius"},
     {"warp", SCRIM_NUMBER, "0.35", 0, 2, nullptr, "how far positions are displaced, in bulges"},
     {"coverage", SCRIM_NUMBER, "0.5", 0, 1, nullptr, "1 fills the envelope, 0 leaves the strongest bulges"},
-    {"softness", SCRIM_NUMBER, "0.35", 1e-3, 10, nullptr,
-     "depth over which density grows, in parts of the radius"},
+    {"softness", SCRIM_NUMBER, "0.35", 1e-3, 10, nullptr, "depth over which density grows, in parts of the radius"},
     {"density", SCRIM_NUMBER, "1", 0, 1e6, nullptr, "largest value"},
     {"seed", SCRIM_INTEGER, "1", 0, 1e9, nullptr, "another number, another smoke"},
 };

@@ -19,8 +19,12 @@ namespace {
 class FlushDenormals {
   public:
 #if defined(__SSE__)
-    FlushDenormals() : m_before(_mm_getcsr()) { _mm_setcsr(m_before | kFlushToZero | kDenormalsAreZero); }
-    ~FlushDenormals() { _mm_setcsr(m_before); }
+    FlushDenormals() : m_before(_mm_getcsr()) {
+        _mm_setcsr(m_before | kFlushToZero | kDenormalsAreZero);
+    }
+    ~FlushDenormals() {
+        _mm_setcsr(m_before);
+    }
 
   private:
     static constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040;
@@ -54,8 +58,7 @@ struct ThreadLimit::Control {
 
 ThreadLimit::ThreadLimit(int threads) : m_control(std::make_unique<Control>()) {
     if (threads > 0)
-        m_control->control.emplace(tbb::global_control::max_allowed_parallelism,
-                                   static_cast<std::size_t>(threads));
+        m_control->control.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
 }
 
 ThreadLimit::~ThreadLimit() = default;

@@ -28,8 +28,7 @@ struct Bounds {
         upper = glm::max(upper, b.upper);
     }
     bool contains(const Vec3& p) const {
-        return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y &&
-               p.z <= upper.z;
+        return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y && p.z <= upper.z;
     }
     std::array<Vec3, 8> corners() const {
         std::array<Vec3, 8> c;

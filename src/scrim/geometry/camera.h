@@ -12,12 +12,12 @@ enum class CameraType { perspective, orthographic };
 struct Camera {
     CameraType type = CameraType::perspective;
     Vec3 wsPosition{0, 0, 1};
-    Mat3 wsFromCamera{1.0};   ///< columns: right, up, back; orthonormal
-    double fov = 35.0;        ///< perspective: horizontal field of view, degrees, in (0, 180)
-    double height = 2.0;      ///< orthographic: height of the picture, world units
-    double near = 0.0;        ///< depth along the viewing axis from which on the camera sees, world units
+    Mat3 wsFromCamera{1.0};  ///< columns: right, up, back; orthonormal
+    double fov = 35.0;       ///< perspective: horizontal field of view, degrees, in (0, 180)
+    double height = 2.0;     ///< orthographic: height of the picture, world units
+    double near = 0.0;       ///< depth along the viewing axis from which on the camera sees, world units
     Int2 resolution{512, 512};
-    double pixelAspect = 1.0; ///< width of a pixel over its height
+    double pixelAspect = 1.0;  ///< width of a pixel over its height
 };
 
 /// An orthonormal frame at `position` that looks at `target` with `up` as near to y as can be. Where `up` is
@@ -40,7 +40,9 @@ struct RayFamily {
 RayFamily wsRays(const Camera& camera);
 
 /// The viewing direction (unit, away from the eye) in world space.
-inline Vec3 viewingAxis(const Camera& camera) { return -camera.wsFromCamera[2]; }
+inline Vec3 viewingAxis(const Camera& camera) {
+    return -camera.wsFromCamera[2];
+}
 
 /// `camera` with every pixel cut into n x n.
 Camera supersampled(Camera camera, int n);

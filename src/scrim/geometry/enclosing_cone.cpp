@@ -13,7 +13,9 @@ namespace {
 // Cosine slack within which a direction counts as inside: rounding of dot products of unit vectors.
 constexpr double kSlack = 1e-13;
 
-bool holds(const Cone& cone, const Vec3& d) { return glm::dot(cone.axis, d) >= cone.cosAngle - kSlack; }
+bool holds(const Cone& cone, const Vec3& d) {
+    return glm::dot(cone.axis, d) >= cone.cosAngle - kSlack;
+}
 
 Cone coneOfTwo(const Vec3& a, const Vec3& b) {
     const Vec3 sum = a + b;

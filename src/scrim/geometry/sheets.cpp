@@ -12,8 +12,7 @@ Vec3 Sheets::wsPoint(const Vec3& ts) const {
 
 Mat4 Sheets::tsFrom(const Mat4& wsFrom) const {
     Mat4 m(1.0);
-    for (int column = 0; column < 3; ++column)
-        m[column] = glm::dvec4(tsVector(Vec3(wsFrom[column])), 0.0);
+    for (int column = 0; column < 3; ++column) m[column] = glm::dvec4(tsVector(Vec3(wsFrom[column])), 0.0);
     m[3] = glm::dvec4(tsPoint(Vec3(wsFrom[3])), 1.0);
     return m;
 }

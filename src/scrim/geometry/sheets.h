@@ -9,18 +9,18 @@
 
 namespace scrim {
 
-constexpr int kTileEdge = 16;                       ///< texels, pixels or cells along a tile's edge
-constexpr int kTileSize = kTileEdge * kTileEdge;    ///< 256
+constexpr int kTileEdge = 16;                     ///< texels, pixels or cells along a tile's edge
+constexpr int kTileSize = kTileEdge * kTileEdge;  ///< 256
 
 struct Sheets {
-    Vec3 wsAnchor{0};       ///< world position of sweep space's origin: of the scene, not of the camera
-    Mat3 ssFromWs{1.0};     ///< rotation; its rows are u, v and w (the axis) in world space
-    double texel = 1;       ///< edge of a texel, world units
-    double thickness = 1;   ///< of a sheet (the Delta of algorithm and paper), world units
-    Vec3 ssOrigin{0};       ///< sweep-space position of texel space's origin: texel (0,0), N = 0
-    int width = 0;          ///< texels along u, a multiple of kTileEdge
-    int height = 0;         ///< texels along v, a multiple of kTileEdge
-    int count = 0;          ///< sheets
+    Vec3 wsAnchor{0};      ///< world position of sweep space's origin: of the scene, not of the camera
+    Mat3 ssFromWs{1.0};    ///< rotation; its rows are u, v and w (the axis) in world space
+    double texel = 1;      ///< edge of a texel, world units
+    double thickness = 1;  ///< of a sheet (the Delta of algorithm and paper), world units
+    Vec3 ssOrigin{0};      ///< sweep-space position of texel space's origin: texel (0,0), N = 0
+    int width = 0;         ///< texels along u, a multiple of kTileEdge
+    int height = 0;        ///< texels along v, a multiple of kTileEdge
+    int count = 0;         ///< sheets
 
     Vec3 tsStep() const { return {1 / texel, 1 / texel, 1 / thickness}; }
     Vec3 tsPoint(const Vec3& ws) const { return (ssFromWs * (ws - wsAnchor) - ssOrigin) * tsStep(); }

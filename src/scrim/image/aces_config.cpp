@@ -64,8 +64,7 @@ void addSceneSpaces(OCIO::Config& config) {
     const auto ap0FromAp1 = [] { return builtin(kAp0FromAp1, OCIO::TRANSFORM_DIR_FORWARD); };
     const auto ap1FromRec709 = [] { return builtin(kRec709FromAp1, OCIO::TRANSFORM_DIR_INVERSE); };
 
-    config.addColorSpace(
-        space(scene, {"ACES2065-1", "ACES", "scene-linear", {"lin_ap0", "ACES - ACES2065-1"}}));
+    config.addColorSpace(space(scene, {"ACES2065-1", "ACES", "scene-linear", {"lin_ap0", "ACES - ACES2065-1"}}));
 
     OCIO::ColorSpaceRcPtr acesCg = space(scene, {"ACEScg", "ACES", "scene-linear", {"lin_ap1"}});
     acesCg->addAlias("ACES - ACEScg");
@@ -93,15 +92,13 @@ void addDisplay(OCIO::Config& config) {
 
     OCIO::ColorSpaceRcPtr srgb =
         space(OCIO::REFERENCE_SPACE_DISPLAY, {"sRGB - Display", "Display", "sdr-video", {"srgb_display"}});
-    srgb->setTransform(builtin(kSrgbFromXyz, OCIO::TRANSFORM_DIR_FORWARD),
-                       OCIO::COLORSPACE_DIR_FROM_REFERENCE);
+    srgb->setTransform(builtin(kSrgbFromXyz, OCIO::TRANSFORM_DIR_FORWARD), OCIO::COLORSPACE_DIR_FROM_REFERENCE);
     config.addColorSpace(srgb);
 
     const auto addView = [&config](const char* name, const char* style) {
         OCIO::ViewTransformRcPtr view = OCIO::ViewTransform::Create(OCIO::REFERENCE_SPACE_SCENE);
         view->setName(name);
-        view->setTransform(builtin(style, OCIO::TRANSFORM_DIR_FORWARD),
-                           OCIO::VIEWTRANSFORM_DIR_FROM_REFERENCE);
+        view->setTransform(builtin(style, OCIO::TRANSFORM_DIR_FORWARD), OCIO::VIEWTRANSFORM_DIR_FROM_REFERENCE);
         config.addViewTransform(view);
         config.addDisplayView("sRGB", name, name, "sRGB - Display", "", "", "");
     };

@@ -76,8 +76,8 @@ std::string hostName() {
 /// that share the folder apart.
 std::string tempPathFor(const std::filesystem::path& path) {
     static std::atomic<unsigned> count{0};
-    const std::string name = fmt::format(".scrim-{}-{}-{}{}", hostName(), ::getpid(), count.fetch_add(1),
-                                         path.extension().string());
+    const std::string name =
+        fmt::format(".scrim-{}-{}-{}{}", hostName(), ::getpid(), count.fetch_add(1), path.extension().string());
     return (path.parent_path() / name).string();
 }
 

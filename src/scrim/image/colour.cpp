@@ -73,8 +73,7 @@ OCIO::ConstConfigRcPtr readConfig(const std::string& file, bool fromEnvironment)
 }
 
 /// The entry of `names` equal to `name` but for letter case, or an Error that lists them.
-std::string chosen(const std::vector<std::string>& names, const std::string& name,
-                   const std::string& problem) {
+std::string chosen(const std::vector<std::string>& names, const std::string& name, const std::string& problem) {
     for (const std::string& candidate : names)
         if (equalIgnoringCase(candidate, name)) return candidate;
     throw Error(ErrorKind::input, fmt::format("{}; expected {}", problem, choices(names)));
@@ -102,9 +101,8 @@ ColourConfig ColourConfig::open(const std::string& ocioFile) {
 
     const OCIO::ConstColorSpaceRcPtr working = opened->config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
     if (!working)
-        throw Error(ErrorKind::input,
-                    fmt::format("{} has no role 'scene_linear', which says what space to render in",
-                                opened->described()));
+        throw Error(ErrorKind::input, fmt::format("{} has no role 'scene_linear', which says what space to render in",
+                                                  opened->described()));
     opened->workingSpace = working->getName();
     return ColourConfig(std::move(opened));
 }
@@ -147,9 +145,8 @@ bool ColourConfig::hasSpace(const std::string& name) const {
 std::string ColourConfig::resolve(const std::string& name) const {
     std::string found = findSpace(*m_opened->config, name);
     if (found.empty())
-        throw Error(ErrorKind::input,
-                    fmt::format("unknown colour space '{}' in {}; expected {}", clipped(name),
-                                m_opened->described(), choices(spaceNames())));
+        throw Error(ErrorKind::input, fmt::format("unknown colour space '{}' in {}; expected {}", clipped(name),
+                                                  m_opened->described(), choices(spaceNames())));
     return found;
 }
 
@@ -181,13 +178,11 @@ DisplayImage ColourConfig::displayImage(const Image& working, const std::string&
                                         const std::string& view) const {
     const std::string toDisplay = resolvedDisplay(display);
     const std::string toView = resolvedView(toDisplay, view);
-    const auto processor =
-        translated(fmt::format("cannot make the view '{}' of display '{}'", toView, toDisplay), [&] {
-            return m_opened->config
-                ->getProcessor(workingSpace().c_str(), toDisplay.c_str(), toView.c_str(),
-                               OCIO::TRANSFORM_DIR_FORWARD)
-                ->getDefaultCPUProcessor();
-        });
+    const auto processor = translated(fmt::format("cannot make the view '{}' of display '{}'", toView, toDisplay), [&] {
+        return m_opened->config
+            ->getProcessor(workingSpace().c_str(), toDisplay.c_str(), toView.c_str(), OCIO::TRANSFORM_DIR_FORWARD)
+            ->getDefaultCPUProcessor();
+    });
 
     DisplayImage out{working.window, std::vector<std::uint8_t>(working.rgba.size())};
     forPixelRuns(working.window.pixelCount(), [&](std::size_t first, std::size_t count) {
@@ -210,8 +205,7 @@ std::vector<std::string> ColourConfig::views(const std::string& display) const {
     const OCIO::Config& config = *m_opened->config;
     const std::string of = resolvedDisplay(display);
     std::vector<std::string> names;
-    for (int i = 0; i < config.getNumViews(of.c_str()); ++i)
-        names.emplace_back(config.getView(of.c_str(), i));
+    for (int i = 0; i < config.getNumViews(of.c_str()); ++i) names.emplace_back(config.getView(of.c_str(), i));
     return names;
 }
 
@@ -229,9 +223,9 @@ std::string ColourConfig::resolvedDisplay(const std::string& display) const {
 }
 
 std::string ColourConfig::resolvedView(const std::string& display, const std::string& view) const {
-    return chosen(views(display), view.empty() ? defaultView(display) : view,
-                  fmt::format("unknown view '{}' of display '{}' in {}", clipped(view), display,
-                              m_opened->described()));
+    return chosen(
+        views(display), view.empty() ? defaultView(display) : view,
+        fmt::format("unknown view '{}' of display '{}' in {}", clipped(view), display, m_opened->described()));
 }
 
 std::string ColourConfig::interopId(const std::string& space) const {
@@ -239,8 +233,7 @@ std::string ColourConfig::interopId(const std::string& space) const {
     if (found->isData()) return "data";
     if (const KnownSpace* known = findKnownSpace(found->getName())) return std::string(known->interopId);
     for (std::size_t i = 0; i < found->getNumAliases(); ++i)
-        if (const KnownSpace* known = findKnownSpace(found->getAlias(i)))
-            return std::string(known->interopId);
+        if (const KnownSpace* known = findKnownSpace(found->getAlias(i))) return std::string(known->interopId);
     return {};
 }
 

@@ -59,8 +59,7 @@ class ColourConfig {
     /// `working` (premultiplied, in the working space) through a view of a display: the transform is applied
     /// to the premultiplied colour, clamped to [0, 1] and rounded to 8 bits; NaN becomes 0. In parallel. An
     /// empty `display` or `view` stands for the default. Throws on an unknown one.
-    DisplayImage displayImage(const Image& working, const std::string& display,
-                              const std::string& view) const;
+    DisplayImage displayImage(const Image& working, const std::string& display, const std::string& view) const;
 
     /// The active displays, and the active views of one; the defaults are the config's.
     std::vector<std::string> displays() const;

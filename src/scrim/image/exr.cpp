@@ -37,8 +37,7 @@ constexpr float kLargestHalf = 65504.0f;
 constexpr float kDwaLevel = 45.0f;  // OpenEXR's own default, written down since it decides what is lost
 
 /// AP0: SMPTE ST 2065-1, table 1, with the white point of ACES (about D60).
-const Imf::Chromaticities kAp0({0.73470f, 0.26530f}, {0.0f, 1.0f}, {0.00010f, -0.07700f},
-                               {0.32168f, 0.33767f});
+const Imf::Chromaticities kAp0({0.73470f, 0.26530f}, {0.0f, 1.0f}, {0.00010f, -0.07700f}, {0.32168f, 0.33767f});
 
 /// An output stream that remembers its first failure. OpenEXR swallows exceptions while it closes a file, so
 /// that a full disk would go unnoticed there; `close` says it.
@@ -82,8 +81,8 @@ Imf::Compression compressionNamed(const std::string& name) {
     if (name == "piz") return Imf::PIZ_COMPRESSION;
     if (name == "dwaa") return Imf::DWAA_COMPRESSION;
     if (name == "none") return Imf::NO_COMPRESSION;
-    throw Error(ErrorKind::usage, fmt::format("unknown EXR compression '{}'; expected {}", clipped(name),
-                                              choices(exrCompressions())));
+    throw Error(ErrorKind::usage,
+                fmt::format("unknown EXR compression '{}'; expected {}", clipped(name), choices(exrCompressions())));
 }
 
 Imath::Box2i closedBox(const PixelWindow& window) {
@@ -98,13 +97,12 @@ void checkArguments(const std::string& path, const Image& image, const ExrOption
     };
     if (image.window.empty()) refuse("the picture has no pixels");
     if (image.rgba.size() != 4 * image.window.pixelCount())
-        refuse(fmt::format("the picture has {} values, its window {} x {} x 4", image.rgba.size(),
-                           image.window.width(), image.window.height()));
+        refuse(fmt::format("the picture has {} values, its window {} x {} x 4", image.rgba.size(), image.window.width(),
+                           image.window.height()));
     if (options.displayWindow.empty()) refuse("the display window is empty");
     if (!(options.pixelAspect > 0.0) || !std::isfinite(options.pixelAspect))
         refuse(fmt::format("the pixel aspect is {}; expected a number above 0", options.pixelAspect));
-    if (options.acesContainer && !options.half)
-        refuse("an ACES container (SMPTE ST 2065-4) holds half values only");
+    if (options.acesContainer && !options.half) refuse("an ACES container (SMPTE ST 2065-4) holds half values only");
     if (options.acesContainer && !layers.empty())
         refuse("an ACES container (SMPTE ST 2065-4) holds RGBA only; write layers in another colour space");
     std::set<std::string> names = {"R", "G", "B", "A"};
@@ -113,9 +111,8 @@ void checkArguments(const std::string& path, const Image& image, const ExrOption
             if (channel.empty() || !names.insert(channel).second)
                 refuse(fmt::format("the channel name '{}' is empty or appears twice", clipped(channel)));
         if (layer.data.size() != layer.channels.size() * image.window.pixelCount())
-            refuse(fmt::format("the layer with {} has {} values, expected {} x {} x {}",
-                               choices(layer.channels), layer.data.size(), image.window.width(),
-                               image.window.height(), layer.channels.size()));
+            refuse(fmt::format("the layer with {} has {} values, expected {} x {} x {}", choices(layer.channels),
+                               layer.data.size(), image.window.width(), image.window.height(), layer.channels.size()));
     }
 }
 
@@ -124,9 +121,7 @@ struct InsertAttribute {
     const std::string& name;
 
     void operator()(const std::string& text) const { header.insert(name, Imf::StringAttribute(text)); }
-    void operator()(double value) const {
-        header.insert(name, Imf::FloatAttribute(static_cast<float>(value)));
-    }
+    void operator()(double value) const { header.insert(name, Imf::FloatAttribute(static_cast<float>(value))); }
     void operator()(int value) const { header.insert(name, Imf::IntAttribute(value)); }
     void operator()(const glm::dmat4& matrix) const {
         // GLM's [column][row] of a matrix for column vectors is EXR's [row][column] of one for row vectors.
@@ -136,20 +131,17 @@ struct InsertAttribute {
         header.insert(name, Imf::M44fAttribute(rows));
     }
     void operator()(const FrameRate& rate) const {
-        header.insert(
-            name, Imf::RationalAttribute(Imf::Rational(rate.numerator, static_cast<int>(rate.denominator))));
+        header.insert(name, Imf::RationalAttribute(Imf::Rational(rate.numerator, static_cast<int>(rate.denominator))));
     }
 };
 
-Imf::Header makeHeader(const PixelWindow& dataWindow, const ExrOptions& options,
-                       const ExrAttributes& attributes) {
+Imf::Header makeHeader(const PixelWindow& dataWindow, const ExrOptions& options, const ExrAttributes& attributes) {
     const Imf::Compression compression = compressionNamed(options.compression);
-    Imf::Header header(closedBox(options.displayWindow), closedBox(dataWindow),
-                       static_cast<float>(options.pixelAspect), Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
+    Imf::Header header(closedBox(options.displayWindow), closedBox(dataWindow), static_cast<float>(options.pixelAspect),
+                       Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
                        options.acesContainer ? Imf::NO_COMPRESSION : compression);
     if (compression == Imf::DWAA_COMPRESSION) header.dwaCompressionLevel() = kDwaLevel;
-    if (!options.colorInteropId.empty())
-        header.insert("colorInteropID", Imf::StringAttribute(options.colorInteropId));
+    if (!options.colorInteropId.empty()) header.insert("colorInteropID", Imf::StringAttribute(options.colorInteropId));
     if (options.acesContainer) {
         header.insert("acesImageContainerFlag", Imf::IntAttribute(1));
         Imf::addChromaticities(header, kAp0);

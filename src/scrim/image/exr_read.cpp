@@ -49,9 +49,8 @@ std::vector<float> readChannels(Imf::InputFile& file, const std::vector<std::str
     std::vector<float> values(names.size() * window.pixelCount());
     Imf::FrameBuffer frame;
     for (std::size_t c = 0; c < names.size(); ++c)
-        frame.insert(names[c],
-                     Imf::Slice::Make(Imf::FLOAT, values.data() + c, box, pixelBytes,
-                                      static_cast<std::size_t>(window.width()) * pixelBytes, 1, 1, fill[c]));
+        frame.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + c, box, pixelBytes,
+                                                static_cast<std::size_t>(window.width()) * pixelBytes, 1, 1, fill[c]));
     file.setFrameBuffer(frame);
     file.readPixels(box.min.y, box.max.y);
     return values;
@@ -61,8 +60,8 @@ std::string channelsText(const Imf::ChannelList& channels) {
     std::vector<std::string> texts;
     for (auto it = channels.begin(); it != channels.end(); ++it) {
         const Imf::PixelType type = it.channel().type;
-        texts.push_back(fmt::format("{}:{}", it.name(),
-                                    type == Imf::HALF ? "half" : (type == Imf::FLOAT ? "float" : "uint")));
+        texts.push_back(
+            fmt::format("{}:{}", it.name(), type == Imf::HALF ? "half" : (type == Imf::FLOAT ? "float" : "uint")));
     }
     return fmt::format("{}", fmt::join(texts, " "));
 }
@@ -110,8 +109,8 @@ std::string attributeText(const Imf::Attribute& attribute) {
         return compressionText(compression->value());
     if (const auto* xy = dynamic_cast<const Imf::ChromaticitiesAttribute*>(&attribute)) {
         const Imf::Chromaticities& c = xy->value();
-        return fmt::format("{} {} {} {} {} {} {} {}", c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x,
-                           c.blue.y, c.white.x, c.white.y);
+        return fmt::format("{} {} {} {} {} {} {} {}", c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y,
+                           c.white.x, c.white.y);
     }
     return fmt::format("({})", attribute.typeName());
 }

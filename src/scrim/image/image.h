@@ -19,9 +19,7 @@ struct PixelWindow {
     int width() const { return x1 > x0 ? x1 - x0 : 0; }
     int height() const { return y1 > y0 ? y1 - y0 : 0; }
     bool empty() const { return x1 <= x0 || y1 <= y0; }
-    std::size_t pixelCount() const {
-        return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height());
-    }
+    std::size_t pixelCount() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
     bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
     /// True where every pixel of `other` lies inside (always, where `other` is empty).
     bool contains(const PixelWindow& other) const {

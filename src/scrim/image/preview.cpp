@@ -29,8 +29,7 @@ std::vector<unsigned char> encoded(const std::string& path, const DisplayImage& 
         throw Error(ErrorKind::output, fmt::format("cannot write '{}': {}", path, why));
     };
     const std::string extension = std::filesystem::path(path).extension().string();
-    const std::unique_ptr<OIIO::ImageOutput> out =
-        extension.empty() ? nullptr : OIIO::ImageOutput::create(path);
+    const std::unique_ptr<OIIO::ImageOutput> out = extension.empty() ? nullptr : OIIO::ImageOutput::create(path);
     if (!out || !out->supports("ioproxy")) {
         OIIO::geterror();  // forgotten: the text below says more
         refuse("its extension must name a picture format, such as '.png' or '.jpg'");

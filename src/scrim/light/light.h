@@ -18,10 +18,10 @@ struct Light {
     /// Colour times intensity times 2^exposure. Distant, or without decay: irradiance. Otherwise radiant
     /// intensity: irradiance is intensity / max(r^2, radius^2), r in world units.
     Rgb intensity{1};
-    double radius = 0;           ///< world units; keeps 1/r^2 finite
-    bool decay = true;           ///< false: the paper's lights, whose intensity is the irradiance everywhere
-    double coneAngle = 45;       ///< spot: full angle, degrees
-    double blend = 0.15;         ///< spot: part of the cone, from its border inwards, over which light fades
+    double radius = 0;      ///< world units; keeps 1/r^2 finite
+    bool decay = true;      ///< false: the paper's lights, whose intensity is the irradiance everywhere
+    double coneAngle = 45;  ///< spot: full angle, degrees
+    double blend = 0.15;    ///< spot: part of the cone, from its border inwards, over which light fades
     bool shadows = true;
 };
 

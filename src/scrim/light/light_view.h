@@ -19,10 +19,10 @@ struct CellMap {
 
 struct LightView {
     bool distant = true;
-    Vec3 tsSource{0};    ///< distant: (dU/dN, dV/dN, 0) of all rays; point: the source's position
-    Vec2 first{0};       ///< cell (0, 0): (U, V) at N = 0 (distant), (dU/dN, dV/dN) (point)
-    double cell = 1;     ///< step from cell to cell in the units of `first`
-    int width = 0;       ///< cells, a multiple of kTileEdge
+    Vec3 tsSource{0};  ///< distant: (dU/dN, dV/dN, 0) of all rays; point: the source's position
+    Vec2 first{0};     ///< cell (0, 0): (U, V) at N = 0 (distant), (dU/dN, dV/dN) (point)
+    double cell = 1;   ///< step from cell to cell in the units of `first`
+    int width = 0;     ///< cells, a multiple of kTileEdge
     int height = 0;
     double slopeScale = 1;  ///< texel / thickness: turns dU/dN into the slope du/dw
 

@@ -37,7 +37,9 @@ HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest) {
     return {hn::Sub(hn::ConvertTo(di, floor), hn::Set(di, first)), fraction};
 }
 
-HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) { return hn::MulAdd(t, hn::Sub(b, a), a); }
+HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
+    return hn::MulAdd(t, hn::Sub(b, a), a);
+}
 
 // Bilinear sample with its own position in every lane.
 HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Split& v) {
@@ -92,8 +94,7 @@ HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, float u, float v, f
     }
 }
 
-HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, float u, float v, float step, bool nearest,
-                                    float* out) {
+HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {
     const DF d;
     forLattice(plane, u, v, step, nearest,
                [&](int j, int i, VF sample) HWY_ATTR { hn::StoreU(sample, d, out + j * kTileEdge + i); });
@@ -102,8 +103,8 @@ HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, float u, float v, f
 HWY_ATTR void attenuateTileOnTarget(const AttenuateTile& tile) {
     const DF d;
     forLattice(tile.extinction, tile.u, tile.v, tile.step, tile.nearest, [&](int j, int i, VF sigma) HWY_ATTR {
-        const auto a = hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, tile.slopeStep),
-                                  hn::Set(d, tile.slopeA));
+        const auto a =
+            hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, tile.slopeStep), hn::Set(d, tile.slopeA));
         const auto b = hn::Set(d, tile.slopeB + static_cast<float>(j) * tile.slopeStep);
         const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, 1.0f))));
         float* tau = tile.tau + j * tile.tauStride + i;
@@ -132,7 +133,9 @@ void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool n
     HWY_DYNAMIC_DISPATCH(sampleLatticeOnTarget)(plane, u, v, step, nearest, out);
 }
 
-void attenuateTile(const AttenuateTile& tile) { HWY_DYNAMIC_DISPATCH(attenuateTileOnTarget)(tile); }
+void attenuateTile(const AttenuateTile& tile) {
+    HWY_DYNAMIC_DISPATCH(attenuateTileOnTarget)(tile);
+}
 
 }  // namespace scrim
 #endif

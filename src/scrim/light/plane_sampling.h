@@ -24,15 +24,15 @@ void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool n
 
 /// One tile of a shadow raster through one sheet.
 struct AttenuateTile {
-    FloatPlane extinction;   ///< per world unit
-    float u, v, step;        ///< texel under the tile's first cell, and texels from cell to cell
+    FloatPlane extinction;  ///< per world unit
+    float u, v, step;       ///< texel under the tile's first cell, and texels from cell to cell
     bool nearest;
     /// World length of the path through the sheet is path * sqrt(1 + a^2 + b^2) with the slopes
     /// a = slopeA + i * slopeStep, b = slopeB + j * slopeStep of cell (i, j).
     float path, slopeA, slopeB, slopeStep;
-    float* tau;              ///< first cell; rows tauStride apart
+    float* tau;  ///< first cell; rows tauStride apart
     std::ptrdiff_t tauStride;
-    float* entry;            ///< receives tau as it was; rows entryStride apart
+    float* entry;  ///< receives tau as it was; rows entryStride apart
     std::ptrdiff_t entryStride;
 };
 void attenuateTile(const AttenuateTile& tile);

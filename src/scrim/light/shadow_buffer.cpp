@@ -51,10 +51,8 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
         for (int ty = 0; ty < tilesY; ++ty)
             for (int tx = 0; tx < tilesX; ++tx) {
                 if (!extinction.active(s, tx, ty)) continue;
-                windowX = {std::min(windowX.first, columns(s)[tx].first),
-                           std::max(windowX.last, columns(s)[tx].last)};
-                windowY = {std::min(windowY.first, rows(s)[ty].first),
-                           std::max(windowY.last, rows(s)[ty].last)};
+                windowX = {std::min(windowX.first, columns(s)[tx].first), std::max(windowX.last, columns(s)[tx].last)};
+                windowY = {std::min(windowY.first, rows(s)[ty].first), std::max(windowY.last, rows(s)[ty].last)};
             }
     }
     m_windowTilesX = std::max(0, windowX.last - windowX.first + 1);
@@ -74,8 +72,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
                         m_used[static_cast<std::size_t>(s) * tilesPerSheet +
-                               static_cast<std::size_t>((y - m_windowTileY) * m_windowTilesX + x -
-                                                        m_windowTileX)] = 1;
+                               static_cast<std::size_t>((y - m_windowTileY) * m_windowTilesX + x - m_windowTileX)] = 1;
             }
     }
 }
@@ -152,17 +149,19 @@ void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, float* ta
     samplePoints(entryPlane(s), cellU, cellV, m_nearest, kTileSize, tau);
 }
 
-std::size_t ShadowBuffer::bytes() const { return (m_tau.size() + m_entry.size()) * sizeof(float) + m_used.size(); }
+std::size_t ShadowBuffer::bytes() const {
+    return (m_tau.size() + m_entry.size()) * sizeof(float) + m_used.size();
+}
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
     const auto raster = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
     // The window of a batch: the sheet's raster, moved along by the slant of the light, in cells.
     const double least = view.distant ? view.cell : view.cell * std::max(0.5, -view.tsSource.z + 0.5);
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
-    const double window = (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) /
-                          (least * least);
-    const auto entry = static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) *
-                       static_cast<std::size_t>(batchSheets);
+    const double window =
+        (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
+    const auto entry =
+        static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) * static_cast<std::size_t>(batchSheets);
     return (raster + entry) * sizeof(float);
 }
 

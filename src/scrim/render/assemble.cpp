@@ -76,10 +76,10 @@ ViewScene assemble(const Scene& scene, const std::vector<std::shared_ptr<const S
     if (crop) {
         const PixelWindow part = intersection(out.region, *crop);
         if (part.empty())
-            throw Error(ErrorKind::usage,
-                        fmt::format("the crop {},{},{},{} holds no pixel of the picture, which is {},{},{},{}", crop->x0,
-                                    crop->y0, crop->x1, crop->y1, out.region.x0, out.region.y0, out.region.x1,
-                                    out.region.y1));
+            throw Error(
+                ErrorKind::usage,
+                fmt::format("the crop {},{},{},{} holds no pixel of the picture, which is {},{},{},{}", crop->x0,
+                            crop->y0, crop->x1, crop->y1, out.region.x0, out.region.y0, out.region.x1, out.region.y1));
         out.region = part;
     }
     out.lights = scene.lights;

@@ -16,10 +16,9 @@ constexpr double kLeastRadius = 0.25;
 
 BatchLights::BatchLights(const ViewScene& scene, const GroupPlan& group) : m_scene(scene), m_group(group) {
     for (const LightPlan& light : group.lights)
-        m_shadows.push_back(light.shadowed
-                                ? std::make_unique<ShadowBuffer>(light.view, group.sheets,
-                                                                 scene.dials.shadowFilter, group.batchSheets)
-                                : nullptr);
+        m_shadows.push_back(light.shadowed ? std::make_unique<ShadowBuffer>(light.view, group.sheets,
+                                                                            scene.dials.shadowFilter, group.batchSheets)
+                                           : nullptr);
 }
 
 std::uint64_t BatchLights::attenuate(int firstSheet, int count, const PlaneStack& extinction) {

@@ -27,8 +27,12 @@ template <class Each>
 V4 each(const Each& value) {
     return {{value(0), value(1), value(2), value(3)}};
 }
-HWY_INLINE V4 load4(const float* from) { return {{from[0], from[1], from[2], from[3]}}; }
-HWY_INLINE void store4(V4 v, float* to) { std::copy_n(v.c, 4, to); }
+HWY_INLINE V4 load4(const float* from) {
+    return {{from[0], from[1], from[2], from[3]}};
+}
+HWY_INLINE void store4(V4 v, float* to) {
+    std::copy_n(v.c, 4, to);
+}
 HWY_INLINE V4 times(V4 v, float by) {
     return each([&](int i) { return v.c[i] * by; });
 }
@@ -45,10 +49,18 @@ HWY_INLINE V4 behind(V4 state, V4 texel) {
 using D4 = hn::CappedTag<float, 4>;
 using V4 = hn::Vec<D4>;
 
-HWY_ATTR HWY_INLINE V4 load4(const float* from) { return hn::LoadU(D4(), from); }
-HWY_ATTR HWY_INLINE void store4(V4 v, float* to) { hn::StoreU(v, D4(), to); }
-HWY_ATTR HWY_INLINE V4 times(V4 v, float by) { return hn::Mul(v, hn::Set(D4(), by)); }
-HWY_ATTR HWY_INLINE V4 lerp4(V4 a, V4 b, float t) { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b, a), a); }
+HWY_ATTR HWY_INLINE V4 load4(const float* from) {
+    return hn::LoadU(D4(), from);
+}
+HWY_ATTR HWY_INLINE void store4(V4 v, float* to) {
+    hn::StoreU(v, D4(), to);
+}
+HWY_ATTR HWY_INLINE V4 times(V4 v, float by) {
+    return hn::Mul(v, hn::Set(D4(), by));
+}
+HWY_ATTR HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
+    return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b, a), a);
+}
 HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
     return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hn::Broadcast<3>(state)), texel, state);
 }
@@ -99,9 +111,8 @@ HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
     const hn::Rebind<float, decltype(d)> df;
     for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
         const auto column = hn::Iota(d, static_cast<double>(i));
-        const auto at = [&](const double* start, const double* step, int axis) HWY_ATTR {
-            return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis]));
-        };
+        const auto at = [&](const double* start, const double* step, int axis)
+                            HWY_ATTR { return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis])); };
         const auto directionN = at(row.direction, row.directionStep, 2);
         const auto inverse = hn::Div(hn::Set(d, 1.0), directionN);
         const auto away = hn::Sub(hn::Set(d, row.reference), at(row.origin, row.originStep, 2));
@@ -188,7 +199,9 @@ HWY_EXPORT(compositeTileOnTarget);
 HWY_EXPORT(sampleRgbaOnTarget);
 HWY_EXPORT(compositeSamplesOnTarget);
 
-void fillRays(const RayRow& row, int j, RayTile& tile) { HWY_DYNAMIC_DISPATCH(fillRaysOnTarget)(row, j, tile); }
+void fillRays(const RayRow& row, int j, RayTile& tile) {
+    HWY_DYNAMIC_DISPATCH(fillRaysOnTarget)(row, j, tile);
+}
 
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state) {
     HWY_DYNAMIC_DISPATCH(compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state);

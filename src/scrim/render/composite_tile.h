@@ -36,7 +36,7 @@ struct SheetList {
     const float* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
     const float* steps;          ///< its place in the batch: planes from the batch's first
     int count;
-    int width, height;           ///< of the planes, texels
+    int width, height;  ///< of the planes, texels
 };
 
 /// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops.

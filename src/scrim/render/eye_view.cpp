@@ -7,8 +7,7 @@
 
 namespace scrim {
 
-EyeView::EyeView(const Camera& camera, const Sheets& sheets)
-    : m_orthographic(camera.type == CameraType::orthographic) {
+EyeView::EyeView(const Camera& camera, const Sheets& sheets) : m_orthographic(camera.type == CameraType::orthographic) {
     const RayFamily ws = wsRays(camera);
     m_ts.near = ws.near;
     m_ts.origin0 = sheets.tsPoint(ws.origin0);

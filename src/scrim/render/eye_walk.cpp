@@ -15,16 +15,18 @@ namespace {
 // must not depend on how many sheets a batch has.
 constexpr int kBlock = 8;
 
-int blockBegin(int sheet) { return sheet / kBlock * kBlock; }
+int blockBegin(int sheet) {
+    return sheet / kBlock * kBlock;
+}
 
 }  // namespace
 
 // A tile's rays, and what they meet in a batch.
 struct EyeWalk::TileWalk {
     RayTile rays;
-    float startLeast, startMost;      // extremes of rays.startN
-    int firstStep;                    // place of plane 0 among the block's sheets
-    std::array<int, kBlock> planes;   // those with active texels under the tile
+    float startLeast, startMost;     // extremes of rays.startN
+    int firstStep;                   // place of plane 0 among the block's sheets
+    std::array<int, kBlock> planes;  // those with active texels under the tile
     int planeCount = 0;
 };
 
@@ -53,8 +55,8 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
         const auto tileOf = [](double texel, int size) {
             return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
         };
-        if (planes.anyActive(p, tileOf(u0, planes.width()), tileOf(v0, planes.height()),
-                             tileOf(u1 + 1, planes.width()), tileOf(v1 + 1, planes.height())))
+        if (planes.anyActive(p, tileOf(u0, planes.width()), tileOf(v0, planes.height()), tileOf(u1 + 1, planes.width()),
+                             tileOf(v1 + 1, planes.height())))
             walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
     }
     if (walk.planeCount == 0) return walk;
@@ -105,8 +107,8 @@ std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const Plane
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
         if (listed == 0) return;
-        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height()},
-                      m_frontToBack, mayStop ? m_cutoff : 0.0f, states);
+        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height()}, m_frontToBack,
+                      mayStop ? m_cutoff : 0.0f, states);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
     };
@@ -114,7 +116,8 @@ std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const Plane
         const int p = walk.planes[static_cast<std::size_t>(i)];
         const int step = p + walk.firstStep;
         switch (seenPart(step, walk.startLeast, walk.startMost, m_frontToBack)) {
-            case Before::none: break;
+            case Before::none:
+                break;
             case Before::all:
                 planes[static_cast<std::size_t>(listed)] = shaded.plane(p);
                 steps[static_cast<std::size_t>(listed++)] = static_cast<float>(step);
@@ -178,9 +181,8 @@ EyeWalk::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& pla
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {
         const PlaneStack::TileBounds active = planes.activeBounds(p);
         if (active.x1 < active.x0) continue;
-        const auto box = m_eye.seenBy(active.x0 * kTileEdge - 1, active.y0 * kTileEdge - 1,
-                                      (active.x1 + 1) * kTileEdge, (active.y1 + 1) * kTileEdge,
-                                      range.sheet + p - range.firstPlane + 0.5);
+        const auto box = m_eye.seenBy(active.x0 * kTileEdge - 1, active.y0 * kTileEdge - 1, (active.x1 + 1) * kTileEdge,
+                                      (active.y1 + 1) * kTileEdge, range.sheet + p - range.firstPlane + 0.5);
         if (!box) return all;
         seen = {std::min(seen.x0, box->x0), std::min(seen.y0, box->y0), std::max(seen.x1, box->x1),
                 std::max(seen.y1, box->y1)};
@@ -235,9 +237,8 @@ std::uint64_t EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack
 
 std::uint64_t EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& extinction,
                                      const SheetShader& shader) {
-    return forOpenTiles(firstSheet, count, extinction, [&](int tile, const Range& range) {
-        return shadePixels(tile, range, extinction, shader);
-    });
+    return forOpenTiles(firstSheet, count, extinction,
+                        [&](int tile, const Range& range) { return shadePixels(tile, range, extinction, shader); });
 }
 
 bool EyeWalk::allOpaque() const {

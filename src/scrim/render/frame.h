@@ -10,14 +10,14 @@ namespace scrim {
 
 /// Counts of work done, not of time: equal scenes give equal numbers on every machine.
 struct RenderWork {
-    std::uint64_t voxelsFed = 0;     ///< voxels of value > 0, once a sweep and field
-    std::uint64_t footprints = 0;    ///< voxel and sheet pairs splatted
+    std::uint64_t voxelsFed = 0;   ///< voxels of value > 0, once a sweep and field
+    std::uint64_t footprints = 0;  ///< voxel and sheet pairs splatted
     std::uint64_t texelsShaded = 0;
     std::uint64_t lightSamples = 0;  ///< cells of shadow buffers walked
     std::uint64_t lightLookups = 0;  ///< light and sample pairs shaded
     std::uint64_t pixelSheets = 0;   ///< pixel and sheet pairs composited
     std::uint64_t sheets = 0;
-    std::uint64_t bufferBytes = 0;   ///< address space of the largest sweep's buffers
+    std::uint64_t bufferBytes = 0;  ///< address space of the largest sweep's buffers
 
     RenderWork& operator+=(const RenderWork& o) {
         voxelsFed += o.voxelsFed;

@@ -17,7 +17,9 @@
 namespace scrim {
 namespace {
 
-double angleOf(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)); }
+double angleOf(double cosine) {
+    return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
 
 // 42 directions spread evenly over the sphere: the corners of an icosahedron and the middles of its edges. No
 // direction is further than 21 degrees from one of them, so windows of 32 degrees overlap well.
@@ -73,8 +75,7 @@ void addWindows(int index, const Light& light, const Cone& cone, std::vector<Lig
     const double spotAngle = light.type == LightType::spot ? 0.5 * light.coneAngle * std::acos(-1.0) / 180 : 4.0;
     for (const Vec3& axis : axes) {
         if (angleOf(glm::dot(axis, cone.axis)) > volumeAngle + kWindowAngle) continue;
-        if (light.type == LightType::spot &&
-            angleOf(glm::dot(axis, light.wsDirection)) > spotAngle + kWindowAngle)
+        if (light.type == LightType::spot && angleOf(glm::dot(axis, light.wsDirection)) > spotAngle + kWindowAngle)
             continue;
         LightPart part;
         part.light = index;
@@ -134,8 +135,7 @@ struct Item {
 };
 
 // Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
-std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners,
-                               const std::vector<Vec3>& eye) {
+std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const std::vector<Vec3>& eye) {
     std::vector<LightPart> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
         addParts(static_cast<int>(i), scene.lights[i], corners, parts);

@@ -34,14 +34,11 @@ class ImageTiles {
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
     /// (C, -A) of the tile's 256 pixels: 4 floats each, see composite_tile.h.
     float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4; }
-    const float* states(int tile) const {
-        return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4;
-    }
+    const float* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * kTileSize * 4; }
     /// (C, -A) of pixel (x, y) of the region.
     const float* state(int x, int y) const {
         const int dx = x - m_region.x0, dy = y - m_region.y0;
-        return states(dy / kTileEdge * m_tilesX + dx / kTileEdge) +
-               4 * (dy % kTileEdge * kTileEdge + dx % kTileEdge);
+        return states(dy / kTileEdge * m_tilesX + dx / kTileEdge) + 4 * (dy % kTileEdge * kTileEdge + dx % kTileEdge);
     }
     bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
     void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }

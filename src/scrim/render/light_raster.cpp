@@ -39,8 +39,8 @@ void layCells(const Extent& extent, LightView& view) {
 
 }  // namespace
 
-LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
-                    double slant, LightPart part) {
+LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
+                    LightPart part) {
     const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
     LightPlan plan;
     plan.light = part.light;

@@ -8,7 +8,7 @@ namespace scrim {
 
 /// The view of one light part onto `sheets`: cells as large as the dial `shadow_texel` says where they are
 /// largest, and as many as the rays that meet the volume need.
-LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets,
-                    double slant, LightPart part);
+LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets, double slant,
+                    LightPart part);
 
 }  // namespace scrim

@@ -25,8 +25,7 @@ int roundUpToTile(double texels) {
 
 // The stack of sheets around the volume. Planes lie at whole multiples of the thickness, texels at whole
 // multiples of their size, from the middle of the volume: nothing hangs on where the camera stands.
-Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const LightGroup& group,
-                    double voxel) {
+Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const LightGroup& group, double voxel) {
     Bounds ws;
     for (const Vec3& corner : corners) ws.include(corner);
 
@@ -73,24 +72,25 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
         plan.shadeReason = "the scene says so";
         return;
     }
-    const double pixels = double(plan.region.width()) * plan.region.height();
+    // Of the whole picture: a crop must be shaded as the rest is.
+    const double n = scene.dials.antialias;
+    const double pixels = n * n * scene.camera.resolution.x * scene.camera.resolution.y;
     const Sheets& sheets = plan.groups.front().sheets;
     const double texels = double(sheets.width) * sheets.height;
     // A pixel's sample costs about twice a texel's: it gathers its extinction and its shadow.
     plan.shadeAtPixels = 2 * pixels < texels;
-    plan.shadeReason = fmt::format("a sheet has {:.3g} texels, the picture {:.3g} pixels, and a medium looks the "
-                                   "same either way",
-                                   texels, pixels);
+    plan.shadeReason = fmt::format(
+        "a sheet has {:.3g} texels, the picture {:.3g} pixels, and a medium looks the "
+        "same either way",
+        texels, pixels);
 }
 
 // Sheets a batch: enough for every thread to have some, few enough to stay in memory.
-void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, bool shadeAtPixels,
-                 GroupPlan& group) {
+void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, bool shadeAtPixels, GroupPlan& group) {
     const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
-    const std::size_t budget =
-        std::min(kComfortableBytes,
-                 scene.memoryLimit == 0 ? kComfortableBytes
-                                        : scene.memoryLimit - std::min(scene.memoryLimit, frameBytes));
+    const std::size_t budget = std::min(
+        kComfortableBytes,
+        scene.memoryLimit == 0 ? kComfortableBytes : scene.memoryLimit - std::min(scene.memoryLimit, frameBytes));
     group.batchSheets = wanted;
     while (group.batchSheets > 1 && groupBytes(scene, group, shadeAtPixels, group.batchSheets) > budget)
         --group.batchSheets;
@@ -114,8 +114,7 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         plan.work.texels += texels;
         plan.work.pixelSheets += pixels * group.sheets.count;
         for (const LightPlan& light : group.lights)
-            if (light.shadowed)
-                plan.work.lightSamples += texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
+            if (light.shadowed) plan.work.lightSamples += texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
     }
 }
 

@@ -15,7 +15,7 @@
 namespace scrim {
 
 struct LightPlan {
-    int light = 0;             ///< index into ViewScene::lights
+    int light = 0;  ///< index into ViewScene::lights
     bool shadowed = true;
     LightView view;
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
@@ -23,30 +23,30 @@ struct LightPlan {
 };
 
 struct GroupPlan {
-    bool primary = false;      ///< owns alpha and ambient
+    bool primary = false;  ///< owns alpha and ambient
     bool sameSide = true;
-    double slant = 0;          ///< radians
+    double slant = 0;  ///< radians
     Sheets sheets;
-    int batchSheets = 1;       ///< sheets that are in memory at a time
+    int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
-    std::size_t bytes = 0;     ///< of all buffers of this group's sweep, at most
+    std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
 };
 
 /// Rough counts of the work ahead, in units of what each stage does once.
 struct ExpectedWork {
-    double footprints = 0;     ///< voxel and sheet pairs
-    double texels = 0;         ///< shaded texels, at most
-    double lightSamples = 0;   ///< shadow buffer cells walked, at most
-    double pixelSheets = 0;    ///< pixel and sheet pairs composited, at most
+    double footprints = 0;    ///< voxel and sheet pairs
+    double texels = 0;        ///< shaded texels, at most
+    double lightSamples = 0;  ///< shadow buffer cells walked, at most
+    double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
 };
 
 struct Plan {
     std::vector<GroupPlan> groups;  ///< the first is the primary one; empty where nothing is to be seen
     bool shadeAtPixels = false;
     std::string shadeReason;
-    double voxel = 1;               ///< the unit of the dials, world units
-    PixelWindow region;             ///< in pixels of the antialiasing raster
-    std::size_t bytes = 0;          ///< buffers at their largest, frame included; without the fields
+    double voxel = 1;       ///< the unit of the dials, world units
+    PixelWindow region;     ///< in pixels of the antialiasing raster
+    std::size_t bytes = 0;  ///< buffers at their largest, frame included; without the fields
     ExpectedWork work;
 };
 

@@ -104,18 +104,16 @@ double megabytes(std::size_t bytes) {
 std::string lightLine(const ViewScene& scene, const LightPlan& light) {
     std::string line = fmt::format("  light '{}'", lightName(scene, light));
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
-    line += light.shadowed
-                ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
-                : std::string(": no shadows\n");
+    line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
+                           : std::string(": no shadows\n");
     return line;
 }
 
 std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
     const Vec3 axis = axisOf(group);
-    std::string text =
-        fmt::format("group {}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
-                    group.primary ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z,
-                    group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
+    std::string text = fmt::format("group {}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
+                                   group.primary ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z,
+                                   group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
     text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
                         group.batchSheets);
     text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
@@ -158,10 +156,9 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);
     if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";
     text += fmt::format("{:<23} {:.1f} MB\n", "memory without fields", megabytes(plan.bytes));
-    text +=
-        fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
-                    "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
-                    plan.work.pixelSheets);
+    text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
+                        "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
+                        plan.work.pixelSheets);
     return text;
 }
 

@@ -56,8 +56,8 @@ void SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out) cons
 
     // Extinction: the total first, then each volume's own (which is the total where there is one).
     const auto copyTile = [&](const PlaneStack& planes, float* to) {
-        const float* from = planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() +
-                            tx * kTileEdge;
+        const float* from =
+            planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
         for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
             std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(float));
     };
@@ -67,8 +67,7 @@ void SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out) cons
 
     float* tauIn = rows + (volumes + 1) * kTileSize;
     for (std::size_t i = 0; i < lights.lights.size(); ++i)
-        if (lights.shadows[i])
-            lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, tauIn + i * kTileSize);
+        if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, tauIn + i * kTileSize);
 
     SampleTile samples;
     texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
@@ -81,8 +80,7 @@ void SheetShader::shadePoints(int p, const SampleTile& samples, float* out) cons
     float* rows = threadScratch().rows(static_cast<std::size_t>(volumes + 1) + lights.lights.size());
 
     const auto sample = [&](const PlaneStack& planes, float* to) {
-        samplePoints({planes.plane(p), planes.width(), planes.height()}, samples.u, samples.v, false, kTileSize,
-                     to);
+        samplePoints({planes.plane(p), planes.width(), planes.height()}, samples.u, samples.v, false, kTileSize, to);
     };
     sample(m_fields.extinction(), rows);
     if (volumes > 1)
@@ -90,8 +88,7 @@ void SheetShader::shadePoints(int p, const SampleTile& samples, float* out) cons
 
     float* tauIn = rows + (volumes + 1) * kTileSize;
     for (std::size_t i = 0; i < lights.lights.size(); ++i)
-        if (lights.shadows[i])
-            lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, tauIn + i * kTileSize);
+        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, tauIn + i * kTileSize);
     shade(p, samples, rows, tauIn, out);
 }
 

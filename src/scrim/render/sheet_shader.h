@@ -13,8 +13,8 @@ namespace scrim {
 
 class SheetShader {
   public:
-    SheetShader(const ViewScene& scene, const GroupPlan& group, const BatchFields& fields,
-                const BatchLights& lights, const EyeView& eye);
+    SheetShader(const ViewScene& scene, const GroupPlan& group, const BatchFields& fields, const BatchLights& lights,
+                const EyeView& eye);
 
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`: 256 x (S, -alpha).
     void shadeTexels(int p, int sheet, int tx, int ty, float* out) const;

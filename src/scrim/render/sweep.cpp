@@ -45,8 +45,8 @@ std::uint64_t shadeBatch(const SheetShader& shader, const EyeView& eye, const Im
             if (seen && !tiles.anyOpen(seen->x0, seen->y0, seen->x1, seen->y1)) continue;
             shader.shadeTexels(p, sheet, tx, ty, out);
             shaded.replace(p, tx, ty);
-            float* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
-                         tx * kTileEdge * 4;
+            float* row =
+                shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() + tx * kTileEdge * 4;
             for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
                 std::copy_n(out + y * kTileEdge * 4, kTileEdge * 4, row);
             texels[task] += kTileSize;
@@ -60,8 +60,8 @@ std::uint64_t shadeBatch(const SheetShader& shader, const EyeView& eye, const Im
 
 }  // namespace
 
-void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group,
-              ImageTiles& tiles, RenderWork& work, StageTimes& times, const SweepProgress& progress) {
+void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group, ImageTiles& tiles,
+              RenderWork& work, StageTimes& times, const SweepProgress& progress) {
     Stopwatch watch;
     const Sheets& sheets = group.sheets;
     const EyeView eye(camera, sheets);
@@ -100,11 +100,9 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && walk.allOpaque()) break;
     }
-    work.bufferBytes =
-        std::max<std::uint64_t>(work.bufferBytes, fields.bytes() + lights.bytes() +
-                                                      (shaded ? PlaneStack::bytes(group.batchSheets, sheets.width,
-                                                                                  sheets.height, 4)
-                                                              : 0));
+    work.bufferBytes = std::max<std::uint64_t>(
+        work.bufferBytes, fields.bytes() + lights.bytes() +
+                              (shaded ? PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, 4) : 0));
 }
 
 }  // namespace scrim

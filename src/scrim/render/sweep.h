@@ -15,7 +15,7 @@ using SweepProgress = std::function<void(double)>;
 
 /// Runs the sweep of `group` into `tiles`, which must be freshly reset. `camera` has the resolution of the
 /// antialiasing raster.
-void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group,
-              ImageTiles& tiles, RenderWork& work, StageTimes& times, const SweepProgress& progress);
+void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group, ImageTiles& tiles,
+              RenderWork& work, StageTimes& times, const SweepProgress& progress);
 
 }  // namespace scrim

@@ -28,7 +28,7 @@ struct ViewScene {
     PixelWindow region;  ///< the pixels to render, within the display window or beyond it (overscan)
     std::vector<ViewVolume> volumes;
     std::vector<Light> lights;
-    Rgb ambient{0};      ///< radiance of an unshadowed environment
+    Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
     std::size_t memoryLimit = 0;  ///< bytes that buffers may take; 0: no limit
 };

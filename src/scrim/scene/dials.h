@@ -17,16 +17,16 @@ struct Dials {
     double sheetThickness = 1;  ///< voxels, before the cosine of the worst slant
     double texel = 1;           ///< voxels
     Kernel kernel = Kernel::linear;
-    int footprintSteps = 16;    ///< quantised positions a voxel along each axis, a power of two
-    double shadowTexel = 1;     ///< texels a shadow buffer's cell
+    int footprintSteps = 16;  ///< quantised positions a voxel along each axis, a power of two
+    double shadowTexel = 1;   ///< texels a shadow buffer's cell
     ShadowFilter shadowFilter = ShadowFilter::bilinear;
     ShadeMode shade = ShadeMode::automatic;
     SheetAxis sheets = SheetAxis::halfWay;
-    double maxSlant = 60;       ///< degrees
-    double opacityCutoff = 1e-3;///< transmittance below which a pixel counts as opaque
-    double lod = 0;             ///< pixels a voxel may shrink to before a coarser level is fed; 0: never
-    int antialias = 1;          ///< n x n rays a pixel
-    std::string simd = "auto";  ///< instruction set: auto, or the most one may use
+    double maxSlant = 60;         ///< degrees
+    double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
+    double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is fed; 0: never
+    int antialias = 1;            ///< n x n rays a pixel
+    std::string simd = "auto";    ///< instruction set: auto, or the most one may use
 };
 
 }  // namespace scrim

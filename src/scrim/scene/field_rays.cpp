@@ -18,9 +18,7 @@ constexpr int kMostSteps = 4096;
 
 /// Unique for origins that are multiples of 8 within +-2^23, which covers 2^24 voxels an axis.
 std::uint64_t keyOf(const Int3& origin) {
-    const auto part = [](int v) {
-        return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v >> 3)) & 0x1fffff;
-    };
+    const auto part = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v >> 3)) & 0x1fffff; };
     return part(origin.x) << 42 | part(origin.y) << 21 | part(origin.z);
 }
 
@@ -69,11 +67,9 @@ FieldRays::FieldRays(const SparseField& field)
 }
 
 double FieldRays::valueAt(const Vec3& isPoint) const {
-    const Int3 voxel(static_cast<int>(std::floor(isPoint.x + 0.5)),
-                     static_cast<int>(std::floor(isPoint.y + 0.5)),
+    const Int3 voxel(static_cast<int>(std::floor(isPoint.x + 0.5)), static_cast<int>(std::floor(isPoint.y + 0.5)),
                      static_cast<int>(std::floor(isPoint.z + 0.5)));
-    const Int3 origin(floorTo(voxel.x, kBlockEdge), floorTo(voxel.y, kBlockEdge),
-                      floorTo(voxel.z, kBlockEdge));
+    const Int3 origin(floorTo(voxel.x, kBlockEdge), floorTo(voxel.y, kBlockEdge), floorTo(voxel.z, kBlockEdge));
     if (const auto found = m_blocks.find(keyOf(origin)); found != m_blocks.end()) {
         const Int3 p = voxel - origin;
         return m_field->block(found->second)[blockOffset(p.x, p.y, p.z)];
@@ -94,8 +90,7 @@ double FieldRays::integral(const Vec3& wsOrigin, const Vec3& wsDirection) const 
             if (o[axis] < m_isBounds.lower[axis] || o[axis] > m_isBounds.upper[axis]) return 0;
             continue;
         }
-        const double a = (m_isBounds.lower[axis] - o[axis]) / d[axis],
-                     b = (m_isBounds.upper[axis] - o[axis]) / d[axis];
+        const double a = (m_isBounds.lower[axis] - o[axis]) / d[axis], b = (m_isBounds.upper[axis] - o[axis]) / d[axis];
         t0 = std::max(t0, std::min(a, b));
         t1 = std::min(t1, std::max(a, b));
     }

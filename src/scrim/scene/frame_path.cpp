@@ -54,8 +54,7 @@ std::optional<std::pair<Piece, std::size_t>> placeAt(const std::string& pattern,
     if (pattern[i] == '%') {
         // "%d" and "%04d"; "%4d" would pad with blanks, and stands for itself.
         const std::size_t digits = digitsAt(pattern, i + 1), end = i + 1 + digits;
-        if (end < pattern.size() && pattern[end] == 'd' &&
-            (digits == 0 || (pattern[i + 1] == '0' && digits > 1)))
+        if (end < pattern.size() && pattern[end] == 'd' && (digits == 0 || (pattern[i + 1] == '0' && digits > 1)))
             return {{Piece{"", widthOf(std::string_view(pattern).substr(i + 1, digits))}, end + 1 - i}};
     }
     return std::nullopt;
@@ -85,8 +84,7 @@ std::string frameText(int frame, int digits) {
 
 std::string expanded(const std::vector<Piece>& pieces, int frame) {
     std::string path;
-    for (const Piece& piece : pieces)
-        path += piece.digits > 0 ? frameText(frame, piece.digits) : piece.literal;
+    for (const Piece& piece : pieces) path += piece.digits > 0 ? frameText(frame, piece.digits) : piece.literal;
     return path;
 }
 
@@ -107,15 +105,13 @@ std::optional<int> frameIn(const std::string& name, const std::vector<Piece>& pi
     }
     if (start >= name.size()) return std::nullopt;
     int frame = 0;
-    if (std::from_chars(name.data() + start, name.data() + name.size(), frame).ec != std::errc())
-        return std::nullopt;
+    if (std::from_chars(name.data() + start, name.data() + name.size(), frame).ec != std::errc()) return std::nullopt;
     return expanded(pieces, frame) == name ? std::optional<int>(frame) : std::nullopt;
 }
 
 }  // namespace
 
-std::string expandVariables(const std::string& pattern, const VariableLookup& lookup,
-                            const std::string& where) {
+std::string expandVariables(const std::string& pattern, const VariableLookup& lookup, const std::string& where) {
     std::string out;
     for (std::size_t i = 0; i < pattern.size(); ++i) {
         if (pattern[i] != '$') {
@@ -134,14 +130,12 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
             for (std::size_t k = 0; k < name.size(); ++k) good = good && isNameCharacter(name[k], k == 0);
             if (!good)
                 refuse(where, pattern,
-                       fmt::format("has '${{{}}}'; a variable's name is letters, digits and '_'",
-                                   clipped(name, 40)));
+                       fmt::format("has '${{{}}}'; a variable's name is letters, digits and '_'", clipped(name, 40)));
             const auto value = lookup(name);
             if (!value)
                 refuse(where, pattern,
-                       fmt::format(
-                           "names the variable '{}', which is neither in [variables] nor in the environment",
-                           name));
+                       fmt::format("names the variable '{}', which is neither in [variables] nor in the environment",
+                                   name));
             out += *value;
             i = end;
         } else if (next == 'F' && (i + 2 >= pattern.size() || !isNameCharacter(pattern[i + 2], true))) {

@@ -17,8 +17,7 @@ using VariableLookup = std::function<std::optional<std::string>(const std::strin
 /// `pattern` with every ${NAME} replaced, once: values are not searched for further variables, but may hold
 /// "####". Throws Error(input) "`where`: ..." on an unknown or malformed one, and on a '$' that begins
 /// nothing.
-std::string expandVariables(const std::string& pattern, const VariableLookup& lookup,
-                            const std::string& where);
+std::string expandVariables(const std::string& pattern, const VariableLookup& lookup, const std::string& where);
 
 /// Whether `pattern` names different files for different frames.
 bool hasFrame(const std::string& pattern);

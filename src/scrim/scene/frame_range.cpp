@@ -58,11 +58,10 @@ std::string_view trimmed(std::string_view text) {
 
 std::vector<int> parseFrameRange(const std::string& text) {
     if (text.find(':') != std::string::npos)
-        throw Error(
-            ErrorKind::usage,
-            fmt::format("frame range '{}': ':' is refused, since farm managers disagree on its meaning; "
-                        "write 1-48x2 for every second frame",
-                        clipped(text, 80)));
+        throw Error(ErrorKind::usage,
+                    fmt::format("frame range '{}': ':' is refused, since farm managers disagree on its meaning; "
+                                "write 1-48x2 for every second frame",
+                                clipped(text, 80)));
     std::vector<int> frames;
     std::unordered_set<int> seen;
     std::string_view rest = text;
@@ -83,8 +82,7 @@ std::vector<int> parseFrameRange(const std::string& text) {
         if (last < first) part.fail("the last frame comes before the first");
         for (int frame = first; frame <= last; frame += step) {
             if (!seen.insert(frame).second) continue;
-            if (frames.size() == kMostFrames)
-                part.fail(fmt::format("there are more than {} frames", kMostFrames));
+            if (frames.size() == kMostFrames) part.fail(fmt::format("there are more than {} frames", kMostFrames));
             frames.push_back(frame);
         }
     }

@@ -42,8 +42,7 @@ std::string rounded(double v, int exponent) {
 }
 
 std::string rounded(const Vec3& v, int exponent) {
-    return fmt::format("[{}, {}, {}]", rounded(v.x, exponent), rounded(v.y, exponent),
-                       rounded(v.z, exponent));
+    return fmt::format("[{}, {}, {}]", rounded(v.x, exponent), rounded(v.y, exponent), rounded(v.z, exponent));
 }
 
 /// `v` with so many significant digits.
@@ -160,14 +159,13 @@ std::string volumeText(const std::string& assetFile, const FramedGrid& grid, dou
         "albedo = [{a}, {a}, {a}]\n"
         "phase = {{ type = \"hg\", g = {g} }}\n\n",
         quoted(named ? grid.grid : "volume"), quoted(assetFile),
-        named ? fmt::format("grid = {}, ", quoted(grid.grid)) : "", significant(scale, 3),
-        fmt::arg("a", kAlbedo), fmt::arg("g", kG));
+        named ? fmt::format("grid = {}, ", quoted(grid.grid)) : "", significant(scale, 3), fmt::arg("a", kAlbedo),
+        fmt::arg("g", kG));
 }
 
 }  // namespace
 
-std::string framingScene(const std::string& assetFile, const std::vector<FramedGrid>& grids,
-                         Int2 resolution) {
+std::string framingScene(const std::string& assetFile, const std::vector<FramedGrid>& grids, Int2 resolution) {
     std::vector<Vec3> wsPoints;
     std::vector<FieldRays> fields;
     for (const FramedGrid& grid : grids) {
@@ -176,8 +174,7 @@ std::string framingScene(const std::string& assetFile, const std::vector<FramedG
         // The linear kernel reaches half a voxel further than the cells.
         is.lower -= 0.5;
         is.upper += 0.5;
-        for (const Vec3& corner : is.corners())
-            wsPoints.push_back(transformPoint(grid.field->wsFromIs, corner));
+        for (const Vec3& corner : is.corners()) wsPoints.push_back(transformPoint(grid.field->wsFromIs, corner));
         fields.emplace_back(*grid.field);
     }
     if (wsPoints.empty())

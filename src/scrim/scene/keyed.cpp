@@ -34,8 +34,8 @@ template <typename T>
 T Keyed<T>::at(double frame) const {
     if (!(frame > keys.front().first)) return keys.front().second;
     if (frame >= keys.back().first) return keys.back().second;
-    const auto after = std::upper_bound(keys.begin(), keys.end(), frame,
-                                        [](double f, const auto& key) { return f < key.first; });
+    const auto after =
+        std::upper_bound(keys.begin(), keys.end(), frame, [](double f, const auto& key) { return f < key.first; });
     const auto i = static_cast<std::size_t>(after - keys.begin()) - 1;
     const auto length = [&](std::size_t k) { return keys[k + 1].first - keys[k].first; };
     const auto chord = [&](std::size_t k) { return (keys[k + 1].second - keys[k].second) / length(k); };
@@ -48,9 +48,8 @@ T Keyed<T>::at(double frame) const {
     const T slopeP = i == 0 ? T(0) : keySlope(chord(i - 1), length(i - 1), chord(i), h);
     const T slopeQ = i + 2 == keys.size() ? T(0) : keySlope(chord(i), h, chord(i + 1), length(i + 1));
     const double s = 1 - t;
-    return between(
-        (1 + 2 * t) * s * s * p + t * t * (3 - 2 * t) * q + t * s * s * h * slopeP - t * t * s * h * slopeQ,
-        p, q);
+    return between((1 + 2 * t) * s * s * p + t * t * (3 - 2 * t) * q + t * s * s * h * slopeP - t * t * s * h * slopeQ,
+                   p, q);
 }
 
 template struct Keyed<double>;

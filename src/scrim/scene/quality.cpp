@@ -28,8 +28,7 @@ std::string text(double value) {
 }
 
 /// A real number in [low, high].
-Dial number(std::string name, std::string unit, double low, double high, double Dials::*member,
-            std::string meaning) {
+Dial number(std::string name, std::string unit, double low, double high, double Dials::*member, std::string meaning) {
     Dial d;
     d.info = {std::move(name), std::move(unit), "", fmt::format("a number from {} to {}", low, high),
               std::move(meaning)};
@@ -40,8 +39,8 @@ Dial number(std::string name, std::string unit, double low, double high, double 
 }
 
 /// A whole number for which `allows` holds.
-Dial integer(std::string name, std::string unit, std::string allowed, bool (*allows)(double),
-             int Dials::*member, std::string meaning) {
+Dial integer(std::string name, std::string unit, std::string allowed, bool (*allows)(double), int Dials::*member,
+             std::string meaning) {
     Dial d;
     d.info = {std::move(name), std::move(unit), "", std::move(allowed), std::move(meaning)};
     d.allows = [=](double v) { return v == std::floor(v) && allows(v); };
@@ -57,9 +56,7 @@ Dial choice(std::string name, std::vector<std::string> words, Enum Dials::*membe
     d.info = {std::move(name), "", "", choices(words), std::move(meaning)};
     d.words = std::move(words);
     d.setWord = [=](Dials& dials, std::size_t i) { dials.*member = static_cast<Enum>(i); };
-    d.get = [=, known = d.words](const Dials& dials) {
-        return known[static_cast<std::size_t>(dials.*member)];
-    };
+    d.get = [=, known = d.words](const Dials& dials) { return known[static_cast<std::size_t>(dials.*member)]; };
     return d;
 }
 
@@ -72,8 +69,7 @@ bool isFootprintSteps(double v) {
 Dial splat() {
     Dial d;
     d.words = {"shared"};
-    d.info = {"splat", "", "", choices(d.words),
-              "what footprints are splatted into: one raster that all views share"};
+    d.info = {"splat", "", "", choices(d.words), "what footprints are splatted into: one raster that all views share"};
     d.setWord = [](Dials&, std::size_t) {};
     d.get = [](const Dials&) { return "shared"; };
     return d;
@@ -92,37 +88,32 @@ Dial simd() {
 
 std::vector<Dial> makeDials() {
     std::vector<Dial> all;
-    all.push_back(
-        number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
-               "thickness of a sheet, before the cosine of the worst slant; error of second order"));
-    all.push_back(
-        number("texel", "voxels", 0.05, 64, &Dials::texel, "edge of a sheet's texel; error of second order"));
+    all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
+                         "thickness of a sheet, before the cosine of the worst slant; error of second order"));
+    all.push_back(number("texel", "voxels", 0.05, 64, &Dials::texel, "edge of a sheet's texel; error of second order"));
     all.push_back(splat());
-    all.push_back(
-        choice<ShadeMode>("shade", {"auto", "texel", "pixel"}, &Dials::shade,
-                          "where light is added up: at texels (many lights are cheap) or at pixels"));
+    all.push_back(choice<ShadeMode>("shade", {"auto", "texel", "pixel"}, &Dials::shade,
+                                    "where light is added up: at texels (many lights are cheap) or at pixels"));
     all.push_back(choice<Kernel>("kernel", kernelNames(), &Dials::kernel,
                                  "reconstruction kernel: what the field is between its voxels"));
-    all.push_back(
-        integer("footprint_steps", "steps a voxel", "a power of two from 2 to 128", isFootprintSteps,
-                &Dials::footprintSteps,
-                "quantised positions a footprint is tabulated at; 8, 16, 32 ripple by 0.7, 0.3, 0.1 %"));
+    all.push_back(integer("footprint_steps", "steps a voxel", "a power of two from 2 to 128", isFootprintSteps,
+                          &Dials::footprintSteps,
+                          "quantised positions a footprint is tabulated at; 8, 16, 32 ripple by 0.7, 0.3, 0.1 %"));
     all.push_back(number("shadow_texel", "texels", 0.1, 64, &Dials::shadowTexel,
                          "edge of a shadow buffer's cell; error of second order"));
     all.push_back(choice<ShadowFilter>("shadow_filter", {"bilinear", "nearest"}, &Dials::shadowFilter,
                                        "look-up in shadow buffers"));
     all.push_back(choice<SheetAxis>("sheets", {"half-way", "image-aligned"}, &Dials::sheets,
                                     "axis of the sheets: between eye and lights, or along the view"));
-    all.push_back(
-        number("max_slant", "degrees", 10, 85, &Dials::maxSlant,
-               "largest angle of a ray to the axis of its sweep; less is more accurate and more sweeps"));
+    all.push_back(number("max_slant", "degrees", 10, 85, &Dials::maxSlant,
+                         "largest angle of a ray to the axis of its sweep; less is more accurate and more sweeps"));
     all.push_back(number("opacity_cutoff", "transmittance", 0, 0.5, &Dials::opacityCutoff,
                          "transmittance below which a pixel counts as opaque; bounds the error"));
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
                          "size below which voxels are fed from a coarser level of the grid; 0: never"));
     all.push_back(integer(
-        "antialias", "rays a pixel's edge", "a whole number from 1 to 16",
-        [](double v) { return v >= 1 && v <= 16; }, &Dials::antialias, "n x n rays a pixel"));
+        "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
+        &Dials::antialias, "n x n rays a pixel"));
     all.push_back(simd());
     for (Dial& dial : all) dial.info.defaultText = dial.get(Dials());
     return all;
@@ -139,8 +130,8 @@ const Dial& dialNamed(const std::string& name, const std::string& where) {
         if (dial.info.name == name) return dial;
         names.push_back(dial.info.name);
     }
-    throw Error(ErrorKind::input, fmt::format("{}: there is no dial '{}'{}; expected {}", where,
-                                              clipped(name, 60), didYouMean(name, names), choices(names)));
+    throw Error(ErrorKind::input, fmt::format("{}: there is no dial '{}'{}; expected {}", where, clipped(name, 60),
+                                              didYouMean(name, names), choices(names)));
 }
 
 /// Unit after the limits of a number: " voxels".
@@ -189,8 +180,7 @@ void setDial(Dials& dials, const std::string& name, const DialValue& value, cons
     refuse(dial, fmt::format("'{}'", clipped(word, 60)), where);
 }
 
-void setDialFromText(Dials& dials, const std::string& name, const std::string& text,
-                     const std::string& where) {
+void setDialFromText(Dials& dials, const std::string& name, const std::string& text, const std::string& where) {
     if (!dialNamed(name, where).allows) return setDial(dials, name, text, where);
     double value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);

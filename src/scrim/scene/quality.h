@@ -31,8 +31,7 @@ using DialValue = std::variant<double, std::string>;
 void setDial(Dials& dials, const std::string& name, const DialValue& value, const std::string& where);
 
 /// The same from text, as on a command line: "0.5", "bilinear".
-void setDialFromText(Dials& dials, const std::string& name, const std::string& text,
-                     const std::string& where);
+void setDialFromText(Dials& dials, const std::string& name, const std::string& text, const std::string& where);
 
 /// The value of one dial as text that `setDialFromText` takes. Throws Error(input) on an unknown name.
 std::string dialText(const Dials& dials, const std::string& name);

@@ -41,8 +41,7 @@ Vec3 readDirection(const TomlValue& value, double frame) {
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame) {
     const Vec3 v = to - from;
-    if (largest(v) == 0)
-        value.fail(fmt::format("{} at frame {} ({}, {}, {})", problem, frame, from.x, from.y, from.z));
+    if (largest(v) == 0) value.fail(fmt::format("{} at frame {} ({}, {}, {})", problem, frame, from.x, from.y, from.z));
     return unit(v);
 }
 
@@ -51,8 +50,7 @@ std::string readName(TomlTable& table, const std::string& defaultName) {
     if (const auto value = table.find("name")) {
         name = value->string();
         const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-        if (std::any_of(name.begin(), name.end(), control))
-            value->failExpecting("a name without control characters");
+        if (std::any_of(name.begin(), name.end(), control)) value->failExpecting("a name without control characters");
     }
     table.describe(fmt::format("{} '{}'", table.description(), name));
     return name;

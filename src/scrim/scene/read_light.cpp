@@ -23,8 +23,7 @@ Rgb readIntensity(TomlTable& table, const ReadContext& context) {
 Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) {
     const auto direction = table.find("direction"), target = table.find("target");
     if (direction && target)
-        target->fail(
-            fmt::format("{} has both 'direction' and 'target'; expected one of them", table.description()));
+        target->fail(fmt::format("{} has both 'direction' and 'target'; expected one of them", table.description()));
     if (direction) return readDirection(*direction, context.frame);
     if (!target) table.require("direction", "a direction [x, y, z], or 'target', a point");
     return directionBetween(light.wsPosition, target->vec3At(context.frame, Range::coordinate()), *target,
@@ -38,22 +37,20 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
     light.name = readName(table, defaultName);
     table.require("type", "'distant', 'point' or 'spot'");
     light.type = static_cast<LightType>(table.choice("type", kTypes, 0));
-    table.describe(
-        fmt::format("{} of type '{}'", table.description(), kTypes[static_cast<std::size_t>(light.type)]));
+    table.describe(fmt::format("{} of type '{}'", table.description(), kTypes[static_cast<std::size_t>(light.type)]));
 
     if (light.type == LightType::distant) {
         light.wsDirection =
             readDirection(table.require("direction", "the way the light travels [x, y, z]"), context.frame);
     } else {
-        light.wsPosition =
-            table.require("position", "a point [x, y, z]").vec3At(context.frame, Range::coordinate());
+        light.wsPosition = table.require("position", "a point [x, y, z]").vec3At(context.frame, Range::coordinate());
         light.radius = table.numberAt(context.frame, "radius", 0, Range::length());
         light.decay = table.choice("decay", {"inverse-square", "none"}, 0) == 0;
     }
     if (light.type == LightType::spot) {
         light.wsDirection = readAxis(table, light, context);
-        light.coneAngle = table.numberAt(context.frame, "cone", light.coneAngle,
-                                         {0, 180, true, false, "degrees (the full angle)"});
+        light.coneAngle =
+            table.numberAt(context.frame, "cone", light.coneAngle, {0, 180, true, false, "degrees (the full angle)"});
         light.blend = table.numberAt(context.frame, "blend", light.blend, Range::fromTo(0, 1));
     }
     light.intensity = readIntensity(table, context);

@@ -42,10 +42,8 @@ ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
         preview.path = context.path(table.require("file", "a path such as \"plume.####.png\""));
         if (const auto display = table.find("display"))
             preview.display = readOneOf(*display, context.colour.displays());
-        const std::string display =
-            preview.display.empty() ? context.colour.defaultDisplay() : preview.display;
-        if (const auto view = table.find("view"))
-            preview.view = readOneOf(*view, context.colour.views(display));
+        const std::string display = preview.display.empty() ? context.colour.defaultDisplay() : preview.display;
+        if (const auto view = table.find("view")) preview.view = readOneOf(*view, context.colour.views(display));
         table.finish();
     }
     preview.file = preview.path.at(context.fileFrame());
@@ -80,8 +78,7 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
 
 RenderSection readRender(TomlTable table) {
     RenderSection out;
-    if (const auto quality = table.find("quality"))
-        out.quality = presetNames()[quality->choice(presetNames())];
+    if (const auto quality = table.find("quality")) out.quality = presetNames()[quality->choice(presetNames())];
     out.dials = *presetDials(out.quality);
     for (const DialInfo& dial : dialTable()) {
         const auto value = table.find(dial.name);

@@ -74,8 +74,7 @@ Mat4 readTransform(TomlTable table, const ReadContext& context) {
         table.finish();
         return readMatrix(*matrix);
     }
-    const auto translate = table.find("translate"), rotate = table.find("rotate"),
-               scale = table.find("scale");
+    const auto translate = table.find("translate"), rotate = table.find("rotate"), scale = table.find("scale");
     Mat3 linear(1.0);
     if (scale) {
         const Vec3 factors = scale->scaleAt(context.frame);

@@ -34,8 +34,7 @@ std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table)
 }
 
 void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume) {
-    volume.frame =
-        context.fileFrame() + table.integer("offset", 0, -kLargestOffset, kLargestOffset, "frames");
+    volume.frame = context.fileFrame() + table.integer("offset", 0, -kLargestOffset, kLargestOffset, "frames");
     volume.outside = static_cast<OutsidePolicy>(table.choice("outside", {"error", "hold", "black"}, 0));
     table.finish();
 }
@@ -47,20 +46,18 @@ std::vector<std::pair<double, double>> readRamp(const TomlValue& value) {
         const auto pair = point.items(2, "[grid value, value]");
         const double x = pair[0].number(), y = pair[1].number(Range::atLeast(0));
         if (!ramp.empty() && x <= ramp.back().first)
-            pair[0].fail(fmt::format("'ramp': {} does not come after {}; expected ascending grid values", x,
-                                     ramp.back().first));
+            pair[0].fail(
+                fmt::format("'ramp': {} does not come after {}; expected ascending grid values", x, ramp.back().first));
         ramp.emplace_back(x, y);
     }
     if (ramp.size() < 2) value.failExpecting("at least two [grid value, value]");
-    const auto next =
-        std::find_if(ramp.begin(), ramp.end(), [](const auto& point) { return point.first >= 0; });
+    const auto next = std::find_if(ramp.begin(), ramp.end(), [](const auto& point) { return point.first >= 0; });
     const auto last = next == ramp.begin() ? next : next - 1;
     const auto& a = *last;
     const auto& b = next == ramp.end() ? *last : *next;
     const bool zero = b.first == 0 ? b.second == 0 : a.second == 0 && b.second == 0;
     if (!zero)
-        value.fail(
-            "'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at");
+        value.fail("'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at");
     return ramp;
 }
 
@@ -90,9 +87,8 @@ Medium readMedium(TomlTable table, const ReadContext& context) {
         for (int c = 0; c < 3; ++c) {
             double& value = medium.albedo[c];
             if (value < -kRounding || value > 1 + kRounding)
-                albedo->fail(
-                    fmt::format("'albedo' is {}, {}, {} in the working space; expected numbers from 0 to 1",
-                                medium.albedo.x, medium.albedo.y, medium.albedo.z));
+                albedo->fail(fmt::format("'albedo' is {}, {}, {} in the working space; expected numbers from 0 to 1",
+                                         medium.albedo.x, medium.albedo.y, medium.albedo.z));
             value = std::clamp(value, 0.0, 1.0);
         }
     }
@@ -106,8 +102,7 @@ Medium readMedium(TomlTable table, const ReadContext& context) {
 void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume) {
     const auto file = table.find("file"), source = table.find("source");
     if (file && source)
-        source->fail(
-            fmt::format("{} has both 'file' and 'source'; expected one of them", table.description()));
+        source->fail(fmt::format("{} has both 'file' and 'source'; expected one of them", table.description()));
     if (!file && !source) table.require("file", "a .vdb file, or 'source', the name of a volume source");
     volume.frame = context.fileFrame();
     if (source) {
@@ -135,8 +130,7 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     readAsset(table, context, volume);
     if (const auto transform = table.find("transform"))
         volume.wsFromAsset = readTransform(transform->table("'transform' of " + description), context);
-    if (const auto density = table.find("density"))
-        readDensity(density->table("'density' of " + description), volume);
+    if (const auto density = table.find("density")) readDensity(density->table("'density' of " + description), volume);
     if (const auto medium = table.find("medium"))
         volume.medium = readMedium(medium->table("[volume.medium] of " + description), context);
     volume.medium.densityScale = volume.densityScale;

@@ -29,15 +29,14 @@ struct SceneVolume {
     std::string file;    ///< file volumes: the path at this frame; empty for a source
     int frame = 0;       ///< the number put into `file`: the scene's frame plus the volume's offset
     OutsidePolicy outside = OutsidePolicy::error;
-    std::string source;  ///< name of a volume source; empty for a file
+    std::string source;                                           ///< name of a volume source; empty for a file
     std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text
-    Mat4 wsFromAsset{1.0};    ///< takes the asset's own world space to the scene's
-    std::string densityGrid;  ///< as VdbFile::field takes it; "": choose
-    double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
-    std::vector<std::pair<double, double>>
-        ramp;           ///< grid value to value, ascending; constant outside; empty: none
-    Medium medium;      ///< its densityScale is the one above
-    std::string where;  ///< of `file` or `source` in the scene: "scene.toml:12:8"
+    Mat4 wsFromAsset{1.0};                                        ///< takes the asset's own world space to the scene's
+    std::string densityGrid;                                      ///< as VdbFile::field takes it; "": choose
+    double densityScale = 1;                      ///< extinction per world unit = ramp(grid value) * densityScale
+    std::vector<std::pair<double, double>> ramp;  ///< grid value to value, ascending; constant outside; empty: none
+    Medium medium;                                ///< its densityScale is the one above
+    std::string where;                            ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
 
 struct ScenePreview {

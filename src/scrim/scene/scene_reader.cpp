@@ -49,9 +49,8 @@ std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read&
         Item item = read(table, fmt::format("{}{}", key, items.size() + 1));
         for (std::size_t i = 0; i < items.size(); ++i)
             if (items[i].name == item.name)
-                table.fail(fmt::format(
-                    "[[{}]] number {} is called '{}', and so is number {}; expected different names", key,
-                    items.size() + 1, item.name, i + 1));
+                table.fail(fmt::format("[[{}]] number {} is called '{}', and so is number {}; expected different names",
+                                       key, items.size() + 1, item.name, i + 1));
         items.push_back(std::move(item));
     }
     return items;
@@ -69,8 +68,7 @@ SceneText loadSceneText(const std::string& path) {
         throw Error(ErrorKind::input, fmt::format("{}: not a regular file; expected a scene (TOML)", path));
     std::ifstream file(path, std::ios::binary);
     if (!file) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
-    SceneText text{path, std::filesystem::path(path).parent_path().string(),
-                   std::string(kLargestFile + 1, '\0')};
+    SceneText text{path, std::filesystem::path(path).parent_path().string(), std::string(kLargestFile + 1, '\0')};
     file.read(text.text.data(), static_cast<std::streamsize>(text.text.size()));
     if (file.bad()) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
     text.text.resize(static_cast<std::size_t>(file.gcount()));
@@ -82,8 +80,7 @@ SceneText loadSceneText(const std::string& path) {
 Scene readScene(const SceneText& text, double frame, const std::vector<std::string>& overrides,
                 const ColourConfig& colour) {
     if (!(std::abs(frame) <= kLargestFrame))
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: frame {} is beyond {}", text.file, frame, kLargestFrame));
+        throw Error(ErrorKind::input, fmt::format("{}: frame {} is beyond {}", text.file, frame, kLargestFrame));
     const toml::table tree = parsed(text, overrides);
     TomlTable root(tree, "the scene's top level");
 
@@ -94,20 +91,18 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     Scene scene;
     scene.file = text.file;
     scene.frame = frame;
-    const CameraSection camera =
-        readCamera(root.require("camera", "a table [camera]").table("[camera]"), context);
+    const CameraSection camera = readCamera(root.require("camera", "a table [camera]").table("[camera]"), context);
     scene.camera = camera.camera;
     scene.overscan = camera.overscan;
     root.require("volume", "at least one [[volume]]");
-    scene.volumes = readNamed<SceneVolume>(
-        root, "volume",
-        [&](const TomlTable& table, const std::string& name) { return readVolume(table, name, context); });
+    scene.volumes = readNamed<SceneVolume>(root, "volume", [&](const TomlTable& table, const std::string& name) {
+        return readVolume(table, name, context);
+    });
     if (scene.volumes.empty()) root.require("volume", "").failExpecting("at least one [[volume]]");
     scene.lights = readNamed<Light>(root, "light", [&](const TomlTable& table, const std::string& name) {
         return readLight(table, name, context);
     });
-    if (const auto ambient = root.find("ambient"))
-        scene.ambient = readAmbient(ambient->table("[ambient]"), context);
+    if (const auto ambient = root.find("ambient")) scene.ambient = readAmbient(ambient->table("[ambient]"), context);
     RenderSection render{"standard", *presetDials("standard")};
     if (const auto table = root.find("render")) render = readRender(table->table("[render]"));
     scene.quality = render.quality;

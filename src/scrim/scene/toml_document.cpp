@@ -70,11 +70,9 @@ void checkNesting(const std::string& text, const std::string& file) {
         if (c == '\n') ++line;
         if (std::string_view("=,{}[]\n").find(c) != std::string_view::npos) keyParts = 1;
         if (brackets > kMostBrackets)
-            refuse(fmt::format("more than {} brackets are open; a scene needs no more than a few",
-                               kMostBrackets));
+            refuse(fmt::format("more than {} brackets are open; a scene needs no more than a few", kMostBrackets));
         if (keyParts > kMostKeyParts)
-            refuse(
-                fmt::format("a key has more than {} parts; a scene needs no more than a few", kMostKeyParts));
+            refuse(fmt::format("a key has more than {} parts; a scene needs no more than a few", kMostKeyParts));
         ++i;
     }
 }
@@ -159,9 +157,8 @@ class Override {
                            (c >= 'a' && c <= 'z');
                 });
                 if (part.key.empty() || !bare)
-                    fail(fmt::format(
-                        "'{}' is no key; expected letters, digits, '-' and '_', or anything in quotes",
-                        part.key));
+                    fail(fmt::format("'{}' is no key; expected letters, digits, '-' and '_', or anything in quotes",
+                                     part.key));
             }
             while (i < m_path.size() && m_path[i] == '[') {
                 std::size_t index = 0;
@@ -175,8 +172,7 @@ class Override {
             if (m_parts.size() == static_cast<std::size_t>(kMostKeyParts))
                 fail(fmt::format("the path has more than {} parts", kMostKeyParts));
             m_parts.push_back(std::move(part));
-            if (i < m_path.size() && m_path[i] != '.')
-                fail("a part of the path is not followed by '.' or '['");
+            if (i < m_path.size() && m_path[i] != '.') fail("a part of the path is not followed by '.' or '['");
         } while (i++ < m_path.size());
     }
 
@@ -220,8 +216,7 @@ class Override {
     toml::table parsed(std::size_t first) const {
         std::string key;
         for (std::size_t i = first; i < m_parts.size(); ++i) {
-            if (i > first && !m_parts[i].indices.empty())
-                fail(fmt::format("there is no list '{}'", m_parts[i].key));
+            if (i > first && !m_parts[i].indices.empty()) fail(fmt::format("there is no list '{}'", m_parts[i].key));
             key += (i > first ? "." : "") + quoted(m_parts[i].key);
         }
         // What begins like no value of TOML is a string; so is what holds a '#' and no quote or bracket,
@@ -274,8 +269,8 @@ toml::table parseToml(const std::string& text, const std::string& file) {
     try {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
-        throw Error(ErrorKind::input, fmt::format("{}: malformed TOML: {}", whereOf(error.source()),
-                                                  clipped(error.description(), 200)));
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: malformed TOML: {}", whereOf(error.source()), clipped(error.description(), 200)));
     }
 }
 

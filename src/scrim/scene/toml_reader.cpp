@@ -24,12 +24,9 @@ std::string limitsText(const Range& range) {
     if (low && high && !range.openLow && !range.openHigh) {
         text = fmt::format(" from {} to {}", limitText(range.low), limitText(range.high));
     } else {
-        if (low)
-            text +=
-                fmt::format(" {} {}", range.openLow ? "greater than" : "of at least", limitText(range.low));
+        if (low) text += fmt::format(" {} {}", range.openLow ? "greater than" : "of at least", limitText(range.low));
         if (low && high) text += " and";
-        if (high)
-            text += fmt::format(" {} {}", range.openHigh ? "less than" : "of at most", limitText(range.high));
+        if (high) text += fmt::format(" {} {}", range.openHigh ? "less than" : "of at most", limitText(range.high));
     }
     if (range.unit.empty()) return text;
     return text + (low || high ? " " : " of ") + range.unit;
@@ -37,8 +34,7 @@ std::string limitsText(const Range& range) {
 
 bool holds(const Range& range, double v) {
     if (!std::isfinite(v)) return false;
-    return (range.openLow ? v > range.low : v >= range.low) &&
-           (range.openHigh ? v < range.high : v <= range.high);
+    return (range.openLow ? v > range.low : v >= range.low) && (range.openHigh ? v < range.high : v <= range.high);
 }
 
 std::string numberText(const Range& range) {
@@ -49,8 +45,7 @@ std::string vectorText(const Range& range) {
 }
 
 std::string foundText(const toml::node& node) {
-    if (const auto* text = node.as_string())
-        return fmt::format("the string \"{}\"", clipped(text->get(), 80));
+    if (const auto* text = node.as_string()) return fmt::format("the string \"{}\"", clipped(text->get(), 80));
     if (const auto* value = node.as_integer()) return fmt::format("{}", value->get());
     if (const auto* value = node.as_floating_point()) return fmt::format("{}", value->get());
     if (const auto* value = node.as_boolean()) return value->get() ? "true" : "false";
@@ -105,8 +100,8 @@ void TomlValue::failExpecting(const std::string& expected) const {
 
 double TomlValue::number(const Range& range) const {
     if (!m_node->is_number()) failExpecting(numberText(range));
-    const double v = m_node->is_integer() ? static_cast<double>(m_node->as_integer()->get())
-                                          : m_node->as_floating_point()->get();
+    const double v =
+        m_node->is_integer() ? static_cast<double>(m_node->as_integer()->get()) : m_node->as_floating_point()->get();
     if (!holds(range, v)) failExpecting(numberText(range));
     return v;
 }
@@ -143,8 +138,7 @@ std::vector<TomlValue> TomlValue::items(std::size_t count, const std::string& ex
     const auto* list = m_node->as_array();
     if (list == nullptr || (count > 0 && list->size() != count)) failExpecting(expected);
     std::vector<TomlValue> values;
-    for (std::size_t i = 0; i < list->size(); ++i)
-        values.emplace_back((*list)[i], fmt::format("{}[{}]", m_name, i));
+    for (std::size_t i = 0; i < list->size(); ++i) values.emplace_back((*list)[i], fmt::format("{}[{}]", m_name, i));
     return values;
 }
 
@@ -188,15 +182,14 @@ T TomlValue::keyedAt(double frame, const std::function<T(const TomlValue&)>& rea
     TomlTable table = this->table(fmt::format("the keyed '{}'", m_name));
     const TomlValue list = table.require("keys", "a list of [frame, value]");
     Keyed<T> keyed;
-    if (table.choice("interpolation", {"linear", "smooth"}, 0) == 1)
-        keyed.interpolation = Interpolation::smooth;
+    if (table.choice("interpolation", {"linear", "smooth"}, 0) == 1) keyed.interpolation = Interpolation::smooth;
     table.finish();
     for (const TomlValue& key : list.items(0, "a list of [frame, value]")) {
         const std::vector<TomlValue> pair = key.items(2, "[frame, value]");
         const double at = pair[0].number(Range::fromTo(-1e9, 1e9, "frames"));
         if (!keyed.keys.empty() && at <= keyed.keys.back().first)
-            pair[0].fail(fmt::format("'{}': frame {} does not come after frame {}; expected ascending frames",
-                                     m_name, at, keyed.keys.back().first));
+            pair[0].fail(fmt::format("'{}': frame {} does not come after frame {}; expected ascending frames", m_name,
+                                     at, keyed.keys.back().first));
         keyed.keys.emplace_back(at, read(pair[1]));
     }
     if (keyed.keys.empty()) list.failExpecting("at least one [frame, value]");
@@ -221,8 +214,7 @@ Vec3 TomlValue::scaleAt(double frame) const {
                                 : value.vec3(Range::fromTo(-1e12, 1e12));
     });
     if (scale.x == 0 || scale.y == 0 || scale.z == 0)
-        fail(fmt::format("'{}' is 0 at frame {}; expected a number or three numbers, none of them 0", m_name,
-                         frame));
+        fail(fmt::format("'{}' is 0 at frame {}; expected a number or three numbers, none of them 0", m_name, frame));
     return scale;
 }
 
@@ -249,9 +241,8 @@ TomlValue TomlTable::require(std::string_view key, const std::string& expected) 
         const std::string name(other.str());
         const bool known = std::find(m_known.begin(), m_known.end(), name) != m_known.end();
         if (!known && nearestName(name, {std::string(key)}) == key)
-            throw Error(ErrorKind::input,
-                        fmt::format("{}: '{}' is not known here ({}); did you mean '{}'?",
-                                    whereOf(other.source()), clipped(name, 60), m_description, key));
+            throw Error(ErrorKind::input, fmt::format("{}: '{}' is not known here ({}); did you mean '{}'?",
+                                                      whereOf(other.source()), clipped(name, 60), m_description, key));
     }
     fail(fmt::format("{} lacks '{}'; expected {}", m_description, key, expected));
 }
@@ -289,8 +280,7 @@ std::string TomlTable::string(std::string_view key, std::string fallback) {
     return value ? value->string() : fallback;
 }
 
-std::size_t TomlTable::choice(std::string_view key, const std::vector<std::string>& words,
-                              std::size_t fallback) {
+std::size_t TomlTable::choice(std::string_view key, const std::vector<std::string>& words, std::size_t fallback) {
     const auto value = find(key);
     return value ? value->choice(words) : fallback;
 }

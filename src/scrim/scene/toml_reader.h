@@ -69,9 +69,8 @@ class TomlValue {
     Rgb colourAt(double frame, const ColourConfig& config) const;
     Vec3 scaleAt(double frame) const;  ///< a number or three, none of them 0
 
-    [[noreturn]] void fail(const std::string& problem) const;  ///< "where: problem"
-    [[noreturn]] void failExpecting(
-        const std::string& expected) const;  ///< "where: 'x' is ...; expected ..."
+    [[noreturn]] void fail(const std::string& problem) const;            ///< "where: problem"
+    [[noreturn]] void failExpecting(const std::string& expected) const;  ///< "where: 'x' is ...; expected ..."
 
   private:
     template <typename T>

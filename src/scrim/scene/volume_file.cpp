@@ -21,8 +21,7 @@ VolumeFile findVolumeFile(const SceneVolume& volume) {
         found.path = volume.sequence.at(volume.frame < frames.front() ? frames.front() : frames.back());
     } else {
         found.state = FileState::missing;
-        found.problem =
-            fmt::format("{}: volume '{}': there is no file '{}'", volume.where, volume.name, volume.file);
+        found.problem = fmt::format("{}: volume '{}': there is no file '{}'", volume.where, volume.name, volume.file);
         if (!frames.empty())
             found.problem += fmt::format(" for frame {}; the sequence has frames {} to {}", volume.frame,
                                          frames.front(), frames.back());

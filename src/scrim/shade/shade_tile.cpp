@@ -15,8 +15,12 @@ namespace hn = hwy::HWY_NAMESPACE;
 using DF = hn::CappedTag<float, kTileEdge>;
 using VF = hn::Vec<DF>;
 
-HWY_ATTR HWY_INLINE VF constant(float value) { return hn::Set(DF(), value); }
-HWY_ATTR HWY_INLINE VF load(const float* from, int k) { return hn::Load(DF(), from + k); }
+HWY_ATTR HWY_INLINE VF constant(float value) {
+    return hn::Set(DF(), value);
+}
+HWY_ATTR HWY_INLINE VF load(const float* from, int k) {
+    return hn::Load(DF(), from + k);
+}
 
 // Calls body(k) for each vector of samples.
 template <class Body>
@@ -26,7 +30,9 @@ HWY_ATTR HWY_INLINE void forSamples(const Body& body) {
 
 // 1 - e^-t for t >= 0, to rounding also where t is small. Past 80 it is 1: the library's exponential is only
 // good down to where floats become denormal.
-HWY_ATTR HWY_INLINE VF oneMinusExp(VF t) { return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80.0f))))); }
+HWY_ATTR HWY_INLINE VF oneMinusExp(VF t) {
+    return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80.0f)))));
+}
 
 // e^-t for t >= 0, 0 past the smallest normal float.
 HWY_ATTR HWY_INLINE VF expMinus(VF t) {
@@ -42,10 +48,10 @@ HWY_ATTR HWY_INLINE VF psi(VF t) {
 
 // How one light meets the samples of a tile.
 struct Incidence {
-    alignas(64) float a[kTileSize];          // slopes of its rays
+    alignas(64) float a[kTileSize];  // slopes of its rays
     alignas(64) float b[kTileSize];
-    alignas(64) float slant[kTileSize];      // 1 / cos of its angle to w
-    alignas(64) float irradiance[kTileSize]; // before attenuation, relative to intensity
+    alignas(64) float slant[kTileSize];       // 1 / cos of its angle to w
+    alignas(64) float irradiance[kTileSize];  // before attenuation, relative to intensity
 };
 
 HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
@@ -100,9 +106,9 @@ HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
         auto own = constant(0), sum = constant(0);
         for (std::size_t i = 0; i < light.windows->size(); ++i) {
             const Vec3& axis = (*light.windows)[i];
-            const auto along = hn::MulAdd(load(in.a, k), constant(static_cast<float>(axis.x)),
-                                          hn::MulAdd(load(in.b, k), constant(static_cast<float>(axis.y)),
-                                                     constant(static_cast<float>(axis.z))));
+            const auto along = hn::MulAdd(
+                load(in.a, k), constant(static_cast<float>(axis.x)),
+                hn::MulAdd(load(in.b, k), constant(static_cast<float>(axis.y)), constant(static_cast<float>(axis.z))));
             auto t = hn::Max(hn::Sub(hn::Div(along, load(in.slant, k)), edge), constant(0));
             t = hn::Mul(t, t);
             sum = hn::Add(sum, t);
@@ -122,8 +128,7 @@ HWY_ATTR void transmit(const ShadeInput& input, const Incidence& in, const float
         const auto te = load(tauEye, k);
         VF light = psi(te);
         if constexpr (kShadowed) {
-            const auto tl = hn::Mul(load(input.extinction, k),
-                                    hn::Mul(load(in.slant, k), constant(input.thickness)));
+            const auto tl = hn::Mul(load(input.extinction, k), hn::Mul(load(in.slant, k), constant(input.thickness)));
             const auto entry = load(tauIn, k);
             if constexpr (kSameSide)
                 light = hn::Mul(expMinus(entry), psi(hn::Add(te, tl)));
@@ -199,8 +204,8 @@ HWY_ATTR void addAmbient(const ShadeInput& input, Work& w) {
         for (int c = 0; c < 3; ++c) {
             const auto radiance = constant(input.ambient[c] * medium.albedo[c]);
             forSamples([&](int k) HWY_ATTR {
-                const auto part = hn::Mul(hn::Mul(load(medium.extinction, k), load(w.pathEye, k)),
-                                          psi(load(w.tauEye, k)));
+                const auto part =
+                    hn::Mul(hn::Mul(load(medium.extinction, k), load(w.pathEye, k)), psi(load(w.tauEye, k)));
                 hn::Store(hn::MulAdd(part, radiance, load(w.rgb[c], k)), d, w.rgb[c] + k);
             });
         }
@@ -227,8 +232,8 @@ HWY_ATTR void shadeTileOnTarget(const ShadeInput& input, float* out) {
     });
 }
 
-HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX,
-                                   int texelY, SampleTile& samples) {
+HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
+                                   SampleTile& samples) {
     const DF d;
     // Rays from a point: slope = offset / distance along w. Within half a sheet of the eye slopes grow without
     // bound; texels there are seen by no ray that has crossed a sheet, and must only stay finite.
@@ -261,7 +266,9 @@ namespace scrim {
 HWY_EXPORT(shadeTileOnTarget);
 HWY_EXPORT(texelSamplesOnTarget);
 
-void shadeTile(const ShadeInput& input, float* out) { HWY_DYNAMIC_DISPATCH(shadeTileOnTarget)(input, out); }
+void shadeTile(const ShadeInput& input, float* out) {
+    HWY_DYNAMIC_DISPATCH(shadeTileOnTarget)(input, out);
+}
 
 void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
                   SampleTile& samples) {

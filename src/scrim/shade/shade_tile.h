@@ -38,17 +38,17 @@ struct SheetLight {
     bool spot = false;
     bool shadowed = true;
     bool decay = true;
-    float slopeA = 0, slopeB = 0;    ///< distant: du/dw, dv/dw
-    float texelU = 0, texelV = 0;    ///< otherwise: the source, in texels
-    float distanceW = 0;             ///< and its distance to the sheet's plane along w, world units, > 0
-    float radius2 = 0;               ///< world units squared, > 0 where decay
+    float slopeA = 0, slopeB = 0;           ///< distant: du/dw, dv/dw
+    float texelU = 0, texelV = 0;           ///< otherwise: the source, in texels
+    float distanceW = 0;                    ///< and its distance to the sheet's plane along w, world units, > 0
+    float radius2 = 0;                      ///< world units squared, > 0 where decay
     float axisU = 0, axisV = 0, axisW = 1;  ///< spot
     float cosOuter = -1, cosInner = -0.9f;  ///< spot: light fades between them
     // Windows cut a light into overlapping parts (light close to the volume): this part's share of a direction
     // is its window's value there over the sum of all. None: 0.
     const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
     int window = 0;
-    float windowCos = 0;                         ///< a window falls to 0 at this cosine from its axis
+    float windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
     float intensity[3] = {1, 1, 1};
 };
 
@@ -56,21 +56,21 @@ struct SheetLight {
 struct SheetMedium {
     const float* extinction;  ///< 256 values, per world unit
     float albedo[3];
-    float g;                  ///< Henyey-Greenstein; 0: isotropic
+    float g;  ///< Henyey-Greenstein; 0: isotropic
 };
 
 /// Buffers of samples (`extinction`, of media too, and `tauIn`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
-    float texel, thickness;       ///< world units
-    bool sameSide;                ///< eye and light meet the same side of a sheet first (s = +1)
-    const float* extinction;      ///< 256 values: the sum over all media, per world unit
+    float texel, thickness;   ///< world units
+    bool sameSide;            ///< eye and light meet the same side of a sheet first (s = +1)
+    const float* extinction;  ///< 256 values: the sum over all media, per world unit
     const SheetMedium* media;
     int mediumCount;
     const SheetLight* lights;
     int lightCount;
-    const float* tauIn;           ///< 256 values a light: tau at entry (read for shadowed lights)
-    float ambient[3];             ///< radiance of an unshadowed environment; all 0: none
+    const float* tauIn;  ///< 256 values a light: tau at entry (read for shadowed lights)
+    float ambient[3];    ///< radiance of an unshadowed environment; all 0: none
 };
 
 /// Writes, for each sample, (radiance S, -opacity) interleaved: 4 x 256 floats.

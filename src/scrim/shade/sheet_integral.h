@@ -20,7 +20,9 @@
 namespace scrim {
 
 /// (1 - e^-t) / t for t >= 0; 1 at 0.
-inline double psi(double t) { return t > 0 ? -std::expm1(-t) / t : 1.0; }
+inline double psi(double t) {
+    return t > 0 ? -std::expm1(-t) / t : 1.0;
+}
 
 /// phi of the text above. `sameSide`: the eye meets the light's near side of the sheet first.
 inline double sheetTransmit(double tauEye, double tauLight, bool sameSide) {

@@ -13,7 +13,9 @@ namespace {
 
 // How far the position in a table may be from the true one, in sheets: half a step, and a whole one to have floats'
 // rounding in it too.
-double rounding(const FootprintTable& table) { return 1.0 / table.sheetSteps(); }
+double rounding(const FootprintTable& table) {
+    return 1.0 / table.sheetSteps();
+}
 
 // The sheets that footprints of voxels at depths [lower, upper] may be written to, before and behind.
 int firstTouched(const FootprintTable& table, double lower) {
@@ -61,8 +63,8 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
 }
 
 SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane) const {
-    Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(),
-                   firstSheet, lastSheet, m_scale},
+    Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(), firstSheet,
+                   lastSheet, m_scale},
                   &planes,
                   firstPlane};
 
@@ -90,17 +92,16 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
         return;
     if (edge == kBlockEdge) return splatOneBlock(transformPoint(m_tsFromIs, Vec3(origin)), values, target);
     const int half = edge / 2;
-    for (int i = 0; i < 8; ++i)
-        splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
+    for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
 }
 
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& target) const {
     const BlockSplat& splat = target.splat;
     // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are fed to a sheet,
     // and the count of footprints, must not hang on how sheets are spread over calls.
-    const auto [first, second] = m_order.between(
-        splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
-        splat.lastSheet - m_table.firstSheet() - ts.z);
+    const auto [first, second] =
+        m_order.between(splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
+                        splat.lastSheet - m_table.firstSheet() - ts.z);
     if (first == second) return;
 
     // Activate the tiles under the block, once for each sheet that it may touch.

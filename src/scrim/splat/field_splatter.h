@@ -28,8 +28,7 @@ class FieldSplatter {
   public:
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
     /// by `scale`; positions are quantised to `stepsPerVoxel`.
-    FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
-                  float scale);
+    FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale);
 
     const FootprintTable& table() const { return m_table; }
 
@@ -48,10 +47,10 @@ class FieldSplatter {
     float m_scale;
     FootprintTable m_table;
     LatticeOrder m_order;
-    Vec3 m_blockLower, m_blockUpper;           // offsets of a block's voxels in texel space, footprints included
-    std::vector<std::uint32_t> m_byFirstSheet; // blocks, ascending in the first sheet they touch, then in order
-    std::vector<std::int32_t> m_firstSheets;   // the same order
-    int m_sheetSpan = 0;                       // sheets a block can touch at most
+    Vec3 m_blockLower, m_blockUpper;            // offsets of a block's voxels in texel space, footprints included
+    std::vector<std::uint32_t> m_byFirstSheet;  // blocks, ascending in the first sheet they touch, then in order
+    std::vector<std::int32_t> m_firstSheets;    // the same order
+    int m_sheetSpan = 0;                        // sheets a block can touch at most
 };
 
 }  // namespace scrim

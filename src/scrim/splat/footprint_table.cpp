@@ -28,8 +28,7 @@ struct FootprintTable::Shape {
     int rowStride;
 };
 
-FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps,
-                                              int sheetSteps) {
+FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
     const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
         const double most = 1 - 1.0 / texelSteps;
         const int first = static_cast<int>(std::floor(-extent)) + 1;
@@ -52,8 +51,7 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
 std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     return static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
-           static_cast<std::size_t>(shape.sheets.count) *
-           static_cast<std::size_t>(shape.rows.count * shape.rowStride);
+           static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
 }
 
 FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {

@@ -34,10 +34,10 @@ class FootprintTable {
     int columns() const { return m_columns.count; }
     int rows() const { return m_rows.count; }
     int sheets() const { return m_sheets.count; }
-    int rowStride() const { return m_rowStride; }       ///< columns() rounded up to a multiple of 4; 0 beyond
+    int rowStride() const { return m_rowStride; }  ///< columns() rounded up to a multiple of 4; 0 beyond
     int sheetStride() const { return m_rowStride * m_rows.count; }
-    double extentN() const { return m_extent.z; }       ///< half the kernel's extent along w, in sheets
-    const Vec3& extent() const { return m_extent; }     ///< half the kernel's extent, in texels and sheets
+    double extentN() const { return m_extent.z; }    ///< half the kernel's extent along w, in sheets
+    const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
 
     /// Offset of the weights for quantised fractions (each below its number of steps), sheets() x rows() x
     /// rowStride() of them.

@@ -25,7 +25,9 @@ const double kGaussianScale = [] {
     return 1 / integral;
 }();
 
-double tent(double x) { return std::max(0.0, 1 - std::abs(x)); }
+double tent(double x) {
+    return std::max(0.0, 1 - std::abs(x));
+}
 
 double cubicBspline(double x) {
     x = std::abs(x);
@@ -54,7 +56,9 @@ std::vector<std::string> kernelNames() {
     return names;
 }
 
-double kernelRadius(Kernel kernel) { return kernel == Kernel::linear ? 1.0 : 2.0; }
+double kernelRadius(Kernel kernel) {
+    return kernel == Kernel::linear ? 1.0 : 2.0;
+}
 
 double kernelExtent(Kernel kernel, const Vec3& row) {
     if (kernel == Kernel::gaussian) return kGaussianRadius * glm::length(row);
@@ -63,12 +67,14 @@ double kernelExtent(Kernel kernel, const Vec3& row) {
 
 double kernelValue(Kernel kernel, const Vec3& o) {
     switch (kernel) {
-        case Kernel::linear: return tent(o.x) * tent(o.y) * tent(o.z);
+        case Kernel::linear:
+            return tent(o.x) * tent(o.y) * tent(o.z);
         case Kernel::gaussian: {
             const double r2 = glm::dot(o, o);
             return r2 < kGaussianRadius * kGaussianRadius ? kGaussianScale * std::exp(-2 * r2) : 0.0;
         }
-        case Kernel::bspline: return cubicBspline(o.x) * cubicBspline(o.y) * cubicBspline(o.z);
+        case Kernel::bspline:
+            return cubicBspline(o.x) * cubicBspline(o.y) * cubicBspline(o.z);
     }
     return 0;
 }

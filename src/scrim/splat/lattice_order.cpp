@@ -11,9 +11,9 @@ namespace {
 struct Voxel {
     Vec3 ts;
     std::int32_t index;
-    int bucket;  // floor of N
-    int turn;    // which round through the quarters it is taken in
-    int quarter; // of the block's extent in (U, V)
+    int bucket;   // floor of N
+    int turn;     // which round through the quarters it is taken in
+    int quarter;  // of the block's extent in (U, V)
 };
 
 // Deals the voxels of each bucket out in turns, one from each quarter of the block's extent in (U, V).
@@ -45,8 +45,7 @@ LatticeOrder::LatticeOrder(const Mat4& tsFromIs) {
                 const Vec3 ts = transformVector(tsFromIs, Vec3(x, y, z));
                 voxels[static_cast<std::size_t>(i)] = {ts, i, static_cast<int>(std::floor(ts.z)), 0, 0};
             }
-    std::stable_sort(voxels.begin(), voxels.end(),
-                     [](const Voxel& a, const Voxel& b) { return a.bucket < b.bucket; });
+    std::stable_sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) { return a.bucket < b.bucket; });
     dealOut(voxels);
 
     m_firstBucket = voxels.front().bucket;

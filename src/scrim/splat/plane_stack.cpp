@@ -15,14 +15,15 @@ constexpr std::size_t kAlignment = 64;  // bytes: a cache line and the widest ve
 constexpr std::size_t kTail = 64;
 
 std::size_t planeFloats(int width, int height, int channels) {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) *
-               static_cast<std::size_t>(channels) +
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(channels) +
            kTail;
 }
 
 }  // namespace
 
-void PlaneStack::Release::operator()(void* memory) const noexcept { std::free(memory); }
+void PlaneStack::Release::operator()(void* memory) const noexcept {
+    std::free(memory);
+}
 
 std::size_t PlaneStack::bytes(int planes, int width, int height, int channels) {
     return planeFloats(width, height, channels) * static_cast<std::size_t>(planes) * sizeof(float);

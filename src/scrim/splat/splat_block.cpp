@@ -78,8 +78,8 @@ HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float v
 }
 
 template <int kWidth, int kRows>
-HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values,
-                                  int first, int second) {
+HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
+                                  int second) {
     // Copies, because the compiler must assume that writing texels changes what pointers lead to.
     const FootprintTable& table = *splat.table;
     const int rows = table.rows(), width = table.rowStride(), sheets = table.sheets();
@@ -115,8 +115,8 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
     return footprints;
 }
 
-HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place,
-                                          const float* values, int first, int second) {
+HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place, const float* values,
+                                          int first, int second) {
     const int width = splat.table->rowStride(), rows = splat.table->rows();
     // The shapes of the linear kernel at one texel a voxel, of wider kernels, and all others.
     if (width == 4 && rows == 4) return splatRange<4, 4>(splat, place, values, first, second);
@@ -135,8 +135,7 @@ namespace scrim {
 
 HWY_EXPORT(splatBlockOnTarget);
 
-std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
-                         int second) {
+std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first, int second) {
     return HWY_DYNAMIC_DISPATCH(splatBlockOnTarget)(splat, place, values, first, second);
 }
 

@@ -19,7 +19,7 @@ struct BlockSplat {
     std::int32_t rowStride;      ///< floats from one row of texels to the next
     std::int32_t firstSheet;     ///< sheets [firstSheet, lastSheet) are written
     std::int32_t lastSheet;
-    float scale;                 ///< factor on every value
+    float scale;  ///< factor on every value
 };
 
 /// Where a block lies in texel space: its first voxel at whole + fraction on each axis. Split so that floats
@@ -32,7 +32,6 @@ struct BlockPlace {
 /// Adds the footprints of the voxels [first, second) of the lattice order, with `values` (512 floats in
 /// `blockOffset` order) times scale, to the sheets. Voxels of value 0 are skipped. Returns the number of
 /// footprints (voxel and sheet pairs) that were added.
-std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
-                         int second);
+std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first, int second);
 
 }  // namespace scrim

@@ -25,10 +25,9 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
         if (volume.field->empty()) continue;
         const Mat4 isFromWs = glm::inverse(volume.wsFromIs);
         double longest = 0;
-        for (int axis = 0; axis < 3; ++axis)
-            longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
-        m_volumes.push_back({FieldProbe(*volume.field, scene.dials.kernel), isFromWs, volume.medium,
-                             longest * std::sqrt(3.0)});
+        for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
+        m_volumes.push_back(
+            {FieldProbe(*volume.field, scene.dials.kernel), isFromWs, volume.medium, longest * std::sqrt(3.0)});
     }
 }
 
@@ -125,8 +124,8 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     if (out.extinction == 0) return out;
     for (const Light& light : m_scene.lights) out.source += scatter(light, ws, eye);
     for (const Volume& v : m_volumes)
-        out.source += v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws)) * v.medium.albedo *
-                      m_scene.ambient;
+        out.source +=
+            v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws)) * v.medium.albedo * m_scene.ambient;
     return out;
 }
 
@@ -150,9 +149,9 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         // A step is as long as its optical depth allows.
         double step = std::min(m_options.step * m_voxel, span.end - t);
         for (int halvings = 0; halvings < 40; ++halvings) {
-            const double densest = std::max({extinction(origin + t * direction),
-                                             extinction(origin + (t + 0.5 * step) * direction),
-                                             extinction(origin + (t + step) * direction)});
+            const double densest =
+                std::max({extinction(origin + t * direction), extinction(origin + (t + 0.5 * step) * direction),
+                          extinction(origin + (t + step) * direction)});
             if (densest * step <= m_options.mostTau) break;
             step = std::max(0.5 * step, m_options.mostTau / densest);
             if (step * densest <= m_options.mostTau * 1.0001) break;

@@ -12,8 +12,8 @@
 namespace scrim {
 
 struct ReferenceOptions {
-    double step = 0.5;        ///< voxels, at most
-    double mostTau = 0.1;     ///< optical depth of a step, at most: denser places take smaller steps
+    double step = 0.5;                 ///< voxels, at most
+    double mostTau = 0.1;              ///< optical depth of a step, at most: denser places take smaller steps
     double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
 };
 

@@ -12,14 +12,14 @@
 namespace scrim {
 namespace {
 
-constexpr double kLeastAlpha = 1e-3;   // pixels of the reference below this do not count
+constexpr double kLeastAlpha = 1e-3;  // pixels of the reference below this do not count
 constexpr int kBootstraps = 2000;
 constexpr std::size_t kPixelsPerStep = 16;  // between two reports of progress
 
 struct Difference {
     double square = 0;  // mean over R, G, B of the squared difference
     double signedSum = 0;
-    double mean = 0;    // of the reference over R, G, B
+    double mean = 0;  // of the reference over R, G, B
 };
 
 Difference difference(const VerifiedPixel& p) {
@@ -55,8 +55,7 @@ std::vector<VerifiedPixel> samplePixels(const ViewScene& scene, const Image& ima
     // A seeded shuffle of our own: the standard one may differ between libraries.
     std::mt19937 random(seed);
     const std::size_t wanted = std::min(pixels.size(), static_cast<std::size_t>(std::max(count, 0)));
-    for (std::size_t i = 0; i < wanted; ++i)
-        std::swap(pixels[i], pixels[i + random() % (pixels.size() - i)]);
+    for (std::size_t i = 0; i < wanted; ++i) std::swap(pixels[i], pixels[i + random() % (pixels.size() - i)]);
     pixels.resize(wanted);
 
     const Reference reference(scene);

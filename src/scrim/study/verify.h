@@ -20,12 +20,12 @@ struct VerifiedPixel {
 /// Relative RMSE: RMS of the difference over R, G and B, over the pixels whose reference alpha exceeds 1e-3,
 /// divided by the mean of the reference there.
 struct Verification {
-    int pixels = 0;        ///< that counted
-    double error = 0;      ///< relative RMSE, 0 where no pixel counted
-    double lower = 0;      ///< 95 % confidence interval of it, by bootstrap over the pixels
+    int pixels = 0;    ///< that counted
+    double error = 0;  ///< relative RMSE, 0 where no pixel counted
+    double lower = 0;  ///< 95 % confidence interval of it, by bootstrap over the pixels
     double upper = 0;
-    double bias = 0;       ///< mean difference over mean reference
-    double worst = 0;      ///< largest RMS difference of one pixel over the mean reference
+    double bias = 0;   ///< mean difference over mean reference
+    double worst = 0;  ///< largest RMS difference of one pixel over the mean reference
     int worstX = 0, worstY = 0;
 };
 

@@ -63,12 +63,11 @@ bool even(const ConstantTile& tile) {
 std::vector<Part> collectParts(const SparseField& fine, std::vector<ConstantTile>& tiles) {
     std::vector<Part> parts;
     parts.reserve(fine.blockCount() + fine.tiles.size());
-    for (std::size_t i = 0; i < fine.blockCount(); ++i)
-        parts.push_back(partAt(fine.blockOrigins[i], fine.block(i), 0));
+    for (std::size_t i = 0; i < fine.blockCount(); ++i) parts.push_back(partAt(fine.blockOrigins[i], fine.block(i), 0));
     for (const ConstantTile& tile : fine.tiles) {
         if (even(tile)) {
-            tiles.push_back({Int3(tile.origin.x >> 1, tile.origin.y >> 1, tile.origin.z >> 1), tile.edge / 2,
-                             tile.value});
+            tiles.push_back(
+                {Int3(tile.origin.x >> 1, tile.origin.y >> 1, tile.origin.z >> 1), tile.edge / 2, tile.value});
             continue;
         }
         for (int x = 0; x < tile.edge; x += kBlockEdge)

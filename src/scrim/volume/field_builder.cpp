@@ -70,8 +70,7 @@ void checkTransform(const std::string& name, const Mat4& m) {
     for (int c = 0; c < 4; ++c)
         for (int r = 0; r < 4; ++r) finite = finite && std::isfinite(m[c][r]);
     if (!finite) refuse(name, "its transform is not finite");
-    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
-        refuse(name, "its transform is not affine");
+    if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) refuse(name, "its transform is not affine");
     // Relative to the edge lengths, so that tiny voxels pass and flat ones do not.
     const double volume = std::abs(glm::determinant(Mat3(m)));
     const double edges = glm::length(Vec3(m[0])) * glm::length(Vec3(m[1])) * glm::length(Vec3(m[2]));
@@ -82,10 +81,9 @@ void checkTiles(const FieldPieces& pieces) {
     for (const ConstantTile& tile : pieces.tiles) {
         const bool power = tile.edge >= kBlockEdge && std::has_single_bit(static_cast<unsigned>(tile.edge));
         if (!power || !aligned(tile.origin, tile.edge))
-            refuse(pieces.name,
-                   fmt::format("a tile of edge {} at {}: the edge must be 8 times a power of two and "
-                               "the origin a multiple of it",
-                               tile.edge, toText(tile.origin)));
+            refuse(pieces.name, fmt::format("a tile of edge {} at {}: the edge must be 8 times a power of two and "
+                                            "the origin a multiple of it",
+                                            tile.edge, toText(tile.origin)));
     }
 }
 
@@ -118,8 +116,7 @@ void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks
             const int mask = ~(*e - 1);
             const Int3 cell(origin.x & mask, origin.y & mask, origin.z & mask);
             if (cells.contains(ConstantTile{cell, *e, 0}))
-                refuse(name,
-                       fmt::format("values at {} lie inside the tile at {}", toText(origin), toText(cell)));
+                refuse(name, fmt::format("values at {} lie inside the tile at {}", toText(origin), toText(cell)));
         }
     };
     for (const Int3& origin : sortedBlocks) check(origin, kBlockEdge - 1);
@@ -246,8 +243,7 @@ SparseField FieldBuilder::finish() {
         std::memcpy(values, m_values[i].data(), kBlockVoxels * sizeof(float));
     };
     SparseField field = buildField(std::move(m_pieces));
-    m_pieces = FieldPieces{
-        .name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
+    m_pieces = FieldPieces{.name = field.name, .wsFromIs = field.wsFromIs, .blockOrigins = {}, .fill = {}, .tiles = {}};
     m_values.clear();
     return field;
 }

@@ -128,8 +128,7 @@ struct Mapping {
         size = static_cast<std::size_t>(status.st_size);
         if (size < sizeof(Header)) incomplete("the process that read it stopped before it was done");
         address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-        if (address == MAP_FAILED)
-            throw Error(ErrorKind::memory, "not enough memory to take over what was read");
+        if (address == MAP_FAILED) throw Error(ErrorKind::memory, "not enough memory to take over what was read");
     }
     ~Mapping() {
         if (address != MAP_FAILED) ::munmap(address, size);
@@ -238,8 +237,7 @@ SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapp
         if (!(std::isfinite(t.value) && t.value > 0)) incomplete("a tile holds a value that is not above 0");
     }
     reader.align();
-    const auto* values =
-        reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
+    const auto* values = reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
     field.blockValues = std::shared_ptr<const float>(mapping, values);
 
     if (!std::is_sorted(field.blockOrigins.begin(), field.blockOrigins.end(), originLess))
@@ -264,13 +262,11 @@ SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapp
 
 int createTransfer() {
     const int fd = ::memfd_create("scrim-transfer", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (fd < 0)
-        throw Error(ErrorKind::memory, std::string("cannot create shared memory: ") + std::strerror(errno));
+    if (fd < 0) throw Error(ErrorKind::memory, std::string("cannot create shared memory: ") + std::strerror(errno));
     return fd;
 }
 
-void sendFields(int fd, const std::vector<SparseField>& fields,
-                const std::vector<TransferMessage>& messages) {
+void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
     Writer writer(fd);
     for (const TransferMessage& message : messages) {
         writer.value(static_cast<std::uint32_t>(message.severity));
@@ -322,8 +318,7 @@ ReceivedFields receiveFields(int fd) {
     ReceivedFields out;
     for (std::uint64_t i = 0; i < header.messages; ++i) {
         const auto severity = reader.value<std::uint32_t>();
-        out.messages.push_back(
-            {severity == 0 ? Severity::info : Severity::warning, clipped(reader.text(), 2000)});
+        out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, clipped(reader.text(), 2000)});
     }
     for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
     if (!reader.done()) incomplete("it is longer than it says");

@@ -71,8 +71,7 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
 
     openvdb::BBoxd wsBox;
     for (int i = 0; i < 8; ++i) {
-        const openvdb::Vec3d corner(i & 1 ? box.max().x() : box.min().x(),
-                                    i & 2 ? box.max().y() : box.min().y(),
+        const openvdb::Vec3d corner(i & 1 ? box.max().x() : box.min().x(), i & 2 ? box.max().y() : box.min().y(),
                                     i & 4 ? box.max().z() : box.min().z());
         wsBox.expand(grid.indexToWorld(corner));
     }
@@ -80,15 +79,14 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
     double edge = std::min({size.x(), size.y(), size.z()});
     const openvdb::Vec3d extent = wsBox.extents();
     const double voxels = (extent.x() / edge + 1) * (extent.y() / edge + 1) * (extent.z() / edge + 1);
-    if (!std::isfinite(voxels))
-        throw Error(ErrorKind::input, where + ": its frustum transform is degenerate");
+    if (!std::isfinite(voxels)) throw Error(ErrorKind::input, where + ": its frustum transform is degenerate");
     if (voxels > kMaxResampledVoxels) edge *= std::cbrt(voxels / kMaxResampledVoxels);
 
     out->setTransform(openvdb::math::Transform::createLinearTransform(edge));
     openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
     say(messages, Severity::info,
-        fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}",
-                    where, clipped(grid.getName(), 80), edge));
+        fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}", where,
+                    clipped(grid.getName(), 80), edge));
     return out;
 }
 
@@ -106,8 +104,7 @@ SparseField convert(const Grid& grid) {
     pieces.fill = [&](std::size_t i, float* values) {
         const auto& mask = list[i]->valueMask();
         const auto* from = list[i]->buffer().data();
-        for (openvdb::Index n = 0; n < kBlockVoxels; ++n)
-            values[n] = mask.isOn(n) ? static_cast<float>(from[n]) : 0.0f;
+        for (openvdb::Index n = 0; n < kBlockVoxels; ++n) values[n] = mask.isOn(n) ? static_cast<float>(from[n]) : 0.0f;
     };
     return buildField(std::move(pieces));
 }
@@ -144,8 +141,7 @@ Statistics statistics(const Grid& grid) {
     parallelFor(parts.size(), [&](std::size_t task) {
         const std::size_t end = std::min(list.size(), (task + 1) * kLeavesPerTask);
         for (std::size_t i = task * kLeavesPerTask; i < end; ++i)
-            for (auto value = list[i]->cbeginValueOn(); value; ++value)
-                parts[task].add(static_cast<double>(*value), 1);
+            for (auto value = list[i]->cbeginValueOn(); value; ++value) parts[task].add(static_cast<double>(*value), 1);
     });
     Statistics total;
     for (const Statistics& part : parts) total.add(part);
@@ -162,8 +158,7 @@ bool isScalarGrid(const openvdb::GridBase& grid) {
     return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
 }
 
-SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where,
-                          const MessageSink& messages) {
+SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
     return withScalarGrid(grid, [&](const auto& original) {
         using Grid = std::decay_t<decltype(original)>;
         typename Grid::ConstPtr current = openvdb::gridConstPtrCast<Grid>(original.copyGrid());
@@ -193,8 +188,7 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
     info.valueType = grid.valueType();
     info.gridClass = openvdb::GridBase::gridClassToString(grid.getGridClass());
     info.savedAsHalf = grid.saveFloatAsHalf();
-    if (const auto codec =
-            grid.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_FILE_COMPRESSION))
+    if (const auto codec = grid.getMetadata<openvdb::StringMetadata>(openvdb::GridBase::META_FILE_COMPRESSION))
         info.codec = codec->value();
     info.activeVoxels = grid.baseTree().activeLeafVoxelCount();
     info.activeTiles = grid.baseTree().activeTileCount();

@@ -16,8 +16,7 @@ namespace scrim {
 bool isScalarGrid(const openvdb::GridBase& grid);
 
 /// The field of a scalar grid; `where` (the file) starts every message and error.
-SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where,
-                          const MessageSink& messages);
+SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
 
 /// Describes any grid; values of scalar ones.
 GridInfo describeGrid(const openvdb::GridBase& grid);

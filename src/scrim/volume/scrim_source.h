@@ -61,9 +61,9 @@ typedef struct scrim_parameter {
     const char* name;         /* lower case and underscores, unique within the source */
     int32_t type;             /* SCRIM_NUMBER, ... */
     const char* default_text; /* as a user would write it; must itself be valid */
-    double minimum, maximum; /* inclusive, for numbers, integers and each part of a vec3; both 0: no limits */
-    const char* choices;     /* of a string: "plume|ball|slab"; NULL: any text */
-    const char* help;        /* one line: meaning and unit */
+    double minimum, maximum;  /* inclusive, for numbers, integers and each part of a vec3; both 0: no limits */
+    const char* choices;      /* of a string: "plume|ball|slab"; NULL: any text */
+    const char* help;         /* one line: meaning and unit */
 } scrim_parameter;
 
 /* The value of one parameter, checked by the host against its description. Only the member of its type

@@ -38,8 +38,7 @@ std::map<std::string, std::string> sourceFiles() {
     std::map<std::string, std::string> files;
     for (const std::string& folder : sourceFolders()) {
         std::error_code error;
-        for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
-             entry.increment(error)) {
+        for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
             const std::string file = entry->path().filename().string();
             if (!file.starts_with(kFilePrefix) || !file.ends_with(kFileSuffix)) continue;
             const std::size_t begin = std::strlen(kFilePrefix);
@@ -55,10 +54,9 @@ std::string fileOf(const std::string& name) {
     if (const auto found = files.find(name); found != files.end()) return found->second;
     std::vector<std::string> names;
     for (const auto& [other, path] : files) names.push_back(other);
-    throw Error(ErrorKind::input,
-                clipped(fmt::format("no volume source '{}' in {}; there is {}", clipped(name, 80),
-                                    fmt::join(sourceFolders(), ", "), choices(names)),
-                        1000));
+    throw Error(ErrorKind::input, clipped(fmt::format("no volume source '{}' in {}; there is {}", clipped(name, 80),
+                                                      fmt::join(sourceFolders(), ", "), choices(names)),
+                                          1000));
 }
 
 std::string copied(const char* text) {
@@ -90,8 +88,7 @@ std::vector<ParameterDescription> describeAll(const scrim_source& source, const 
     std::vector<ParameterDescription> out;
     if (source.parameter_count == 0) return out;
     if (source.parameters == nullptr || source.parameter_count > kMaxParameters ||
-        source.parameter_size < sizeof(scrim_parameter) ||
-        source.parameter_size % alignof(scrim_parameter) != 0)
+        source.parameter_size < sizeof(scrim_parameter) || source.parameter_size % alignof(scrim_parameter) != 0)
         refuse(path, fmt::format("its {} parameters of {} bytes make no sense", source.parameter_count,
                                  source.parameter_size));
     const auto* bytes = reinterpret_cast<const unsigned char*>(source.parameters);
@@ -99,8 +96,7 @@ std::vector<ParameterDescription> describeAll(const scrim_source& source, const 
         const void* at = bytes + std::size_t{i} * source.parameter_size;
         out.push_back(describe(*static_cast<const scrim_parameter*>(at), path));
         for (std::size_t j = 0; j + 1 < out.size(); ++j)
-            if (out[j].name == out.back().name)
-                refuse(path, "it has two parameters called '" + out.back().name + "'");
+            if (out[j].name == out.back().name) refuse(path, "it has two parameters called '" + out.back().name + "'");
     }
     parseParameters(out, {}, path + ": default");
     return out;
@@ -128,8 +124,7 @@ LoadedSource load(const std::string& name, const std::string& path) {
                                  sizeof(scrim_source)));
     if (out.abi->generate == nullptr) refuse(path, "its description lacks 'generate'");
     if (out.abi->name == nullptr || name != out.abi->name)
-        refuse(path, fmt::format("calls itself '{}', expected '{}' as in its file name",
-                                 copied(out.abi->name), name));
+        refuse(path, fmt::format("calls itself '{}', expected '{}' as in its file name", copied(out.abi->name), name));
     out.description.name = name;
     out.description.description = copied(out.abi->description);
     out.description.path = path;
@@ -143,8 +138,7 @@ std::vector<std::string> sourceFolders() {
     std::vector<std::string> folders;
     const auto add = [&](const fs::path& folder) {
         const std::string text = folder.lexically_normal().string();
-        if (!text.empty() && std::find(folders.begin(), folders.end(), text) == folders.end())
-            folders.push_back(text);
+        if (!text.empty() && std::find(folders.begin(), folders.end(), text) == folders.end()) folders.push_back(text);
     };
     if (const char* path = std::getenv("SCRIM_PLUGIN_PATH")) {
         std::istringstream list(path);

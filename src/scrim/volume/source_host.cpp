@@ -95,8 +95,7 @@ int SourceHost::progress(const scrim_host* host, double done) noexcept {
     SourceHost& h = self(host);
     return h.guarded([&] {
         const double part = done >= 0 && done <= 1 ? done : 1;  // also NaN
-        if (h.m_progress && !h.m_progress(part))
-            throw Error(ErrorKind::interrupted, h.m_where + ": interrupted");
+        if (h.m_progress && !h.m_progress(part)) throw Error(ErrorKind::interrupted, h.m_where + ": interrupted");
         return 0;
     });
 }
@@ -116,8 +115,7 @@ std::vector<SparseField> SourceHost::finish(int code) {
         throw Error(ErrorKind::memory, m_where + ": not enough memory for its grids");
     }
     if (code != 0 || !m_failure.empty())
-        refuse(m_failure.empty() ? fmt::format("it failed with code {} and without a reason", code)
-                                 : m_failure);
+        refuse(m_failure.empty() ? fmt::format("it failed with code {} and without a reason", code) : m_failure);
     if (m_grids.empty()) refuse("it made no grid");
     std::vector<SparseField> fields;
     for (FieldBuilder& builder : m_grids) {

@@ -68,9 +68,7 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
     value.type = static_cast<std::int32_t>(d.type);
     bool good = true;
     bool inRange = true;
-    const auto limit = [&](double v) {
-        inRange = inRange && (!d.limited() || (v >= d.minimum && v <= d.maximum));
-    };
+    const auto limit = [&](double v) { inRange = inRange && (!d.limited() || (v >= d.minimum && v <= d.maximum)); };
     switch (d.type) {
         case ParameterType::number:
             good = parseFinite(text, value.number[0]);
@@ -89,8 +87,7 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
             value.boolean = text == "true";
             break;
         case ParameterType::string:
-            good =
-                d.choices.empty() || std::find(d.choices.begin(), d.choices.end(), text) != d.choices.end();
+            good = d.choices.empty() || std::find(d.choices.begin(), d.choices.end(), text) != d.choices.end();
             value.text = texts.emplace_back(text).c_str();
             break;
     }
@@ -98,8 +95,8 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
         throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is '{}', expected {}", where, d.name,
                                                   clipped(text, 80), expectation(d)));
     if (!inRange)
-        throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is {}, expected {} to {}", where,
-                                                  d.name, clipped(text, 80), d.minimum, d.maximum));
+        throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is {}, expected {} to {}", where, d.name,
+                                                  clipped(text, 80), d.minimum, d.maximum));
     return value;
 }
 
@@ -142,8 +139,7 @@ ParameterValues parseParameters(const std::vector<ParameterDescription>& descrip
     ParameterValues out;
     for (std::size_t i = 0; i < descriptions.size(); ++i) {
         const ParameterDescription& d = descriptions[i];
-        out.values.push_back(
-            parseValue(d, texts[i] != nullptr ? *texts[i] : d.defaultText, where, out.texts));
+        out.values.push_back(parseValue(d, texts[i] != nullptr ? *texts[i] : d.defaultText, where, out.texts));
     }
     return out;
 }

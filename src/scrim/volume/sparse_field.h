@@ -17,11 +17,13 @@
 
 namespace scrim {
 
-constexpr int kBlockEdge = 8;                                           ///< voxels along a block's edge
-constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge;      ///< 512
+constexpr int kBlockEdge = 8;                                       ///< voxels along a block's edge
+constexpr int kBlockVoxels = kBlockEdge * kBlockEdge * kBlockEdge;  ///< 512
 
 /// Position of voxel (x, y, z), each in [0, 8), within a block: z runs fastest, as in OpenVDB's leaves.
-constexpr int blockOffset(int x, int y, int z) { return (x * kBlockEdge + y) * kBlockEdge + z; }
+constexpr int blockOffset(int x, int y, int z) {
+    return (x * kBlockEdge + y) * kBlockEdge + z;
+}
 
 /// One active region of constant value above leaf level: the voxels origin .. origin + edge - 1 on each axis.
 /// Origin and edge are multiples of 8.
@@ -32,17 +34,17 @@ struct ConstantTile {
 };
 
 struct SparseField {
-    std::string name;                 ///< of the grid, for messages
-    Mat4 wsFromIs{1.0};               ///< affine, invertible; voxel centres at integers in index space
-    std::vector<Int3> blockOrigins;   ///< multiples of 8, each once, in ascending (x, y, z) order
+    std::string name;                ///< of the grid, for messages
+    Mat4 wsFromIs{1.0};              ///< affine, invertible; voxel centres at integers in index space
+    std::vector<Int3> blockOrigins;  ///< multiples of 8, each once, in ascending (x, y, z) order
     /// 512 values a block in `blockOffset` order: finite, not negative, 0 where a voxel is inactive. Shared,
     /// because a field may live in memory that another process filled.
     std::shared_ptr<const float> blockValues;
     std::vector<ConstantTile> tiles;  ///< of values > 0
 
-    std::uint64_t activeVoxels = 0;   ///< leaf voxels and tile voxels with a value > 0
-    std::uint64_t nonFinite = 0;      ///< active voxels that were NaN or infinite and count as 0
-    std::uint64_t negative = 0;       ///< active voxels that were below 0 and count as 0
+    std::uint64_t activeVoxels = 0;  ///< leaf voxels and tile voxels with a value > 0
+    std::uint64_t nonFinite = 0;     ///< active voxels that were NaN or infinite and count as 0
+    std::uint64_t negative = 0;      ///< active voxels that were below 0 and count as 0
     float maxValue = 0;
 
     std::size_t blockCount() const { return blockOrigins.size(); }

@@ -43,9 +43,7 @@ constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value wort
 /// A stream over bytes in memory, with the seeking that OpenVDB's point grids need.
 class MemoryBuffer : public std::streambuf {
   public:
-    explicit MemoryBuffer(std::span<char> bytes) {
-        setg(bytes.data(), bytes.data(), bytes.data() + bytes.size());
-    }
+    explicit MemoryBuffer(std::span<char> bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
     std::size_t remaining() const { return static_cast<std::size_t>(egptr() - gptr()); }
 
   protected:
@@ -98,17 +96,16 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
     const std::string damaged = "truncated or damaged: ";
     for (const VdbLayout::Grid& grid : content.layout.grids)
         if (!openvdb::GridBase::isRegistered(grid.type))
-            fail(content.path, fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read",
-                                           clipped(grid.name, 80), clipped(grid.type, 80),
-                                           openvdb::getLibraryVersionString()));
+            fail(content.path,
+                 fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read", clipped(grid.name, 80),
+                             clipped(grid.type, 80), openvdb::getLibraryVersionString()));
     try {
         MemoryBuffer buffer(bytes);
         std::istream stream(&buffer);
         stream.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
         openvdb::io::Stream reader(stream, /*delayLoad=*/false);
         if (buffer.remaining() > 0)
-            fail(content.path,
-                 fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
+            fail(content.path, fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
         content.grids = *reader.getGrids();
         const openvdb::MetaMap::Ptr metadata = reader.getMetadata();
         for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
@@ -119,10 +116,8 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
     } catch (const std::ios_base::failure&) {
         fail(content.path, damaged + "its data end too early");
     } catch (const std::bad_alloc&) {
-        if (bytes.size() < kSmallFile)
-            fail(content.path, damaged + "it claims more memory than its size allows");
-        throw Error(ErrorKind::memory,
-                    clipped(content.path + ": not enough memory to read it", kMessageLimit));
+        if (bytes.size() < kSmallFile) fail(content.path, damaged + "it claims more memory than its size allows");
+        throw Error(ErrorKind::memory, clipped(content.path + ": not enough memory to read it", kMessageLimit));
     } catch (const std::exception& error) {
         fail(content.path, damaged + clipped(error.what(), 200));
     }
@@ -165,17 +160,15 @@ openvdb::GridBase::Ptr defaultGrid(const VdbFile::Content& content) {
     };
     using Grid = openvdb::GridBase;
     if (auto grid = first([](const Grid& g) { return g.getName() == "density"; })) return grid;
-    if (auto grid = first([](const Grid& g) { return g.getGridClass() == openvdb::GRID_FOG_VOLUME; }))
-        return grid;
-    if (auto grid = first([](const Grid& g) { return g.getGridClass() != openvdb::GRID_LEVEL_SET; }))
-        return grid;
+    if (auto grid = first([](const Grid& g) { return g.getGridClass() == openvdb::GRID_FOG_VOLUME; })) return grid;
+    if (auto grid = first([](const Grid& g) { return g.getGridClass() != openvdb::GRID_LEVEL_SET; })) return grid;
     if (auto grid = first([](const Grid&) { return true; })) return grid;
     std::string types;
     for (std::size_t i = 0; i < content.grids.size(); ++i)
         types += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(content.grids, i), 80),
                              content.grids[i]->valueType());
-    fail(content.path, content.grids.empty() ? std::string("holds no grids")
-                                             : "holds no float, half or double grid, only " + types);
+    fail(content.path,
+         content.grids.empty() ? std::string("holds no grids") : "holds no float, half or double grid, only " + types);
 }
 
 /// "name[i]" → name and i, where it has that form.
@@ -204,8 +197,7 @@ openvdb::GridBase::Ptr findGrid(const VdbFile::Content& content, const std::stri
     for (std::size_t i = 0; i < content.grids.size(); ++i)
         list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(content.grids, i), 80),
                             content.grids[i]->valueType());
-    fail(content.path,
-         fmt::format("no grid '{}'; it holds {}", clipped(wanted, 80), list.empty() ? "none" : list));
+    fail(content.path, fmt::format("no grid '{}'; it holds {}", clipped(wanted, 80), list.empty() ? "none" : list));
 }
 
 }  // namespace
@@ -215,8 +207,7 @@ VdbFile VdbFile::open(const std::string& path) {
     try {
         bytes = readBytes(path);
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory,
-                    clipped(path + ": not enough memory to read this file", kMessageLimit));
+        throw Error(ErrorKind::memory, clipped(path + ": not enough memory to read this file", kMessageLimit));
     }
     auto content = std::make_unique<Content>();
     content->path = path;
@@ -238,8 +229,7 @@ VdbFileInfo VdbFile::info() const {
     for (const auto& grid : m_content->grids) info.grids.push_back(describeGrid(*grid));
     // Without offsets in the file there is only what its writer noted in each grid's metadata, if anything.
     const std::vector<VdbLayout::Grid>& layout = m_content->layout.grids;
-    for (std::size_t i = 0; i < std::min(layout.size(), info.grids.size()); ++i)
-        info.grids[i].codec = layout[i].codec;
+    for (std::size_t i = 0; i < std::min(layout.size(), info.grids.size()); ++i) info.grids[i].codec = layout[i].codec;
     return info;
 }
 
@@ -250,11 +240,10 @@ std::vector<std::string> VdbFile::usableGrids() const {
 SparseField VdbFile::field(const std::string& grid, const MessageSink& messages) const {
     const openvdb::GridBase::Ptr found = findGrid(*m_content, grid);
     if (!isScalarGrid(*found))
-        fail(
-            m_content->path,
-            fmt::format("grid '{}' holds {} values, where a float, half or double grid is expected; of those "
-                        "there is {}",
-                        clipped(grid, 80), found->valueType(), choices(usableGrids())));
+        fail(m_content->path,
+             fmt::format("grid '{}' holds {} values, where a float, half or double grid is expected; of those "
+                         "there is {}",
+                         clipped(grid, 80), found->valueType(), choices(usableGrids())));
     return fieldFromGrid(*found, m_content->path, messages);
 }
 

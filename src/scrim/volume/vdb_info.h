@@ -13,15 +13,14 @@
 namespace scrim {
 
 struct GridInfo {
-    std::string name;  ///< as in the file: may be empty, and several grids may share one
-    std::string
-        valueType;  ///< OpenVDB's word: "float", "double", "vec3s", "int32", "bool", "ptdataidx32", ...
+    std::string name;       ///< as in the file: may be empty, and several grids may share one
+    std::string valueType;  ///< OpenVDB's word: "float", "double", "vec3s", "int32", "bool", "ptdataidx32", ...
     std::string gridClass;  ///< "fog volume", "level set", "staggered" or "unknown"
     std::string codec;      ///< "zip + active values", "blosc + active values", "none", ...; "" if unknown
     bool savedAsHalf = false;
     std::uint64_t activeVoxels = 0;  ///< in leaves
     std::uint64_t activeTiles = 0;   ///< constant regions above leaf level
-    Vec3 voxelSize{1.0};  ///< world units; of a non-affine grid, in the middle of its active bounds
+    Vec3 voxelSize{1.0};             ///< world units; of a non-affine grid, in the middle of its active bounds
     bool affine = true;
     Mat4 wsFromIs{1.0};  ///< identity where the transform is not affine
     Int3 isLower{0};     ///< active bounds, inclusive; an empty grid has isUpper < isLower

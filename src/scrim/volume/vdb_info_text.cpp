@@ -35,8 +35,7 @@ Mat4 matrixFrom(const json& j) {
     Mat4 m;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
-            m[column][row] =
-                j.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)).get<double>();
+            m[column][row] = j.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)).get<double>();
     return m;
 }
 

@@ -21,9 +21,8 @@ constexpr std::uint32_t kZip = 0x1;             ///< openvdb::io::COMPRESS_ZIP
 constexpr std::uint32_t kActiveValues = 0x2;    ///< openvdb::io::COMPRESS_ACTIVE_MASK
 constexpr std::uint32_t kBlosc = 0x4;           ///< openvdb::io::COMPRESS_BLOSC
 constexpr std::size_t kUuidBytes = 36;
-constexpr std::string_view kHalfSuffix =
-    "_HalfFloat";                        ///< GridDescriptor: appended to the type of grids saved as half
-constexpr char kNameSeparator = '\x1e';  ///< GridDescriptor: unique name = name, this, number
+constexpr std::string_view kHalfSuffix = "_HalfFloat";  ///< GridDescriptor: appended to the type of grids saved as half
+constexpr char kNameSeparator = '\x1e';                 ///< GridDescriptor: unique name = name, this, number
 
 class Walker {
   public:
@@ -55,8 +54,7 @@ class Walker {
     void metadata() {
         const auto count = number<std::uint32_t>("the metadata");
         // An entry takes at least three lengths.
-        if (count > (m_bytes.size() - m_at) / 12)
-            damaged(fmt::format("it claims {} entries of metadata", count));
+        if (count > (m_bytes.size() - m_at) / 12) damaged(fmt::format("it claims {} entries of metadata", count));
         for (std::uint32_t i = 0; i < count; ++i) {
             text("a metadata name");
             text("a metadata type");
@@ -140,9 +138,8 @@ VdbLayout checkVdbLayout(const std::string& path, std::span<const char> bytes) {
     VdbLayout layout;
     layout.fileVersion = walk.number<std::uint32_t>("the header");
     if (layout.fileVersion < kOldestReadable || layout.fileVersion > kNewestReadable)
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: VDB file version {} (versions {} to {} can be read)", path,
-                                layout.fileVersion, kOldestReadable, kNewestReadable));
+        throw Error(ErrorKind::input, fmt::format("{}: VDB file version {} (versions {} to {} can be read)", path,
+                                                  layout.fileVersion, kOldestReadable, kNewestReadable));
     layout.libraryMajor = walk.number<std::uint32_t>("the header");
     layout.libraryMinor = walk.number<std::uint32_t>("the header");
     if (layout.fileVersion < kOldestChecked) return layout;

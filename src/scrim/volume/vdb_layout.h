@@ -26,8 +26,7 @@ struct VdbLayout {
     std::uint32_t libraryMajor = 0;
     std::uint32_t libraryMinor = 0;
     bool hasOffsets = false;  ///< written to a file, not to a pipe
-    std::vector<Grid>
-        grids;  ///< empty where the file does not say where grids begin (no offsets, or before 222)
+    std::vector<Grid> grids;  ///< empty where the file does not say where grids begin (no offsets, or before 222)
 };
 
 /// Throws Error(input) "`path`: not a VDB file (...)" or "`path`: truncated or damaged: ...".

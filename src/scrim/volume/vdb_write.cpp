@@ -47,9 +47,9 @@ void writeVdb(const std::string& path, const std::vector<SparseField>& fields) {
         openvdb::MetaMap metadata;
         metadata.insertMeta("creator", openvdb::StringMetadata("Scrim"));
         openvdb::io::File out(file.tempPath());
-        out.setCompression(openvdb::io::COMPRESS_ACTIVE_MASK |
-                           (openvdb::io::Archive::hasBloscCompression() ? openvdb::io::COMPRESS_BLOSC
-                                                                        : openvdb::io::COMPRESS_ZIP));
+        out.setCompression(
+            openvdb::io::COMPRESS_ACTIVE_MASK |
+            (openvdb::io::Archive::hasBloscCompression() ? openvdb::io::COMPRESS_BLOSC : openvdb::io::COMPRESS_ZIP));
         out.write(grids, metadata);
         out.close();
     } catch (const std::bad_alloc&) {

@@ -64,8 +64,8 @@ TEST(TransformedBounds, HoldTheImageOfEveryPoint) {
                    glm::scale(Mat4(1.0), Vec3(2, -1, 0.5));
     const Bounds image = transformed(m, b);
     for (int i = 0; i < 500; ++i)
-        EXPECT_TRUE(image.contains(
-            transformPoint(m, b.lower + b.size() * Vec3(unit(random), unit(random), unit(random)))));
+        EXPECT_TRUE(
+            image.contains(transformPoint(m, b.lower + b.size() * Vec3(unit(random), unit(random), unit(random)))));
     EXPECT_TRUE(transformed(m, Bounds{}).empty());
 }
 

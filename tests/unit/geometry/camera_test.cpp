@@ -28,8 +28,8 @@ Camera someCamera(CameraType type) {
 }
 
 void expectNear(const Vec3& a, const Vec3& b, double tolerance = 1e-12) {
-    EXPECT_LT(glm::distance(a, b), tolerance) << a.x << "," << a.y << "," << a.z << " and " << b.x << "," << b.y
-                                              << "," << b.z;
+    EXPECT_LT(glm::distance(a, b), tolerance)
+        << a.x << "," << a.y << "," << a.z << " and " << b.x << "," << b.y << "," << b.z;
 }
 
 TEST(PerspectiveRays, MeetAtTheEyeAndHaveDepthAsParameter) {

@@ -123,8 +123,7 @@ TEST(EnclosingCone, IsNotMovedByDirectionsInsideOrTwice) {
 TEST(EnclosingCone, OfMoreThanAHemisphereIsNone) {
     EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(-1, 0, 0)}).cosAngle, 0);
     EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(-0.6, 0.8, 0), Vec3(-0.6, -0.8, 0)}).cosAngle, 1e-12);
-    EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-1, 0, 0), Vec3(0, -1, 0)}).cosAngle,
-              0);
+    EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-1, 0, 0), Vec3(0, -1, 0)}).cosAngle, 0);
 }
 
 // Rims of cones, as lights and eyes of known opening give them; near 0 and near 90 degrees.

@@ -118,14 +118,12 @@ TEST(AtomicFile, SaysThatTheFolderIsNone) {
 
 TEST(AtomicFile, SaysThatTheFolderIsNotWritable) {
     if (::geteuid() == 0) {  // root may write anywhere but into the kernel's own trees
-        EXPECT_EQ(errorOfOpening("/proc/self/a.exr"),
-                  "cannot write '/proc/self/a.exr': No such file or directory");
+        EXPECT_EQ(errorOfOpening("/proc/self/a.exr"), "cannot write '/proc/self/a.exr': No such file or directory");
         return;
     }
     const test::TempFolder folder;
     ::chmod(folder.path().c_str(), 0500);
-    EXPECT_EQ(errorOfOpening(folder.file("a.exr")),
-              "cannot write '" + folder.file("a.exr") + "': Permission denied");
+    EXPECT_EQ(errorOfOpening(folder.file("a.exr")), "cannot write '" + folder.file("a.exr") + "': Permission denied");
     ::chmod(folder.path().c_str(), 0700);
 }
 
@@ -145,8 +143,7 @@ TEST(AtomicFile, CommitSaysWhyItFailed) {
         FAIL() << "no error";
     } catch (const Error& error) {
         EXPECT_EQ(error.kind(), ErrorKind::output);
-        EXPECT_EQ(std::string(error.what()),
-                  "cannot write '" + folder.file("a.exr") + "': No such file or directory");
+        EXPECT_EQ(std::string(error.what()), "cannot write '" + folder.file("a.exr") + "': No such file or directory");
     }
 }
 
@@ -180,8 +177,7 @@ TEST(AtomicFile, UncommittedFilesCanBeRemovedAtOnce) {
 TEST(AtomicFile, WorksBeyondTheRegistrysSize) {
     const test::TempFolder folder;
     std::vector<std::unique_ptr<AtomicFile>> files;
-    for (int i = 0; i < 70; ++i)
-        files.push_back(std::make_unique<AtomicFile>(folder.file(std::to_string(i) + ".exr")));
+    for (int i = 0; i < 70; ++i) files.push_back(std::make_unique<AtomicFile>(folder.file(std::to_string(i) + ".exr")));
     EXPECT_EQ(folder.entryCount(), 70u);
     files.clear();
     EXPECT_EQ(folder.entryCount(), 0u);

@@ -76,8 +76,8 @@ TEST(ColourConfig, OwnConfigWorksInAcesCg) {
 
 TEST(ColourConfig, ResolvesAliasesInteropIdsAndAnyLetterCase) {
     const ColourConfig colour = ownConfig();
-    for (const char* name : {"Linear Rec.709 (sRGB)", "lin_rec709", "LIN_REC709", "lin_rec709_scene",
-                             "lin_srgb", "Utility - Linear - Rec.709"})
+    for (const char* name : {"Linear Rec.709 (sRGB)", "lin_rec709", "LIN_REC709", "lin_rec709_scene", "lin_srgb",
+                             "Utility - Linear - Rec.709"})
         EXPECT_EQ(colour.resolve(name), "Linear Rec.709 (sRGB)") << name;
     for (const char* name : {"sRGB", "srgb_tx", "sRGB - Texture", "srgb_rec709_scene"})
         EXPECT_EQ(colour.resolve(name), "sRGB - Texture") << name;
@@ -86,18 +86,16 @@ TEST(ColourConfig, ResolvesAliasesInteropIdsAndAnyLetterCase) {
 }
 
 TEST(ColourConfig, UnknownSpaceListsTheChoices) {
-    EXPECT_EQ(
-        errorOf([] { ownConfig().resolve("Rec709"); }),
-        "unknown colour space 'Rec709' in the OpenColorIO config 'scrim-aces'; expected 'ACES2065-1', "
-        "'ACEScg', 'Linear Rec.709 (sRGB)', 'sRGB - Texture', 'Raw', 'CIE-XYZ-D65' or 'sRGB - Display'");
+    EXPECT_EQ(errorOf([] { ownConfig().resolve("Rec709"); }),
+              "unknown colour space 'Rec709' in the OpenColorIO config 'scrim-aces'; expected 'ACES2065-1', "
+              "'ACEScg', 'Linear Rec.709 (sRGB)', 'sRGB - Texture', 'Raw', 'CIE-XYZ-D65' or 'sRGB - Display'");
 }
 
 TEST(ColourConfig, WhiteIsWhiteInEverySpace) {
     const ColourConfig colour = ownConfig();
     for (const char* space : {"lin_rec709", "ACES2065-1", "sRGB"}) {
         const Rgb white = colour.toWorking({1, 1, 1}, space);
-        for (int c = 0; c < 3; ++c)
-            EXPECT_NEAR(white[c], 1.0, 1e-6) << space;  // single precision through 3 steps
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(white[c], 1.0, 1e-6) << space;  // single precision through 3 steps
     }
     Image image = onePixel(1, 1, 1, 1);
     colour.convert(image, "ACEScg", "lin_rec709");
@@ -140,8 +138,7 @@ TEST(ColourConfig, RoundTripsEveryLinearSpace) {
             if (i % 4 == 3)
                 ASSERT_EQ(image.rgba[i], before[i]) << "alpha touched, " << space;
             else
-                ASSERT_NEAR(image.rgba[i], before[i], 1e-5)
-                    << space << " value " << i;  // 10 x float epsilon x 10
+                ASSERT_NEAR(image.rgba[i], before[i], 1e-5) << space << " value " << i;  // 10 x float epsilon x 10
         }
     }
 }
@@ -175,8 +172,7 @@ TEST(ColourConfig, ViewsClampAndDropNaN) {
 }
 
 TEST(ColourConfig, UnTonemappedViewIsTheSrgbCurve) {
-    const DisplayImage picture =
-        ownConfig().displayImage(onePixel(0.18f, 0.18f, 0.18f, 1), "sRGB", "Un-tone-mapped");
+    const DisplayImage picture = ownConfig().displayImage(onePixel(0.18f, 0.18f, 0.18f, 1), "sRGB", "Un-tone-mapped");
     EXPECT_EQ(picture.rgba[1], 118);  // 255 * (1.055 * 0.18^(1/2.4) - 0.055) = 117.6
 }
 
@@ -238,18 +234,15 @@ TEST(ColourConfig, MissingConfigIsAnErrorThatSaysWhereItWasNamed) {
     EXPECT_EQ(given.rfind("cannot read the OpenColorIO config '/no/such.ocio': ", 0), 0u) << given;
     const OcioVariable set("/no/other.ocio");
     const std::string inherited = errorOf([] { ColourConfig::open(""); });
-    EXPECT_EQ(inherited.rfind("cannot read the OpenColorIO config '/no/other.ocio' (named by $OCIO): ", 0),
-              0u)
+    EXPECT_EQ(inherited.rfind("cannot read the OpenColorIO config '/no/other.ocio' (named by $OCIO): ", 0), 0u)
         << inherited;
 }
 
 TEST(ColourConfig, DamagedConfigIsAnErrorOfBoundedLength) {
     const test::TempFolder folder;
-    std::ofstream(folder.file("bad.ocio"))
-        << "ocio_profile_version: 2\ncolorspaces: [" << std::string(5000, '{');
+    std::ofstream(folder.file("bad.ocio")) << "ocio_profile_version: 2\ncolorspaces: [" << std::string(5000, '{');
     const std::string text = errorOf([&] { ColourConfig::open(folder.file("bad.ocio")); });
-    EXPECT_EQ(text.rfind("cannot read the OpenColorIO config '" + folder.file("bad.ocio") + "': ", 0), 0u)
-        << text;
+    EXPECT_EQ(text.rfind("cannot read the OpenColorIO config '" + folder.file("bad.ocio") + "': ", 0), 0u) << text;
     EXPECT_LT(text.size(), 500u);
 }
 

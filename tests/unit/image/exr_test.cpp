@@ -202,13 +202,12 @@ TEST(Exr, AcesContainerRefusesWhatTheStandardDoesNotAllow) {
     ExrOptions options = frameOptions();
     options.acesContainer = true;
     const Image image = gradient({0, 0, 1, 1});
-    EXPECT_EQ(
-        errorOf(ErrorKind::usage,
-                [&] {
-                    writeExr("a.exr", image, options, {}, {{{"Z"}, {1}, true}});
-                }),
-        "cannot write 'a.exr': an ACES container (SMPTE ST 2065-4) holds RGBA only; write layers in another "
-        "colour space");
+    EXPECT_EQ(errorOf(ErrorKind::usage,
+                      [&] {
+                          writeExr("a.exr", image, options, {}, {{{"Z"}, {1}, true}});
+                      }),
+              "cannot write 'a.exr': an ACES container (SMPTE ST 2065-4) holds RGBA only; write layers in another "
+              "colour space");
     options.half = false;
     EXPECT_EQ(errorOf(ErrorKind::usage, [&] { writeExr("a.exr", image, options); }),
               "cannot write 'a.exr': an ACES container (SMPTE ST 2065-4) holds half values only");
@@ -256,21 +255,18 @@ TEST(Exr, AFullDiskKeepsTheOldFileAndSaysWhy) {
     writeExr(folder.file("a.exr"), emptyImage(kFrame), frameOptions());
     ExrOptions options = frameOptions();
     options.compression = "none";
-    for (const std::size_t limit :
-         {100u, 2000u, 6000u}) {  // in the header, the pixels, the buffer flushed last
+    for (const std::size_t limit : {100u, 2000u, 6000u}) {  // in the header, the pixels, the buffer flushed last
         const test::FileSizeLimit full(limit);
-        EXPECT_EQ(
-            errorOf(ErrorKind::output, [&] { writeExr(folder.file("a.exr"), gradient(kFrame), options); }),
-            "cannot write '" + folder.file("a.exr") + "': File too large");
+        EXPECT_EQ(errorOf(ErrorKind::output, [&] { writeExr(folder.file("a.exr"), gradient(kFrame), options); }),
+                  "cannot write '" + folder.file("a.exr") + "': File too large");
     }
     EXPECT_EQ(readExr(folder.file("a.exr")).window, (PixelWindow{0, 0, 1, 1}));
     EXPECT_EQ(folder.entryCount(), 1u);
 }
 
 TEST(Exr, AMissingFolderIsSaid) {
-    EXPECT_EQ(
-        errorOf(ErrorKind::output, [] { writeExr("/no/such/a.exr", gradient(kFrame), frameOptions()); }),
-        "cannot write '/no/such/a.exr': the folder '/no/such' does not exist");
+    EXPECT_EQ(errorOf(ErrorKind::output, [] { writeExr("/no/such/a.exr", gradient(kFrame), frameOptions()); }),
+              "cannot write '/no/such/a.exr': the folder '/no/such' does not exist");
 }
 
 TEST(Exr, ReadingSaysWhatIsWrong) {

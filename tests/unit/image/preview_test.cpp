@@ -49,8 +49,7 @@ Picture readPicture(const std::string& path) {
     return picture;
 }
 
-std::string errorOf(ErrorKind kind, const std::string& path, const PixelWindow& window,
-                    const std::string& view) {
+std::string errorOf(ErrorKind kind, const std::string& path, const PixelWindow& window, const std::string& view) {
     try {
         writePreview(path, emptyImage(kFrame), window, ownConfig(), "", view);
     } catch (const Error& error) {
@@ -70,8 +69,7 @@ TEST(Preview, ClampsAndCompositesOverBlack) {
     const Picture picture = readPicture(folder.file("a.png"));
     ASSERT_EQ(picture.channels, 3) << "opaque";
     EXPECT_EQ(picture.at(0, 0), (std::vector<int>{255, 0, 0}));
-    EXPECT_EQ(picture.at(1, 0), (std::vector<int>{128, 64, 0}))
-        << "premultiplied colour is not divided by alpha";
+    EXPECT_EQ(picture.at(1, 0), (std::vector<int>{128, 64, 0})) << "premultiplied colour is not divided by alpha";
     EXPECT_EQ(picture.at(3, 2), (std::vector<int>{0, 0, 0}));
     EXPECT_EQ(folder.entryCount(), 1u);
 }
@@ -113,12 +111,10 @@ TEST(Preview, SaysWhatIsWrongAndLeavesNothing) {
                       "': its extension must name a picture format, such as '.png' or '.jpg'");
     EXPECT_EQ(errorOf(ErrorKind::output, "/no/such/a.png", kFrame, ""),
               "cannot write '/no/such/a.png': the folder '/no/such' does not exist");
-    EXPECT_EQ(errorOf(ErrorKind::usage, "a.png", {}, ""),
-              "cannot write 'a.png': the display window is empty");
-    EXPECT_EQ(
-        errorOf(ErrorKind::input, folder.file("a.png"), kFrame, "Film"),
-        "unknown view 'Film' of display 'sRGB' in the OpenColorIO config 'scrim-aces'; expected 'ACES 1.0 "
-        "SDR', 'Un-tone-mapped' or 'Raw'");
+    EXPECT_EQ(errorOf(ErrorKind::usage, "a.png", {}, ""), "cannot write 'a.png': the display window is empty");
+    EXPECT_EQ(errorOf(ErrorKind::input, folder.file("a.png"), kFrame, "Film"),
+              "unknown view 'Film' of display 'sRGB' in the OpenColorIO config 'scrim-aces'; expected 'ACES 1.0 "
+              "SDR', 'Un-tone-mapped' or 'Raw'");
     EXPECT_EQ(folder.entryCount(), 0u);
 }
 
@@ -135,8 +131,7 @@ TEST(Preview, AFullDiskLeavesNothing) {
                 writePreview(folder.file(name), noise, noise.window, ownConfig(), "", "Raw");
                 FAIL() << "no error with " << name << " and " << limit;
             } catch (const Error& error) {
-                EXPECT_EQ(std::string(error.what()),
-                          "cannot write '" + folder.file(name) + "': File too large");
+                EXPECT_EQ(std::string(error.what()), "cannot write '" + folder.file(name) + "': File too large");
             }
             EXPECT_EQ(folder.entryCount(), 0u);
         }

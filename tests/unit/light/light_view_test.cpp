@@ -40,11 +40,11 @@ TEST(LightView, OfAPointLightReachesOnlySheetsInFrontOfIt) {
     LightView view;
     view.distant = false;
     view.tsSource = {0, 0, 10.25};
-    EXPECT_FALSE(view.reaches(9));    // behind
-    EXPECT_FALSE(view.reaches(10));   // its middle is a quarter of a sheet away
+    EXPECT_FALSE(view.reaches(9));   // behind
+    EXPECT_FALSE(view.reaches(10));  // its middle is a quarter of a sheet away
     EXPECT_TRUE(view.reaches(11));
     view.tsSource.z = 10;
-    EXPECT_TRUE(view.reaches(10));    // half a sheet is enough
+    EXPECT_TRUE(view.reaches(10));  // half a sheet is enough
     view.distant = true;
     EXPECT_TRUE(view.reaches(-5));
 }

@@ -54,7 +54,9 @@ double sampled(const Plane& plane, double u, double v, bool nearest) {
 }
 
 // Half-way between texels a float may round either way.
-bool undecided(double position) { return std::abs(position - std::floor(position) - 0.5) < 1e-4; }
+bool undecided(double position) {
+    return std::abs(position - std::floor(position) - 0.5) < 1e-4;
+}
 
 class PlaneSampling : public testing::TestWithParam<bool> {};
 

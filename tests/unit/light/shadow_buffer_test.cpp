@@ -104,7 +104,9 @@ Taus carry(const LightView& view, const PlaneStack& extinction, const std::vecto
 struct Slant {
     double u, v;
 };
-void PrintTo(const Slant& s, std::ostream* out) { *out << s.u << "," << s.v; }
+void PrintTo(const Slant& s, std::ostream* out) {
+    *out << s.u << "," << s.v;
+}
 
 class DistantLight : public testing::TestWithParam<Slant> {};
 

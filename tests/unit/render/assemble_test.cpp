@@ -133,9 +133,15 @@ TEST(Region, IsLimitedByTheCrop) {
 TEST(Region, OutsideOfThePictureIsAnError) {
     Scene scene = someScene();
     scene.overscan = 2;
-    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { assembled(scene, {nullptr}, PixelWindow{300, 0, 310, 20}); }),
+    EXPECT_EQ(errorOf(ErrorKind::usage,
+                      [&] {
+                          assembled(scene, {nullptr}, PixelWindow{300, 0, 310, 20});
+                      }),
               "the crop 300,0,310,20 holds no pixel of the picture, which is -2,-2,202,102");
-    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { assembled(scene, {nullptr}, PixelWindow{50, 50, 50, 60}); }),
+    EXPECT_EQ(errorOf(ErrorKind::usage,
+                      [&] {
+                          assembled(scene, {nullptr}, PixelWindow{50, 50, 50, 60});
+                      }),
               "the crop 50,50,50,60 holds no pixel of the picture, which is -2,-2,202,102");
 }
 

@@ -212,8 +212,7 @@ TEST(SampleRgba, IsBilinearAtTheRaysPlaceInTheBatch) {
     for (int k = 0; k < kTileSize; ++k) {
         const Rgba expected = sampled(stack.planes[0], rays.u[k] + double(at[k]) * rays.stepU[k],
                                       rays.v[k] + double(at[k]) * rays.stepV[k]);
-        for (int c = 0; c < 4; ++c)
-            EXPECT_NEAR(samples[4 * k + c], expected[static_cast<std::size_t>(c)], kTolerance);
+        for (int c = 0; c < 4; ++c) EXPECT_NEAR(samples[4 * k + c], expected[static_cast<std::size_t>(c)], kTolerance);
     }
 }
 
@@ -273,8 +272,7 @@ TEST(CompositeSamples, OfBothPartsIsTheWhole) {
     compositeSamples(samples, part, true, parts.values);
     for (int k = 1; k < kTileSize; ++k)
         for (int c = 0; c < 4; ++c)
-            EXPECT_NEAR(parts.values[4 * k + c], whole.values[4 * k + c],
-                        2e-6 * std::abs(whole.values[4 * k + c]))
+            EXPECT_NEAR(parts.values[4 * k + c], whole.values[4 * k + c], 2e-6 * std::abs(whole.values[4 * k + c]))
                 << "alpha " << samples[4 * k + 3] << " channel " << c;
 }
 
@@ -286,8 +284,8 @@ TEST(CompositeSamples, OfNothingOrOfAWallStayFinite) {
         States states;
         compositeSamples(samples, part, true, states.values);
         for (const float v : states.values) ASSERT_TRUE(std::isfinite(v)) << f;
-        EXPECT_EQ(states.values[3], 0);                        // alpha 0
-        EXPECT_EQ(states.values[4 + 3], f > 0 ? -1.0f : 0.0f); // alpha 1: any part of it hides all
+        EXPECT_EQ(states.values[3], 0);                         // alpha 0
+        EXPECT_EQ(states.values[4 + 3], f > 0 ? -1.0f : 0.0f);  // alpha 1: any part of it hides all
     }
 }
 

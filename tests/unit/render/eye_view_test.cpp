@@ -19,7 +19,9 @@ struct Case {
     CameraType type;
     Vec3 far;  ///< where the scene stands
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.name;
+}
 
 class Random {
   public:
@@ -114,9 +116,8 @@ TEST_P(EyeViewOf, SlopesAreThoseOfTheRayThroughATexel) {
         texelSamples(sheets, eye.slopes(), 70.5, 48, 64, samples);
         for (int k = 0; k < kTileSize; k += 37) {
             const Vec3 ws = sheets.wsPoint({samples.u[k], samples.v[k], 70.5});
-            const Vec3 travel = sheets.ssFromWs * (camera.type == CameraType::orthographic
-                                                       ? viewingAxis(camera)
-                                                       : ws - camera.wsPosition);
+            const Vec3 travel = sheets.ssFromWs * (camera.type == CameraType::orthographic ? viewingAxis(camera)
+                                                                                           : ws - camera.wsPosition);
             EXPECT_NEAR(samples.eyeA[k], travel.x / travel.z, 1e-5 * (1 + std::abs(travel.x / travel.z)));
             EXPECT_NEAR(samples.eyeB[k], travel.y / travel.z, 1e-5 * (1 + std::abs(travel.y / travel.z)));
         }

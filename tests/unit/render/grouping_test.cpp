@@ -32,7 +32,9 @@ ViewScene fogScene(CameraType type) {
     return scene;
 }
 
-std::vector<LightGroup> groupsOf(const ViewScene& scene) { return groupLights(scene, wsCorners(scene)); }
+std::vector<LightGroup> groupsOf(const ViewScene& scene) {
+    return groupLights(scene, wsCorners(scene));
+}
 
 Light pointLight(const Vec3& position) {
     Light light;
@@ -47,8 +49,8 @@ double angle(const Vec3& a, const Vec3& b) {
 }
 
 void expectSame(const Vec3& a, const Vec3& b, double tolerance) {
-    EXPECT_LT(glm::distance(a, b), tolerance) << a.x << "," << a.y << "," << a.z << " and " << b.x << "," << b.y
-                                              << "," << b.z;
+    EXPECT_LT(glm::distance(a, b), tolerance)
+        << a.x << "," << a.y << "," << a.z << " and " << b.x << "," << b.y << "," << b.z;
 }
 
 // The largest angle between the axis and any ray of the group, the eye's turned where it looks against the lights.
@@ -250,8 +252,8 @@ TEST(PointLight, InsideTheVolumeIsCutIntoWindowsThatCoverTheSphere) {
         for (const Vec3& d : part.wsDirections) EXPECT_NEAR(angle(d, axis), kWindowAngle, 1e-6);
         for (const LightPart& other : parts) {
             const Vec3 otherAxis = other.wsWindows.at(static_cast<std::size_t>(other.window));
-            const bool listed = std::find(part.wsWindows.begin(), part.wsWindows.end(), otherAxis) !=
-                                part.wsWindows.end();
+            const bool listed =
+                std::find(part.wsWindows.begin(), part.wsWindows.end(), otherAxis) != part.wsWindows.end();
             EXPECT_EQ(listed, angle(axis, otherAxis) < 2 * kWindowAngle);
         }
     }

@@ -44,10 +44,10 @@ TEST(ImageTiles, AreOpenUntilTheyAreOpaque) {
         if (t != 4) tiles.setOpaque(t);
     EXPECT_FALSE(tiles.opaque(4));
     EXPECT_TRUE(tiles.anyOpen(-5, 10, 40, 43));
-    EXPECT_TRUE(tiles.anyOpen(12, 27, 12, 27));      // inside the open one
-    EXPECT_FALSE(tiles.anyOpen(-5, 10, 10, 43));     // the left column
+    EXPECT_TRUE(tiles.anyOpen(12, 27, 12, 27));   // inside the open one
+    EXPECT_FALSE(tiles.anyOpen(-5, 10, 10, 43));  // the left column
     EXPECT_TRUE(tiles.anyOpen(-1e30, -1e30, 1e30, 1e30));
-    EXPECT_FALSE(tiles.anyOpen(100, 20, 200, 30));   // beside the picture
+    EXPECT_FALSE(tiles.anyOpen(100, 20, 200, 30));  // beside the picture
     EXPECT_FALSE(tiles.anyOpen(-200, 20, -100, 30));
     EXPECT_FALSE(tiles.anyOpen(12, -50, 14, -40));
     tiles.setOpaque(4);

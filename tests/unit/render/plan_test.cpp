@@ -123,9 +123,9 @@ TEST(LightRaster, HoldsTheRaysToEveryPointOfTheVolume) {
                 std::uniform_real_distribution<double> unit(0, 1);
                 const Bounds is = scene.volumes[0].field->isBounds();
                 for (int i = 0; i < 300; ++i)
-                    points.push_back(transformPoint(
-                        scene.volumes[0].wsFromIs,
-                        is.lower + is.size() * Vec3(unit(random), unit(random), unit(random))));
+                    points.push_back(
+                        transformPoint(scene.volumes[0].wsFromIs,
+                                       is.lower + is.size() * Vec3(unit(random), unit(random), unit(random))));
                 for (const Vec3& ws : points) {
                     const Vec3 ts = group.sheets.tsPoint(ws);
                     const int sheet = static_cast<int>(std::floor(ts.z));

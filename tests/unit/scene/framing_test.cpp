@@ -89,8 +89,7 @@ TEST(FieldRays, IntegrateBlocksAndTiles) {
 }
 
 TEST(Framing, FillsThePictureUpToTheMargin) {
-    const SparseField field =
-        blocks({{0, 0, 0}, {0, 8, 0}, {8, 8, 0}, {16, 8, 8}}, 1, scaled(0.1, {0, 0, 0}));
+    const SparseField field = blocks({{0, 0, 0}, {0, 8, 0}, {8, 8, 0}, {16, 8, 8}}, 1, scaled(0.1, {0, 0, 0}));
     for (const Int2 resolution : {Int2(512, 512), Int2(1920, 800), Int2(300, 900)}) {
         const Scene scene = framed(field, resolution);
         EXPECT_EQ(scene.camera.resolution, resolution);
@@ -113,8 +112,7 @@ TEST(Framing, LooksFromTheFrontTheRightAndAbove) {
 TEST(Framing, KeepsItsShapeFarAwayAndAtAnySize) {
     for (const double voxel : {1e-6, 1e-3, 1.0, 1e4})
         for (const double place : {0.0, 1e6}) {
-            const SparseField field =
-                blocks({{0, 0, 0}, {8, 0, 0}}, 1, scaled(voxel, Vec3(place, -place, place)));
+            const SparseField field = blocks({{0, 0, 0}, {8, 0, 0}}, 1, scaled(voxel, Vec3(place, -place, place)));
             const Scene scene = framed(field, {640, 480});
             const Vec2 most = reach(scene.camera, field);
             EXPECT_NEAR(std::max(most.x, most.y), 0.9, 0.02) << voxel << " at " << place;

@@ -30,9 +30,8 @@ TEST(Quality, TableNamesEveryDialOnceWithAllThereIsToSay) {
         EXPECT_FALSE(dial.meaning.empty()) << dial.name;
         EXPECT_FALSE(dial.defaultText.empty()) << dial.name;
     }
-    for (const char* name :
-         {"sheet_thickness", "texel", "splat", "shade", "kernel", "footprint_steps", "shadow_texel",
-          "shadow_filter", "sheets", "max_slant", "opacity_cutoff", "lod", "antialias", "simd"})
+    for (const char* name : {"sheet_thickness", "texel", "splat", "shade", "kernel", "footprint_steps", "shadow_texel",
+                             "shadow_filter", "sheets", "max_slant", "opacity_cutoff", "lod", "antialias", "simd"})
         EXPECT_EQ(names.count(name), 1u) << name;
 }
 
@@ -78,22 +77,18 @@ TEST(Quality, SetsEveryDial) {
 }
 
 TEST(Quality, SaysWhatIsAllowed) {
-    EXPECT_EQ(errorOf("texel", 0.0),
-              "scene.toml:9:1: 'texel' is 0; expected a number from 0.05 to 64 (voxels)");
+    EXPECT_EQ(errorOf("texel", 0.0), "scene.toml:9:1: 'texel' is 0; expected a number from 0.05 to 64 (voxels)");
     EXPECT_EQ(errorOf("texel", std::nan("")),
               "scene.toml:9:1: 'texel' is nan; expected a number from 0.05 to 64 (voxels)");
     EXPECT_EQ(errorOf("texel", "fine"),
               "scene.toml:9:1: 'texel' is 'fine'; expected a number from 0.05 to 64 (voxels)");
-    EXPECT_EQ(
-        errorOf("footprint_steps", 12.0),
-        "scene.toml:9:1: 'footprint_steps' is 12; expected a power of two from 2 to 128 (steps a voxel)");
-    EXPECT_EQ(
-        errorOf("antialias", 1.5),
-        "scene.toml:9:1: 'antialias' is 1.5; expected a whole number from 1 to 16 (rays a pixel's edge)");
+    EXPECT_EQ(errorOf("footprint_steps", 12.0),
+              "scene.toml:9:1: 'footprint_steps' is 12; expected a power of two from 2 to 128 (steps a voxel)");
+    EXPECT_EQ(errorOf("antialias", 1.5),
+              "scene.toml:9:1: 'antialias' is 1.5; expected a whole number from 1 to 16 (rays a pixel's edge)");
     EXPECT_EQ(errorOf("kernel", "box"),
               "scene.toml:9:1: 'kernel' is 'box'; expected 'linear', 'gaussian' or 'bspline'");
-    EXPECT_EQ(errorOf("kernel", 1.0),
-              "scene.toml:9:1: 'kernel' is 1; expected 'linear', 'gaussian' or 'bspline'");
+    EXPECT_EQ(errorOf("kernel", 1.0), "scene.toml:9:1: 'kernel' is 1; expected 'linear', 'gaussian' or 'bspline'");
     EXPECT_EQ(errorOf("splat", "per-view"), "scene.toml:9:1: 'splat' is 'per-view'; expected 'shared'");
     EXPECT_EQ(errorOf("texle", 1.0).substr(0, 68),
               "scene.toml:9:1: there is no dial 'texle'; did you mean 'texel'?; exp");

@@ -25,8 +25,7 @@ inline Scene read(const std::string& text, const std::vector<std::string>& overr
     return readScene({"scene.toml", "/shots", text}, frame, overrides, ownColours());
 }
 
-inline std::string errorOf(const std::string& text, const std::vector<std::string>& overrides = {},
-                           double frame = 1) {
+inline std::string errorOf(const std::string& text, const std::vector<std::string>& overrides = {}, double frame = 1) {
     try {
         read(text, overrides, frame);
     } catch (const Error& error) {

@@ -73,9 +73,8 @@ TEST(SceneCamera, AFovMayComeFromALens) {
     EXPECT_EQ(cameraError("focal_length = 18\naperture = 36\nfov = 3\n"),
               "scene.toml:4:16: [camera] has both 'fov' and a lens; expected 'fov', or 'focal_length' and "
               "'aperture'");
-    EXPECT_EQ(
-        cameraError("focal_length = 0\naperture = 36\n"),
-        "scene.toml:4:16: 'focal_length' is 0; expected a number greater than 0 and of at most 1000000 mm");
+    EXPECT_EQ(cameraError("focal_length = 0\naperture = 36\n"),
+              "scene.toml:4:16: 'focal_length' is 0; expected a number greater than 0 and of at most 1000000 mm");
 }
 
 TEST(SceneCamera, MayBeKeyed) {
@@ -92,16 +91,14 @@ TEST(SceneCamera, KeysAreChecked) {
               "scene.toml:4:27: 'fov': frame 1 does not come after frame 1; expected ascending frames");
     EXPECT_EQ(cameraError("fov = { keys = [] }\n"),
               "scene.toml:4:16: 'keys' is a list of 0; expected at least one [frame, value]");
-    EXPECT_EQ(
-        cameraError("fov = { keys = [[1, 20], [2, 200]] }\n"),
-        "scene.toml:4:30: 'keys[1][1]' is 200; expected a number greater than 0 and less than 180 degrees");
+    EXPECT_EQ(cameraError("fov = { keys = [[1, 20], [2, 200]] }\n"),
+              "scene.toml:4:30: 'keys[1][1]' is 200; expected a number greater than 0 and less than 180 degrees");
     EXPECT_EQ(cameraError("fov = { keys = [[1, 20, 3]] }\n"),
               "scene.toml:4:17: 'keys[0]' is a list of 3; expected [frame, value]");
     EXPECT_EQ(cameraError("fov = { keys = [[1, 20]], interpolation = \"cubic\" }\n"),
               "scene.toml:4:43: 'interpolation' is the string \"cubic\"; expected 'linear' or 'smooth'");
-    EXPECT_EQ(
-        cameraError("fov = { keys = [[1, 20]], ease = 1 }\n"),
-        "scene.toml:4:27: 'ease' is not known here (the keyed 'fov'); allowed: 'keys' or 'interpolation'");
+    EXPECT_EQ(cameraError("fov = { keys = [[1, 20]], ease = 1 }\n"),
+              "scene.toml:4:27: 'ease' is not known here (the keyed 'fov'); allowed: 'keys' or 'interpolation'");
     EXPECT_EQ(cameraError("resolution = { keys = [[1, [9, 9]]] }\n"),
               "scene.toml:4:14: 'resolution' is a table; expected [width, height] in pixels");
 }
@@ -109,14 +106,12 @@ TEST(SceneCamera, KeysAreChecked) {
 TEST(SceneCamera, MustNotStandAtItsTarget) {
     EXPECT_EQ(errorOf("[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]\n" + kVolume),
               "scene.toml:3:10: the camera stands at its own 'target' at frame 1 (1, 2, 3)");
-    EXPECT_EQ(cameraError("up = [0, 0, 0]\n"),
-              "scene.toml:4:6: 'up' is 0, 0, 0 at frame 1; expected a direction");
+    EXPECT_EQ(cameraError("up = [0, 0, 0]\n"), "scene.toml:4:6: 'up' is 0, 0, 0 at frame 1; expected a direction");
 }
 
 TEST(SceneCamera, LooksAcrossVastAndTinyDistances) {
     for (const char* target : {"[0, 0, 1e-200]", "[0, 0, 1e15]"}) {
-        const Scene scene =
-            read("[camera]\nposition = [0, 0, 0]\ntarget = " + std::string(target) + "\n" + kVolume);
+        const Scene scene = read("[camera]\nposition = [0, 0, 0]\ntarget = " + std::string(target) + "\n" + kVolume);
         EXPECT_EQ(viewingAxis(scene.camera), Vec3(0, 0, 1)) << target;
     }
 }
@@ -124,8 +119,7 @@ TEST(SceneCamera, LooksAcrossVastAndTinyDistances) {
 TEST(SceneCamera, ResolutionIsLimited) {
     const std::string expected = "; expected a whole number from 1 to 65536 pixels";
     EXPECT_EQ(cameraError("resolution = [0, 10]\n"), "scene.toml:4:15: 'resolution[0]' is 0" + expected);
-    EXPECT_EQ(cameraError("resolution = [10, 65537]\n"),
-              "scene.toml:4:19: 'resolution[1]' is 65537" + expected);
+    EXPECT_EQ(cameraError("resolution = [10, 65537]\n"), "scene.toml:4:19: 'resolution[1]' is 65537" + expected);
     EXPECT_EQ(cameraError("resolution = [10, 9223372036854775807]\n"),
               "scene.toml:4:19: 'resolution[1]' is 9223372036854775807" + expected);
     EXPECT_EQ(cameraError("resolution = [10, 1.5]\n"), "scene.toml:4:19: 'resolution[1]' is 1.5" + expected);

@@ -78,8 +78,7 @@ TEST(SceneLight, ConvertsColoursIntoTheWorkingSpace) {
     // The sRGB curve: ((0.5 + 0.055) / 1.055)^2.4; grey stays grey.
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(l.intensity[c], std::pow(0.555 / 1.055, 2.4), 1e-5);
     EXPECT_EQ(
-        lightError(
-            "type = \"distant\"\ndirection = [0, 0, -1]\ncolor = { rgb = [1, 1, 1], colorspace = \"no\" }\n")
+        lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = { rgb = [1, 1, 1], colorspace = \"no\" }\n")
             .substr(0, 17),
         "scene.toml:9:41: ");
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = { rgb = [1, 1, 1] }\n"),
@@ -93,18 +92,16 @@ TEST(SceneLight, ConvertsColoursIntoTheWorkingSpace) {
 }
 
 TEST(SceneLight, KeysBelongToTypes) {
-    EXPECT_EQ(
-        lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
-        "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
-        "'type', 'direction', 'color', 'intensity', 'exposure' or 'shadows'");
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
+              "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
+              "'type', 'direction', 'color', 'intensity', 'exposure' or 'shadows'");
     EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
               "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: "
               "'name', 'type', "
               "'position', 'radius', 'decay', 'color', 'intensity', 'exposure' or 'shadows'");
     EXPECT_EQ(lightError("type = \"projector\"\n"),
               "scene.toml:7:8: 'type' is the string \"projector\"; expected 'distant', 'point' or 'spot'");
-    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nslide = { file = \"a.png\" }\n")
-                  .substr(0, 41),
+    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nslide = { file = \"a.png\" }\n").substr(0, 41),
               "scene.toml:9:1: 'slide' is not known here");
 }
 
@@ -114,18 +111,16 @@ TEST(SceneLight, NeedsWhatItsTypeNeeds) {
     EXPECT_EQ(lightError("type = \"distant\"\n"),
               "scene.toml:6:1: [[light]] 'light1' of type 'distant' lacks "
               "'direction'; expected the way the light travels [x, y, z]");
-    EXPECT_EQ(
-        lightError("type = \"point\"\n"),
-        "scene.toml:6:1: [[light]] 'light1' of type 'point' lacks 'position'; expected a point [x, y, z]");
+    EXPECT_EQ(lightError("type = \"point\"\n"),
+              "scene.toml:6:1: [[light]] 'light1' of type 'point' lacks 'position'; expected a point [x, y, z]");
     EXPECT_EQ(lightError("type = \"spot\"\nposition = [0, 0, 0]\n"),
               "scene.toml:6:1: [[light]] 'light1' of type 'spot' lacks 'direction'; expected a direction [x, "
               "y, z], or "
               "'target', a point");
-    EXPECT_EQ(
-        lightError("type = \"spot\"\nposition = [0, 0, 0]\ndirection = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
-        "scene.toml:10:10: [[light]] 'light1' of type 'spot' has both 'direction' and 'target'; expected one "
-        "of "
-        "them");
+    EXPECT_EQ(lightError("type = \"spot\"\nposition = [0, 0, 0]\ndirection = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
+              "scene.toml:10:10: [[light]] 'light1' of type 'spot' has both 'direction' and 'target'; expected one "
+              "of "
+              "them");
     EXPECT_EQ(lightError("type = \"spot\"\nposition = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
               "scene.toml:9:10: the light stands at its own 'target' at frame 1 (1, 0, 0)");
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, 0]\n"),
@@ -151,9 +146,8 @@ TEST(SceneLight, NamesAreUnique) {
     const std::string two =
         "name = \"a\"\ntype = \"point\"\nposition = [0, 0, 0]\n[[light]]\nname = \"a\"\ntype = "
         "\"point\"\nposition = [0, 0, 0]\n";
-    EXPECT_EQ(
-        lightError(two),
-        "scene.toml:10:1: [[light]] number 2 is called 'a', and so is number 1; expected different names");
+    EXPECT_EQ(lightError(two),
+              "scene.toml:10:1: [[light]] number 2 is called 'a', and so is number 1; expected different names");
     EXPECT_EQ(lightError("name = \"a\\u0007\"\ntype = \"point\"\nposition = [0, 0, 0]\n"),
               "scene.toml:7:8: 'name' is the string \"a?\"; expected a name without control characters");
 }
@@ -170,10 +164,9 @@ TEST(SceneAmbient, IsColourTimesIntensity) {
     EXPECT_EQ(ambient("[ambient]\ncolor = [0.1, 0.2, 0.3]\n"), Rgb(0.1, 0.2, 0.3));
     EXPECT_EQ(ambient("[ambient]\nintensity = 0.5\n"), Rgb(0.5));
     EXPECT_EQ(ambient("[ambient]\ncolor = [1, 2, 4]\nintensity = 0.5\n"), Rgb(0.5, 1, 2));
-    EXPECT_EQ(
-        errorOf(kCamera + kVolume + "[ambient]\ncolour = [1, 1, 1]\n"),
-        "scene.toml:7:1: 'colour' is not known here ([ambient]); did you mean 'color'?; allowed: 'color' or "
-        "'intensity'");
+    EXPECT_EQ(errorOf(kCamera + kVolume + "[ambient]\ncolour = [1, 1, 1]\n"),
+              "scene.toml:7:1: 'colour' is not known here ([ambient]); did you mean 'color'?; allowed: 'color' or "
+              "'intensity'");
 }
 
 }  // namespace

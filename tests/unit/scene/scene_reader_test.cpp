@@ -39,13 +39,12 @@ TEST(SceneOutput, HasDefaults) {
 }
 
 TEST(SceneOutput, ReadsEveryKey) {
-    const SceneOutput out =
-        read(kScene +
-                 "[output]\nfile = \"out/a.####.exr\"\ncolorspace = \"lin_rec709\"\ntype = "
-                 "\"float\"\ncompression = "
-                 "\"piz\"\nfps = 23.976\npreview = { file = \"a.##.png\", display = \"SRGB\" }\n",
-             {}, 7)
-            .output;
+    const SceneOutput out = read(kScene +
+                                     "[output]\nfile = \"out/a.####.exr\"\ncolorspace = \"lin_rec709\"\ntype = "
+                                     "\"float\"\ncompression = "
+                                     "\"piz\"\nfps = 23.976\npreview = { file = \"a.##.png\", display = \"SRGB\" }\n",
+                                 {}, 7)
+                                .output;
     EXPECT_EQ(out.file, "/shots/out/a.0007.exr");
     EXPECT_TRUE(out.path.hasFrame());
     EXPECT_EQ(out.colorspace, test::ownColours().resolve("lin_rec709"));
@@ -58,9 +57,7 @@ TEST(SceneOutput, ReadsEveryKey) {
 }
 
 TEST(SceneOutput, IsChecked) {
-    const auto outputError = [](const std::string& lines) {
-        return errorOf(kCamera + kVolume + "[output]\n" + lines);
-    };
+    const auto outputError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[output]\n" + lines); };
     EXPECT_EQ(outputError("compression = \"rle\"\n"),
               "scene.toml:7:15: 'compression' is the string \"rle\"; expected "
               "'zip', 'zips', 'piz', 'dwaa' or 'none'");
@@ -84,8 +81,8 @@ TEST(SceneOutput, IsChecked) {
 }
 
 TEST(SceneRender, DialsOverrideTheQuality) {
-    const Scene scene = read(
-        kScene + "[render]\nquality = \"high\"\ntexel = 0.75\nshadow_filter = \"nearest\"\nantialias = 2\n");
+    const Scene scene =
+        read(kScene + "[render]\nquality = \"high\"\ntexel = 0.75\nshadow_filter = \"nearest\"\nantialias = 2\n");
     EXPECT_EQ(scene.quality, "high");
     EXPECT_EQ(scene.dials.sheetThickness, 0.5);
     EXPECT_EQ(scene.dials.texel, 0.75);
@@ -96,24 +93,19 @@ TEST(SceneRender, DialsOverrideTheQuality) {
 }
 
 TEST(SceneRender, IsChecked) {
-    const auto renderError = [](const std::string& lines) {
-        return errorOf(kCamera + kVolume + "[render]\n" + lines);
-    };
+    const auto renderError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[render]\n" + lines); };
     EXPECT_EQ(renderError("quality = \"best\"\n"),
               "scene.toml:7:11: 'quality' is the string \"best\"; expected 'draft', "
               "'standard', 'high' or 'ultra'");
-    EXPECT_EQ(renderError("texel = -1\n"),
-              "scene.toml:7:9: 'texel' is -1; expected a number from 0.05 to 64 (voxels)");
+    EXPECT_EQ(renderError("texel = -1\n"), "scene.toml:7:9: 'texel' is -1; expected a number from 0.05 to 64 (voxels)");
     EXPECT_EQ(renderError("texel = inf\n"), "scene.toml:7:9: 'texel' is inf; expected a number");
-    EXPECT_EQ(renderError("texel = []\n"),
-              "scene.toml:7:9: 'texel' is a list of 0; expected a number from 0.05 to 64");
+    EXPECT_EQ(renderError("texel = []\n"), "scene.toml:7:9: 'texel' is a list of 0; expected a number from 0.05 to 64");
     EXPECT_EQ(renderError("tolerance = 0.005\n").substr(0, 56),
               "scene.toml:7:1: 'tolerance' is not known here ([render])");
 }
 
 TEST(SceneReader, NeedsACameraAndAVolume) {
-    EXPECT_EQ(errorOf(kVolume),
-              "scene.toml:1:1: the scene's top level lacks 'camera'; expected a table [camera]");
+    EXPECT_EQ(errorOf(kVolume), "scene.toml:1:1: the scene's top level lacks 'camera'; expected a table [camera]");
     EXPECT_EQ(errorOf(kCamera),
               "scene.toml:1:1: the scene's top level lacks 'volume'; expected at least one [[volume]]");
     EXPECT_EQ(errorOf("volume = []\n" + kCamera),
@@ -124,8 +116,7 @@ TEST(SceneReader, NeedsACameraAndAVolume) {
 
 TEST(SceneReader, LocatesMalformedTomlWithClippedText) {
     EXPECT_EQ(errorOf("[camera\n").substr(0, 35), "scene.toml:1:8: malformed TOML: Err");
-    EXPECT_EQ(errorOf("a = 1\na = 2\n").substr(0, 33),
-              "scene.toml:2:5: malformed TOML: Error"s.substr(0, 33));
+    EXPECT_EQ(errorOf("a = 1\na = 2\n").substr(0, 33), "scene.toml:2:5: malformed TOML: Error"s.substr(0, 33));
     const std::string garbage = errorOf("a = " + std::string(100000, 'x'));
     EXPECT_LT(garbage.size(), 300u);
     EXPECT_EQ(errorOf("a = \"\xff\xfe\"\n").substr(0, 11), "scene.toml:");
@@ -148,9 +139,9 @@ TEST(SceneReader, RefusesDeepNestingBeforeItParses) {
 
 TEST(SceneReader, DotsAndBracketsInStringsAndCommentsDoNotNest) {
     const std::string many(100, '['), dots(100, '.');
-    EXPECT_EQ(errorOf("# " + many + "\n" + kCamera + "[[volume]]\nname = \"" + many + "\\\"" + dots +
-                      "\"\nfile = '" + dots + many + "'\n[variables]\na = \"\"\"" + many + "\n\" '" + dots +
-                      "\"\"\"\nb = '''" + many + "\n'" + dots + "'''\n"),
+    EXPECT_EQ(errorOf("# " + many + "\n" + kCamera + "[[volume]]\nname = \"" + many + "\\\"" + dots + "\"\nfile = '" +
+                      dots + many + "'\n[variables]\na = \"\"\"" + many + "\n\" '" + dots + "\"\"\"\nb = '''" + many +
+                      "\n'" + dots + "'''\n"),
               "no error");
 }
 
@@ -161,11 +152,10 @@ TEST(SceneReader, RefusesFramesBeyondAnyClock) {
 }
 
 TEST(SceneOverride, ReplacesAddsAndSelects) {
-    const Scene scene =
-        read(kScene, {"camera.fov=20", "light.key.intensity = 3", "light[1].intensity=4",
-                      "light.light2.name=rim", "camera.position[1]=2.5", "render.quality=high",
-                      "output.file=out.####.exr", "volume[0].density.scale=7", "light.key.color=[1, 0, 0]",
-                      "ambient={ intensity = 2 }", "camera.\"near\"=0.5"});
+    const Scene scene = read(kScene, {"camera.fov=20", "light.key.intensity = 3", "light[1].intensity=4",
+                                      "light.light2.name=rim", "camera.position[1]=2.5", "render.quality=high",
+                                      "output.file=out.####.exr", "volume[0].density.scale=7",
+                                      "light.key.color=[1, 0, 0]", "ambient={ intensity = 2 }", "camera.\"near\"=0.5"});
     EXPECT_EQ(scene.camera.fov, 20);
     EXPECT_EQ(scene.camera.near, 0.5);
     EXPECT_EQ(scene.camera.wsPosition, Vec3(0, 2.5, 9));
@@ -184,8 +174,7 @@ TEST(SceneOverride, TheLastOneWins) {
 
 TEST(SceneOverride, BareWordsAreStrings) {
     for (const char* value : {"####.exr", "12####.exr", "a b.exr", "1.2.exr", "#.exr"})
-        EXPECT_TRUE(read(kScene, {std::string("output.file=") + value}).output.path.pattern == value)
-            << value;
+        EXPECT_TRUE(read(kScene, {std::string("output.file=") + value}).output.path.pattern == value) << value;
     EXPECT_EQ(read(kScene, {"output.file=\"q # x.exr\""}).output.path.pattern, "q # x.exr");
     EXPECT_EQ(read(kScene, {"output.file=C:\\\"a\""}).output.path.pattern, "C:\\\"a\"");
 }
@@ -210,22 +199,19 @@ TEST(SceneOverride, PathsAreChecked) {
     EXPECT_EQ(overrideError("camera.fov"), "--set camera.fov: there is no '='; expected key.path=value");
     EXPECT_EQ(overrideError("=3"),
               "--set : '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
-    EXPECT_EQ(
-        overrideError("camera..fov=3"),
-        "--set camera..fov: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+    EXPECT_EQ(overrideError("camera..fov=3"),
+              "--set camera..fov: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
     EXPECT_EQ(overrideError("camera.=3"),
               "--set camera.: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
-    EXPECT_EQ(
-        overrideError("camera.f v=3"),
-        "--set camera.f v: 'f v' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+    EXPECT_EQ(overrideError("camera.f v=3"),
+              "--set camera.f v: 'f v' is no key; expected letters, digits, '-' and '_', or anything in quotes");
     EXPECT_EQ(overrideError("light[2].intensity=3"),
               "--set light[2].intensity: 'light' has 2 elements, counted from 0");
     EXPECT_EQ(overrideError("light[x].intensity=3"),
               "--set light[x].intensity: '[' is not followed by a place (from 0) and ']'");
     EXPECT_EQ(overrideError("light[0.intensity=3"),
               "--set light[0.intensity: '[' is not followed by a place (from 0) and ']'");
-    EXPECT_EQ(overrideError("light[0]x=3"),
-              "--set light[0]x: a part of the path is not followed by '.' or '['");
+    EXPECT_EQ(overrideError("light[0]x=3"), "--set light[0]x: a part of the path is not followed by '.' or '['");
     EXPECT_EQ(overrideError("light.kee.intensity=3"),
               "--set light.kee.intensity: there is no light 'kee'; expected 'key' or "
               "'light2'");
@@ -236,8 +222,7 @@ TEST(SceneOverride, PathsAreChecked) {
     EXPECT_EQ(overrideError("camera.position.x=3"),
               "--set camera.position.x: 'position' is a list; write position[0] for its first element");
     EXPECT_EQ(overrideError("light.key.type.x=3"), "--set light.key.type.x: 'type' is not a table");
-    EXPECT_EQ(overrideError("camera.\"fov=3"),
-              "--set camera.\"fov=3: there is no '='; expected key.path=value");
+    EXPECT_EQ(overrideError("camera.\"fov=3"), "--set camera.\"fov=3: there is no '='; expected key.path=value");
 }
 
 TEST(SceneOverride, ValuesAreOneValue) {
@@ -252,9 +237,9 @@ TEST(SceneAsToml, IsTheTextItselfWithoutOverrides) {
 }
 
 TEST(SceneAsToml, HoldsTheOverridesAndReadsTheSame) {
-    const std::vector<std::string> overrides{
-        "camera.fov=20.1", "light.key.color={ rgb = [0.1, 0.2, 0.3], colorspace = \"sRGB\" }",
-        "variables.A=x\"y", "camera.near=1e-7"};
+    const std::vector<std::string> overrides{"camera.fov=20.1",
+                                             "light.key.color={ rgb = [0.1, 0.2, 0.3], colorspace = \"sRGB\" }",
+                                             "variables.A=x\"y", "camera.near=1e-7"};
     const std::string text = sceneAsToml({"scene.toml", "", kScene}, overrides);
     const Scene direct = read(kScene, overrides), printed = read(text);
     EXPECT_EQ(printed.camera.fov, 20.1) << text;
@@ -288,8 +273,7 @@ TEST_F(SceneTextTest, KnowsItsFolder) {
 }
 
 TEST_F(SceneTextTest, SaysWhyItCannotBeRead) {
-    EXPECT_EQ(errorOf(m_folder.file("none.toml")),
-              m_folder.file("none.toml") + ": there is no such scene file");
+    EXPECT_EQ(errorOf(m_folder.file("none.toml")), m_folder.file("none.toml") + ": there is no such scene file");
     EXPECT_EQ(errorOf(m_folder.path()), m_folder.path() + ": not a regular file; expected a scene (TOML)");
     const std::string big = m_folder.file("big.toml");
     std::ofstream(big) << std::string((std::size_t{16} << 20) + 1, '\n');

@@ -52,15 +52,13 @@ TEST(SceneVolume, HasDefaults) {
 }
 
 TEST(SceneVolume, FindsItsFileAtTheFrame) {
-    const SceneVolume v =
-        volume("file = \"smoke.####.vdb\"\nframe = { offset = -10, outside = \"hold\" }\n", 12);
+    const SceneVolume v = volume("file = \"smoke.####.vdb\"\nframe = { offset = -10, outside = \"hold\" }\n", 12);
     EXPECT_EQ(v.file, "/shots/smoke.0002.vdb");
     EXPECT_EQ(v.frame, 2);
     EXPECT_EQ(v.outside, OutsidePolicy::hold);
     EXPECT_TRUE(v.sequence.hasFrame());
     EXPECT_EQ(volume("file = \"a.%d.vdb\"\n", 12.75).file, "/shots/a.13.vdb");
-    EXPECT_EQ(volume("file = \"/cache/a.$F4.vdb\"\nframe = { outside = \"black\" }\n", -3).file,
-              "/cache/a.-003.vdb");
+    EXPECT_EQ(volume("file = \"/cache/a.$F4.vdb\"\nframe = { outside = \"black\" }\n", -3).file, "/cache/a.-003.vdb");
 }
 
 TEST(SceneVolume, ExpandsVariablesOfTheSceneBeforeTheEnvironment) {
@@ -69,10 +67,9 @@ TEST(SceneVolume, ExpandsVariablesOfTheSceneBeforeTheEnvironment) {
     const Scene scene = read("[variables]\nSCRIM_TEST_A = \"scene\"\nversion = 12\n" +
                              sceneWith("file = \"${SCRIM_TEST_A}/${SCRIM_TEST_B}/v${version}.vdb\"\n"));
     EXPECT_EQ(scene.volumes[0].file, "/shots/scene/environment/v12.vdb");
-    EXPECT_EQ(
-        errorOf(sceneWith("file = \"${SCRIM_NONE}.vdb\"\n")),
-        "scene.toml:5:8: the path '${SCRIM_NONE}.vdb' names the variable 'SCRIM_NONE', which is neither in "
-        "[variables] nor in the environment");
+    EXPECT_EQ(errorOf(sceneWith("file = \"${SCRIM_NONE}.vdb\"\n")),
+              "scene.toml:5:8: the path '${SCRIM_NONE}.vdb' names the variable 'SCRIM_NONE', which is neither in "
+              "[variables] nor in the environment");
     EXPECT_EQ(errorOf("[variables]\nA = [1]\n" + sceneWith("file = \"a.vdb\"\n")),
               "scene.toml:2:5: 'A' is a list of 1; expected a string or a number");
 }
@@ -89,9 +86,8 @@ TEST(SceneVolume, PassesParametersToItsSourceInOrder) {
     EXPECT_EQ(v.parameters, expected);
     EXPECT_EQ(errorOf(sceneWith("source = \"noise\"\nparameters = { a = nan }\n")),
               "scene.toml:6:20: 'a' is nan; expected a number");
-    EXPECT_EQ(
-        errorOf(sceneWith("source = \"noise\"\nparameters = { a = {} }\n")),
-        "scene.toml:6:20: 'a' is a table; expected a number, a string, true or false, or three numbers");
+    EXPECT_EQ(errorOf(sceneWith("source = \"noise\"\nparameters = { a = {} }\n")),
+              "scene.toml:6:20: 'a' is a table; expected a number, a string, true or false, or three numbers");
 }
 
 TEST(SceneVolume, IsAFileOrASource) {
@@ -101,10 +97,9 @@ TEST(SceneVolume, IsAFileOrASource) {
               "source");
     EXPECT_EQ(volumeError("source = \"noise\"\n"),
               "scene.toml:6:10: [[volume]] 'volume1' has both 'file' and 'source'; expected one of them");
-    EXPECT_EQ(
-        volumeError("parameters = {}\n"),
-        "scene.toml:6:1: 'parameters' is not known here ([[volume]] 'volume1' with a file); allowed: 'name', "
-        "'file', 'source', 'frame', 'transform', 'density' or 'medium'");
+    EXPECT_EQ(volumeError("parameters = {}\n"),
+              "scene.toml:6:1: 'parameters' is not known here ([[volume]] 'volume1' with a file); allowed: 'name', "
+              "'file', 'source', 'frame', 'transform', 'density' or 'medium'");
     EXPECT_EQ(errorOf(sceneWith("source = \"noise\"\nframe = {}\n")),
               "scene.toml:6:1: 'frame' is not known here ([[volume]] 'volume1' with a source); allowed: "
               "'name', 'file', "
@@ -118,19 +113,16 @@ TEST(SceneVolume, NamesAreUnique) {
 }
 
 TEST(SceneVolume, KeysOfLaterVersionsAreNotSilentlyIgnored) {
-    const std::string allowed =
-        "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density' or 'medium'";
+    const std::string allowed = "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density' or 'medium'";
     EXPECT_EQ(volumeError("lights = [\"key\"]\n"),
               "scene.toml:6:1: 'lights' is not known here ([[volume]] 'volume1' with a file)" + allowed);
     EXPECT_EQ(volumeError("[volume.classified]\nambient = 0.2\n"),
               "scene.toml:6:9: 'classified' is not known here ([[volume]] 'volume1' with a file)" + allowed);
-    EXPECT_EQ(
-        volumeError("[volume.medium]\nemission = { grid = \"flame\" }\n"),
-        "scene.toml:7:1: 'emission' is not known here ([volume.medium] of [[volume]] 'volume1'); allowed: "
-        "'albedo' or 'phase'");
-    EXPECT_EQ(
-        volumeError("[volume.medium]\nalbedo = { grid = \"Cd\" }\n"),
-        "scene.toml:7:12: 'grid' is not known here (the colour 'albedo'); allowed: 'rgb' or 'colorspace'");
+    EXPECT_EQ(volumeError("[volume.medium]\nemission = { grid = \"flame\" }\n"),
+              "scene.toml:7:1: 'emission' is not known here ([volume.medium] of [[volume]] 'volume1'); allowed: "
+              "'albedo' or 'phase'");
+    EXPECT_EQ(volumeError("[volume.medium]\nalbedo = { grid = \"Cd\" }\n"),
+              "scene.toml:7:12: 'grid' is not known here (the colour 'albedo'); allowed: 'rgb' or 'colorspace'");
     EXPECT_EQ(volumeError("[volume.medium]\nphase = { type = \"rayleigh\" }\n"),
               "scene.toml:7:18: 'type' is the string \"rayleigh\"; expected 'isotropic' or 'hg'");
 }
@@ -169,10 +161,9 @@ TEST(SceneVolume, MatrixRowsActOnColumnVectors) {
 }
 
 TEST(SceneVolume, TransformsAreChecked) {
-    EXPECT_EQ(
-        volumeError("transform = { matrix = [[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,6,7,1]] }\n"),
-        "scene.toml:6:55: the last row of 'matrix' is not 0, 0, 0, 1; expected an affine matrix that acts on "
-        "column vectors, with the translation in its last column");
+    EXPECT_EQ(volumeError("transform = { matrix = [[1,0,0,0],[0,1,0,0],[0,0,1,0],[5,6,7,1]] }\n"),
+              "scene.toml:6:55: the last row of 'matrix' is not 0, 0, 0, 1; expected an affine matrix that acts on "
+              "column vectors, with the translation in its last column");
     EXPECT_EQ(volumeError("transform = { matrix = [[1,0,0,0],[1,0,0,0],[0,0,1,0],[0,0,0,1]] }\n"),
               "scene.toml:6:24: 'matrix' cannot be inverted; expected one that keeps volume");
     EXPECT_EQ(volumeError("transform = { matrix = [1,0,0,0] }\n"),
@@ -218,16 +209,13 @@ TEST(SceneVolume, DensityAndMediumAreChecked) {
               "scene.toml:7:10: 'albedo' is 0.5, 1.5, 0 in the working space; expected numbers from 0 to 1");
     EXPECT_EQ(volumeError("[volume.medium]\nphase = { type = \"hg\", g = 1 }\n"),
               "scene.toml:7:28: 'g' is 1; expected a number greater than -1 and less than 1");
-    EXPECT_EQ(
-        volumeError("[volume.medium]\nphase = { type = \"isotropic\", g = 0.5 }\n"),
-        "scene.toml:7:31: 'g' is not known here ('phase' of [volume.medium] of [[volume]] 'volume1' of type "
-        "'isotropic'); allowed: 'type'");
+    EXPECT_EQ(volumeError("[volume.medium]\nphase = { type = \"isotropic\", g = 0.5 }\n"),
+              "scene.toml:7:31: 'g' is not known here ('phase' of [volume.medium] of [[volume]] 'volume1' of type "
+              "'isotropic'); allowed: 'type'");
 }
 
 TEST(SceneVolume, RampsKeepEmptySpaceEmpty) {
-    const auto rampError = [](const std::string& ramp) {
-        return volumeError("density = { ramp = " + ramp + " }\n");
-    };
+    const auto rampError = [](const std::string& ramp) { return volumeError("density = { ramp = " + ramp + " }\n"); };
     const std::string zero =
         "scene.toml:6:20: 'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, "
         "is never looked at";
@@ -242,8 +230,7 @@ TEST(SceneVolume, RampsKeepEmptySpaceEmpty) {
               "scene.toml:6:30: 'ramp': 0 does not come after 0; expected ascending grid values");
     EXPECT_EQ(rampError("[[0, 0]]"),
               "scene.toml:6:20: 'ramp' is a list of 1; expected at least two [grid value, value]");
-    EXPECT_EQ(rampError("[[0, 0], [1, -1]]"),
-              "scene.toml:6:33: 'ramp[1][1]' is -1; expected a number of at least 0");
+    EXPECT_EQ(rampError("[[0, 0], [1, -1]]"), "scene.toml:6:33: 'ramp[1][1]' is -1; expected a number of at least 0");
 }
 
 }  // namespace

@@ -24,8 +24,12 @@
 namespace scrim::test {
 namespace {
 
-Mat3 rotated(double angle, const Vec3& axis) { return Mat3(glm::rotate(Mat4(1.0), angle, glm::normalize(axis))); }
-Mat3 scaled(double u, double v, double n) { return Mat3(u, 0, 0, 0, v, 0, 0, 0, n); }
+Mat3 rotated(double angle, const Vec3& axis) {
+    return Mat3(glm::rotate(Mat4(1.0), angle, glm::normalize(axis)));
+}
+Mat3 scaled(double u, double v, double n) {
+    return Mat3(u, 0, 0, 0, v, 0, 0, 0, n);
+}
 
 // A field's place in texel space, with room to spare on every side, at odd fractions.
 struct Stage {
@@ -111,7 +115,9 @@ struct Case {
     std::string name;
     Mat3 linear;
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.name;
+}
 
 class SplattedSheets : public testing::TestWithParam<std::tuple<Kernel, Case>> {};
 
@@ -139,9 +145,7 @@ INSTANTIATE_TEST_SUITE_P(
                                      Case{"sheared", Mat3(1, 0.3, -0.2, 0, 0.9, 0.5, 0.4, 0, 1.1)},
                                      Case{"anisotropic", rotated(0.4, {0, 1, 1}) * scaled(1.4, 0.7, 0.9)},
                                      Case{"mirrored", rotated(1.2, {1, 0, 1}) * scaled(-1, 1, 1)})),
-    [](const auto& test) {
-        return kernelName(std::get<0>(test.param)) + "_" + std::get<1>(test.param).name;
-    });
+    [](const auto& test) { return kernelName(std::get<0>(test.param)) + "_" + std::get<1>(test.param).name; });
 
 struct Deviation {
     double most = 0, rms = 0, mean = 0;
@@ -185,8 +189,7 @@ TEST(ConstantField, RipplesLessWithEveryDoublingOfTheSteps) {
     const Stage stage = stageFor(*field, rotated(0.7, {1, 2, 3}), Kernel::linear);
     double before = 1;
     for (const int steps : {8, 16, 32, 64}) {
-        const Deviation ripple =
-            deviationInside(*field, stage, Kernel::linear, steps, [](const Vec3&) { return 1.0; });
+        const Deviation ripple = deviationInside(*field, stage, Kernel::linear, steps, [](const Vec3&) { return 1.0; });
         RecordProperty("rms" + std::to_string(steps), std::to_string(ripple.rms));
         EXPECT_LT(ripple.most, 1.5 / steps) << steps << " steps";
         EXPECT_LT(ripple.rms, 0.4 / steps) << steps << " steps";
@@ -265,8 +268,8 @@ TEST(SplattedPlanes, OfAlignedLatticesHangOnNeitherTheCallsNorOldContent) {
                         << "sheet " << n << ", " << linear[0][2] << " sheets a voxel from " << stage.tsFromIs[3].z;
                     if (whole.at(x, y, n) != 0) {
                         ASSERT_TRUE(whole.planes.active(n, x / kTileEdge, y / kTileEdge))
-                            << whole.at(x, y, n) << " on sheet " << n << ", " << linear[0][2]
-                            << " sheets a voxel from " << stage.tsFromIs[3].z;
+                            << whole.at(x, y, n) << " on sheet " << n << ", " << linear[0][2] << " sheets a voxel from "
+                            << stage.tsFromIs[3].z;
                     }
                 }
     }

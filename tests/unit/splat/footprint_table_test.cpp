@@ -26,21 +26,28 @@ struct Case {
     std::string name;
     Mat3 tsFromIs;
 };
-void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
+void PrintTo(const Case& c, std::ostream* out) {
+    *out << c.name;
+}
 
-Mat3 scaled(double u, double v, double n) { return Mat3(u, 0, 0, 0, v, 0, 0, 0, n); }
+Mat3 scaled(double u, double v, double n) {
+    return Mat3(u, 0, 0, 0, v, 0, 0, 0, n);
+}
 
-Mat3 rotated(double angle, const Vec3& axis) { return Mat3(glm::rotate(Mat4(1.0), angle, glm::normalize(axis))); }
+Mat3 rotated(double angle, const Vec3& axis) {
+    return Mat3(glm::rotate(Mat4(1.0), angle, glm::normalize(axis)));
+}
 
-Mat3 sheared() { return Mat3(1, 0.3, -0.2, 0, 0.9, 0.5, 0.4, 0, 1.1); }
+Mat3 sheared() {
+    return Mat3(1, 0.3, -0.2, 0, 0.9, 0.5, 0.4, 0, 1.1);
+}
 
 // Integral of the kernel along N over [from, to], through (x, y) in texels from the voxel's centre.
 double integral(Kernel kernel, const Mat3& isFromTs, double x, double y, double from, double to) {
     constexpr int kSteps = 2000;
     const double step = (to - from) / kSteps;
     double sum = 0;
-    for (int i = 0; i < kSteps; ++i)
-        sum += step * kernelValue(kernel, isFromTs * Vec3(x, y, from + (i + 0.5) * step));
+    for (int i = 0; i < kSteps; ++i) sum += step * kernelValue(kernel, isFromTs * Vec3(x, y, from + (i + 0.5) * step));
     return sum;
 }
 
@@ -63,9 +70,8 @@ TEST_P(Footprints, OfATexelSumOverTheSheetsToTheLineIntegral) {
         for (int stepU = 0; stepU < 4; ++stepU)
             for (int row = 0; row < table.rows(); ++row)
                 for (int column = 0; column < table.columns(); ++column) {
-                    const double expected =
-                        integral(kernel(), isFromTs, table.firstColumn() + column - stepU / 4.0,
-                                 table.firstRow() + row - stepV / 4.0, -extent, extent);
+                    const double expected = integral(kernel(), isFromTs, table.firstColumn() + column - stepU / 4.0,
+                                                     table.firstRow() + row - stepV / 4.0, -extent, extent);
                     for (const int stepN : {0, 5, 15}) {
                         double sum = 0;
                         for (int sheet = 0; sheet < table.sheets(); ++sheet)
@@ -92,8 +98,8 @@ TEST_P(Footprints, AreMeansOverTheirSlab) {
         const double expected = integral(kernel(), isFromTs, table.firstColumn() + column - u / 8.0,
                                          table.firstRow() + row - v / 8.0, nearN, nearN + 1);
         const double weight =
-            table.weights()[table.offset(u, v, n) + static_cast<std::size_t>(sheet * table.sheetStride() +
-                                                                             row * table.rowStride() + column)];
+            table.weights()[table.offset(u, v, n) +
+                            static_cast<std::size_t>(sheet * table.sheetStride() + row * table.rowStride() + column)];
         largest = std::max(largest, weight);
         ASSERT_NEAR(weight, expected, tolerance(table, isFromTs)) << column << "," << row << "," << sheet;
     }
@@ -152,9 +158,7 @@ INSTANTIATE_TEST_SUITE_P(
                                      Case{"sheared", sheared()},
                                      Case{"anisotropic", rotated(0.4, {0, 1, 1}) * scaled(1.5, 0.6, 0.9)},
                                      Case{"mirrored", rotated(1.2, {1, 0, 1}) * scaled(-1, 1, 1)})),
-    [](const auto& test) {
-        return kernelName(std::get<0>(test.param)) + "_" + std::get<1>(test.param).name;
-    });
+    [](const auto& test) { return kernelName(std::get<0>(test.param)) + "_" + std::get<1>(test.param).name; });
 
 // Sums over texels as well: linear and bspline footprints on a lattice of one texel a voxel fill every sheet evenly.
 TEST(FootprintSums, OfAnAlignedLatticeAreOneInEveryTexel) {

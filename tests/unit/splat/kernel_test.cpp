@@ -39,8 +39,7 @@ TEST(Kernel, OfAPartitionOfUnityIntegratesToOne) {
         double sum = 0;
         for (int x = -2 * n; x < 2 * n; ++x)
             for (int y = -2 * n; y < 2 * n; ++y)
-                for (int z = -2 * n; z < 2 * n; ++z)
-                    sum += kernelValue(kernel, (Vec3(x, y, z) + 0.5) / double(n));
+                for (int z = -2 * n; z < 2 * n; ++z) sum += kernelValue(kernel, (Vec3(x, y, z) + 0.5) / double(n));
         EXPECT_NEAR(sum / (n * n * n), 1, 1e-10) << kernelName(kernel);
     }
 }
@@ -127,8 +126,8 @@ TEST(KernelExtent, HoldsTheKernelAndIsReached) {
                 }
             }
             // ... and something right before it: towards a corner of the box, or along the row in the ball.
-            const Vec3 farthest = kernel == Kernel::gaussian ? 2.0 * glm::normalize(row)
-                                                             : kernelRadius(kernel) * glm::sign(row);
+            const Vec3 farthest =
+                kernel == Kernel::gaussian ? 2.0 * glm::normalize(row) : kernelRadius(kernel) * glm::sign(row);
             EXPECT_NEAR(glm::dot(row, farthest), extent, 1e-12);
             EXPECT_GT(kernelValue(kernel, 0.999 * farthest), 0) << kernelName(kernel);
         }

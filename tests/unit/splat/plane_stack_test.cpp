@@ -127,7 +127,8 @@ TEST(PlaneStack, NeverShowsATexelOfAnEarlierBatch) {
             const int tile = static_cast<int>(random() % 6);
             const auto value = static_cast<float>(batch);
             switch (random() % 3) {
-                case 0: break;
+                case 0:
+                    break;
                 case 1:
                     planes.activate(p, tile % 3, tile / 3);
                     ASSERT_TRUE(holds(planes, p, tile % 3, tile / 3, expected[static_cast<std::size_t>(tile)]));

@@ -40,8 +40,8 @@ TEST(Unblur, MakesTheMeanOfBilinearLookUpsThatOfTheField) {
                 const double fx = (i + 0.5) / n, fy = (j + 0.5) / n;
                 const float* texel = planes.plane(0) + 20 * planes.rowStride() + 20;
                 const float* below = texel + planes.rowStride();
-                const double value = (texel[0] * (1 - fx) + texel[1] * fx) * (1 - fy) +
-                                     (below[0] * (1 - fx) + below[1] * fx) * fy;
+                const double value =
+                    (texel[0] * (1 - fx) + texel[1] * fx) * (1 - fy) + (below[0] * (1 - fx) + below[1] * fx) * fy;
                 sum += (value - field(20 + fx, 20 + fy)) / (n * n);
             }
         return sum;

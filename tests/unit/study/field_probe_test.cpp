@@ -15,7 +15,9 @@ namespace scrim::test {
 namespace {
 
 // A number of its own for every voxel.
-double number(const Vec3& is) { return 1 + std::sin(12.9 * is.x + 78.2 * is.y + 37.7 * is.z); }
+double number(const Vec3& is) {
+    return 1 + std::sin(12.9 * is.x + 78.2 * is.y + 37.7 * is.z);
+}
 
 class Random {
   public:
@@ -81,8 +83,8 @@ TEST(FieldProbe, IsTheSumOfAllKernels) {
             for (int x = -4; x <= 4; ++x)
                 for (int y = -4; y <= 4; ++y)
                     for (int z = -4; z <= 4; ++z)
-                        expected += double(static_cast<float>(number(Vec3(x, y, z)))) *
-                                    kernelValue(kernel, p - Vec3(x, y, z));
+                        expected +=
+                            double(static_cast<float>(number(Vec3(x, y, z)))) * kernelValue(kernel, p - Vec3(x, y, z));
             ASSERT_NEAR(probe.value(p), expected, 1e-12) << kernelName(kernel);
         }
     }

@@ -81,9 +81,8 @@ TEST(ReferenceAmbient, IsAlbedoTimesOpacityTimesItsRadiance) {
 // A Gaussian ball under the B-spline, which widens a Gaussian of s = 4 voxels by a variance of 1/3.
 class Ball {
   public:
-    explicit Ball(double scale) : m_field(makeField(Int3(-22), Int3(22), 1, [](const Vec3& is) {
-          return std::exp(-glm::dot(is, is) / 32);
-      })) {
+    explicit Ball(double scale)
+        : m_field(makeField(Int3(-22), Int3(22), 1, [](const Vec3& is) { return std::exp(-glm::dot(is, is) / 32); })) {
         Medium medium;
         medium.densityScale = scale;
         medium.albedo = Rgb(1);

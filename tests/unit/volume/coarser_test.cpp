@@ -32,8 +32,7 @@ Voxels voxels(const SparseField& field) {
     for (const ConstantTile& t : field.tiles)
         for (int x = 0; x < t.edge; ++x)
             for (int y = 0; y < t.edge; ++y)
-                for (int z = 0; z < t.edge; ++z)
-                    out[{t.origin.x + x, t.origin.y + y, t.origin.z + z}] += t.value;
+                for (int z = 0; z < t.edge; ++z) out[{t.origin.x + x, t.origin.y + y, t.origin.z + z}] += t.value;
     return out;
 }
 
@@ -56,8 +55,7 @@ SparseField randomField(std::uint32_t seed) {
     std::map<std::tuple<int, int, int>, int> taken;
     FieldBuilder builder("random", Mat4(1.0));
     for (int i = 0; i < 60; ++i) {
-        const Int3 origin(8 * (int(random() % 9) - 5), 8 * (int(random() % 9) - 4),
-                          8 * (int(random() % 3) - 2));
+        const Int3 origin(8 * (int(random() % 9) - 5), 8 * (int(random() % 9) - 4), 8 * (int(random() % 3) - 2));
         if (taken[{origin.x, origin.y, origin.z}]++ > 0) continue;
         if (i % 5 == 0) {
             builder.addTile({origin, 8, 0.25f + 0.01f * static_cast<float>(i)});
@@ -106,8 +104,7 @@ TEST(Coarser, PutsTheCoarseCentreBetweenTheFineOnes) {
     for (const Int3 c : {Int3(0, 0, 0), Int3(-4, 0, 4), Int3(-1, 7, 3)}) {
         Vec3 mean(0);
         for (int i = 0; i < 8; ++i)
-            mean += transformPoint(fine.wsFromIs,
-                                   Vec3(2 * c.x + (i & 1), 2 * c.y + (i >> 1 & 1), 2 * c.z + (i >> 2))) /
+            mean += transformPoint(fine.wsFromIs, Vec3(2 * c.x + (i & 1), 2 * c.y + (i >> 1 & 1), 2 * c.z + (i >> 2))) /
                     8.0;
         const Vec3 centre = transformPoint(coarse.wsFromIs, Vec3(c));
         for (int k = 0; k < 3; ++k) EXPECT_DOUBLE_EQ(centre[k], mean[k]);

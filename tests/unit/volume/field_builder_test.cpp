@@ -53,8 +53,7 @@ TEST(FieldBuilder, CleansAndCountsValues) {
 
 TEST(FieldBuilder, DropsEmptyBlocksBetweenOthers) {
     FieldBuilder builder("f", Mat4(1.0));
-    for (int i = 0; i < 200; ++i)
-        builder.addBlock({8 * i, 0, 0}, filled(i % 3 == 0 ? 1.0f + float(i) : 0).data());
+    for (int i = 0; i < 200; ++i) builder.addBlock({8 * i, 0, 0}, filled(i % 3 == 0 ? 1.0f + float(i) : 0).data());
     const SparseField field = builder.finish();
     ASSERT_EQ(field.blockCount(), 67u);
     for (int i = 0; i < 67; ++i) {
@@ -100,8 +99,7 @@ TEST(FieldBuilder, RefusesOverlaps) {
     };
     EXPECT_EQ(reason({{0, 8, 0}, {8, 8, 0}, {0, 8, 0}}, {}), "grid 'f': two blocks at 0, 8, 0");
     EXPECT_EQ(reason({}, {{{0, 8, 0}, 8, 1}, {{0, 8, 0}, 8, 2}}), "grid 'f': two tiles at 0, 8, 0");
-    EXPECT_EQ(reason({{0, 8, 0}}, {{{0, 8, 0}, 8, 1}}),
-              "grid 'f': values at 0, 8, 0 lie inside the tile at 0, 8, 0");
+    EXPECT_EQ(reason({{0, 8, 0}}, {{{0, 8, 0}, 8, 1}}), "grid 'f': values at 0, 8, 0 lie inside the tile at 0, 8, 0");
     EXPECT_EQ(reason({{-8, -16, -120}}, {{{-128, -128, -128}, 128, 1}}),
               "grid 'f': values at -8, -16, -120 lie inside the tile at -128, -128, -128");
     EXPECT_EQ(reason({}, {{{-16, -16, -16}, 16, 1}, {{-128, -128, -128}, 128, 1}}),

@@ -106,8 +106,7 @@ TEST(FieldTransfer, ThrowsTheErrorThatWasSent) {
 }
 
 TEST(FieldTransfer, RefusesASenderThatStopped) {
-    const std::string stopped =
-        "what was read is incomplete: the process that read it stopped before it was done";
+    const std::string stopped = "what was read is incomplete: the process that read it stopped before it was done";
     const Transfer empty;
     EXPECT_EQ(incompleteReason(empty.fd), stopped);
     const Transfer source;
@@ -125,8 +124,7 @@ TEST(FieldTransfer, RefusesEveryTruncation) {
     const std::string whole = source.bytes();
     for (std::size_t size = 0; size < whole.size(); size += 1 + size / 40) {
         std::string part = whole.substr(0, size);
-        if (size >= 16)
-            std::memcpy(part.data() + 8, &size, sizeof size);  // a header that fits the truncation
+        if (size >= 16) std::memcpy(part.data() + 8, &size, sizeof size);  // a header that fits the truncation
         const Transfer cut;
         cut.replace(part);
         const std::string reason = incompleteReason(cut.fd);
@@ -158,8 +156,7 @@ TEST(FieldTransfer, NeverBelievesDamagedBytes) {
 }
 
 TEST(FieldTransfer, RefusesValuesThatNoFieldMayHold) {
-    for (const float bad :
-         {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    for (const float bad : {-1.0f, std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
         const Transfer source;
         sendFields(source.fd, {sample("a")}, {});
         std::string bytes = source.bytes();

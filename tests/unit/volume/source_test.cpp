@@ -28,9 +28,7 @@ class Source : public ::testing::Test {
     static std::string reason(const std::string& name, const Parameters& parameters = {}) {
         return errorOf(ErrorKind::input, [&] { generate(name, parameters, {}); });
     }
-    static std::string file(const std::string& name) {
-        return SCRIM_TEST_SOURCES "/scrim_source_" + name + ".so";
-    }
+    static std::string file(const std::string& name) { return SCRIM_TEST_SOURCES "/scrim_source_" + name + ".so"; }
 };
 
 TEST_F(Source, GivesItsParametersAndTakesItsGrids) {
@@ -60,17 +58,14 @@ TEST_F(Source, DescribesItself) {
 }
 
 TEST_F(Source, RefusesParametersItDoesNotHave) {
-    EXPECT_EQ(
-        reason("test", {{"cuont", "4"}}),
-        "source 'test': unknown parameter 'cuont', expected 'act', 'count', 'place', 'width' or 'whole'");
-    EXPECT_EQ(reason("test", {{"count", "4"}, {"count", "5"}}),
-              "source 'test': parameter 'count' is given twice");
+    EXPECT_EQ(reason("test", {{"cuont", "4"}}),
+              "source 'test': unknown parameter 'cuont', expected 'act', 'count', 'place', 'width' or 'whole'");
+    EXPECT_EQ(reason("test", {{"count", "4"}, {"count", "5"}}), "source 'test': parameter 'count' is given twice");
 }
 
 TEST_F(Source, RefusesValuesOfTheWrongTypeOrRange) {
     const auto p = [](const char* key, const char* value) { return reason("test", {{key, value}}); };
-    EXPECT_EQ(p("count", "4.5"),
-              "source 'test': parameter 'count' is '4.5', expected a whole number such as 12");
+    EXPECT_EQ(p("count", "4.5"), "source 'test': parameter 'count' is '4.5', expected a whole number such as 12");
     EXPECT_EQ(p("count", "10"), "source 'test': parameter 'count' is 10, expected 1 to 9");
     EXPECT_EQ(p("width", "nan"), "source 'test': parameter 'width' is 'nan', expected a number such as 0.5");
     EXPECT_EQ(p("width", "1x"), "source 'test': parameter 'width' is '1x', expected a number such as 0.5");
@@ -81,14 +76,12 @@ TEST_F(Source, RefusesValuesOfTheWrongTypeOrRange) {
               "source 'test': parameter 'place' is '0,0,0,0', expected three numbers such as 0, 1.5, 0");
     EXPECT_EQ(p("place", "0, 0, 2"), "source 'test': parameter 'place' is 0, 0, 2, expected -1 to 1");
     EXPECT_EQ(p("whole", "yes"), "source 'test': parameter 'whole' is 'yes', expected true or false");
-    EXPECT_TRUE(p("act", "dance")
-                    .starts_with("source 'test': parameter 'act' is 'dance', expected 'well', 'fail', "));
+    EXPECT_TRUE(p("act", "dance").starts_with("source 'test': parameter 'act' is 'dance', expected 'well', 'fail', "));
 }
 
 TEST_F(Source, PassesOnWhatTheSourceSays) {
     EXPECT_EQ(reason("test", {{"act", "fail"}}), "source 'test': the weather is bad");
-    EXPECT_EQ(reason("test", {{"act", "silent"}}),
-              "source 'test': it failed with code 6 and without a reason");
+    EXPECT_EQ(reason("test", {{"act", "silent"}}), "source 'test': it failed with code 6 and without a reason");
     std::vector<std::string> heard;
     generate("test", {{"act", "warn"}}, [&](Severity, const std::string& text) { heard.push_back(text); });
     EXPECT_EQ(heard, std::vector<std::string>{"source 'test': it may rain"});
@@ -101,8 +94,7 @@ TEST_F(Source, RefusesGridsThatBreakTheRules) {
     EXPECT_EQ(act("misplaced block"),
               "source 'test': grid 'density': a block at -8, 4, 8: origins must be multiples of 8");
     EXPECT_EQ(act("block twice"), "source 'test': grid 'density': two blocks at -8, 0, 8");
-    EXPECT_EQ(act("overlap"),
-              "source 'test': grid 'density': values at 0, 0, 8 lie inside the tile at 0, 0, 8");
+    EXPECT_EQ(act("overlap"), "source 'test': grid 'density': values at 0, 0, 8 lie inside the tile at 0, 0, 8");
     EXPECT_EQ(act("wrong grid"), "source 'test': it used grid number 7, and has added 1 grids");
     EXPECT_EQ(act("grid twice"), "source 'test': it added two grids called 'density'");
     EXPECT_EQ(act("odd tile"),
@@ -140,8 +132,7 @@ TEST_F(Source, IsRefusedBeforeAnythingIsCalled) {
     EXPECT_EQ(reason("wrongabi"), file("wrongabi") + ": is made for version 2 of the interface, expected 1");
     EXPECT_EQ(reason("short"), file("short") + ": its description has 8 bytes, expected at least " +
                                    std::to_string(sizeof(scrim_source)));
-    EXPECT_EQ(reason("nosymbol"),
-              file("nosymbol") + ": is not a volume source: it does not export scrim_source_v1");
+    EXPECT_EQ(reason("nosymbol"), file("nosymbol") + ": is not a volume source: it does not export scrim_source_v1");
     EXPECT_EQ(reason("othername"),
               file("othername") + ": calls itself 'test', expected 'othername' as in its file name");
     EXPECT_EQ(reason("baddefault"),
@@ -185,8 +176,7 @@ TEST_F(Source, NoiseIsTheSameOnEveryRunAndNotForEverySeed) {
 TEST_F(Source, NoiseFillsItsBoxWithoutTouchingIt) {
     for (const std::string shape : {"plume", "ball", "slab"}) {
         const SparseField field =
-            generate("noise", {{"resolution", "64"}, {"size", "10"}, {"shape", shape}, {"density", "3"}}, {})
-                .at(0);
+            generate("noise", {{"resolution", "64"}, {"size", "10"}, {"shape", shape}, {"density", "3"}}, {}).at(0);
         EXPECT_GT(field.activeVoxels, 3000u) << shape;
         EXPECT_GT(field.maxValue, 1.5f) << shape;
         EXPECT_LE(field.maxValue, 3.0f) << shape;
@@ -196,8 +186,7 @@ TEST_F(Source, NoiseFillsItsBoxWithoutTouchingIt) {
                 for (int y = 0; y < 8; ++y)
                     for (int z = 0; z < 8; ++z)
                         if (field.block(i)[blockOffset(x, y, z)] > 0)
-                            ws.include(
-                                transformPoint(field.wsFromIs, Vec3(field.blockOrigins[i] + Int3(x, y, z))));
+                            ws.include(transformPoint(field.wsFromIs, Vec3(field.blockOrigins[i] + Int3(x, y, z))));
         for (int k = 0; k < 3; ++k) {
             EXPECT_GT(ws.lower[k], -5) << shape;
             EXPECT_LT(ws.upper[k], 5) << shape;
@@ -210,8 +199,7 @@ TEST_F(Source, NoiseWidensTowardsTheTop) {
     const SparseField field = generate("noise", {{"resolution", "64"}}, {}).at(0);
     std::uint64_t low = 0, high = 0;
     for (std::size_t i = 0; i < field.blockCount(); ++i)
-        for (int n = 0; n < kBlockVoxels; ++n)
-            (field.blockOrigins[i].y < 0 ? low : high) += field.block(i)[n] > 0;
+        for (int n = 0; n < kBlockVoxels; ++n) (field.blockOrigins[i].y < 0 ? low : high) += field.block(i)[n] > 0;
     // The envelope's upper half holds some 2.5 times as much; turbulence takes more from where it is rougher.
     EXPECT_GT(2 * high, 3 * low);
 }

@@ -29,9 +29,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 struct Heard {
     std::vector<std::string> infos, warnings;
     MessageSink sink() {
-        return [this](Severity s, const std::string& text) {
-            (s == Severity::info ? infos : warnings).push_back(text);
-        };
+        return
+            [this](Severity s, const std::string& text) { (s == Severity::info ? infos : warnings).push_back(text); };
     }
 };
 
@@ -67,8 +66,7 @@ TEST(VdbFile, ReadsHalfAndDoubleGrids) {
 }
 
 TEST(VdbFile, InactiveVoxelsAreEmptyWhateverTheyHold) {
-    const SparseField field =
-        fieldOf({.voxels = {{{0, 0, 0}, 1.0}}, .inactive = {{{1, 0, 0}, 5.0}}, .background = 3});
+    const SparseField field = fieldOf({.voxels = {{{0, 0, 0}, 1.0}}, .inactive = {{{1, 0, 0}, 5.0}}, .background = 3});
     EXPECT_EQ(field.activeVoxels, 1u);
     EXPECT_EQ(field.block(0)[blockOffset(1, 0, 0)], 0.0f);
     EXPECT_EQ(field.block(0)[blockOffset(2, 0, 0)], 0.0f);
@@ -77,18 +75,16 @@ TEST(VdbFile, InactiveVoxelsAreEmptyWhateverTheyHold) {
 TEST(VdbFile, ReportsNonFiniteVoxelsOnceWithTheirNumber) {
     const TempFolder folder;
     const VdbFile file =
-        made(folder,
-             {{.voxels = {{{0, 0, 0}, kNaN}, {{0, 0, 1}, INFINITY}, {{0, 0, 2}, -2.0}, {{0, 0, 3}, 1.0}}}});
+        made(folder, {{.voxels = {{{0, 0, 0}, kNaN}, {{0, 0, 1}, INFINITY}, {{0, 0, 2}, -2.0}, {{0, 0, 3}, 1.0}}}});
     Heard heard;
     const SparseField field = file.field("density", heard.sink());
     EXPECT_EQ(field.nonFinite, 2u);
     EXPECT_EQ(field.negative, 1u);
     EXPECT_EQ(field.activeVoxels, 1u);
     ASSERT_EQ(heard.warnings.size(), 1u);
-    EXPECT_EQ(heard.warnings[0],
-              folder.file("a.vdb") +
-                  ": grid 'density': active voxels that are 2 not finite and 1 below 0 count "
-                  "as 0 (1 above 0 remain)");
+    EXPECT_EQ(heard.warnings[0], folder.file("a.vdb") +
+                                     ": grid 'density': active voxels that are 2 not finite and 1 below 0 count "
+                                     "as 0 (1 above 0 remain)");
     EXPECT_TRUE(heard.infos.empty());
 }
 
@@ -121,8 +117,7 @@ TEST(VdbFile, KeepsTilesAsTiles) {
 TEST(VdbFile, IsTheSameForAnyNumberOfThreads) {
     const TempFolder folder;
     std::vector<test::MadeVoxel> voxels;
-    for (int i = 0; i < 4000; ++i)
-        voxels.push_back({{(i * 37) % 301 - 150, (i * 53) % 211, (i * 91) % 97}, i - 50.0});
+    for (int i = 0; i < 4000; ++i) voxels.push_back({{(i * 37) % 301 - 150, (i * 53) % 211, (i * 91) % 97}, i - 50.0});
     const VdbFile file = made(folder, {{.voxels = voxels}});
     const SparseField many = file.field("", {});
     const ThreadLimit limit(1);
@@ -138,8 +133,7 @@ TEST(VdbFile, TurnsALevelSetIntoFogAndSaysSo) {
     Heard heard;
     const SparseField field = file.field("", heard.sink());
     ASSERT_EQ(heard.infos.size(), 1u);
-    EXPECT_EQ(heard.infos[0],
-              folder.file("a.vdb") + ": grid 'ball' is a level set: turned into fog of density 1");
+    EXPECT_EQ(heard.infos[0], folder.file("a.vdb") + ": grid 'ball' is a level set: turned into fog of density 1");
     EXPECT_EQ(field.maxValue, 1.0f);
     // Voxels whose centre lies inside a ball of radius 10 voxels.
     EXPECT_NEAR(static_cast<double>(field.activeVoxels), 4.0 / 3 * M_PI * 1000, 150);
@@ -154,8 +148,7 @@ TEST(VdbFile, ResamplesAFrustumAndKeepsItsVolume) {
     Heard heard;
     const SparseField field = file.field("", heard.sink());
     ASSERT_EQ(heard.infos.size(), 1u);
-    EXPECT_NE(heard.infos[0].find(
-                  ": grid 'density' has a transform that is not affine: resampled to voxels of edge "),
+    EXPECT_NE(heard.infos[0].find(": grid 'density' has a transform that is not affine: resampled to voxels of edge "),
               std::string::npos)
         << heard.infos[0];
     double sum = 0;
@@ -185,17 +178,16 @@ TEST(VdbFile, PrefersDensityThenFogThenAnythingThatIsNotALevelSet) {
 
 TEST(VdbFile, TellsEqualNamesApartByIndex) {
     const TempFolder folder;
-    const VdbFile file = made(folder, {{.voxels = {{{0, 0, 0}, 1.0}}},
-                                       {.voxels = {{{0, 0, 0}, 2.0}}},
-                                       {.name = "", .voxels = {{{0, 0, 0}, 3.0}}}});
+    const VdbFile file = made(
+        folder,
+        {{.voxels = {{{0, 0, 0}, 1.0}}}, {.voxels = {{{0, 0, 0}, 2.0}}}, {.name = "", .voxels = {{{0, 0, 0}, 3.0}}}});
     EXPECT_EQ(file.usableGrids(), (std::vector<std::string>{"density[0]", "density[1]", "[0]"}));
     EXPECT_EQ(file.field("density[1]", {}).maxValue, 2.0f);
     EXPECT_EQ(file.field("density", {}).maxValue, 1.0f);
     EXPECT_EQ(file.field("[0]", {}).maxValue, 3.0f);
-    EXPECT_EQ(
-        errorOf(ErrorKind::input, [&] { file.field("density[2]", {}); }),
-        folder.file("a.vdb") +
-            ": no grid 'density[2]'; it holds 'density[0]' (float), 'density[1]' (float), '[0]' (float)");
+    EXPECT_EQ(errorOf(ErrorKind::input, [&] { file.field("density[2]", {}); }),
+              folder.file("a.vdb") +
+                  ": no grid 'density[2]'; it holds 'density[0]' (float), 'density[1]' (float), '[0]' (float)");
 }
 
 TEST(VdbFile, RefusesAGridThatIsNotAScalarField) {
@@ -212,8 +204,7 @@ TEST(VdbFile, RefusesAGridThatIsNotAScalarField) {
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { only.field("", {}); }),
               folder.file("a.vdb") + ": holds no float, half or double grid, only 'v' (vec3s)");
     const VdbFile none = made(folder, {});
-    EXPECT_EQ(errorOf(ErrorKind::input, [&] { none.field("", {}); }),
-              folder.file("a.vdb") + ": holds no grids");
+    EXPECT_EQ(errorOf(ErrorKind::input, [&] { none.field("", {}); }), folder.file("a.vdb") + ": holds no grids");
 }
 
 TEST(VdbFile, DescribesItsGrids) {
@@ -257,9 +248,7 @@ TEST(VdbFile, ReadsFilesWithoutOffsets) {
 
 TEST(VdbFile, RefusesWhatIsNotAVdbFile) {
     const TempFolder folder;
-    const auto text = [](const std::string& path) {
-        return errorOf(ErrorKind::input, [&] { VdbFile::open(path); });
-    };
+    const auto text = [](const std::string& path) { return errorOf(ErrorKind::input, [&] { VdbFile::open(path); }); };
     EXPECT_EQ(text(folder.file("none.vdb")), folder.file("none.vdb") + ": no such file");
     EXPECT_EQ(text(folder.path()), folder.path() + ": is a folder, not a VDB file");
     EXPECT_EQ(text("/dev/null"), "/dev/null: is not a regular file");
@@ -276,14 +265,12 @@ TEST(VdbFile, RefusesEveryTruncation) {
     const TempFolder folder;
     const std::string path = folder.file("a.vdb");
     for (const auto container : {test::Container::file, test::Container::stream}) {
-        makeVdb(path, {{.voxels = box({0, 0, 0}, {9, 9, 9}, 0.5)}, {.name = "p", .type = "points"}},
-                container);
+        makeVdb(path, {{.voxels = box({0, 0, 0}, {9, 9, 9}, 0.5)}, {.name = "p", .type = "points"}}, container);
         const std::string whole = test::readBytes(path);
         for (std::size_t size = 9; size < whole.size(); size += 1 + size / 50) {
             test::writeBytes(path, whole.substr(0, size));
             const std::string reason = errorOf(ErrorKind::input, [&] { VdbFile::open(path); });
-            EXPECT_TRUE(reason.starts_with(path + ": truncated or damaged: "))
-                << size << " bytes: " << reason;
+            EXPECT_TRUE(reason.starts_with(path + ": truncated or damaged: ")) << size << " bytes: " << reason;
         }
         test::writeBytes(path, whole + "x");
         const std::string reason = errorOf(ErrorKind::input, [&] { VdbFile::open(path); });
@@ -328,8 +315,7 @@ TEST(VdbFile, RefusesImplausibleSizesBeforeAllocatingThem) {
     std::memcpy(bytes.data() + at, &huge, sizeof huge);
     test::writeBytes(path, bytes);
     const std::string reason = errorOf(ErrorKind::input, [&] { VdbFile::open(path); });
-    EXPECT_TRUE(reason.starts_with(
-        path + ": truncated or damaged: a metadata name at byte 65 needs 4026531840 bytes"))
+    EXPECT_TRUE(reason.starts_with(path + ": truncated or damaged: a metadata name at byte 65 needs 4026531840 bytes"))
         << reason;
 }
 
@@ -346,13 +332,11 @@ TEST(VdbFile, WritesWhatItReads) {
     EXPECT_EQ(again.info().grids.at(0).gridClass, "fog volume");
     const SparseField after = again.field("density", {});
     ASSERT_EQ(after.blockOrigins, before.blockOrigins);
-    EXPECT_EQ(
-        std::memcmp(after.block(0), before.block(0), before.blockCount() * kBlockVoxels * sizeof(float)), 0);
+    EXPECT_EQ(std::memcmp(after.block(0), before.block(0), before.blockCount() * kBlockVoxels * sizeof(float)), 0);
     ASSERT_EQ(after.tiles.size(), 2u);
     EXPECT_EQ(after.activeVoxels, before.activeVoxels);
     EXPECT_EQ(after.wsFromIs, before.wsFromIs);
-    const std::string reason =
-        errorOf(ErrorKind::output, [&] { writeVdb(folder.file("no/where.vdb"), {before}); });
+    const std::string reason = errorOf(ErrorKind::output, [&] { writeVdb(folder.file("no/where.vdb"), {before}); });
     EXPECT_NE(reason.find(folder.file("no/where.vdb")), std::string::npos) << reason;
 }
 
@@ -381,8 +365,7 @@ TEST(RealVdbFiles, AreAllReadOrRefusedWithAReason) {
             if (entry.path().extension() != ".vdb") continue;
             const VdbFile file = VdbFile::open(entry.path().string());
             EXPECT_FALSE(file.info().grids.empty()) << entry.path();
-            for (const std::string& name : file.usableGrids())
-                EXPECT_NO_THROW(file.field(name, {})) << entry.path();
+            for (const std::string& name : file.usableGrids()) EXPECT_NO_THROW(file.field(name, {})) << entry.path();
         }
 }
 
