@@ -181,7 +181,11 @@ TEST(Plan, CutsPixelsForAntialiasing) {
 TEST(Shading, IsChosenByCountsUnlessTheSceneSaysSo) {
     ViewScene scene = someScene();
     EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);  // 64 x 64 pixels of some 80 x 80 texels
+    // A crop is shaded as the picture it is a part of; a small picture is not.
     scene.region = {30, 30, 34, 34};
+    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
+    scene.camera.resolution = Int2(4);
+    scene.region = {0, 0, 4, 4};
     const Plan few = makePlan(scene, 2);
     EXPECT_TRUE(few.shadeAtPixels);
     EXPECT_NE(few.shadeReason.find("the picture 16 pixels"), std::string::npos) << few.shadeReason;
