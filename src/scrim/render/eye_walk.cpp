@@ -175,8 +175,8 @@ void EyeWalk::markIfOpaque(int tile) {
 }
 
 // The tiles of the picture that may see an active texel of the range: most see none, and should cost nothing.
-EyeWalk::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& planes) const {
-    const TileBox all{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
+ImageTiles::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& planes) const {
+    const ImageTiles::TileBox all{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
     EyeView::Box seen{1e30, 1e30, -1e30, -1e30};
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {
         const PlaneStack::TileBounds active = planes.activeBounds(p);
@@ -187,21 +187,14 @@ EyeWalk::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& pla
         seen = {std::min(seen.x0, box->x0), std::min(seen.y0, box->y0), std::max(seen.x1, box->x1),
                 std::max(seen.y1, box->y1)};
     }
-    const auto tile = [](double position, int origin, int tiles) {
-        return static_cast<int>(std::clamp(std::floor((position - origin) / kTileEdge), -1.0, double(tiles)));
-    };
-    const PixelWindow& region = m_tiles.region();
-    return {std::max(all.x0, tile(seen.x0, region.x0, m_tiles.tilesX())),
-            std::max(all.y0, tile(seen.y0, region.y0, m_tiles.tilesY())),
-            std::min(all.x1, tile(seen.x1, region.x0, m_tiles.tilesX())),
-            std::min(all.y1, tile(seen.y1, region.y0, m_tiles.tilesY()))};
+    return m_tiles.tilesIn(seen.x0, seen.y0, seen.x1, seen.y1);
 }
 
 template <class Walk>
 std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const PlaneStack& planes, const Walk& walk) {
     struct Part {
         Range range;
-        TileBox box;
+        ImageTiles::TileBox box;
         bool endsBlock;
     };
     std::vector<Part> parts;

@@ -39,10 +39,7 @@ class EyeWalk {
     std::uint64_t shadePixels(int tile, const Range& range, const PlaneStack& extinction, const SheetShader& shader);
     template <class Walk>
     std::uint64_t forOpenTiles(int firstSheet, int count, const PlaneStack& planes, const Walk& walk);
-    struct TileBox {
-        int x0, y0, x1, y1;  // closed; empty where x1 < x0 or y1 < y0
-    };
-    TileBox tilesThatSee(const Range& range, const PlaneStack& planes) const;
+    ImageTiles::TileBox tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void markIfOpaque(int tile);
 
     const EyeView& m_eye;

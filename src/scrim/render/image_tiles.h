@@ -43,6 +43,12 @@ class ImageTiles {
     bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
     void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
 
+    /// The tiles that the closed box of raster positions touches, closed; x1 < x0 or y1 < y0 where there are none.
+    struct TileBox {
+        int x0, y0, x1, y1;
+    };
+    TileBox tilesIn(double x0, double y0, double x1, double y1) const;
+
     /// Is there a pixel in the closed box of raster positions whose tile is not opaque?
     bool anyOpen(double x0, double y0, double x1, double y1) const;
 

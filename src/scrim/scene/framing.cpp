@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/framing.h>
 
+#include <scrim/scene/toml_text.h>
 #include <scrim/base/parallel.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/field_rays.h>
@@ -48,19 +49,6 @@ std::string rounded(const Vec3& v, int exponent) {
 /// `v` with so many significant digits.
 std::string significant(double v, int digits) {
     return v == 0 ? "0" : rounded(v, static_cast<int>(std::floor(std::log10(std::abs(v)))) - digits + 1);
-}
-
-/// A string of TOML.
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-            out += fmt::format("\\u{:04x}", c);
-        else
-            out += c;
-    }
-    return out + '"';
 }
 
 // ---- the camera
@@ -158,8 +146,8 @@ std::string volumeText(const std::string& assetFile, const FramedGrid& grid, dou
         "[volume.medium]\n"
         "albedo = [{a}, {a}, {a}]\n"
         "phase = {{ type = \"hg\", g = {g} }}\n\n",
-        quoted(named ? grid.grid : "volume"), quoted(assetFile),
-        named ? fmt::format("grid = {}, ", quoted(grid.grid)) : "", significant(scale, 3), fmt::arg("a", kAlbedo),
+        tomlString(named ? grid.grid : "volume"), tomlString(assetFile),
+        named ? fmt::format("grid = {}, ", tomlString(grid.grid)) : "", significant(scale, 3), fmt::arg("a", kAlbedo),
         fmt::arg("g", kG));
 }
 
@@ -198,7 +186,7 @@ std::string framingScene(const std::string& assetFile, const std::vector<FramedG
         "up = [0, 1, 0]\n"
         "fov = {}\n"
         "resolution = [{}, {}]\n\n",
-        quoted(assetFile), rounded(framing.wsPosition, exponent), rounded(framing.wsTarget, exponent), kFov,
+        tomlString(assetFile), rounded(framing.wsPosition, exponent), rounded(framing.wsTarget, exponent), kFov,
         resolution.x, resolution.y);
     const double scale = fields.empty() ? 1 : densityScale(fields, camera);
     for (const FramedGrid& grid : grids) text += volumeText(assetFile, grid, scale);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/toml_document.h>
 
+#include <scrim/scene/toml_text.h>
+
 #include <scrim/base/error.h>
 
 #include <fmt/format.h>
@@ -200,24 +202,12 @@ class Override {
         fail(fmt::format("there is no {} '{}'; expected {}", key, part.key, choices(names)));
     }
 
-    static std::string quoted(const std::string& text) {
-        std::string out = "\"";
-        for (const char c : text) {
-            if (c == '"' || c == '\\') out += '\\';
-            if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f)
-                out += fmt::format("\\u{:04x}", c);
-            else
-                out += c;
-        }
-        return out + '"';
-    }
-
     /// The value under the key parts from `first` on, as nodes that know they come from here.
     toml::table parsed(std::size_t first) const {
         std::string key;
         for (std::size_t i = first; i < m_parts.size(); ++i) {
             if (i > first && !m_parts[i].indices.empty()) fail(fmt::format("there is no list '{}'", m_parts[i].key));
-            key += (i > first ? "." : "") + quoted(m_parts[i].key);
+            key += (i > first ? "." : "") + tomlString(m_parts[i].key);
         }
         // What begins like no value of TOML is a string; so is what holds a '#' and no quote or bracket,
         // since "smoke.####.vdb" and "12####.vdb" are file names and not values with comments.
@@ -225,7 +215,7 @@ class Override {
             !m_value.empty() && std::string_view("\"'[{").find(m_value.front()) != std::string_view::npos;
         if (delimited || (m_value.find('#') == std::string::npos && isToml(m_value)))
             return checked(parseToml(key + " = " + m_value, m_where));
-        return parseToml(key + " = " + quoted(m_value), m_where);
+        return parseToml(key + " = " + tomlString(m_value), m_where);
     }
 
     static bool isToml(const std::string& value) {
