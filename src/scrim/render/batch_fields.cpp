@@ -2,73 +2,65 @@
 #include <scrim/render/batch_fields.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/splat/unblur.h>
-
-#include <algorithm>
 
 namespace scrim {
-namespace {
 
-// Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
-constexpr int kSheetsPerTask = 4;
-
-}  // namespace
-
-BatchFields::BatchFields(const ViewScene& scene, const GroupPlan& group) {
-    const Sheets& s = group.sheets;
+BatchFields::BatchFields(const ViewScene& scene, const GroupPlan& group, double voxel) {
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
-        m_fields.push_back(std::unique_ptr<Field>(
-            new Field{&volume.medium,
-                      {*volume.field, s.tsFrom(volume.wsFromIs), scene.dials.kernel, scene.dials.footprintSteps,
-                       static_cast<float>(volume.medium.densityScale)},
-                      {group.batchSheets, s.width, s.height, 1}}));
+        m_volumes.push_back(std::make_unique<VolumePlanes>(volume, scene.dials, group, voxel));
         m_voxels += volume.field->activeVoxels;
-        m_bytes += m_fields.back()->splatter.table().bytes();
     }
-    if (m_fields.size() > 1) m_total = std::make_unique<PlaneStack>(group.batchSheets, s.width, s.height, 1);
-    m_bytes += PlaneStack::bytes(group.batchSheets, s.width, s.height, 1) * (m_fields.size() + (m_total ? 1 : 0));
+    if (m_volumes.size() > 1)
+        m_total = std::make_unique<PlaneStack>(group.batchSheets, group.sheets.width, group.sheets.height, 1);
 }
 
 SplatWork BatchFields::splat(int firstSheet, int count) {
-    const int tasks = (count + kSheetsPerTask - 1) / kSheetsPerTask;
-    std::vector<SplatWork> work(m_fields.size() * static_cast<std::size_t>(tasks));
-    parallelFor(work.size(), [&](std::size_t i) {
-        Field& field = *m_fields[i / static_cast<std::size_t>(tasks)];
-        const int first = static_cast<int>(i % static_cast<std::size_t>(tasks)) * kSheetsPerTask;
-        const int last = std::min(first + kSheetsPerTask, count);
-        for (int p = first; p < last; ++p) field.planes.begin(p);
-        work[i] = field.splatter.splat(firstSheet + first, firstSheet + last, field.planes, first);
-        for (int p = first; p < last; ++p) {
-            field.planes.finish(p);
-            unblur(field.planes, p);
-            field.planes.dropEmpty(p);
-        }
+    struct Task {
+        VolumePlanes* volume;
+        int part;
+        SplatWork work;
+    };
+    std::vector<Task> tasks;
+    for (const auto& volume : m_volumes) {
+        const int parts = volume->beginBatch(firstSheet, count);
+        for (int i = 0; i < parts; ++i) tasks.push_back({volume.get(), i, {}});
+    }
+    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part); });
+    parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) {
+        for (const auto& volume : m_volumes) volume->classify(static_cast<int>(p));
+        if (m_total) add(static_cast<int>(p));
     });
-    if (m_total) parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) { add(static_cast<int>(p)); });
-
     SplatWork sum;
-    for (const SplatWork& w : work) sum += w;
+    for (const Task& task : tasks) sum += task.work;
     return sum;
 }
 
-// Sums all fields' active tiles into the total of one sheet, in the order of the volumes.
+std::size_t BatchFields::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& volume : m_volumes) sum += volume->bytes();
+    return sum + (m_total ? PlaneStack::bytes(m_total->planes(), m_total->width(), m_total->height(), 1) : 0);
+}
+
+// Sums all volumes' active tiles into the total of one sheet, in the order of the volumes.
 void BatchFields::add(int p) {
     m_total->begin(p);
-    for (const auto& field : m_fields)
+    for (const auto& volume : m_volumes) {
+        const PlaneStack& own = volume->extinction();
         for (int ty = 0; ty < m_total->tilesY(); ++ty)
             for (int tx = 0; tx < m_total->tilesX(); ++tx) {
-                if (!field->planes.active(p, tx, ty)) continue;
+                if (!own.active(p, tx, ty)) continue;
                 m_total->activate(p, tx, ty);
                 const std::ptrdiff_t corner =
                     static_cast<std::ptrdiff_t>(ty * kTileEdge) * m_total->rowStride() + tx * kTileEdge;
                 for (int y = 0; y < kTileEdge; ++y) {
                     const std::ptrdiff_t row = corner + static_cast<std::ptrdiff_t>(y) * m_total->rowStride();
-                    const float* from = field->planes.plane(p) + row;
+                    const float* from = own.plane(p) + row;
                     float* to = m_total->plane(p) + row;
                     for (int x = 0; x < kTileEdge; ++x) to[x] += from[x];
                 }
             }
+    }
     m_total->finish(p);
 }
 

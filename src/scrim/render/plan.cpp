@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/light/shadow_buffer.h>
 #include <scrim/render/light_raster.h>
+#include <scrim/shade/classify_tile.h>
 #include <scrim/splat/footprint_table.h>
 #include <scrim/splat/plane_stack.h>
 
@@ -50,16 +51,22 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
 std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool shadeAtPixels, int batch) {
     const Sheets& s = group.sheets;
     const auto planes = [&](int channels) { return PlaneStack::bytes(batch, s.width, s.height, channels); };
-    std::size_t fields = 0, tables = 0;
+    std::size_t fields = 0, classified = 0, tables = 0;
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
         ++fields;
+        if (volume.classified)
+            classified +=
+                planes(1) + PlaneStack::bytes(2 * gradientStep(s, volume.wsFromIs).reach, s.width, s.height, 1);
         const Mat4 tsFromIs = s.tsFrom(volume.wsFromIs);
+        // Normals show what rounding does to footprints; extinction does not.
+        const FootprintLookup lookup = volume.classified ? FootprintLookup::sloped : FootprintLookup::nearest;
         const FootprintSteps steps = footprintSteps(tsFromIs, scene.dials.footprintSteps);
-        tables += FootprintTable::bytes(scene.dials.kernel, tsFromIs, steps.texel, steps.sheet) +
+        tables += FootprintTable::bytes(scene.dials.kernel, tsFromIs, steps.texel, steps.sheet, lookup) +
                   volume.field->blockCount() * 8;
     }
-    std::size_t bytes = tables + planes(1) * (fields > 1 ? fields + 1 : 1) + (shadeAtPixels ? 0 : planes(4));
+    std::size_t bytes =
+        tables + classified + planes(1) * (fields > 1 ? fields + 1 : 1) + (shadeAtPixels ? 0 : planes(4));
     for (const LightPlan& light : group.lights)
         if (light.shadowed) bytes += ShadowBuffer::bytes(light.view, s, batch);
     return bytes;
@@ -72,6 +79,12 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
         plan.shadeReason = "the scene says so";
         return;
     }
+    for (const ViewVolume& volume : scene.volumes)
+        if (volume.classified) {
+            plan.shadeAtPixels = true;
+            plan.shadeReason = fmt::format("volume {} is classified: surfaces are sharper than texels", volume.name);
+            return;
+        }
     // Of the whole picture: a crop must be shaded as the rest is.
     const double n = scene.dials.antialias;
     const double pixels = n * n * scene.camera.resolution.x * scene.camera.resolution.y;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 4 of a batch: brings together what one tile of samples needs (extinction, lights, shadows) and shades it,
-// at texels or at the points where pixels' rays meet the sheet.
+// Stage 4 of a batch: brings together what one tile of samples needs (extinction, surfaces, lights, shadows) and
+// shades it, at texels or at the points where pixels' rays meet the sheet.
 #pragma once
 
 #include <scrim/render/batch_fields.h>
@@ -26,14 +26,19 @@ class SheetShader {
     void shadePoints(int p, const SampleTile& samples, float* out) const;
 
   private:
-    void shade(int p, const SampleTile& samples, const float* extinctions, const float* tauIn, float* out) const;
+    struct Gathered;
+    bool classify(int p, const SampleTile& samples, Gathered& rows) const;
+    void shade(int p, const SampleTile& samples, const Gathered& rows, float* out) const;
 
     const GroupPlan& m_group;
     const BatchFields& m_fields;
     const BatchLights& m_lights;
     const EyeView& m_eye;
     float m_ambient[3];
-    std::vector<SheetMedium> m_media;  // without their extinction
+    // Of each kind of volume: which it is, and what it looks like, without what differs from sample to sample.
+    std::vector<int> m_mediumVolumes, m_surfaceVolumes;
+    std::vector<SheetMedium> m_media;
+    std::vector<SheetSurface> m_surfaces;
 };
 
 }  // namespace scrim

@@ -65,7 +65,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
     Stopwatch watch;
     const Sheets& sheets = group.sheets;
     const EyeView eye(camera, sheets);
-    BatchFields fields(scene, group);
+    BatchFields fields(scene, group, plan.voxel);
     BatchLights lights(scene, group);
     const SheetShader shader(scene, group, fields, lights, eye);
     EyeWalk walk(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));

@@ -6,6 +6,7 @@
 #include <scrim/image/image.h>
 #include <scrim/light/light.h>
 #include <scrim/scene/dials.h>
+#include <scrim/shade/classified.h>
 #include <scrim/shade/medium.h>
 #include <scrim/volume/sparse_field.h>
 
@@ -21,6 +22,7 @@ struct ViewVolume {
     std::shared_ptr<const SparseField> field;
     Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
     Medium medium;
+    std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead of as a medium
 };
 
 struct ViewScene {

@@ -38,6 +38,8 @@ struct RenderSection {
 CameraSection readCamera(TomlTable table, const ReadContext& context);
 /// `defaultName` is the name of a volume or light that has none.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
+/// [volume.classified]: transfer function and Phong coefficients.
+Classified readClassified(TomlTable table, const ReadContext& context);
 /// The map of a volume's transform.
 Mat4 readTransform(TomlTable table, const ReadContext& context);
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context);

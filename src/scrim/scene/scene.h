@@ -8,8 +8,10 @@
 #include <scrim/light/light.h>
 #include <scrim/scene/dials.h>
 #include <scrim/scene/frame_path.h>
+#include <scrim/shade/classified.h>
 #include <scrim/shade/medium.h>
 
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -36,6 +38,7 @@ struct SceneVolume {
     double densityScale = 1;                      ///< extinction per world unit = ramp(grid value) * densityScale
     std::vector<std::pair<double, double>> ramp;  ///< grid value to value, ascending; constant outside; empty: none
     Medium medium;                                ///< its densityScale is the one above
+    std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
     std::string where;                            ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
 

@@ -178,6 +178,49 @@ HWY_ATTR void addScattered(const ShadeInput& input, const SheetLight& light, con
         forSamples([&](int k) HWY_ATTR { add(k, henyeyGreenstein(input, w.in, w.slantEye, medium.g, k)); });
 }
 
+// x^exponent for x in [0, 1]; 0 at 0.
+HWY_ATTR HWY_INLINE VF power(VF x, float exponent) {
+    const DF d;
+    const auto safe = hn::Max(x, constant(1e-30f));
+    return hn::IfThenElseZero(hn::Gt(x, constant(1e-30f)),
+                              expMinus(hn::Mul(hn::Neg(hn::Log(d, safe)), constant(exponent))));
+}
+
+// What a classified volume reflects after Phong (ZC02 eq. 6, 8 and 9, and phong() in classified.h). A white diffuse
+// surface that faces the light reflects k_d E / pi.
+HWY_ATTR void addReflected(const ShadeInput& input, const SheetLight& light, const SheetSurface& surface, Work& w) {
+    const DF d;
+    constexpr float kInversePi = 0.318309886f;
+    const float eyeSign = input.sameSide ? -1.0f : 1.0f;  // from the sample to the eye is -d
+    forSamples([&](int k) HWY_ATTR {
+        const auto a = load(w.in.a, k), b = load(w.in.b, k), slant = load(w.in.slant, k);
+        const auto nx = load(surface.normal[0], k), ny = load(surface.normal[1], k), nz = load(surface.normal[2], k);
+        // The light travels along (a, b, 1) / slant, the way to it is the opposite.
+        const auto cosine = hn::Neg(hn::Div(hn::MulAdd(nx, a, hn::MulAdd(ny, b, nz)), slant));
+        const auto facing = surface.twoSided ? hn::Abs(cosine) : hn::Max(cosine, constant(0));
+        const auto weight = load(surface.weight, k);
+        const auto diffuse = hn::Mul(constant(surface.diffuse * kInversePi),
+                                     hn::MulAdd(weight, hn::Sub(facing, constant(1)), constant(1)));
+        const auto amount = load(w.light, k);
+
+        // Towards the eye, and how far the mirrored light R = 2 (N.L) N - L points there.
+        const auto ea = load(input.samples->eyeA, k), eb = load(input.samples->eyeB, k);
+        const auto normalEye = hn::MulAdd(nx, ea, hn::MulAdd(ny, eb, nz));
+        const auto lightEye = hn::Neg(hn::Div(hn::MulAdd(a, ea, hn::MulAdd(b, eb, constant(1))), slant));
+        const auto mirrored = hn::Mul(hn::Div(constant(eyeSign), load(w.slantEye, k)),
+                                      hn::MulSub(hn::Mul(constant(2), cosine), normalEye, lightEye));
+        const auto shine =
+            hn::IfThenElseZero(hn::Gt(facing, constant(0)), power(hn::Max(mirrored, constant(0)), surface.exponent));
+        const auto specular = hn::Mul(hn::Mul(constant(surface.specular * kInversePi), hn::Mul(shine, weight)),
+                                      load(surface.extinction, k));
+        for (int c = 0; c < 3; ++c) {
+            const auto source = hn::MulAdd(load(surface.emission[c], k), diffuse, specular);
+            const auto radiance = hn::Mul(hn::Mul(source, amount), constant(light.intensity[c]));
+            hn::Store(hn::Add(load(w.rgb[c], k), radiance), d, w.rgb[c] + k);
+        }
+    });
+}
+
 HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
     const SheetLight& light = input.lights[index];
     if (light.distant)
@@ -195,20 +238,24 @@ HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
     else
         transmit<true, false>(input, w.in, tauIn, w.tauEye, w.pathEye, w.light);
     for (int m = 0; m < input.mediumCount; ++m) addScattered(input, light, input.media[m], w);
+    for (int s = 0; s < input.surfaceCount; ++s) addReflected(input, light, input.surfaces[s], w);
+}
+
+HWY_ATTR void addUnshadowed(const float* extinction, float radiance, int channel, Work& w) {
+    const DF d;
+    if (radiance == 0) return;
+    forSamples([&](int k) HWY_ATTR {
+        const auto part = hn::Mul(hn::Mul(load(extinction, k), load(w.pathEye, k)), psi(load(w.tauEye, k)));
+        hn::Store(hn::MulAdd(part, constant(radiance), load(w.rgb[channel], k)), d, w.rgb[channel] + k);
+    });
 }
 
 HWY_ATTR void addAmbient(const ShadeInput& input, Work& w) {
-    const DF d;
-    for (int m = 0; m < input.mediumCount; ++m) {
-        const SheetMedium& medium = input.media[m];
-        for (int c = 0; c < 3; ++c) {
-            const auto radiance = constant(input.ambient[c] * medium.albedo[c]);
-            forSamples([&](int k) HWY_ATTR {
-                const auto part =
-                    hn::Mul(hn::Mul(load(medium.extinction, k), load(w.pathEye, k)), psi(load(w.tauEye, k)));
-                hn::Store(hn::MulAdd(part, radiance, load(w.rgb[c], k)), d, w.rgb[c] + k);
-            });
-        }
+    for (int c = 0; c < 3; ++c) {
+        for (int m = 0; m < input.mediumCount; ++m)
+            addUnshadowed(input.media[m].extinction, input.ambient[c] * input.media[m].albedo[c], c, w);
+        for (int s = 0; s < input.surfaceCount; ++s)
+            addUnshadowed(input.surfaces[s].emission[c], input.ambient[c] * input.surfaces[s].ambient, c, w);
     }
 }
 

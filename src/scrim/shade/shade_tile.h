@@ -59,14 +59,26 @@ struct SheetMedium {
     float g;  ///< Henyey-Greenstein; 0: isotropic
 };
 
+/// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
+struct SheetSurface {
+    const float* extinction;
+    const float* emission[3];  ///< extinction times colour
+    const float* normal[3];    ///< unit, in sweep space, out of the denser side
+    const float* weight;       ///< of the normal
+    float ambient, diffuse, specular, exponent;
+    bool twoSided;
+};
+
 /// Buffers of samples (`extinction`, of media too, and `tauIn`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
     float texel, thickness;   ///< world units
     bool sameSide;            ///< eye and light meet the same side of a sheet first (s = +1)
-    const float* extinction;  ///< 256 values: the sum over all media, per world unit
+    const float* extinction;  ///< 256 values: the sum over all volumes, per world unit
     const SheetMedium* media;
     int mediumCount;
+    const SheetSurface* surfaces;
+    int surfaceCount;
     const SheetLight* lights;
     int lightCount;
     const float* tauIn;  ///< 256 values a light: tau at entry (read for shadowed lights)

@@ -35,12 +35,12 @@ struct FieldSplatter::Target {
 };
 
 FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
-                             float scale)
+                             float scale, FootprintLookup lookup)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_scale(scale),
       m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
-              footprintSteps(tsFromIs, stepsPerVoxel).sheet),
+              footprintSteps(tsFromIs, stepsPerVoxel).sheet, lookup),
       m_order(tsFromIs) {
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())

@@ -48,9 +48,11 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     return shape;
 }
 
-std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
+                                  FootprintLookup lookup) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
-    return static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
+    const std::size_t parts = lookup == FootprintLookup::sloped ? 4 : 1;
+    return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
            static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
 }
 
@@ -68,19 +70,62 @@ FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     return {steps(std::min(voxelAlong(0), voxelAlong(1))), steps(voxelAlong(2))};
 }
 
-FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps)
-    : m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
+                               FootprintLookup lookup)
+    : m_parts(lookup == FootprintLookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     m_extent = shape.extent;
     m_columns = shape.columns;
     m_rows = shape.rows;
     m_sheets = shape.sheets;
     m_rowStride = shape.rowStride;
-    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps) / sizeof(float));
+    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(float));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
     parallelFor(static_cast<std::size_t>(texelSteps),
                 [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
+    if (sloped())
+        parallelFor(static_cast<std::size_t>(texelSteps),
+                    [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
+}
+
+// Central differences over a step on either side. One step past a texel's last is the first of the next texel, where
+// the footprint has moved on by one.
+void FootprintTable::addSlopes(int stepV) {
+    const auto weight = [&](int stepU, int v, int stepN, int slab, int row, int column) {
+        const auto wrap = [](int& step, int steps, int& place) {
+            if (step < 0) {
+                step += steps;
+                ++place;
+            } else if (step >= steps) {
+                step -= steps;
+                --place;
+            }
+        };
+        wrap(stepU, m_texelSteps, column);
+        wrap(v, m_texelSteps, row);
+        wrap(stepN, m_sheetSteps, slab);
+        if (column < 0 || column >= m_columns.count || row < 0 || row >= m_rows.count || slab < 0 ||
+            slab >= m_sheets.count)
+            return 0.0f;
+        return m_weights[offset(stepU, v, stepN) +
+                         static_cast<std::size_t>(slab * sheetStride() + row * m_rowStride + column)];
+    };
+    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
+        for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
+            for (int slab = 0; slab < m_sheets.count; ++slab)
+                for (int row = 0; row < m_rows.count; ++row)
+                    for (int column = 0; column < m_columns.count; ++column) {
+                        const auto change = [&](int u, int v, int n) {
+                            return 0.5f * (weight(stepU + u, stepV + v, stepN + n, slab, row, column) -
+                                           weight(stepU - u, stepV - v, stepN - n, slab, row, column));
+                        };
+                        float* entry = m_weights.data() + offset(stepU, stepV, stepN) + slab * sheetStride() +
+                                       row * m_rowStride + column;
+                        entry[partStride()] = change(1, 0, 0);
+                        entry[2 * partStride()] = change(0, 1, 0);
+                        entry[3 * partStride()] = change(0, 0, 1);
+                    }
 }
 
 // Fills the entries of one quantised fraction in v. For each texel of the footprint: integrate the kernel

@@ -21,6 +21,9 @@ struct Chunk {
     alignas(64) std::int32_t table[kChunk];  // index of the quantised fraction
     alignas(64) std::int32_t texel[kChunk];  // offset of the footprint's first texel in its plane
     alignas(64) std::int32_t sheet[kChunk];  // first sheet of the footprint
+    alignas(64) float restU[kChunk];         // what rounding left, in steps
+    alignas(64) float restV[kChunk];
+    alignas(64) float restN[kChunk];
 };
 
 HWY_INLINE int log2Of(int powerOfTwo) {
@@ -30,6 +33,7 @@ HWY_INLINE int log2Of(int powerOfTwo) {
 }
 
 // Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
+template <bool kSloped>
 HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Chunk& chunk) {
     const hn::ScalableTag<float> df;
     const hn::RebindToSigned<decltype(df)> di;
@@ -39,15 +43,17 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Ch
 
     for (int i = 0; i < kChunk; i += static_cast<int>(hn::Lanes(df))) {
         // Positions in quantisation steps, rounded to the nearest.
-        const auto at = [&](float fraction, const auto& offsets, int steps) {
+        const auto at = [&](float fraction, const auto& offsets, int steps, float* rest) {
             const auto offset = hn::LoadU(df, offsets.data() + k + i);
             const auto position = hn::Add(hn::Set(df, fraction), offset);
             const auto inSteps = hn::MulAdd(position, hn::Set(df, static_cast<float>(steps)), hn::Set(df, 0.5f));
-            return hn::ConvertTo(di, hn::Floor(inSteps));
+            const auto rounded = hn::Floor(inSteps);
+            if constexpr (kSloped) hn::StoreU(hn::Sub(hn::Sub(inSteps, rounded), hn::Set(df, 0.5f)), df, rest + i);
+            return hn::ConvertTo(di, rounded);
         };
-        const auto u = at(place.fractionU, splat.order->offsetU, table.texelSteps());
-        const auto v = at(place.fractionV, splat.order->offsetV, table.texelSteps());
-        const auto n = at(place.fractionN, splat.order->offsetN, table.sheetSteps());
+        const auto u = at(place.fractionU, splat.order->offsetU, table.texelSteps(), chunk.restU);
+        const auto v = at(place.fractionV, splat.order->offsetV, table.texelSteps(), chunk.restV);
+        const auto n = at(place.fractionN, splat.order->offsetN, table.sheetSteps(), chunk.restN);
 
         const auto whole = [&](auto position, int log2Steps, int first) {
             return hn::Add(hn::ShiftRightSame(position, log2Steps), hn::Set(di, first));
@@ -77,12 +83,28 @@ HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float v
             hn::StoreU(hn::MulAdd(scale, hn::LoadU(d, weights + i), hn::LoadU(d, texels + i)), d, texels + i);
 }
 
-template <int kWidth, int kRows>
+// The same where every weight goes with its slopes, in parts `part` apart.
+HWY_ATTR HWY_INLINE void addSloped(const float* HWY_RESTRICT weights, int part, float value, const float (&rest)[3],
+                                   int rows, int width, float* HWY_RESTRICT texels, std::ptrdiff_t rowStride) {
+    const hn::CappedTag<float, 4> d;
+    const auto scale = hn::Set(d, value), restU = hn::Set(d, rest[0]), restV = hn::Set(d, rest[1]),
+               restN = hn::Set(d, rest[2]);
+    for (int row = 0; row < rows; ++row, weights += width, texels += rowStride)
+        for (int i = 0; i < width; i += 4) {
+            auto weight = hn::MulAdd(restU, hn::LoadU(d, weights + part + i), hn::LoadU(d, weights + i));
+            weight = hn::MulAdd(restV, hn::LoadU(d, weights + 2 * part + i), weight);
+            weight = hn::MulAdd(restN, hn::LoadU(d, weights + 3 * part + i), weight);
+            hn::StoreU(hn::MulAdd(scale, weight, hn::LoadU(d, texels + i)), d, texels + i);
+        }
+}
+
+template <int kWidth, int kRows, bool kSloped = false>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
                                   int second) {
     // Copies, because the compiler must assume that writing texels changes what pointers lead to.
     const FootprintTable& table = *splat.table;
     const int rows = table.rows(), width = table.rowStride(), sheets = table.sheets();
+    [[maybe_unused]] const int part = table.partStride();
     const std::ptrdiff_t sheetStride = kWidth * kRows > 0 ? kWidth * kRows : table.sheetStride();
     const std::ptrdiff_t entryStride = sheetStride * sheets;
     const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
@@ -97,7 +119,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
     for (int k0 = first; k0 < second; k0 += kChunk) {
         // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
-        locate(splat, place, k, chunk);
+        locate<kSloped>(splat, place, k, chunk);
         const int end = std::min(kChunk, second - k);
         for (int i = k0 - k; i < end; ++i) {
             const float value = values[index[k + i]] * scale;
@@ -108,7 +130,11 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
             const float* weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
             float* texels = planes + (sheet + from - firstSheet) * planeStride + chunk.texel[i];
             for (int s = from; s < to; ++s, weights += sheetStride, texels += planeStride)
-                addFootprint<kWidth, kRows>(weights, value, rows, width, texels, rowStride);
+                if constexpr (kSloped)
+                    addSloped(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows, width,
+                              texels, rowStride);
+                else
+                    addFootprint<kWidth, kRows>(weights, value, rows, width, texels, rowStride);
             footprints += static_cast<std::uint64_t>(std::max(0, to - from));
         }
     }
@@ -118,6 +144,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
 HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place, const float* values,
                                           int first, int second) {
     const int width = splat.table->rowStride(), rows = splat.table->rows();
+    if (splat.table->sloped()) return splatRange<0, 0, true>(splat, place, values, first, second);
     // The shapes of the linear kernel at one texel a voxel, of wider kernels, and all others.
     if (width == 4 && rows == 4) return splatRange<4, 4>(splat, place, values, first, second);
     if (width == 4 && rows == 3) return splatRange<4, 3>(splat, place, values, first, second);

@@ -20,6 +20,10 @@ constexpr double kEmptyRadius = 4;
 
 Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
     : m_scene(scene), m_options(options), m_voxel(voxelUnit(scene)) {
+    m_step = options.step * m_voxel;
+    // A transfer function may jump within a voxel.
+    for (const ViewVolume& volume : scene.volumes)
+        if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
@@ -27,14 +31,31 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
         double longest = 0;
         for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
         m_volumes.push_back(
-            {FieldProbe(*volume.field, scene.dials.kernel), isFromWs, volume.medium, longest * std::sqrt(3.0)});
+            {FieldProbe(*volume.field, scene.dials.kernel), isFromWs, &volume, longest * std::sqrt(3.0)});
     }
 }
 
 double Reference::extinction(const Vec3& ws) const {
     double sum = 0;
-    for (const Volume& v : m_volumes) sum += v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws));
+    for (const Volume& v : m_volumes) sum += extinction(v, ws);
     return sum;
+}
+
+double Reference::extinction(const Volume& v, const Vec3& ws) const {
+    const double value = v.probe.value(transformPoint(v.isFromWs, ws));
+    return v.look->classified ? classify(*v.look->classified, value).extinction : v.look->medium.densityScale * value;
+}
+
+// Central differences over a voxel on either side, along the lattice's axes.
+Vec3 Reference::gradient(const Volume& v, const Vec3& ws) const {
+    const Vec3 is = transformPoint(v.isFromWs, ws);
+    Vec3 difference;
+    for (int axis = 0; axis < 3; ++axis) {
+        Vec3 step(0);
+        step[axis] = 1;
+        difference[axis] = v.probe.value(is + step) - v.probe.value(is - step);
+    }
+    return glm::transpose(Mat3(v.isFromWs)) * (0.5 * difference);
 }
 
 // A distance within which all fields are 0; 0 where none is known.
@@ -74,7 +95,7 @@ double Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
             t += empty;
             continue;
         }
-        const double step = std::min(m_options.step * m_voxel, span.end - t);
+        const double step = std::min(m_step, span.end - t);
         const Vec3 middle = a + (t + 0.5 * step) * direction;
         const double lower = extinction(middle - gauss * step * direction);
         const double upper = extinction(middle + gauss * step * direction);
@@ -82,6 +103,18 @@ double Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
         t += step;
     }
     return tau;
+}
+
+// Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
+Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
+    const Classified& look = *v.look->classified;
+    const ClassifiedValue value = classify(look, v.probe.value(transformPoint(v.isFromWs, ws)));
+    if (value.extinction == 0) return Rgb(0);
+    const Vec3 slope = gradient(v, ws);
+    const double length = glm::length(slope);
+    const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
+    const Reflected share = phong(look, normal, normalWeight(look, length, m_voxel), toLight, toEye);
+    return value.extinction / std::acos(-1.0) * (share.diffuse * value.color + share.specular);
 }
 
 // Radiance per world unit that one light adds at `ws`.
@@ -101,13 +134,16 @@ Rgb Reference::scatter(const Light& light, const Vec3& ws, const Vec3& eye) cons
             irradiance *= t * t * (3 - 2 * t);
         }
     }
-    double scattering[3] = {0, 0, 0};
+    Rgb scattering(0);
     for (const Volume& v : m_volumes) {
-        const double sigma = v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws));
-        const double phase = phaseValue(v.medium.phase, -glm::dot(travel, eye));
-        for (int c = 0; c < 3; ++c) scattering[c] += sigma * v.medium.albedo[c] * phase;
+        if (v.look->classified) {
+            scattering += reflect(v, ws, -travel, -eye);
+            continue;
+        }
+        const double phase = phaseValue(v.look->medium.phase, -glm::dot(travel, eye));
+        scattering += extinction(v, ws) * phase * v.look->medium.albedo;
     }
-    Rgb radiance = light.intensity * irradiance * Rgb(scattering[0], scattering[1], scattering[2]);
+    Rgb radiance = light.intensity * irradiance * scattering;
     if (radiance == Rgb(0)) return radiance;
     if (light.shadows) {
         const Vec3 from = light.type == LightType::distant
@@ -123,9 +159,14 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     out.extinction = extinction(ws);
     if (out.extinction == 0) return out;
     for (const Light& light : m_scene.lights) out.source += scatter(light, ws, eye);
-    for (const Volume& v : m_volumes)
-        out.source +=
-            v.medium.densityScale * v.probe.value(transformPoint(v.isFromWs, ws)) * v.medium.albedo * m_scene.ambient;
+    for (const Volume& v : m_volumes) {
+        if (v.look->classified) {
+            const ClassifiedValue value = classify(*v.look->classified, v.probe.value(transformPoint(v.isFromWs, ws)));
+            out.source += value.extinction * v.look->classified->ambient * value.color * m_scene.ambient;
+        } else {
+            out.source += extinction(v, ws) * v.look->medium.albedo * m_scene.ambient;
+        }
+    }
     return out;
 }
 
@@ -147,7 +188,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
             continue;
         }
         // A step is as long as its optical depth allows.
-        double step = std::min(m_options.step * m_voxel, span.end - t);
+        double step = std::min(m_step, span.end - t);
         for (int halvings = 0; halvings < 40; ++halvings) {
             const double densest =
                 std::max({extinction(origin + t * direction), extinction(origin + (t + 0.5 * step) * direction),

@@ -13,6 +13,7 @@ namespace scrim {
 
 struct ReferenceOptions {
     double step = 0.5;                 ///< voxels, at most
+    double classifiedStep = 0.0625;    ///< the same where a volume is classified
     double mostTau = 0.1;              ///< optical depth of a step, at most: denser places take smaller steps
     double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
 };
@@ -43,7 +44,7 @@ class Reference {
     struct Volume {
         FieldProbe probe;
         Mat4 isFromWs;
-        Medium medium;
+        const ViewVolume* look;
         double isPerWs;  // longest index-space length of a world unit
     };
     struct Span {
@@ -52,13 +53,16 @@ class Reference {
     double extinction(const Vec3& ws) const;
     double emptyDistance(const Vec3& ws) const;
     Span clip(const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
+    double extinction(const Volume& volume, const Vec3& ws) const;
+    Vec3 gradient(const Volume& volume, const Vec3& ws) const;
+    Rgb reflect(const Volume& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
     Rgb scatter(const Light& light, const Vec3& ws, const Vec3& wsDirection) const;
 
     const ViewScene& m_scene;
     ReferenceOptions m_options;
     std::vector<Volume> m_volumes;
     Bounds m_wsBounds;
-    double m_voxel;
+    double m_voxel, m_step;
 };
 
 }  // namespace scrim

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/render/volume_planes.h>
+
+#include <scrim/splat/unblur.h>
+
+#include <algorithm>
+
+namespace scrim {
+namespace {
+
+// Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
+constexpr int kSheetsPerTask = 4;
+
+struct Limits {
+    float low, high;
+};
+
+// Least and greatest value of a tile and the texels next to it on some planes.
+Limits limitsAround(const std::initializer_list<const float*>& planes, int width, int height, int tx, int ty) {
+    const int x0 = std::max(0, tx * kTileEdge - 1), x1 = std::min(width, (tx + 1) * kTileEdge + 1);
+    const int y0 = std::max(0, ty * kTileEdge - 1), y1 = std::min(height, (ty + 1) * kTileEdge + 1);
+    Limits limits{(*planes.begin())[y0 * width + x0], 0};
+    for (const float* plane : planes)
+        for (int y = y0; y < y1; ++y) {
+            const float* row = plane + static_cast<std::ptrdiff_t>(y) * width;
+            for (int x = x0; x < x1; ++x) {
+                limits.low = std::min(limits.low, row[x]);
+                limits.high = std::max(limits.high, row[x]);
+            }
+        }
+    return limits;
+}
+
+}  // namespace
+
+VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const GroupPlan& group, double voxel)
+    : m_volume(volume),
+      m_halo(halo(volume, group.sheets)),
+      m_splatter(*volume.field, group.sheets.tsFrom(volume.wsFromIs), dials.kernel, dials.footprintSteps,
+                 volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale),
+                 volume.classified ? FootprintLookup::sloped : FootprintLookup::nearest),
+      m_values(group.batchSheets + 2 * m_halo, group.sheets.width, group.sheets.height, 1),
+      m_readySheet(-m_halo) {
+    if (!volume.classified) return;
+    m_surface.emplace(Surface{TransferTable(*volume.classified),
+                              gradientStep(group.sheets, volume.wsFromIs),
+                              scrim::vagueGradient(*volume.classified, voxel),
+                              {group.batchSheets, group.sheets.width, group.sheets.height, 1}});
+}
+
+int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {
+    return volume.classified ? gradientStep(sheets, volume.wsFromIs).reach : 0;
+}
+
+int VolumePlanes::beginBatch(int firstSheet, int count) {
+    m_firstSheet = firstSheet;
+    m_runs.clear();
+    const int end = firstSheet + count + m_halo;
+    while (m_readySheet < end) {
+        const int wrap = m_values.planes() - planeOf(m_readySheet);
+        const int run = std::min({kSheetsPerTask, end - m_readySheet, wrap});
+        m_runs.push_back({m_readySheet, run});
+        m_readySheet += run;
+    }
+    return static_cast<int>(m_runs.size());
+}
+
+SplatWork VolumePlanes::splat(int task) {
+    const Run& run = m_runs[static_cast<std::size_t>(task)];
+    const int first = planeOf(run.sheet);
+    for (int p = first; p < first + run.count; ++p) m_values.begin(p);
+    const SplatWork work = m_splatter.splat(run.sheet, run.sheet + run.count, m_values, first);
+    for (int p = first; p < first + run.count; ++p) {
+        m_values.finish(p);
+        unblur(m_values, p);
+        m_values.dropEmpty(p);
+    }
+    return work;
+}
+
+void VolumePlanes::classify(int p) {
+    if (!m_surface) return;
+    const ValuePlanes around = values(p);
+    const float *before = around.at(-1), *here = around.at(0), *behind = around.at(1);
+    PlaneStack& out = m_surface->extinction;
+    const int sheet = m_firstSheet + p;
+    const int planes[3] = {planeOf(sheet - 1), planeOf(sheet), planeOf(sheet + 1)};
+    alignas(64) float front[kTileSize], middle[kTileSize], back[kTileSize], sigma[kTileSize];
+    out.begin(p);
+    for (int ty = 0; ty < out.tilesY(); ++ty)
+        for (int tx = 0; tx < out.tilesX(); ++tx) {
+            // A tile counts as active where its texels, or anything between them and their neighbours, may show
+            // something: pixels look there, too.
+            if (std::none_of(planes, planes + 3,
+                             [&](int q) { return m_values.anyActive(q, tx - 1, ty - 1, tx + 1, ty + 1); }))
+                continue;
+            const Limits limits = limitsAround({before, here, behind}, around.width, around.height, tx, ty);
+            if (!m_surface->table.anyBetween(limits.low, limits.high)) continue;
+            out.replace(p, tx, ty);
+            const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * around.width + tx * kTileEdge;
+            for (int k = 0; k < kTileSize; ++k) {
+                const std::ptrdiff_t at =
+                    corner + static_cast<std::ptrdiff_t>(k / kTileEdge) * around.width + k % kTileEdge;
+                middle[k] = here[at];
+                front[k] = 0.5f * (before[at] + middle[k]);
+                back[k] = 0.5f * (behind[at] + middle[k]);
+            }
+            m_surface->table.meanExtinction(front, middle, back, kTileSize, sigma);
+            float* to = out.plane(p) + corner;
+            for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
+                std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
+        }
+    out.finish(p);
+}
+
+ValuePlanes VolumePlanes::values(int p) const {
+    return {m_values.plane(0),         m_values.planeStride(), m_values.planes(),
+            planeOf(m_firstSheet + p), m_values.width(),       m_values.height()};
+}
+
+std::size_t VolumePlanes::bytes() const {
+    const auto planes = [](const PlaneStack& s) { return PlaneStack::bytes(s.planes(), s.width(), s.height(), 1); };
+    return m_splatter.table().bytes() + planes(m_values) + (m_surface ? planes(m_surface->extinction) : 0);
+}
+
+}  // namespace scrim

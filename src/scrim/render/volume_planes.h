@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stages 1 and 2 for one volume: its field splatted into sheets, and what is extinct there.
+//
+// A medium's extinction is the field times a scale, so its sheets of field are its sheets of extinction. A classified
+// volume keeps the field itself, with some sheets more on either side of the batch for gradients and for the
+// transfer function's mean along a ray: a ring of planes, so that every sheet is splatted once.
+#pragma once
+
+#include <scrim/render/plan.h>
+#include <scrim/shade/classify_tile.h>
+#include <scrim/splat/field_splatter.h>
+#include <scrim/splat/plane_stack.h>
+
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+class VolumePlanes {
+  public:
+    /// `volume` must outlive this.
+    VolumePlanes(const ViewVolume& volume, const Dials& dials, const GroupPlan& group, double voxel);
+
+    /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
+    int beginBatch(int firstSheet, int count);
+    SplatWork splat(int task);
+    /// Classifies sheet firstSheet + p; after all splatting. Nothing to do for a medium.
+    void classify(int p);
+
+    /// Extinction per world unit at texels, planes [0, count).
+    const PlaneStack& extinction() const { return m_surface ? m_surface->extinction : m_values; }
+
+    const ViewVolume& volume() const { return m_volume; }
+    /// Of a classified volume: the field around sheet firstSheet + p, and what belongs to its transfer function.
+    ValuePlanes values(int p) const;
+    const TransferTable& table() const { return m_surface->table; }
+    const GradientStep& step() const { return m_surface->step; }
+    /// Planes beyond those of a batch that a classified volume needs.
+    static int halo(const ViewVolume& volume, const Sheets& sheets);
+    double vagueGradient() const { return m_surface->vagueGradient; }
+    std::size_t bytes() const;
+
+  private:
+    struct Surface {
+        TransferTable table;
+        GradientStep step;
+        double vagueGradient;
+        PlaneStack extinction;
+    };
+    struct Run {
+        int sheet, count;
+    };
+    int planeOf(int sheet) const { return (sheet + m_halo) % m_values.planes(); }
+
+    const ViewVolume& m_volume;
+    int m_halo;  // sheets on either side of a batch
+    FieldSplatter m_splatter;
+    PlaneStack m_values;
+    std::optional<Surface> m_surface;  // classified volumes
+    int m_firstSheet = 0, m_readySheet;
+    std::vector<Run> m_runs;
+};
+
+}  // namespace scrim

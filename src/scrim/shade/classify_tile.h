@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: Apache-2.0
+// Classification of a tile's worth of samples of one sheet (ZC02 Fig. 5, lines 12 and 13): field in, extinction,
+// colour and normals out.
+//
+// Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours; the
+// transfer function is averaged over the part of that run that lies within the sheet (transfer_table.h).
+//
+// Normals come from central differences over a voxel on either side (ZC02 section 3.1), within the sheet and across
+// sheets, but along the axes of the volume's own lattice instead of the sheet's: there they are the differences at
+// lattice points, interpolated, and do not hang on how the sheets happen to lie.
+#pragma once
+
+#include <scrim/geometry/sheets.h>
+#include <scrim/shade/shade_tile.h>
+#include <scrim/shade/transfer_table.h>
+
+namespace scrim {
+
+/// What a sheet and its neighbours know of a field: planes of the sheets' raster, in a ring.
+struct ValuePlanes {
+    const float* planes;         ///< of the whole ring
+    std::ptrdiff_t planeStride;  ///< floats
+    int ring;                    ///< number of planes
+    int here;                    ///< the sheet's own
+    int width, height;
+
+    /// The plane `steps` sheets away, |steps| < ring.
+    const float* at(int steps) const { return planes + (here + steps + ring) % ring * planeStride; }
+};
+
+/// The differences that normals come from.
+struct GradientStep {
+    Vec3 tsVoxel[3];        ///< one voxel along each axis of the lattice, in texels and sheets
+    Mat3 ssFromDifference;  ///< takes differences over two voxels to the gradient in sweep space, per world unit
+    int reach = 1;          ///< sheets that classification looks to either side
+};
+GradientStep gradientStep(const Sheets& sheets, const Mat4& wsFromIs);
+
+/// Classified samples: of the eye's segments through the sheet.
+struct ClassifiedTile {
+    alignas(64) float extinction[kTileSize];   ///< mean, per world unit
+    alignas(64) float emission[3][kTileSize];  ///< mean of extinction times colour
+    alignas(64) float normal[3][kTileSize];    ///< unit, in sweep space, out of the denser side
+    alignas(64) float weight[kTileSize];       ///< of the normal, see normalWeight
+};
+
+/// Fills in `extinction`; false (and all of it 0) where the samples show nothing.
+bool classifyExtinction(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
+                        const TransferTable& table, ClassifiedTile& out);
+
+/// Fills in the rest.
+void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
+                     const GradientStep& step, double vagueGradient, const TransferTable& table, ClassifiedTile& out);
+
+}  // namespace scrim
