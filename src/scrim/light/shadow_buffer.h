@@ -18,7 +18,17 @@ namespace scrim {
 
 enum class ShadowFilter { bilinear, nearest };
 
-class ShadowBuffer {
+/// What shading wants to know of a shadow buffer.
+class ShadowLookup {
+  public:
+    virtual ~ShadowLookup() = default;
+    /// Tau at entry of sheet s of the batch for the 16 x 16 texels from (texelX, texelY), rows of 16.
+    virtual void lookUpTile(int s, int texelX, int texelY, float* tau) const = 0;
+    /// The same at 256 arbitrary texel positions.
+    virtual void lookUpPoints(int s, const float* u, const float* v, float* tau) const = 0;
+};
+
+class ShadowBuffer final : public ShadowLookup {
   public:
     ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int batchSheets);
 
@@ -35,10 +45,8 @@ class ShadowBuffer {
     /// extinction times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    /// Tau at entry of sheet `firstSheet + s` for the 16 x 16 texels from (texelX, texelY), rows of 16.
-    void lookUpTile(int s, int texelX, int texelY, float* tau) const;
-    /// The same at 256 arbitrary texel positions.
-    void lookUpPoints(int s, const float* u, const float* v, float* tau) const;
+    void lookUpTile(int s, int texelX, int texelY, float* tau) const override;
+    void lookUpPoints(int s, const float* u, const float* v, float* tau) const override;
 
     std::size_t bytes() const;
     /// Upper estimate of the bytes a buffer takes.

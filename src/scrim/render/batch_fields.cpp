@@ -5,17 +5,18 @@
 
 namespace scrim {
 
-BatchFields::BatchFields(const ViewScene& scene, const GroupPlan& group, double voxel) {
+BatchFields::BatchFields(const ViewScene& scene, const Sheets& sheets, const ViewRaster& raster, int batchSheets,
+                         double voxel) {
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
-        m_volumes.push_back(std::make_unique<VolumePlanes>(volume, scene.dials, group, voxel));
+        m_volumes.push_back(std::make_unique<VolumePlanes>(volume, scene.dials, sheets, raster, batchSheets, voxel));
         m_voxels += volume.field->activeVoxels;
     }
     if (m_volumes.size() > 1)
-        m_total = std::make_unique<PlaneStack>(group.batchSheets, group.sheets.width, group.sheets.height, 1);
+        m_total = std::make_unique<PlaneStack>(batchSheets, raster.width, raster.height, 1);
 }
 
-SplatWork BatchFields::splat(int firstSheet, int count) {
+SplatWork BatchFields::splat(int firstSheet, int count, const TileCull& cull) {
     struct Task {
         VolumePlanes* volume;
         int part;
@@ -26,7 +27,7 @@ SplatWork BatchFields::splat(int firstSheet, int count) {
         const int parts = volume->beginBatch(firstSheet, count);
         for (int i = 0; i < parts; ++i) tasks.push_back({volume.get(), i, {}});
     }
-    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part); });
+    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part, cull); });
     parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) {
         for (const auto& volume : m_volumes) volume->classify(static_cast<int>(p));
         if (m_total) add(static_cast<int>(p));

@@ -12,10 +12,11 @@ namespace scrim {
 
 class BatchFields {
   public:
-    BatchFields(const ViewScene& scene, const GroupPlan& group, double voxel);
+    /// Into the raster of `raster`, which may be the sheets' own or a view's. `sheets` must outlive this.
+    BatchFields(const ViewScene& scene, const Sheets& sheets, const ViewRaster& raster, int batchSheets, double voxel);
 
     /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count).
-    SplatWork splat(int firstSheet, int count);
+    SplatWork splat(int firstSheet, int count, const TileCull& cull = {});
 
     /// Total extinction per world unit. Where there is one volume these are its own planes.
     const PlaneStack& extinction() const { return m_total ? *m_total : m_volumes.front()->extinction(); }

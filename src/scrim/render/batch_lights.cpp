@@ -12,24 +12,65 @@ namespace {
 // Without a radius 1/r^2 has no bound: at less than this part of a sheet's thickness it stays what it is there.
 constexpr double kLeastRadius = 0.25;
 
-}  // namespace
+// A light that crosses sheets more slantingly than this (85 degrees) passes through far more than a sheet's extinction
+// at one place tells: only what the sheets before did to it counts, as in the paper (ZC02 eq. 5).
+constexpr double kSteepestPath = 11.5;
 
-BatchLights::BatchLights(const ViewScene& scene, const GroupPlan& group) : m_scene(scene), m_group(group) {
-    for (const LightPlan& light : group.lights)
-        m_shadows.push_back(light.shadowed ? std::make_unique<ShadowBuffer>(light.view, group.sheets,
-                                                                            scene.dials.shadowFilter, group.batchSheets)
-                                           : nullptr);
+// World length of a distant light's way through a sheet, in thicknesses.
+double pathInSheets(const LightView& view) {
+    const double a = view.tsSource.x * view.slopeScale, b = view.tsSource.y * view.slopeScale;
+    return std::sqrt(1 + a * a + b * b);
 }
 
-std::uint64_t BatchLights::attenuate(int firstSheet, int count, const PlaneStack& extinction) {
+}  // namespace
+
+BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
+    : m_scene(scene), m_group(group) {
+    const ShadowFilter filter = scene.dials.shadowFilter;
+    m_shadows.resize(group.lights.size());
+    m_ownSheets.resize(group.lights.size());
+    for (std::size_t i = 0; i < group.lights.size(); ++i) {
+        const LightPlan& light = group.lights[i];
+        if (!light.shadowed) continue;
+        if (plan.perView)
+            m_ownSheets[i].reset(new OwnSheets{{scene, group.sheets, light.raster, group.batchSheets, plan.voxel},
+                                               {light.raster, group.sheets, filter, group.batchSheets}});
+        else
+            m_shadows[i] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, group.batchSheets);
+    }
+}
+
+// What every light does to each sheet of the batch.
+void BatchLights::enterBatch(int firstSheet, int count) {
     m_onSheets.assign(static_cast<std::size_t>(count), {});
     for (int p = 0; p < count; ++p)
         for (std::size_t i = 0; i < m_group.lights.size(); ++i)
             if (const auto light = atSheet(m_group.lights[i], firstSheet + p)) {
-                m_onSheets[static_cast<std::size_t>(p)].lights.push_back(*light);
-                m_onSheets[static_cast<std::size_t>(p)].shadows.push_back(m_shadows[i].get());
+                OnSheet& here = m_onSheets[static_cast<std::size_t>(p)];
+                here.lights.push_back(*light);
+                const ShadowLookup* own = m_ownSheets[i] ? &m_ownSheets[i]->shadow : nullptr;
+                here.shadows.push_back(own ? own : m_shadows[i].get());
             }
+}
 
+// The paper's way (ZC02 Fig. 5, lines 10 and 17): footprints into each light's own sheets, and those into its buffer.
+BatchLights::Work BatchLights::attenuateOwn(int firstSheet, int count) {
+    Work work;
+    for (const auto& own : m_ownSheets) {
+        if (!own) continue;
+        work.footprints += own->fields.splat(firstSheet, count).footprints;
+        own->shadow.beginBatch(firstSheet, count);
+        std::vector<std::uint64_t> samples(static_cast<std::size_t>(own->shadow.taskCount()));
+        parallelFor(samples.size(), [&](std::size_t row) {
+            samples[row] = own->shadow.attenuate(static_cast<int>(row), own->fields.extinction());
+        });
+        for (const std::uint64_t n : samples) work.samples += n;
+    }
+    return work;
+}
+
+BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const PlaneStack& extinction) {
+    enterBatch(firstSheet, count);
     std::vector<ShadowBuffer*> shadowed;
     for (const auto& shadow : m_shadows)
         if (shadow) shadowed.push_back(shadow.get());
@@ -45,9 +86,9 @@ std::uint64_t BatchLights::attenuate(int firstSheet, int count, const PlaneStack
         for (int row = 0; row < shadow->taskCount(); ++row) tasks.push_back({shadow, row, 0});
     parallelFor(tasks.size(),
                 [&](std::size_t i) { tasks[i].samples = tasks[i].shadow->attenuate(tasks[i].row, extinction); });
-    std::uint64_t samples = 0;
-    for (const Task& task : tasks) samples += task.samples;
-    return samples;
+    Work work = attenuateOwn(firstSheet, count);
+    for (const Task& task : tasks) work.samples += task.samples;
+    return work;
 }
 
 std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet) const {
@@ -56,6 +97,7 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     const Sheets& sheets = m_group.sheets;
     SheetLight out;
     out.shadowed = plan.shadowed;
+    out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
     out.decay = light.decay;
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(light.intensity[c]);
     out.distant = plan.view.distant;
@@ -92,6 +134,8 @@ std::size_t BatchLights::bytes() const {
     std::size_t sum = 0;
     for (const auto& shadow : m_shadows)
         if (shadow) sum += shadow->bytes();
+    for (const auto& own : m_ownSheets)
+        if (own) sum += own->fields.bytes() + own->shadow.bytes();
     return sum;
 }
 

@@ -4,6 +4,8 @@
 #pragma once
 
 #include <scrim/light/shadow_buffer.h>
+#include <scrim/light/view_shadow.h>
+#include <scrim/render/batch_fields.h>
 #include <scrim/render/plan.h>
 #include <scrim/shade/shade_tile.h>
 
@@ -15,25 +17,38 @@ namespace scrim {
 
 class BatchLights {
   public:
-    BatchLights(const ViewScene& scene, const GroupPlan& group);
+    BatchLights(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
 
-    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). Returns light samples.
-    std::uint64_t attenuate(int firstSheet, int count, const PlaneStack& extinction);
+    struct Work {
+        std::uint64_t samples = 0;     ///< cells of shadow buffers walked
+        std::uint64_t footprints = 0;  ///< splatted for lights alone
+    };
+    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction`: of the shared
+    /// sheets; with per-view splatting every light splats its own instead.
+    Work attenuate(int firstSheet, int count, const PlaneStack& extinction);
 
     /// The lights that reach sheet `p` of the batch, and their shadow buffers (nullptr: unshadowed).
     struct OnSheet {
         std::vector<SheetLight> lights;
-        std::vector<const ShadowBuffer*> shadows;
+        std::vector<const ShadowLookup*> shadows;
     };
     const OnSheet& onSheet(int p) const { return m_onSheets[static_cast<std::size_t>(p)]; }
     std::size_t bytes() const;
 
   private:
+    void enterBatch(int firstSheet, int count);
+    Work attenuateOwn(int firstSheet, int count);
     std::optional<SheetLight> atSheet(const LightPlan& plan, int sheet) const;
 
     const ViewScene& m_scene;
     const GroupPlan& m_group;
-    std::vector<std::unique_ptr<ShadowBuffer>> m_shadows;  // one a light of the group, null where unshadowed
+    // One a light of the group, null where it is unshadowed; of the kind that the splatting needs.
+    std::vector<std::unique_ptr<ShadowBuffer>> m_shadows;
+    struct OwnSheets {
+        BatchFields fields;
+        ViewShadow shadow;
+    };
+    std::vector<std::unique_ptr<OwnSheets>> m_ownSheets;
     std::vector<OnSheet> m_onSheets;
 };
 

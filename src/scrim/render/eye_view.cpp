@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace scrim {
@@ -51,6 +52,22 @@ RayTile EyeView::rays(int x0, int y0, double reference) const {
         fillRays(row, j, tile);
     }
     return tile;
+}
+
+ViewRaster EyeView::raster(const PixelWindow& region, int guardTiles) const {
+    ViewRaster raster;
+    raster.parallel = m_orthographic;
+    const auto edge = [&](int pixels) { return ((pixels + kTileEdge - 1) / kTileEdge + 2 * guardTiles) * kTileEdge; };
+    raster.width = edge(region.width());
+    raster.height = edge(region.height());
+    // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; then pixels' centres to whole numbers.
+    const Mat3& m = m_rasterFromOffset;
+    const double shift[2] = {guardTiles * kTileEdge - region.x0 - 0.5, guardTiles * kTileEdge - region.y0 - 0.5};
+    const auto row = [&](int i) { return glm::dvec4(m[0][i], m[1][i], m[2][i], -glm::dot(Vec3(m[0][i], m[1][i], m[2][i]), m_ts.origin0)); };
+    const glm::dvec4 w = m_orthographic ? glm::dvec4(0, 0, 0, 1) : row(2);
+    const glm::dvec4 x = row(0) + shift[0] * w, y = row(1) + shift[1] * w;
+    for (int c = 0; c < 4; ++c) raster.rsFromTs[c] = {x[c], y[c], c == 2 ? 1.0 : 0.0, w[c]};
+    return raster;
 }
 
 std::optional<EyeView::Box> EyeView::seenBy(double u0, double v0, double u1, double v1, double middle) const {

@@ -4,6 +4,8 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/geometry/sheets.h>
+#include <scrim/geometry/view_raster.h>
+#include <scrim/image/image.h>
 #include <scrim/render/composite_tile.h>
 #include <scrim/shade/shade_tile.h>
 
@@ -28,6 +30,10 @@ class EyeView {
     /// The rays of the 16 x 16 pixels from (x0, y0), through their centres, for a batch whose first plane is at
     /// N = `reference`.
     RayTile rays(int x0, int y0, double reference) const;
+
+    /// The raster of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view splatting
+    /// fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
+    ViewRaster raster(const PixelWindow& region, int guardTiles) const;
 
     /// Slopes of eye rays at texels, for shading.
     const EyeSlopes& slopes() const { return m_slopes; }

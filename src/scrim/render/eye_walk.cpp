@@ -28,6 +28,12 @@ struct EyeWalk::TileWalk {
     int firstStep;                   // place of plane 0 among the block's sheets
     std::array<int, kBlock> planes;  // those with active texels under the tile
     int planeCount = 0;
+
+    void setRays(const RayTile& tile) {
+        rays = tile;
+        startLeast = *std::min_element(rays.startN, rays.startN + kTileSize);
+        startMost = *std::max_element(rays.startN, rays.startN + kTileSize);
+    }
 };
 
 // Sets up the rays of a tile, and finds the planes whose active texels they may meet.
@@ -59,15 +65,19 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
                              tileOf(v1 + 1, planes.height())))
             walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
     }
-    if (walk.planeCount == 0) return walk;
+    if (walk.planeCount > 0) walk.setRays(m_eye.rays(x0, y0, reference));
+    return walk;
+}
 
-    walk.startLeast = INFINITY;
-    walk.startMost = -INFINITY;
-    walk.rays = m_eye.rays(x0, y0, reference);
-    for (const float start : walk.rays.startN) {
-        walk.startLeast = std::min(walk.startLeast, start);
-        walk.startMost = std::max(walk.startMost, start);
-    }
+// The same in the eye's own raster, where a tile meets the same tile of every plane.
+EyeWalk::TileWalk EyeWalk::enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const {
+    TileWalk walk;
+    walk.firstStep = range.sheet - blockBegin(range.sheet) - range.firstPlane;
+    const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
+    for (int p = range.firstPlane; p < range.lastPlane; ++p)
+        if (planes.active(p, tx, ty)) walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
+    if (walk.planeCount > 0)
+        walk.setRays(m_eye.rays(m_tiles.cornerX(tile), m_tiles.cornerY(tile), blockBegin(range.sheet) + 0.5));
     return walk;
 }
 
@@ -136,9 +146,9 @@ std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const Plane
     return walked;
 }
 
-std::uint64_t EyeWalk::shadePixels(int tile, const Range& range, const PlaneStack& extinction,
-                                   const SheetShader& shader) {
-    const TileWalk walk = enter(tile, range, extinction);
+// Shades where the tile's rays meet each plane: shade(plane, points, samples).
+template <class Shade>
+std::uint64_t EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
     float* states = m_tiles.states(tile);
     std::uint64_t walked = 0;
     SampleTile points;
@@ -159,7 +169,7 @@ std::uint64_t EyeWalk::shadePixels(int tile, const Range& range, const PlaneStac
             points.eyeA[k] = walk.rays.stepU[k] * toSlope;
             points.eyeB[k] = walk.rays.stepV[k] * toSlope;
         }
-        shader.shadePoints(p, points, samples);
+        shade(p, points, samples);
         compositeSamples(samples, seen == Before::part ? part : nullptr, m_frontToBack, states);
         walked += kTileSize;
     }
@@ -190,8 +200,8 @@ ImageTiles::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& 
     return m_tiles.tilesIn(seen.x0, seen.y0, seen.x1, seen.y1);
 }
 
-template <class Walk>
-std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const PlaneStack& planes, const Walk& walk) {
+template <class BoxOf, class Walk>
+std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
     struct Part {
         Range range;
         ImageTiles::TileBox box;
@@ -202,7 +212,7 @@ std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const PlaneStack&
         const int sheet = firstSheet + p, blockEnd = blockBegin(sheet) + kBlock;
         const int last = std::min(count, p + blockEnd - sheet);
         const Range range{sheet, p, last};
-        parts.push_back({range, tilesThatSee(range, planes), firstSheet + last == blockEnd});
+        parts.push_back({range, boxOf(range), firstSheet + last == blockEnd});
         p = last;
     }
     std::vector<std::uint64_t> walked(static_cast<std::size_t>(m_tiles.count()));
@@ -224,14 +234,35 @@ std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const PlaneStack&
 }
 
 std::uint64_t EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
-    return forOpenTiles(firstSheet, count, shaded,
-                        [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
+    return forOpenTiles(
+        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, shaded); },
+        [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
 std::uint64_t EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& extinction,
                                      const SheetShader& shader) {
-    return forOpenTiles(firstSheet, count, extinction,
-                        [&](int tile, const Range& range) { return shadePixels(tile, range, extinction, shader); });
+    return forOpenTiles(
+        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, extinction); },
+        [&](int tile, const Range& range) {
+            return shadeAlong(enter(tile, range, extinction), tile, shader,
+                              [&](int p, const SampleTile& points, float* out) { shader.shadePoints(p, points, out); });
+        });
+}
+
+std::uint64_t EyeWalk::throughCells(int firstSheet, int count, const PlaneStack& extinction, int guardTiles,
+                                    const SheetShader& shader) {
+    return forOpenTiles(
+        firstSheet, count,
+        [&](const Range&) {
+            return ImageTiles::TileBox{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
+        },
+        [&](int tile, const Range& range) {
+            const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
+            return shadeAlong(enterCells(tile, range, extinction, guardTiles), tile, shader,
+                              [&](int p, const SampleTile& points, float* out) {
+                                  shader.shadeCells(p, points, tx, ty, out);
+                              });
+        });
 }
 
 bool EyeWalk::allOpaque() const {

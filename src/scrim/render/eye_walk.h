@@ -24,6 +24,11 @@ class EyeWalk {
     /// Shades where the pixels' rays meet the sheets, and composites that. Returns the number of samples.
     std::uint64_t throughPixels(int firstSheet, int count, const PlaneStack& extinction, const SheetShader& shader);
 
+    /// The same where every pixel has cells of its own (per-view splatting): `extinction` is of the eye's raster, which
+    /// has `guardTiles` tiles around the picture.
+    std::uint64_t throughCells(int firstSheet, int count, const PlaneStack& extinction, int guardTiles,
+                               const SheetShader& shader);
+
     /// Are all pixels opaque? Only ever so front to back.
     bool allOpaque() const;
 
@@ -36,9 +41,11 @@ class EyeWalk {
     };
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     std::uint64_t compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
-    std::uint64_t shadePixels(int tile, const Range& range, const PlaneStack& extinction, const SheetShader& shader);
-    template <class Walk>
-    std::uint64_t forOpenTiles(int firstSheet, int count, const PlaneStack& planes, const Walk& walk);
+    template <class Shade>
+    std::uint64_t shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
+    TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const;
+    template <class BoxOf, class Walk>
+    std::uint64_t forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
     ImageTiles::TileBox tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void markIfOpaque(int tile);
 

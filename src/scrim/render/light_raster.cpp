@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/light_raster.h>
 
+#include <scrim/render/view_rasters.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -47,13 +51,17 @@ LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, co
     plan.shadowed = light.shadows;
     for (const Vec3& axis : part.wsWindows) plan.ssWindows.push_back(sheets.ssFromWs * axis);
     plan.window = part.window;
+    if (scene.dials.splat == SplatMode::perView && light.shadows)
+        plan.raster = lightRaster(scene, corners, sheets, part);
 
     LightView& view = plan.view;
     view.distant = light.type == LightType::distant;
     view.slopeScale = sheets.texel / sheets.thickness;
     Extent extent;
     if (view.distant) {
-        const Vec3 travel = sheets.tsVector(light.wsDirection);
+        Vec3 travel = sheets.tsVector(light.wsDirection);
+        // Image-aligned sheets may have a light that runs within them.
+        travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
         view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
         view.cell = scene.dials.shadowTexel;
         for (const Vec3& corner : corners) {

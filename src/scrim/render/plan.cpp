@@ -2,9 +2,11 @@
 #include <scrim/render/plan.h>
 
 #include <scrim/base/error.h>
-#include <scrim/light/shadow_buffer.h>
+#include <scrim/light/view_shadow.h>
+#include <scrim/render/eye_view.h>
 #include <scrim/render/light_raster.h>
-#include <scrim/shade/classify_tile.h>
+#include <scrim/render/view_rasters.h>
+#include <scrim/render/volume_planes.h>
 #include <scrim/splat/footprint_table.h>
 #include <scrim/splat/plane_stack.h>
 
@@ -20,6 +22,9 @@ namespace {
 constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
 constexpr int kLeastBatch = 16;
 
+// Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help. Radians.
+constexpr double kSteepestSlant = 1.0472;  // 60 degrees
+
 int roundUpToTile(double texels) {
     return (static_cast<int>(std::ceil(texels)) + kTileEdge - 1) / kTileEdge * kTileEdge;
 }
@@ -34,7 +39,7 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
     sheets.wsAnchor = ws.center();
     sheets.ssFromWs = sweepRotation(group.wsAxis, scene.camera.wsFromCamera[1]);
     sheets.texel = scene.dials.texel * voxel;
-    sheets.thickness = scene.dials.sheetThickness * voxel * std::cos(group.slant);
+    sheets.thickness = scene.dials.sheetThickness * voxel * std::cos(std::min(group.slant, kSteepestSlant));
 
     Bounds ts;  // with the origin at the anchor
     for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
@@ -48,32 +53,42 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
     return sheets;
 }
 
-std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool shadeAtPixels, int batch) {
-    const Sheets& s = group.sheets;
-    const auto planes = [&](int channels) { return PlaneStack::bytes(batch, s.width, s.height, channels); };
-    std::size_t fields = 0, classified = 0, tables = 0;
+// All volumes' sheets and tables in one raster.
+std::size_t fieldBytes(const ViewScene& scene, const Sheets& sheets, const ViewRaster& raster, int batch) {
+    const auto planes = [&](int count) { return PlaneStack::bytes(count, raster.width, raster.height, 1); };
+    std::size_t fields = 0, bytes = 0;
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
         ++fields;
-        if (volume.classified)
-            classified +=
-                planes(1) + PlaneStack::bytes(2 * gradientStep(s, volume.wsFromIs).reach, s.width, s.height, 1);
-        const Mat4 tsFromIs = s.tsFrom(volume.wsFromIs);
-        // Normals show what rounding does to footprints; extinction does not.
+        const int halo = VolumePlanes::halo(volume, sheets);
+        bytes += planes(batch + 2 * halo) + (volume.classified ? planes(batch) : 0) + volume.field->blockCount() * 8;
+        if (!raster.parallel) continue;  // one small table
+        const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
         const FootprintLookup lookup = volume.classified ? FootprintLookup::sloped : FootprintLookup::nearest;
-        const FootprintSteps steps = footprintSteps(tsFromIs, scene.dials.footprintSteps);
-        tables += FootprintTable::bytes(scene.dials.kernel, tsFromIs, steps.texel, steps.sheet, lookup) +
-                  volume.field->blockCount() * 8;
+        const FootprintSteps steps = footprintSteps(rsFromIs, scene.dials.footprintSteps);
+        bytes += FootprintTable::bytes(scene.dials.kernel, rsFromIs, steps.texel, steps.sheet, lookup);
     }
-    std::size_t bytes =
-        tables + classified + planes(1) * (fields > 1 ? fields + 1 : 1) + (shadeAtPixels ? 0 : planes(4));
+    return bytes + (fields > 1 ? planes(batch) : 0);
+}
+
+std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool perView, bool shadeAtPixels, int batch) {
+    const Sheets& s = group.sheets;
+    std::size_t bytes = fieldBytes(scene, s, perView ? group.eyeRaster : sharedRaster(s), batch) +
+                        (shadeAtPixels ? 0 : PlaneStack::bytes(batch, s.width, s.height, 4));
     for (const LightPlan& light : group.lights)
-        if (light.shadowed) bytes += ShadowBuffer::bytes(light.view, s, batch);
+        if (light.shadowed)
+            bytes += perView ? ViewShadow::bytes(light.raster, batch) + fieldBytes(scene, s, light.raster, batch)
+                             : ShadowBuffer::bytes(light.view, s, batch);
     return bytes;
 }
 
 // Shading at texels costs by texel, shading at pixels by pixel; for a medium both are equally exact.
 void chooseShading(const ViewScene& scene, Plan& plan) {
+    if (plan.perView) {
+        plan.shadeAtPixels = true;
+        plan.shadeReason = "per-view splatting knows no other place";
+        return;
+    }
     if (scene.dials.shade != ShadeMode::automatic) {
         plan.shadeAtPixels = scene.dials.shade == ShadeMode::pixel;
         plan.shadeReason = "the scene says so";
@@ -99,15 +114,16 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
 }
 
 // Sheets a batch: enough for every thread to have some, few enough to stay in memory.
-void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, bool shadeAtPixels, GroupPlan& group) {
+void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, const Plan& plan, GroupPlan& group) {
+    const auto bytesFor = [&](int batch) { return groupBytes(scene, group, plan.perView, plan.shadeAtPixels, batch); };
     const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
     const std::size_t budget = std::min(
         kComfortableBytes,
         scene.memoryLimit == 0 ? kComfortableBytes : scene.memoryLimit - std::min(scene.memoryLimit, frameBytes));
     group.batchSheets = wanted;
-    while (group.batchSheets > 1 && groupBytes(scene, group, shadeAtPixels, group.batchSheets) > budget)
+    while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget)
         --group.batchSheets;
-    group.bytes = groupBytes(scene, group, shadeAtPixels, group.batchSheets);
+    group.bytes = bytesFor(group.batchSheets);
     if (scene.memoryLimit != 0 && group.bytes + frameBytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,
                     fmt::format("one sheet at a time needs {} MB of buffers and {} MB for the picture, more than "
@@ -138,6 +154,7 @@ Plan makePlan(const ViewScene& scene, int threads) {
     Plan plan;
     plan.voxel = voxelUnit(scene);
     plan.region = {scene.region.x0 * n, scene.region.y0 * n, scene.region.x1 * n, scene.region.y1 * n};
+    plan.perView = scene.dials.splat == SplatMode::perView;
     const std::vector<Vec3> corners = wsCorners(scene);
     if (corners.empty()) return plan;
 
@@ -149,6 +166,11 @@ Plan makePlan(const ViewScene& scene, int threads) {
         g.sheets = sheetsAround(scene, corners, group, plan.voxel);
         for (LightPart& part : group.parts)
             g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(part)));
+        if (plan.perView) {
+            const Camera camera = supersampled(scene.camera, n);
+            g.guardTiles = guardTiles(scene, camera, g.sheets);
+            g.eyeRaster = EyeView(camera, g.sheets).raster(plan.region, g.guardTiles);
+        }
         plan.groups.push_back(std::move(g));
     }
     chooseShading(scene, plan);
@@ -160,7 +182,7 @@ Plan makePlan(const ViewScene& scene, int threads) {
                                        static_cast<std::size_t>(scene.region.height()) * 4 * sizeof(float);
     plan.bytes = frameBytes;
     for (GroupPlan& group : plan.groups) {
-        chooseBatch(scene, threads, frameBytes, plan.shadeAtPixels, group);
+        chooseBatch(scene, threads, frameBytes, plan, group);
         plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);
     }
     estimateWork(scene, plan);

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/geometry/sheets.h>
+#include <scrim/geometry/view_raster.h>
 #include <scrim/light/light_view.h>
 #include <scrim/render/grouping.h>
 #include <scrim/render/view_scene.h>
@@ -20,6 +21,7 @@ struct LightPlan {
     LightView view;
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
     int window = 0;
+    ViewRaster raster;  ///< per-view splatting: of the light's own sheets
 };
 
 struct GroupPlan {
@@ -29,6 +31,8 @@ struct GroupPlan {
     Sheets sheets;
     int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
+    ViewRaster eyeRaster;  ///< per-view splatting: of the eye's own sheets
+    int guardTiles = 0;    ///< of them around the picture
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
 };
 
@@ -42,6 +46,7 @@ struct ExpectedWork {
 
 struct Plan {
     std::vector<GroupPlan> groups;  ///< the first is the primary one; empty where nothing is to be seen
+    bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;
     double voxel = 1;       ///< the unit of the dials, world units

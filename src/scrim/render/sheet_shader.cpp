@@ -72,6 +72,19 @@ SheetShader::SheetShader(const ViewScene& scene, const GroupPlan& group, const B
     }
 }
 
+void SheetShader::copyTile(const PlaneStack& planes, int p, int tx, int ty, float* to) const {
+    const float* from =
+        planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
+    for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
+        std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(float));
+}
+
+void SheetShader::lookUpShadows(int p, const SampleTile& samples, Gathered& rows) const {
+    const BatchLights::OnSheet& lights = m_lights.onSheet(p);
+    for (std::size_t i = 0; i < lights.lights.size(); ++i)
+        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn(i));
+}
+
 void SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out) const {
     SampleTile samples;
     texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
@@ -80,24 +93,17 @@ void SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out) cons
 
     const BatchLights::OnSheet& lights = m_lights.onSheet(p);
     Gathered rows(m_media.size(), 0, lights.lights.size());
-    const auto copyTile = [&](const PlaneStack& planes, float* to) {
-        const float* from =
-            planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
-        for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
-            std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(float));
-    };
-    copyTile(m_fields.extinction(), rows.total);
+    copyTile(m_fields.extinction(), p, tx, ty, rows.total);
     if (m_media.size() > 1)
         for (std::size_t i = 0; i < m_media.size(); ++i)
-            copyTile(m_fields.volume(m_mediumVolumes[i]).extinction(), rows.medium(i));
+            copyTile(m_fields.volume(m_mediumVolumes[i]).extinction(), p, tx, ty, rows.medium(i));
     for (std::size_t i = 0; i < lights.lights.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn(i));
     shade(p, samples, rows, out);
 }
 
 void SheetShader::shadePoints(int p, const SampleTile& samples, float* out) const {
-    const BatchLights::OnSheet& lights = m_lights.onSheet(p);
-    Gathered rows(m_media.size(), m_surfaces.size(), lights.lights.size());
+    Gathered rows(m_media.size(), m_surfaces.size(), m_lights.onSheet(p).lights.size());
     const auto sample = [&](const PlaneStack& planes, float* to) {
         samplePoints({planes.plane(p), planes.width(), planes.height()}, samples.u, samples.v, false, kTileSize, to);
     };
@@ -106,19 +112,42 @@ void SheetShader::shadePoints(int p, const SampleTile& samples, float* out) cons
             sample(m_fields.volume(m_mediumVolumes[i]).extinction(), rows.medium(i));
     if (m_surfaces.empty()) {
         sample(m_fields.extinction(), rows.total);
-    } else if (!classify(p, samples, rows)) {
+    } else if (!classify(p, samples, 0, 0, rows)) {
         std::fill(out, out + 4 * kTileSize, 0.0f);
         return;
     }
-    for (std::size_t i = 0; i < lights.lights.size(); ++i)
-        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn(i));
+    lookUpShadows(p, samples, rows);
     shade(p, samples, rows, out);
 }
 
-// Classifies all surfaces at the samples, and lets the total extinction be what they and the media have there: what
+void SheetShader::shadeCells(int p, const SampleTile& samples, int tx, int ty, float* out) const {
+    Gathered rows(m_media.size(), m_surfaces.size(), m_lights.onSheet(p).lights.size());
+    if (m_media.size() > 1 || !m_surfaces.empty())
+        for (std::size_t i = 0; i < m_media.size(); ++i)
+            copyTile(m_fields.volume(m_mediumVolumes[i]).extinction(), p, tx, ty, rows.medium(i));
+    if (m_surfaces.empty()) {
+        copyTile(m_fields.extinction(), p, tx, ty, rows.total);
+    } else {
+        // A cell is the same ray on every plane.
+        SampleTile cells{};
+        for (int k = 0; k < kTileSize; ++k) {
+            cells.u[k] = static_cast<float>(tx * kTileEdge + k % kTileEdge);
+            cells.v[k] = static_cast<float>(ty * kTileEdge + k / kTileEdge);
+        }
+        if (!classify(p, cells, tx, ty, rows)) {
+            std::fill(out, out + 4 * kTileSize, 0.0f);
+            return;
+        }
+    }
+    lookUpShadows(p, samples, rows);
+    shade(p, samples, rows, out);
+}
+
+// Classifies all surfaces at positions `at` of the fields' raster (of which (tx, ty) is the tile, where it is the eye's
+// own), and lets the total extinction be what they and the media have there: what
 // the sheets hold of classified volumes is classified at texels, which serves lights. False where nothing is to be
 // seen.
-bool SheetShader::classify(int p, const SampleTile& samples, Gathered& rows) const {
+bool SheetShader::classify(int p, const SampleTile& at, int tx, int ty, Gathered& rows) const {
     std::fill(rows.total, rows.total + kTileSize, 0.0f);
     const auto add = [&](const float* extinction) {
         for (int k = 0; k < kTileSize; ++k) rows.total[k] += extinction[k];
@@ -128,8 +157,8 @@ bool SheetShader::classify(int p, const SampleTile& samples, Gathered& rows) con
         const VolumePlanes& volume = m_fields.volume(m_surfaceVolumes[i]);
         const ValuePlanes planes = volume.values(p);
         ClassifiedTile& tile = rows.scratch.classified[i];
-        if (!classifyExtinction(planes, samples, m_group.sheets, volume.table(), tile)) continue;
-        classifySurface(planes, samples, m_group.sheets, volume.step(), volume.vagueGradient(), volume.table(), tile);
+        if (!classifyExtinction(planes, at, m_group.sheets, volume.table(), tile)) continue;
+        classifySurface(planes, at, m_group.sheets, volume.step(p, tx, ty), volume.vagueGradient(), volume.table(), tile);
         add(tile.extinction);
         SheetSurface surface = m_surfaces[i];
         surface.extinction = tile.extinction;

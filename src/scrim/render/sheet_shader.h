@@ -25,9 +25,15 @@ class SheetShader {
     /// Shades arbitrary positions on plane p; `samples` are filled in by the caller.
     void shadePoints(int p, const SampleTile& samples, float* out) const;
 
+    /// Shades the cells of tile (tx, ty) of the eye's own raster (per-view splatting); `samples` say where on the plane
+    /// they are.
+    void shadeCells(int p, const SampleTile& samples, int tx, int ty, float* out) const;
+
   private:
     struct Gathered;
-    bool classify(int p, const SampleTile& samples, Gathered& rows) const;
+    void copyTile(const PlaneStack& planes, int p, int tx, int ty, float* to) const;
+    void lookUpShadows(int p, const SampleTile& samples, Gathered& rows) const;
+    bool classify(int p, const SampleTile& at, int tx, int ty, Gathered& rows) const;
     void shade(int p, const SampleTile& samples, const Gathered& rows, float* out) const;
 
     const GroupPlan& m_group;

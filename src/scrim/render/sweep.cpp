@@ -58,6 +58,17 @@ std::uint64_t shadeBatch(const SheetShader& shader, const EyeView& eye, const Im
     return sum;
 }
 
+// ZC02 Fig. 5, line 3: what falls on opaque pixels alone need not be splatted for the eye. (For lights it must: hidden
+// voxels still cast shadows.) Normals look a little around a pixel, hence the guard.
+TileCull occlusionMap(const ImageTiles& tiles, int guardTiles) {
+    return [&tiles, guardTiles](int tx0, int ty0, int tx1, int ty1) {
+        for (int ty = std::max(0, ty0 - 2 * guardTiles); ty <= std::min(tiles.tilesY() - 1, ty1); ++ty)
+            for (int tx = std::max(0, tx0 - 2 * guardTiles); tx <= std::min(tiles.tilesX() - 1, tx1); ++tx)
+                if (!tiles.opaque(ty * tiles.tilesX() + tx)) return false;
+        return true;
+    };
+}
+
 }  // namespace
 
 void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group, ImageTiles& tiles,
@@ -65,22 +76,26 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
     Stopwatch watch;
     const Sheets& sheets = group.sheets;
     const EyeView eye(camera, sheets);
-    BatchFields fields(scene, group, plan.voxel);
-    BatchLights lights(scene, group);
+    BatchFields fields(scene, sheets, plan.perView ? group.eyeRaster : sharedRaster(sheets), group.batchSheets,
+                       plan.voxel);
+    BatchLights lights(scene, plan, group);
     const SheetShader shader(scene, group, fields, lights, eye);
     EyeWalk walk(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels) shaded.emplace(group.batchSheets, sheets.width, sheets.height, 4);
+    const TileCull cull = plan.perView && group.sameSide ? occlusionMap(tiles, group.guardTiles) : TileCull{};
     work.voxelsFed += fields.voxels();
     times.prepare += watch.lap();
 
     for (int first = 0; first < sheets.count; first += group.batchSheets) {
         const int count = std::min(group.batchSheets, sheets.count - first);
         work.sheets += static_cast<std::uint64_t>(count);
-        work.footprints += fields.splat(first, count).footprints;
+        work.footprints += fields.splat(first, count, cull).footprints;
         times.splat += watch.lap();
 
-        work.lightSamples += lights.attenuate(first, count, fields.extinction());
+        const BatchLights::Work light = lights.attenuate(first, count, fields.extinction());
+        work.lightSamples += light.samples;
+        work.footprints += light.footprints;
         times.attenuate += watch.lap();
 
         if (shaded) {
@@ -90,7 +105,9 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
             times.shade += watch.lap();
             work.pixelSheets += walk.throughTexels(first, count, *shaded);
         } else {
-            const std::uint64_t samples = walk.throughPixels(first, count, fields.extinction(), shader);
+            const std::uint64_t samples =
+                plan.perView ? walk.throughCells(first, count, fields.extinction(), group.guardTiles, shader)
+                             : walk.throughPixels(first, count, fields.extinction(), shader);
             work.lightLookups += samples * group.lights.size();
             work.pixelSheets += samples;
         }

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include <glm/matrix.hpp>
+
 namespace scrim {
 namespace {
 
@@ -31,25 +33,38 @@ Limits limitsAround(const std::initializer_list<const float*>& planes, int width
     return limits;
 }
 
+std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume, const Dials& dials,
+                                                        const Sheets& sheets, const ViewRaster& raster) {
+    const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
+    const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale);
+    if (!raster.parallel)
+        return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, dials.footprintSteps, scale);
+    // Normals show what rounding does to footprints; extinction does not.
+    const FootprintLookup lookup = volume.classified ? FootprintLookup::sloped : FootprintLookup::nearest;
+    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, dials.footprintSteps, scale, lookup);
+}
+
 }  // namespace
 
-VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const GroupPlan& group, double voxel)
+VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets,
+                           const ViewRaster& raster, int batchSheets, double voxel)
     : m_volume(volume),
-      m_halo(halo(volume, group.sheets)),
-      m_splatter(*volume.field, group.sheets.tsFrom(volume.wsFromIs), dials.kernel, dials.footprintSteps,
-                 volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale),
-                 volume.classified ? FootprintLookup::sloped : FootprintLookup::nearest),
-      m_values(group.batchSheets + 2 * m_halo, group.sheets.width, group.sheets.height, 1),
+      m_sheets(sheets),
+      m_raster(raster),
+      m_shared(raster.rsFromTs == Mat4(1.0)),
+      m_halo(halo(volume, sheets)),
+      m_splatter(splatterFor(volume, dials, sheets, raster)),
+      m_values(batchSheets + 2 * m_halo, raster.width, raster.height, 1),
       m_readySheet(-m_halo) {
     if (!volume.classified) return;
     m_surface.emplace(Surface{TransferTable(*volume.classified),
-                              gradientStep(group.sheets, volume.wsFromIs),
                               scrim::vagueGradient(*volume.classified, voxel),
-                              {group.batchSheets, group.sheets.width, group.sheets.height, 1}});
+                              {batchSheets, raster.width, raster.height, 1}});
 }
 
 int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {
-    return volume.classified ? gradientStep(sheets, volume.wsFromIs).reach : 0;
+    if (!volume.classified) return 0;
+    return gradientStep(sheets.tsFrom(volume.wsFromIs), sheets.ssFromWs, volume.wsFromIs).reach;
 }
 
 int VolumePlanes::beginBatch(int firstSheet, int count) {
@@ -65,14 +80,18 @@ int VolumePlanes::beginBatch(int firstSheet, int count) {
     return static_cast<int>(m_runs.size());
 }
 
-SplatWork VolumePlanes::splat(int task) {
+SplatWork VolumePlanes::splat(int task, const TileCull& cull) {
     const Run& run = m_runs[static_cast<std::size_t>(task)];
     const int first = planeOf(run.sheet);
     for (int p = first; p < first + run.count; ++p) m_values.begin(p);
-    const SplatWork work = m_splatter.splat(run.sheet, run.sheet + run.count, m_values, first);
+    const SplatWork work = std::visit(
+        [&](const auto& splatter) {
+            return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, cull);
+        },
+        m_splatter);
     for (int p = first; p < first + run.count; ++p) {
         m_values.finish(p);
-        unblur(m_values, p);
+        if (m_shared) unblur(m_values, p);
         m_values.dropEmpty(p);
     }
     return work;
@@ -113,6 +132,18 @@ void VolumePlanes::classify(int p) {
     out.finish(p);
 }
 
+GradientStep VolumePlanes::step(int p, int tx, int ty) const {
+    Mat4 rsFromTs = m_raster.rsFromTs;
+    if (!m_raster.parallel) {
+        // The middle of the tile, on its ray.
+        const double n = m_firstSheet + p + 0.5;
+        const Vec3 middle((tx + 0.5) * kTileEdge, (ty + 0.5) * kTileEdge, 1);
+        const Vec3 onPlane = glm::inverse(m_raster.fromPlane(n)) * middle;
+        rsFromTs = m_raster.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n});
+    }
+    return gradientStep(rsFromTs * m_sheets.tsFrom(m_volume.wsFromIs), m_sheets.ssFromWs, m_volume.wsFromIs);
+}
+
 ValuePlanes VolumePlanes::values(int p) const {
     return {m_values.plane(0),         m_values.planeStride(), m_values.planes(),
             planeOf(m_firstSheet + p), m_values.width(),       m_values.height()};
@@ -120,7 +151,8 @@ ValuePlanes VolumePlanes::values(int p) const {
 
 std::size_t VolumePlanes::bytes() const {
     const auto planes = [](const PlaneStack& s) { return PlaneStack::bytes(s.planes(), s.width(), s.height(), 1); };
-    return m_splatter.table().bytes() + planes(m_values) + (m_surface ? planes(m_surface->extinction) : 0);
+    const std::size_t table = std::visit([](const auto& splatter) { return splatter.table().bytes(); }, m_splatter);
+    return table + planes(m_values) + (m_surface ? planes(m_surface->extinction) : 0);
 }
 
 }  // namespace scrim

@@ -4,26 +4,31 @@
 // A medium's extinction is the field times a scale, so its sheets of field are its sheets of extinction. A classified
 // volume keeps the field itself, with some sheets more on either side of the batch for gradients and for the
 // transfer function's mean along a ray: a ring of planes, so that every sheet is splatted once.
+//
+// The raster may be the sheets' own, which all views share, or be aligned with one view.
 #pragma once
 
 #include <scrim/render/plan.h>
 #include <scrim/shade/classify_tile.h>
 #include <scrim/splat/field_splatter.h>
 #include <scrim/splat/plane_stack.h>
+#include <scrim/splat/warped_splatter.h>
 
 #include <optional>
+#include <variant>
 #include <vector>
 
 namespace scrim {
 
 class VolumePlanes {
   public:
-    /// `volume` must outlive this.
-    VolumePlanes(const ViewVolume& volume, const Dials& dials, const GroupPlan& group, double voxel);
+    /// `volume` must outlive this. `voxel`: unit of the dials.
+    VolumePlanes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const ViewRaster& raster,
+                 int batchSheets, double voxel);
 
     /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
     int beginBatch(int firstSheet, int count);
-    SplatWork splat(int task);
+    SplatWork splat(int task, const TileCull& cull);
     /// Classifies sheet firstSheet + p; after all splatting. Nothing to do for a medium.
     void classify(int p);
 
@@ -34,7 +39,8 @@ class VolumePlanes {
     /// Of a classified volume: the field around sheet firstSheet + p, and what belongs to its transfer function.
     ValuePlanes values(int p) const;
     const TransferTable& table() const { return m_surface->table; }
-    const GradientStep& step() const { return m_surface->step; }
+    /// Differences for normals around the tile (tx, ty) of sheet firstSheet + p.
+    GradientStep step(int p, int tx, int ty) const;
     /// Planes beyond those of a batch that a classified volume needs.
     static int halo(const ViewVolume& volume, const Sheets& sheets);
     double vagueGradient() const { return m_surface->vagueGradient; }
@@ -43,7 +49,6 @@ class VolumePlanes {
   private:
     struct Surface {
         TransferTable table;
-        GradientStep step;
         double vagueGradient;
         PlaneStack extinction;
     };
@@ -53,8 +58,11 @@ class VolumePlanes {
     int planeOf(int sheet) const { return (sheet + m_halo) % m_values.planes(); }
 
     const ViewVolume& m_volume;
+    const Sheets& m_sheets;
+    ViewRaster m_raster;
+    bool m_shared;  // the raster is the sheets' own: views look between its texels
     int m_halo;  // sheets on either side of a batch
-    FieldSplatter m_splatter;
+    std::variant<FieldSplatter, WarpedSplatter> m_splatter;
     PlaneStack m_values;
     std::optional<Surface> m_surface;  // classified volumes
     int m_firstSheet = 0, m_readySheet;

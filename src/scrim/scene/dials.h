@@ -12,6 +12,8 @@ namespace scrim {
 
 enum class ShadeMode { automatic, texel, pixel };
 enum class SheetAxis { halfWay, imageAligned };
+enum class SplatMode { shared, perView };
+enum class ShadowPlane { light, image };
 
 struct Dials {
     double sheetThickness = 1;  ///< voxels, before the cosine of the worst slant
@@ -20,7 +22,9 @@ struct Dials {
     int footprintSteps = 16;  ///< quantised positions a voxel along each axis, a power of two
     double shadowTexel = 1;   ///< texels a shadow buffer's cell
     ShadowFilter shadowFilter = ShadowFilter::bilinear;
+    SplatMode splat = SplatMode::shared;
     ShadeMode shade = ShadeMode::automatic;
+    ShadowPlane shadowPlane = ShadowPlane::light;
     SheetAxis sheets = SheetAxis::halfWay;
     double maxSlant = 60;         ///< degrees
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque

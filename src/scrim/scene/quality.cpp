@@ -66,15 +66,6 @@ bool isFootprintSteps(double v) {
     return false;
 }
 
-Dial splat() {
-    Dial d;
-    d.words = {"shared"};
-    d.info = {"splat", "", "", choices(d.words), "what footprints are splatted into: one raster that all views share"};
-    d.setWord = [](Dials&, std::size_t) {};
-    d.get = [](const Dials&) { return "shared"; };
-    return d;
-}
-
 Dial simd() {
     Dial d;
     d.words = {"auto", "sse4", "avx2", "avx512"};
@@ -91,7 +82,9 @@ std::vector<Dial> makeDials() {
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
                          "thickness of a sheet, before the cosine of the worst slant; error of second order"));
     all.push_back(number("texel", "voxels", 0.05, 64, &Dials::texel, "edge of a sheet's texel; error of second order"));
-    all.push_back(splat());
+    all.push_back(choice<SplatMode>("splat", {"shared", "per-view"}, &Dials::splat,
+                                    "what footprints go into: one raster that all views share, or one for each view, "
+                                    "as in the paper"));
     all.push_back(choice<ShadeMode>("shade", {"auto", "texel", "pixel"}, &Dials::shade,
                                     "where light is added up: at texels (many lights are cheap) or at pixels"));
     all.push_back(choice<Kernel>("kernel", kernelNames(), &Dials::kernel,
@@ -103,6 +96,8 @@ std::vector<Dial> makeDials() {
                          "edge of a shadow buffer's cell; error of second order"));
     all.push_back(choice<ShadowFilter>("shadow_filter", {"bilinear", "nearest"}, &Dials::shadowFilter,
                                        "look-up in shadow buffers"));
+    all.push_back(choice<ShadowPlane>("shadow_plane", {"light", "image"}, &Dials::shadowPlane,
+                                      "what a light's buffer is aligned with in per-view splatting"));
     all.push_back(choice<SheetAxis>("sheets", {"half-way", "image-aligned"}, &Dials::sheets,
                                     "axis of the sheets: between eye and lights, or along the view"));
     all.push_back(number("max_slant", "degrees", 10, 85, &Dials::maxSlant,

@@ -65,15 +65,14 @@ void sampleBetween(const ValuePlanes& planes, const SampleTile& samples, const V
 
 }  // namespace
 
-GradientStep gradientStep(const Sheets& sheets, const Mat4& wsFromIs) {
+GradientStep gradientStep(const Mat4& rsFromIs, const Mat3& ssFromWs, const Mat4& wsFromIs) {
     GradientStep step;
-    const Mat4 tsFromIs = sheets.tsFrom(wsFromIs);
     for (int axis = 0; axis < 3; ++axis) {
-        step.tsVoxel[axis] = Vec3(tsFromIs[axis]);
-        step.reach = std::max(step.reach, static_cast<int>(std::ceil(std::abs(tsFromIs[axis].z))));
+        step.rsVoxel[axis] = Vec3(rsFromIs[axis]);
+        step.reach = std::max(step.reach, static_cast<int>(std::ceil(std::abs(rsFromIs[axis].z))));
     }
     // A gradient is a covector: differences go with the inverse transpose.
-    step.ssFromDifference = sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(wsFromIs))));
+    step.ssFromDifference = ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(wsFromIs))));
     return step;
 }
 
@@ -104,8 +103,8 @@ void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const
     alignas(64) float lower[kTileSize], upper[kTileSize];
     for (float* axis : out.normal) std::fill(axis, axis + kTileSize, 0.0f);
     for (int axis = 0; axis < 3; ++axis) {
-        sampleBetween(planes, samples, -step.tsVoxel[axis], lower);
-        sampleBetween(planes, samples, step.tsVoxel[axis], upper);
+        sampleBetween(planes, samples, -step.rsVoxel[axis], lower);
+        sampleBetween(planes, samples, step.rsVoxel[axis], upper);
         for (int c = 0; c < 3; ++c) {
             // Out of the denser side: down the gradient.
             const auto part = static_cast<float>(-step.ssFromDifference[axis][c]);

@@ -16,7 +16,8 @@
 
 namespace scrim {
 
-/// What a sheet and its neighbours know of a field: planes of the sheets' raster, in a ring.
+/// What a sheet and its neighbours know of a field: planes of one raster, in a ring. Samples are given in its cells,
+/// with the slopes that eye rays have there: none in a raster that is aligned with the eye.
 struct ValuePlanes {
     const float* planes;         ///< of the whole ring
     std::ptrdiff_t planeStride;  ///< floats
@@ -30,11 +31,11 @@ struct ValuePlanes {
 
 /// The differences that normals come from.
 struct GradientStep {
-    Vec3 tsVoxel[3];        ///< one voxel along each axis of the lattice, in texels and sheets
+    Vec3 rsVoxel[3];        ///< one voxel along each axis of the lattice, in the raster's cells and sheets
     Mat3 ssFromDifference;  ///< takes differences over two voxels to the gradient in sweep space, per world unit
     int reach = 1;          ///< sheets that classification looks to either side
 };
-GradientStep gradientStep(const Sheets& sheets, const Mat4& wsFromIs);
+GradientStep gradientStep(const Mat4& rsFromIs, const Mat3& ssFromWs, const Mat4& wsFromIs);
 
 /// Classified samples: of the eye's segments through the sheet.
 struct ClassifiedTile {

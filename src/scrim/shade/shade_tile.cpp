@@ -121,14 +121,14 @@ HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
 
 // Radiance that one light adds per unit of intensity, scattering coefficient and phase function.
 template <bool kShadowed, bool kSameSide>
-HWY_ATTR void transmit(const ShadeInput& input, const Incidence& in, const float* tauIn, const float* tauEye,
-                       const float* pathEye, float* out) {
+HWY_ATTR void transmit(const ShadeInput& input, const Incidence& in, [[maybe_unused]] float pathScale,
+                       const float* tauIn, const float* tauEye, const float* pathEye, float* out) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
         const auto te = load(tauEye, k);
         VF light = psi(te);
         if constexpr (kShadowed) {
-            const auto tl = hn::Mul(load(input.extinction, k), hn::Mul(load(in.slant, k), constant(input.thickness)));
+            const auto tl = hn::Mul(load(input.extinction, k), hn::Mul(load(in.slant, k), constant(pathScale)));
             const auto entry = load(tauIn, k);
             if constexpr (kSameSide)
                 light = hn::Mul(expMinus(entry), psi(hn::Add(te, tl)));
@@ -231,12 +231,13 @@ HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
     if (light.windows) limitToWindow(light, w.in);
 
     const float* tauIn = input.tauIn + index * kTileSize;
+    const float path = light.withinSheet ? input.thickness : 0.0f;
     if (!light.shadowed)
-        transmit<false, true>(input, w.in, tauIn, w.tauEye, w.pathEye, w.light);
+        transmit<false, true>(input, w.in, path, tauIn, w.tauEye, w.pathEye, w.light);
     else if (input.sameSide)
-        transmit<true, true>(input, w.in, tauIn, w.tauEye, w.pathEye, w.light);
+        transmit<true, true>(input, w.in, path, tauIn, w.tauEye, w.pathEye, w.light);
     else
-        transmit<true, false>(input, w.in, tauIn, w.tauEye, w.pathEye, w.light);
+        transmit<true, false>(input, w.in, path, tauIn, w.tauEye, w.pathEye, w.light);
     for (int m = 0; m < input.mediumCount; ++m) addScattered(input, light, input.media[m], w);
     for (int s = 0; s < input.surfaceCount; ++s) addReflected(input, light, input.surfaces[s], w);
 }

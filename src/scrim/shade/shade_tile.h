@@ -37,6 +37,7 @@ struct SheetLight {
     bool distant = true;
     bool spot = false;
     bool shadowed = true;
+    bool withinSheet = true;  ///< counts what the sheet itself takes of the light
     bool decay = true;
     float slopeA = 0, slopeB = 0;           ///< distant: du/dw, dv/dw
     float texelU = 0, texelV = 0;           ///< otherwise: the source, in texels

@@ -31,6 +31,7 @@ struct FieldSplatter::Target {
     BlockSplat splat;
     PlaneStack* planes;
     int firstPlane;
+    const TileCull* cull;
     std::uint64_t footprints = 0;
 };
 
@@ -62,11 +63,13 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     for (const std::uint32_t b : m_byFirstSheet) m_firstSheets.push_back(first[b]);
 }
 
-SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane) const {
+SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+                               const TileCull& cull) const {
     Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(), firstSheet,
-                   lastSheet, m_scale},
+                   lastSheet, m_scale, planes.width(), planes.height(), false},
                   &planes,
-                  firstPlane};
+                  firstPlane,
+                  &cull};
 
     const auto begin = std::lower_bound(m_firstSheets.begin(), m_firstSheets.end(), firstSheet - m_sheetSpan);
     const auto end = std::lower_bound(begin, m_firstSheets.end(), lastSheet);
@@ -108,11 +111,15 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
     const auto tile = [](double texel) { return static_cast<int>(std::floor(texel)) / kTileEdge; };
     const int tx0 = tile(ts.x + m_blockLower.x), tx1 = tile(ts.x + m_blockUpper.x + 1);
     const int ty0 = tile(ts.y + m_blockLower.y), ty1 = tile(ts.y + m_blockUpper.y + 1);
+    const int mostX = target.planes->tilesX() - 1, mostY = target.planes->tilesY() - 1;
+    if (tx1 < 0 || ty1 < 0 || tx0 > mostX || ty0 > mostY) return;
+    if (*target.cull && (*target.cull)(tx0, ty0, tx1, ty1)) return;
+    target.splat.clipped = tx0 < 0 || ty0 < 0 || tx1 > mostX || ty1 > mostY;
     const int s0 = std::max(splat.firstSheet, static_cast<int>(std::floor(ts.z + m_blockLower.z)));
     const int s1 = std::min(splat.lastSheet, static_cast<int>(std::floor(ts.z + m_blockUpper.z)) + 1);
     for (int s = s0; s < s1; ++s)
-        for (int ty = ty0; ty <= ty1; ++ty)
-            for (int tx = tx0; tx <= tx1; ++tx)
+        for (int ty = std::max(ty0, 0); ty <= std::min(ty1, mostY); ++ty)
+            for (int tx = std::max(tx0, 0); tx <= std::min(tx1, mostX); ++tx)
                 target.planes->activate(target.firstPlane + s - splat.firstSheet, tx, ty);
 
     const Vec3 whole = glm::floor(ts);

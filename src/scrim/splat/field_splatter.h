@@ -9,6 +9,7 @@
 #include <scrim/volume/sparse_field.h>
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace scrim {
@@ -24,6 +25,9 @@ struct SplatWork {
     }
 };
 
+/// Says of a closed box of tiles (x0, y0, x1, y1) that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
+using TileCull = std::function<bool(int, int, int, int)>;
+
 class FieldSplatter {
   public:
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
@@ -36,7 +40,9 @@ class FieldSplatter {
     /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the
     /// reconstructed field times scale, at texel centres, goes to planes firstPlane + [0, lastSheet -
     /// firstSheet), on which `begin` was called. Safe to call at once for different planes.
-    SplatWork splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane) const;
+    /// Footprints that do not lie on the planes as a whole are left out, and so are blocks that `cull` does without.
+    SplatWork splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+                    const TileCull& cull = {}) const;
 
   private:
     struct Target;

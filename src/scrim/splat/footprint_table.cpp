@@ -135,7 +135,10 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     const double fine = 1.0 / m_sheetSteps;
     const double depth0 = m_sheets.first - 1.0;  // N of the cumulative integral's first point
     // Two-point Gauss quadrature is exact for the cubics that `linear` is made of, kinks aside.
-    const double gauss = 0.5 * fine / std::sqrt(3.0);
+    // Where rays of a view lie almost within the sheets a step of the table is many voxels long: cut it up.
+    constexpr double kLongestStep = 0.25;  // voxels
+    const int cuts = std::max(1, static_cast<int>(std::ceil(glm::length(isFromTs[2]) * fine / kLongestStep - 1e-9)));
+    const double cut = fine / cuts, gauss = 0.5 * cut / std::sqrt(3.0);
     std::vector<double> cumulative(static_cast<std::size_t>(fineCount) + 1);
 
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
@@ -147,11 +150,13 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                 double sum = 0;
                 cumulative[0] = 0;
                 for (int i = 0; i < fineCount; ++i) {
-                    const double middle = depth0 + (i + 0.5) * fine;
-                    if (std::abs(middle) < m_extent.z + fine)
-                        sum += 0.5 * fine *
-                               (kernelValue(kernel, at0 + isFromTs[2] * (middle - gauss)) +
-                                kernelValue(kernel, at0 + isFromTs[2] * (middle + gauss)));
+                    for (int c = 0; c < cuts; ++c) {
+                        const double middle = depth0 + i * fine + (c + 0.5) * cut;
+                        if (std::abs(middle) < m_extent.z + fine)
+                            sum += 0.5 * cut *
+                                   (kernelValue(kernel, at0 + isFromTs[2] * (middle - gauss)) +
+                                    kernelValue(kernel, at0 + isFromTs[2] * (middle + gauss)));
+                    }
                     cumulative[static_cast<std::size_t>(i) + 1] = sum;
                 }
                 for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {

@@ -17,6 +17,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Voxels whose addresses are computed together, ahead of their footprints.
 constexpr int kChunk = 32;
 
+constexpr std::int32_t kNoSheet = 1 << 29;  // of voxels that are left out: past every last sheet
+
 struct Chunk {
     alignas(64) std::int32_t table[kChunk];  // index of the quantised fraction
     alignas(64) std::int32_t texel[kChunk];  // offset of the footprint's first texel in its plane
@@ -33,7 +35,7 @@ HWY_INLINE int log2Of(int powerOfTwo) {
 }
 
 // Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
-template <bool kSloped>
+template <bool kSloped, bool kClipped>
 HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Chunk& chunk) {
     const hn::ScalableTag<float> df;
     const hn::RebindToSigned<decltype(df)> di;
@@ -61,7 +63,14 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Ch
         const auto column = whole(u, log2Texel, place.wholeU + table.firstColumn());
         const auto row = whole(v, log2Texel, place.wholeV + table.firstRow());
         hn::StoreU(hn::Add(hn::Mul(row, hn::Set(di, splat.rowStride)), column), di, chunk.texel + i);
-        hn::StoreU(whole(n, log2Sheet, place.wholeN + table.firstSheet()), di, chunk.sheet + i);
+        auto sheet = whole(n, log2Sheet, place.wholeN + table.firstSheet());
+        if constexpr (kClipped) {
+            const auto outside = hn::Or(hn::Or(hn::Lt(column, hn::Zero(di)), hn::Lt(row, hn::Zero(di))),
+                                        hn::Or(hn::Gt(column, hn::Set(di, splat.width - table.rowStride())),
+                                               hn::Gt(row, hn::Set(di, splat.height - table.rows()))));
+            sheet = hn::IfThenElse(outside, hn::Set(di, kNoSheet), sheet);
+        }
+        hn::StoreU(sheet, di, chunk.sheet + i);
 
         auto entry = hn::ShiftLeftSame(hn::And(v, texelMask), log2Texel);
         entry = hn::ShiftLeftSame(hn::Or(entry, hn::And(u, texelMask)), log2Sheet);
@@ -98,7 +107,7 @@ HWY_ATTR HWY_INLINE void addSloped(const float* HWY_RESTRICT weights, int part, 
         }
 }
 
-template <int kWidth, int kRows, bool kSloped = false>
+template <int kWidth, int kRows, bool kSloped, bool kClipped>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
                                   int second) {
     // Copies, because the compiler must assume that writing texels changes what pointers lead to.
@@ -119,12 +128,13 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
     for (int k0 = first; k0 < second; k0 += kChunk) {
         // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
-        locate<kSloped>(splat, place, k, chunk);
+        locate<kSloped, kClipped>(splat, place, k, chunk);
         const int end = std::min(kChunk, second - k);
         for (int i = k0 - k; i < end; ++i) {
             const float value = values[index[k + i]] * scale;
             if (value == 0) continue;
             const int sheet = chunk.sheet[i];
+            if (kClipped && sheet == kNoSheet) continue;
             const int from = std::max(0, firstSheet - sheet);
             const int to = std::min(sheets, lastSheet - sheet);
             const float* weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
@@ -144,13 +154,16 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
 HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place, const float* values,
                                           int first, int second) {
     const int width = splat.table->rowStride(), rows = splat.table->rows();
-    if (splat.table->sloped()) return splatRange<0, 0, true>(splat, place, values, first, second);
+    if (splat.clipped)
+        return splat.table->sloped() ? splatRange<0, 0, true, true>(splat, place, values, first, second)
+                                     : splatRange<0, 0, false, true>(splat, place, values, first, second);
+    if (splat.table->sloped()) return splatRange<0, 0, true, false>(splat, place, values, first, second);
     // The shapes of the linear kernel at one texel a voxel, of wider kernels, and all others.
-    if (width == 4 && rows == 4) return splatRange<4, 4>(splat, place, values, first, second);
-    if (width == 4 && rows == 3) return splatRange<4, 3>(splat, place, values, first, second);
-    if (width == 4) return splatRange<4, 0>(splat, place, values, first, second);
-    if (width == 8) return splatRange<8, 0>(splat, place, values, first, second);
-    return splatRange<0, 0>(splat, place, values, first, second);
+    if (width == 4 && rows == 4) return splatRange<4, 4, false, false>(splat, place, values, first, second);
+    if (width == 4 && rows == 3) return splatRange<4, 3, false, false>(splat, place, values, first, second);
+    if (width == 4) return splatRange<4, 0, false, false>(splat, place, values, first, second);
+    if (width == 8) return splatRange<8, 0, false, false>(splat, place, values, first, second);
+    return splatRange<0, 0, false, false>(splat, place, values, first, second);
 }
 
 }  // namespace HWY_NAMESPACE

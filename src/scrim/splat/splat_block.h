@@ -20,6 +20,8 @@ struct BlockSplat {
     std::int32_t firstSheet;     ///< sheets [firstSheet, lastSheet) are written
     std::int32_t lastSheet;
     float scale;  ///< factor on every value
+    std::int32_t width, height;  ///< of the planes, texels
+    bool clipped;                ///< footprints may leave the planes; those that do are left out
 };
 
 /// Where a block lies in texel space: its first voxel at whole + fraction on each axis. Split so that floats
