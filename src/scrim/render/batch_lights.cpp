@@ -99,7 +99,7 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     out.shadowed = plan.shadowed;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
     out.decay = light.decay;
-    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(light.intensity[c]);
+    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
     if (out.distant) {
         out.slopeA = static_cast<float>(plan.view.tsSource.x * plan.view.slopeScale);

@@ -129,26 +129,40 @@ Vec3 meanDirection(const std::vector<Vec3>& directions) {
 struct Item {
     LightPart part;
     bool sameSide;
+    bool fading;  // the same part is served from the other side, too
     double slant;  // of the best sweep for this part alone
     Vec3 mean;
     std::string name;
 };
 
+// The share of the sweep with s = +1 in a light whose angle to the eye has this cosine.
+double shareOfSameSide(double cosine, double crossFade) {
+    const double edge = std::sin(crossFade * std::acos(-1.0) / 180);
+    // Rounding must not decide the side of a light that is perpendicular to the eye.
+    if (edge <= 0) return cosine >= -1e-9 ? 1 : 0;
+    const double t = std::clamp(0.5 + 0.5 * cosine / edge, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
 // Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
-std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const std::vector<Vec3>& eye) {
+std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye) {
     std::vector<LightPart> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
         addParts(static_cast<int>(i), scene.lights[i], corners, parts);
 
-    const Vec3 axis = viewingAxis(scene.camera);
+    const Vec3 axis = glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
-    for (LightPart& part : parts) {
+    for (const LightPart& part : parts) {
         const Vec3 mean = meanDirection(part.wsDirections);
-        // Rounding must not decide the side of a light that is perpendicular to the eye.
-        const bool sameSide = glm::dot(mean, axis) >= -1e-9 * glm::length(mean);
-        const double slant = angleOf(groupCone(eye, {&part}, sameSide).cosAngle);
-        const std::string& name = scene.lights[static_cast<std::size_t>(part.light)].name;
-        items.push_back({std::move(part), sameSide, slant, mean, name});
+        const double same = shareOfSameSide(glm::dot(mean, axis) / glm::length(mean), scene.dials.crossFade);
+        for (const bool sameSide : {true, false}) {
+            const double share = sameSide ? same : 1 - same;
+            if (share <= 0) continue;
+            const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
+            items.push_back({part, sameSide, share < 1, slant, mean,
+                             scene.lights[static_cast<std::size_t>(part.light)].name});
+            items.back().part.share = share;
+        }
     }
     std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
         return std::tie(a.slant, a.mean.x, a.mean.y, a.mean.z, a.name) <
@@ -173,55 +187,35 @@ void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>&
     }
 }
 
-}  // namespace
-
-std::vector<Vec3> eyeDirections(const ViewScene& scene, const std::vector<Vec3>& corners) {
-    const RayFamily rays = wsRays(scene.camera);
-    if (scene.camera.type == CameraType::orthographic) return {glm::normalize(rays.direction0)};
-
-    // The rectangle of the picture that the volume covers; all of it where the volume reaches behind the eye. A crop
-    // does not count: its pixels must come out as in the whole picture.
-    double x0 = std::min(0, scene.region.x0), x1 = std::max(scene.camera.resolution.x, scene.region.x1);
-    double y0 = std::min(0, scene.region.y0), y1 = std::max(scene.camera.resolution.y, scene.region.y1);
-    const Mat3 rasterFromWs = glm::inverse(Mat3(rays.direction0, rays.directionX, rays.directionY));
-    double left = x1, right = x0, top = y1, bottom = y0;
-    bool inFront = !corners.empty();
-    for (const Vec3& corner : corners) {
-        const Vec3 p = rasterFromWs * (corner - rays.origin0);  // (depth, depth * x, depth * y)
-        if (p.x <= 0) {
-            inFront = false;
-            break;
-        }
-        left = std::min(left, p.y / p.x);
-        right = std::max(right, p.y / p.x);
-        top = std::min(top, p.z / p.x);
-        bottom = std::max(bottom, p.z / p.x);
-    }
-    if (inFront && left < x1 && right > x0 && top < y1 && bottom > y0) {
-        x0 = std::max(x0, left);
-        x1 = std::min(x1, right);
-        y0 = std::max(y0, top);
-        y1 = std::min(y1, bottom);
-    }
-    std::vector<Vec3> directions;
-    for (const double x : {x0, x1})
-        for (const double y : {y0, y1}) directions.push_back(glm::normalize(rays.direction(x, y)));
-    return directions;
+// Alpha and ambient belong to the first group; where its leading light fades into the other side, so do they.
+void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& groups) {
+    groups.front().primary = 1;
+    if (items.empty() || !items.front().fading) return;
+    const LightPart& lead = items.front().part;
+    groups.front().primary = lead.share;
+    for (LightGroup& group : groups)
+        for (const LightPart& part : group.parts)
+            if (group.sameSide != items.front().sameSide && part.light == lead.light && part.share < 1 &&
+                part.wsDirections == lead.wsDirections)
+                group.primary = 1 - lead.share;
 }
 
-std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners) {
-    const std::vector<Vec3> eye = eyeDirections(scene, corners);
+}  // namespace
+
+std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part) {
+    const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
 
     // Each part joins the group in which it costs the least slant, or opens its own.
     std::vector<LightGroup> groups;
-    for (Item& item : orderedParts(scene, corners, eye)) {
+    const std::vector<Item> items = orderedParts(scene, corners, part);
+    for (const Item& item : items) {
         LightGroup* best = nullptr;
         double bestSlant = limit;
         for (LightGroup& group : groups) {
             if (group.sameSide != item.sameSide) continue;
             std::vector<const LightPart*> parts{&item.part};
-            for (const LightPart& part : group.parts) parts.push_back(&part);
+            for (const LightPart& other : group.parts) parts.push_back(&other);
             const double slant = angleOf(groupCone(eye, parts, item.sameSide).cosAngle);
             if (slant <= bestSlant) {
                 bestSlant = slant;
@@ -233,9 +227,10 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
             best = &groups.back();
             best->sameSide = item.sameSide;
         }
-        best->parts.push_back(std::move(item.part));
+        best->parts.push_back(item.part);
     }
     if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
+    sharePrimary(items, groups);
     for (LightGroup& group : groups) setAxis(group, scene, eye);
 
     const double degrees = 180 / std::acos(-1.0);

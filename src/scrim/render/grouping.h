@@ -3,7 +3,7 @@
 // partitioned into groups, each with its own axis and order, so that lights may stand anywhere.
 #pragma once
 
-#include <scrim/render/view_scene.h>
+#include <scrim/render/eye_parts.h>
 
 #include <vector>
 
@@ -15,6 +15,7 @@ struct LightPart {
     std::vector<Vec3> wsDirections;  ///< unit directions of travel whose cone holds all rays that meet the volume
     std::vector<Vec3> wsWindows;     ///< axes of the windows that overlap this part's, itself included; or none
     int window = 0;                  ///< which of them is this part's
+    double share = 1;                ///< of the light's intensity: less while two sweeps fade into each other
 };
 
 struct LightGroup {
@@ -22,6 +23,7 @@ struct LightGroup {
     bool sameSide = true;   ///< s = +1: the eye meets the same side of the sheets first as the lights
     Vec3 wsAxis{0, 0, -1};  ///< unit
     double slant = 0;       ///< largest angle of any ray of the eye or a light to the axis, radians
+    double primary = 0;     ///< share in what one sweep owns: alpha and ambient; they sum to 1 over an eye's groups
 };
 
 /// Half the opening of a window of a split light, and the limit beyond which a light's rays count as too wide
@@ -32,11 +34,13 @@ constexpr double kWidestView = 0.7854;   // 45 degrees
 /// No ray may lean further than this from its sweep's axis; radians.
 constexpr double kSlantLimit = 1.4835;  // 85 degrees
 
-/// Directions (unit, away from the eye) whose cone holds the eye's rays that meet the volume.
-std::vector<Vec3> eyeDirections(const ViewScene& scene, const std::vector<Vec3>& wsCorners);
-
-/// The groups of a scene, at least one; the first is the primary one. Independent of the order of the lights.
-/// Throws Error (render) where the eye's own rays are too wide for any sweep.
-std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& wsCorners);
+/// The groups that serve one part of the eye, at least one; the first is the primary one, unless it shares that with
+/// another. Independent of the order of the lights.
+///
+/// A light that is perpendicular to the eye to within the dial `cross_fade` is served from both sides, in shares that
+/// change smoothly with its angle: where it crosses, the axis turns by 90 degrees and the order of the sheets flips,
+/// and two independent discretisations would meet in a visible jump (ZC02 section 6 admits it).
+/// Throws Error (render) where the eye's own rays are too wide for image-aligned sheets.
+std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye);
 
 }  // namespace scrim

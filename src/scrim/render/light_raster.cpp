@@ -51,6 +51,7 @@ LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, co
     plan.shadowed = light.shadows;
     for (const Vec3& axis : part.wsWindows) plan.ssWindows.push_back(sheets.ssFromWs * axis);
     plan.window = part.window;
+    plan.share = part.share;
     if (scene.dials.splat == SplatMode::perView && light.shadows)
         plan.raster = lightRaster(scene, corners, sheets, part);
 

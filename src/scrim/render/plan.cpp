@@ -147,31 +147,41 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     }
 }
 
+GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
+                    LightGroup& group) {
+    GroupPlan g;
+    g.eyePart = plan.eyeParts.size();
+    g.primary = group.primary;
+    g.sameSide = group.sameSide;
+    g.slant = group.slant;
+    g.sheets = sheetsAround(scene, corners, group, plan.voxel);
+    for (LightPart& light : group.parts)
+        g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
+    if (plan.perView) {
+        const int n = scene.dials.antialias;
+        const Camera camera = supersampled(scene.camera, n);
+        g.guardTiles = guardTiles(scene, camera, g.sheets);
+        g.eyeRaster = EyeView(camera, g.sheets).raster(supersampled(part.window, n), g.guardTiles);
+    }
+    return g;
+}
+
 }  // namespace
 
 Plan makePlan(const ViewScene& scene, int threads) {
-    const int n = scene.dials.antialias;
     Plan plan;
     plan.voxel = voxelUnit(scene);
-    plan.region = {scene.region.x0 * n, scene.region.y0 * n, scene.region.x1 * n, scene.region.y1 * n};
+    plan.region = supersampled(scene.region, scene.dials.antialias);
     plan.perView = scene.dials.splat == SplatMode::perView;
     const std::vector<Vec3> corners = wsCorners(scene);
     if (corners.empty()) return plan;
 
-    for (LightGroup& group : groupLights(scene, corners)) {
-        GroupPlan g;
-        g.primary = plan.groups.empty();
-        g.sameSide = group.sameSide;
-        g.slant = group.slant;
-        g.sheets = sheetsAround(scene, corners, group, plan.voxel);
-        for (LightPart& part : group.parts)
-            g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(part)));
-        if (plan.perView) {
-            const Camera camera = supersampled(scene.camera, n);
-            g.guardTiles = guardTiles(scene, camera, g.sheets);
-            g.eyeRaster = EyeView(camera, g.sheets).raster(plan.region, g.guardTiles);
-        }
-        plan.groups.push_back(std::move(g));
+    for (EyePart& part : eyeParts(scene, corners)) {
+        part.window = intersection(part.window, scene.region);
+        if (part.window.empty()) continue;
+        for (LightGroup& group : groupLights(scene, corners, part))
+            plan.groups.push_back(planGroup(scene, corners, plan, part, group));
+        plan.eyeParts.push_back(std::move(part));
     }
     chooseShading(scene, plan);
 

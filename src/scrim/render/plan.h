@@ -21,11 +21,13 @@ struct LightPlan {
     LightView view;
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
     int window = 0;
+    double share = 1;  ///< of the light's intensity
     ViewRaster raster;  ///< per-view splatting: of the light's own sheets
 };
 
 struct GroupPlan {
-    bool primary = false;  ///< owns alpha and ambient
+    std::size_t eyePart = 0;  ///< index into Plan::eyeParts
+    double primary = 0;       ///< share of alpha and ambient that it owns
     bool sameSide = true;
     double slant = 0;  ///< radians
     Sheets sheets;
@@ -44,13 +46,19 @@ struct ExpectedWork {
     double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
 };
 
+/// `window` of the picture in pixels of the antialiasing raster, n x n to a pixel.
+inline PixelWindow supersampled(const PixelWindow& window, int n) {
+    return {window.x0 * n, window.y0 * n, window.x1 * n, window.y1 * n};
+}
+
 struct Plan {
-    std::vector<GroupPlan> groups;  ///< the first is the primary one; empty where nothing is to be seen
+    std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
     bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;
     double voxel = 1;       ///< the unit of the dials, world units
     PixelWindow region;     ///< in pixels of the antialiasing raster
+    std::vector<EyePart> eyeParts;  ///< in pixels of the picture; windows cut to the region
     std::size_t bytes = 0;  ///< buffers at their largest, frame included; without the fields
     ExpectedWork work;
 };

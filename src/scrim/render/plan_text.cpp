@@ -84,7 +84,8 @@ Json lightJson(const ViewScene& scene, const LightPlan& light) {
 Json groupJson(const ViewScene& scene, const GroupPlan& group) {
     Json lights = Json::array();
     for (const LightPlan& light : group.lights) lights.push_back(lightJson(scene, light));
-    return {{"primary", group.primary},
+    return {{"primary", group.primary > 0},
+            {"eye_part", group.eyePart},
             {"axis", vector(axisOf(group))},
             {"s", group.sameSide ? 1 : -1},
             {"slant", glm::degrees(group.slant)},
@@ -112,7 +113,7 @@ std::string lightLine(const ViewScene& scene, const LightPlan& light) {
 std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
     const Vec3 axis = axisOf(group);
     std::string text = fmt::format("group {}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
-                                   group.primary ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z,
+                                   group.primary > 0 ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z,
                                    group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
     text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
                         group.batchSheets);

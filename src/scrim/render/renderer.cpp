@@ -9,11 +9,11 @@
 namespace scrim {
 namespace {
 
-// Adds a sweep's radiance to the picture; the primary one also states how much is left of what lies behind.
-// Every pixel is the mean of its n x n rays.
-void gather(const ImageTiles& tiles, int n, bool primary, Image& image) {
-    const PixelWindow& window = image.window;
-    const float weight = 1.0f / static_cast<float>(n * n);
+// Adds a sweep's radiance to the picture, and its share in how much is left of what lies behind. Every pixel is the
+// mean of its n x n rays.
+void gather(const ImageTiles& tiles, int n, const EyePart& part, double primary, Image& image) {
+    const PixelWindow& window = part.window;
+    const auto inverse = 1.0 / (n * n);
     parallelFor(static_cast<std::size_t>(window.height()), [&](std::size_t row) {
         const int y = window.y0 + static_cast<int>(row);
         for (int x = window.x0; x < window.x1; ++x) {
@@ -24,9 +24,10 @@ void gather(const ImageTiles& tiles, int n, bool primary, Image& image) {
                     for (int c = 0; c < 3; ++c) sum[c] += state[c];
                     sum[3] -= state[3];
                 }
+            const double weight = inverse * part.weight(x + 0.5, y + 0.5);
             float* pixel = image.rgba.data() + image.indexOf(x, y);
-            for (int c = 0; c < 3; ++c) pixel[c] += weight * sum[c];
-            if (primary) pixel[3] = weight * sum[3];
+            for (int c = 0; c < 3; ++c) pixel[c] += static_cast<float>(weight) * sum[c];
+            pixel[3] += static_cast<float>(weight * primary) * sum[3];
         }
     });
 }
@@ -41,15 +42,15 @@ Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progr
     limitSimd(scene.dials.simd);
     const int n = scene.dials.antialias;
     const Camera camera = supersampled(scene.camera, n);
-    ImageTiles tiles(plan.region);
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const GroupPlan& group = plan.groups[g];
-        if (g > 0) tiles.reset();
-        runSweep(scene, camera, plan, group, tiles, frame.work, frame.times, [&](double part) {
-            const double done = (static_cast<double>(g) + part) / static_cast<double>(plan.groups.size());
-            if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
+        const EyePart& part = plan.eyeParts[group.eyePart];
+        ImageTiles tiles(supersampled(part.window, n));
+        runSweep(scene, camera, plan, group, tiles, frame.work, frame.times, [&](double done) {
+            const double all = (static_cast<double>(g) + done) / static_cast<double>(plan.groups.size());
+            if (progress && !progress(all)) throw Error(ErrorKind::interrupted, "the render was interrupted");
         });
-        gather(tiles, n, group.primary, frame.image);
+        gather(tiles, n, part, group.primary, frame.image);
     }
     return frame;
 }

@@ -51,7 +51,7 @@ struct SheetShader::Gathered {
 SheetShader::SheetShader(const ViewScene& scene, const GroupPlan& group, const BatchFields& fields,
                          const BatchLights& lights, const EyeView& eye)
     : m_group(group), m_fields(fields), m_lights(lights), m_eye(eye) {
-    for (int c = 0; c < 3; ++c) m_ambient[c] = group.primary ? static_cast<float>(scene.ambient[c]) : 0.0f;
+    for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<float>(group.primary * scene.ambient[c]);
     for (int i = 0; i < fields.volumeCount(); ++i) {
         const ViewVolume& volume = fields.volume(i).volume();
         if (const Classified* c = volume.classified.get()) {

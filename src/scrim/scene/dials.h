@@ -27,6 +27,7 @@ struct Dials {
     ShadowPlane shadowPlane = ShadowPlane::light;
     SheetAxis sheets = SheetAxis::halfWay;
     double maxSlant = 60;         ///< degrees
+    double crossFade = 2;         ///< degrees around perpendicular in which a light is served from both sides
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
     double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is fed; 0: never
     int antialias = 1;            ///< n x n rays a pixel

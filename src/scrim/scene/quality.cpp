@@ -102,6 +102,9 @@ std::vector<Dial> makeDials() {
                                     "axis of the sheets: between eye and lights, or along the view"));
     all.push_back(number("max_slant", "degrees", 10, 85, &Dials::maxSlant,
                          "largest angle of a ray to the axis of its sweep; less is more accurate and more sweeps"));
+    all.push_back(number("cross_fade", "degrees", 0, 20, &Dials::crossFade,
+                         "lights this near to perpendicular to the eye are swept from both sides, so that nothing pops "
+                         "when they cross"));
     all.push_back(number("opacity_cutoff", "transmittance", 0, 0.5, &Dials::opacityCutoff,
                          "transmittance below which a pixel counts as opaque; bounds the error"));
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,

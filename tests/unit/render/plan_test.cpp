@@ -48,8 +48,8 @@ TEST(Plan, OfAnEmptySceneHasNoGroups) {
 TEST(Plan, HasOnePrimaryGroupAndItIsTheFirst) {
     const Plan plan = makePlan(someScene(), 2);
     ASSERT_EQ(plan.groups.size(), 2u);
-    EXPECT_TRUE(plan.groups[0].primary);
-    EXPECT_FALSE(plan.groups[1].primary);
+    EXPECT_EQ(plan.groups[0].primary, 1);
+    EXPECT_EQ(plan.groups[1].primary, 0);
     std::size_t lights = 0;
     for (const GroupPlan& group : plan.groups) lights += group.lights.size();
     EXPECT_EQ(lights, 3u);

@@ -371,7 +371,7 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
     inside.type = LightType::point;
     scene.lights.push_back(inside);
     std::vector<LightPart> parts;
-    for (const LightGroup& group : groupLights(scene, wsCorners(scene)))
+    for (const LightGroup& group : groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front()))
         parts.insert(parts.end(), group.parts.begin(), group.parts.end());
     ASSERT_GT(parts.size(), 20u);
 
