@@ -93,7 +93,8 @@ ViewScene assemble(const Scene& scene, const std::vector<std::shared_ptr<const S
         if (!volume.ramp.empty()) field = withRamp(*field, volume.ramp);
         if (scene.dials.lod > 0)
             field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
-        out.volumes.push_back({volume.name, field, volume.wsFromAsset * field->wsFromIs, volume.medium, volume.classified});
+        out.volumes.push_back(
+            {volume.name, field, volume.wsFromAsset * field->wsFromIs, volume.medium, volume.classified});
     }
     return out;
 }

@@ -12,8 +12,7 @@ BatchFields::BatchFields(const ViewScene& scene, const Sheets& sheets, const Vie
         m_volumes.push_back(std::make_unique<VolumePlanes>(volume, scene.dials, sheets, raster, batchSheets, voxel));
         m_voxels += volume.field->activeVoxels;
     }
-    if (m_volumes.size() > 1)
-        m_total = std::make_unique<PlaneStack>(batchSheets, raster.width, raster.height, 1);
+    if (m_volumes.size() > 1) m_total = std::make_unique<PlaneStack>(batchSheets, raster.width, raster.height, 1);
 }
 
 SplatWork BatchFields::splat(int firstSheet, int count, const TileCull& cull) {

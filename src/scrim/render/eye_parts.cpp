@@ -12,9 +12,9 @@
 namespace scrim {
 namespace {
 
-constexpr double kWidestEye = 0.7854;   // 45 degrees: half the opening that one sweep serves well
-constexpr double kPartAngle = 1.0472;   // 60 degrees: the opening of a part along x or y, at most
-constexpr double kOverlap = 0.0698;     // 4 degrees: where two parts share the picture
+constexpr double kWidestEye = 0.7854;  // 45 degrees: half the opening that one sweep serves well
+constexpr double kPartAngle = 1.0472;  // 60 degrees: the opening of a part along x or y, at most
+constexpr double kOverlap = 0.0698;    // 4 degrees: where two parts share the picture
 
 // Raster positions that the volume may cover.
 struct Covered {
@@ -34,8 +34,7 @@ Covered coveredRaster(const ViewScene& scene, const RayFamily& rays, const std::
                 std::max(seen.y1, p.z / p.x)};
     }
     if (corners.empty() || seen.x0 >= all.x1 || seen.x1 <= all.x0 || seen.y0 >= all.y1 || seen.y1 <= all.y0) return all;
-    return {std::max(all.x0, seen.x0), std::min(all.x1, seen.x1), std::max(all.y0, seen.y0),
-            std::min(all.y1, seen.y1)};
+    return {std::max(all.x0, seen.x0), std::min(all.x1, seen.x1), std::max(all.y0, seen.y0), std::min(all.y1, seen.y1)};
 }
 
 std::vector<Vec3> directionsTo(const RayFamily& rays, const Covered& box) {
@@ -75,7 +74,9 @@ double Fade::at(double position) const {
 
 double EyePart::weight(double x, double y) const {
     if (whole) return 1;
-    const auto falling = [](const Fade& ramp, double position) { return ramp.from == ramp.to ? 1 : 1 - ramp.at(position); };
+    const auto falling = [](const Fade& ramp, double position) {
+        return ramp.from == ramp.to ? 1 : 1 - ramp.at(position);
+    };
     return left.at(x) * falling(right, x) * top.at(y) * falling(bottom, y);
 }
 

@@ -63,7 +63,9 @@ ViewRaster EyeView::raster(const PixelWindow& region, int guardTiles) const {
     // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; then pixels' centres to whole numbers.
     const Mat3& m = m_rasterFromOffset;
     const double shift[2] = {guardTiles * kTileEdge - region.x0 - 0.5, guardTiles * kTileEdge - region.y0 - 0.5};
-    const auto row = [&](int i) { return glm::dvec4(m[0][i], m[1][i], m[2][i], -glm::dot(Vec3(m[0][i], m[1][i], m[2][i]), m_ts.origin0)); };
+    const auto row = [&](int i) {
+        return glm::dvec4(m[0][i], m[1][i], m[2][i], -glm::dot(Vec3(m[0][i], m[1][i], m[2][i]), m_ts.origin0));
+    };
     const glm::dvec4 w = m_orthographic ? glm::dvec4(0, 0, 0, 1) : row(2);
     const glm::dvec4 x = row(0) + shift[0] * w, y = row(1) + shift[1] * w;
     for (int c = 0; c < 4; ++c) raster.rsFromTs[c] = {x[c], y[c], c == 2 ? 1.0 : 0.0, w[c]};

@@ -258,10 +258,9 @@ std::uint64_t EyeWalk::throughCells(int firstSheet, int count, const PlaneStack&
         },
         [&](int tile, const Range& range) {
             const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
-            return shadeAlong(enterCells(tile, range, extinction, guardTiles), tile, shader,
-                              [&](int p, const SampleTile& points, float* out) {
-                                  shader.shadeCells(p, points, tx, ty, out);
-                              });
+            return shadeAlong(
+                enterCells(tile, range, extinction, guardTiles), tile, shader,
+                [&](int p, const SampleTile& points, float* out) { shader.shadeCells(p, points, tx, ty, out); });
         });
 }
 

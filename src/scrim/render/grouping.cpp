@@ -129,7 +129,7 @@ Vec3 meanDirection(const std::vector<Vec3>& directions) {
 struct Item {
     LightPart part;
     bool sameSide;
-    bool fading;  // the same part is served from the other side, too
+    bool fading;   // the same part is served from the other side, too
     double slant;  // of the best sweep for this part alone
     Vec3 mean;
     std::string name;
@@ -159,8 +159,8 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
             const double share = sameSide ? same : 1 - same;
             if (share <= 0) continue;
             const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
-            items.push_back({part, sameSide, share < 1, slant, mean,
-                             scene.lights[static_cast<std::size_t>(part.light)].name});
+            items.push_back(
+                {part, sameSide, share < 1, slant, mean, scene.lights[static_cast<std::size_t>(part.light)].name});
             items.back().part.share = share;
         }
     }

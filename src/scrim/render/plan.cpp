@@ -100,6 +100,14 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
             plan.shadeReason = fmt::format("volume {} is classified: surfaces are sharper than texels", volume.name);
             return;
         }
+    for (const GroupPlan& group : plan.groups)
+        for (const LightPlan& light : group.lights)
+            if (!light.ssWindows.empty()) {
+                plan.shadeAtPixels = true;
+                plan.shadeReason = fmt::format("light {} is so near that its light changes between texels",
+                                               scene.lights[static_cast<std::size_t>(light.light)].name);
+                return;
+            }
     // Of the whole picture: a crop must be shaded as the rest is.
     const double n = scene.dials.antialias;
     const double pixels = n * n * scene.camera.resolution.x * scene.camera.resolution.y;
@@ -121,8 +129,7 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
         kComfortableBytes,
         scene.memoryLimit == 0 ? kComfortableBytes : scene.memoryLimit - std::min(scene.memoryLimit, frameBytes));
     group.batchSheets = wanted;
-    while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget)
-        --group.batchSheets;
+    while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget) --group.batchSheets;
     group.bytes = bytesFor(group.batchSheets);
     if (scene.memoryLimit != 0 && group.bytes + frameBytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,

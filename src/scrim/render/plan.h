@@ -21,7 +21,7 @@ struct LightPlan {
     LightView view;
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
     int window = 0;
-    double share = 1;  ///< of the light's intensity
+    double share = 1;   ///< of the light's intensity
     ViewRaster raster;  ///< per-view splatting: of the light's own sheets
 };
 
@@ -33,8 +33,8 @@ struct GroupPlan {
     Sheets sheets;
     int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
-    ViewRaster eyeRaster;  ///< per-view splatting: of the eye's own sheets
-    int guardTiles = 0;    ///< of them around the picture
+    ViewRaster eyeRaster;   ///< per-view splatting: of the eye's own sheets
+    int guardTiles = 0;     ///< of them around the picture
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
 };
 
@@ -53,13 +53,13 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 
 struct Plan {
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
-    bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
+    bool perView = false;           ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;
-    double voxel = 1;       ///< the unit of the dials, world units
-    PixelWindow region;     ///< in pixels of the antialiasing raster
+    double voxel = 1;               ///< the unit of the dials, world units
+    PixelWindow region;             ///< in pixels of the antialiasing raster
     std::vector<EyePart> eyeParts;  ///< in pixels of the picture; windows cut to the region
-    std::size_t bytes = 0;  ///< buffers at their largest, frame included; without the fields
+    std::size_t bytes = 0;          ///< buffers at their largest, frame included; without the fields
     ExpectedWork work;
 };
 

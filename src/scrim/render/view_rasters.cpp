@@ -77,10 +77,11 @@ ViewRaster lightRaster(const ViewScene& scene, const std::vector<Vec3>& corners,
         normal = sheets.ssFromWs * viewingAxis(scene.camera);
         if (glm::dot(normal, along) < 0) normal = -normal;
         if (glm::dot(normal, along) < kLeastCrossing)
-            throw Error(ErrorKind::render,
-                        fmt::format("light '{}' runs along the image plane, to which its shadow buffer cannot be aligned; "
-                                    "shadow_plane = \"light\" can",
-                                    light.name));
+            throw Error(
+                ErrorKind::render,
+                fmt::format("light '{}' runs along the image plane, to which its shadow buffer cannot be aligned; "
+                            "shadow_plane = \"light\" can",
+                            light.name));
     }
     const Vec3 other = std::abs(normal.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
     const Vec3 ey = glm::normalize(glm::cross(normal, other)), ex = glm::cross(ey, normal);
@@ -131,8 +132,8 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
     for (const ViewVolume& volume : scene.volumes) {
         const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
         for (int axis = 0; axis < 2; ++axis)
-            reach = std::max(reach, kernelExtent(scene.dials.kernel,
-                                                 {rsFromIs[0][axis], rsFromIs[1][axis], rsFromIs[2][axis]}));
+            reach = std::max(
+                reach, kernelExtent(scene.dials.kernel, {rsFromIs[0][axis], rsFromIs[1][axis], rsFromIs[2][axis]}));
     }
     return static_cast<int>(std::ceil((2 * reach + 6) / kTileEdge));
 }

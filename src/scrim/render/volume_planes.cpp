@@ -46,8 +46,8 @@ std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume
 
 }  // namespace
 
-VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets,
-                           const ViewRaster& raster, int batchSheets, double voxel)
+VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const ViewRaster& raster,
+                           int batchSheets, double voxel)
     : m_volume(volume),
       m_sheets(sheets),
       m_raster(raster),
@@ -85,9 +85,7 @@ SplatWork VolumePlanes::splat(int task, const TileCull& cull) {
     const int first = planeOf(run.sheet);
     for (int p = first; p < first + run.count; ++p) m_values.begin(p);
     const SplatWork work = std::visit(
-        [&](const auto& splatter) {
-            return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, cull);
-        },
+        [&](const auto& splatter) { return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, cull); },
         m_splatter);
     for (int p = first; p < first + run.count; ++p) {
         m_values.finish(p);

@@ -61,7 +61,7 @@ class VolumePlanes {
     const Sheets& m_sheets;
     ViewRaster m_raster;
     bool m_shared;  // the raster is the sheets' own: views look between its texels
-    int m_halo;  // sheets on either side of a batch
+    int m_halo;     // sheets on either side of a batch
     std::variant<FieldSplatter, WarpedSplatter> m_splatter;
     PlaneStack m_values;
     std::optional<Surface> m_surface;  // classified volumes

@@ -66,10 +66,24 @@ HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
     });
 }
 
+// Near a light 1/r^2 changes within a sheet: its mean over the eye's segment is taken at the two points of Gauss'
+// quadrature. Below the light's radius it stays what it is there.
+HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const SheetLight& light, VF a, VF b, VF slant2, int k) {
+    const auto z = constant(light.distanceW), gauss = constant(0.288675135f * input.thickness);
+    const auto ea = load(input.samples->eyeA, k), eb = load(input.samples->eyeB, k);
+    // |z (a, b, 1) +- g (ea, eb, 1)|^2
+    const auto cross = hn::Mul(hn::Mul(z, gauss), hn::MulAdd(a, ea, hn::MulAdd(b, eb, constant(1))));
+    const auto eye2 = hn::Mul(hn::Mul(gauss, gauss), hn::MulAdd(ea, ea, hn::MulAdd(eb, eb, constant(1))));
+    const auto middle = hn::MulAdd(hn::Mul(z, z), slant2, eye2);
+    const auto least = constant(light.radius2);
+    const auto far = hn::Max(hn::MulAdd(constant(2), cross, middle), least);
+    const auto near = hn::Max(hn::NegMulAdd(constant(2), cross, middle), least);
+    return hn::Mul(constant(0.5f), hn::Add(hn::Div(constant(1), far), hn::Div(constant(1), near)));
+}
+
 HWY_ATTR void meetPoint(const ShadeInput& input, const SheetLight& light, Incidence& in) {
     const DF d;
     const auto scale = constant(input.texel / light.distanceW);
-    const auto z2 = constant(light.distanceW * light.distanceW);
     forSamples([&](int k) HWY_ATTR {
         const auto a = hn::Mul(hn::Sub(load(input.samples->u, k), constant(light.texelU)), scale);
         const auto b = hn::Mul(hn::Sub(load(input.samples->v, k), constant(light.texelV)), scale);
@@ -77,8 +91,7 @@ HWY_ATTR void meetPoint(const ShadeInput& input, const SheetLight& light, Incide
         hn::Store(a, d, in.a + k);
         hn::Store(b, d, in.b + k);
         hn::Store(hn::Sqrt(slant2), d, in.slant + k);
-        const auto r2 = hn::Max(hn::Mul(slant2, z2), constant(light.radius2));
-        hn::Store(light.decay ? hn::Div(constant(1), r2) : constant(1), d, in.irradiance + k);
+        hn::Store(light.decay ? meanDecay(input, light, a, b, slant2, k) : constant(1), d, in.irradiance + k);
     });
 }
 

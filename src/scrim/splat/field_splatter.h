@@ -41,8 +41,7 @@ class FieldSplatter {
     /// reconstructed field times scale, at texel centres, goes to planes firstPlane + [0, lastSheet -
     /// firstSheet), on which `begin` was called. Safe to call at once for different planes.
     /// Footprints that do not lie on the planes as a whole are left out, and so are blocks that `cull` does without.
-    SplatWork splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
-                    const TileCull& cull = {}) const;
+    SplatWork splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane, const TileCull& cull = {}) const;
 
   private:
     struct Target;

@@ -19,7 +19,7 @@ struct BlockSplat {
     std::int32_t rowStride;      ///< floats from one row of texels to the next
     std::int32_t firstSheet;     ///< sheets [firstSheet, lastSheet) are written
     std::int32_t lastSheet;
-    float scale;  ///< factor on every value
+    float scale;                 ///< factor on every value
     std::int32_t width, height;  ///< of the planes, texels
     bool clipped;                ///< footprints may leave the planes; those that do are left out
 };

@@ -28,7 +28,8 @@ Mat4 tableFromIs(const Mat4& tsFromIs, const Vec2& slope, double finer) {
 // Slope of the view's ray through the middle of the field.
 Vec2 middleSlope(const SparseField& field, const Mat4& tsFromIs, const ViewRaster& raster) {
     const Vec3 at = raster.place(transformPoint(tsFromIs, field.isBounds().center()));
-    const Vec3 ray = at.z > 0 ? raster.rayThrough(at.x, at.y) : raster.rayThrough(0.5 * raster.width, 0.5 * raster.height);
+    const Vec3 ray =
+        at.z > 0 ? raster.rayThrough(at.x, at.y) : raster.rayThrough(0.5 * raster.width, 0.5 * raster.height);
     return {ray.x / ray.z, ray.y / ray.z};
 }
 
@@ -42,8 +43,8 @@ struct WarpedSplatter::Target {
     std::uint64_t footprints = 0;
 };
 
-WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const ViewRaster& raster,
-                               Kernel kernel, int stepsPerVoxel, float scale)
+WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const ViewRaster& raster, Kernel kernel,
+                               int stepsPerVoxel, float scale)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_raster(raster),
@@ -124,8 +125,10 @@ void WarpedSplatter::splatVoxel(const Vec3& ts, float value, Target& target) con
 
         // From cells to columns and rows of the table.
         const float* weights = entry + slab * m_table.sheetStride();
-        const auto uX = static_cast<float>(m_finer * d / determinant), uY = static_cast<float>(-m_finer * b / determinant);
-        const auto vX = static_cast<float>(-m_finer * c / determinant), vY = static_cast<float>(m_finer * a / determinant);
+        const auto uX = static_cast<float>(m_finer * d / determinant),
+                   uY = static_cast<float>(-m_finer * b / determinant);
+        const auto vX = static_cast<float>(-m_finer * c / determinant),
+                   vY = static_cast<float>(m_finer * a / determinant);
         const int columns = m_table.columns(), rows = m_table.rows(), stride = m_table.rowStride();
         for (int y = y0; y <= y1; ++y) {
             float* row = target.planes->plane(p) + static_cast<std::ptrdiff_t>(y) * target.planes->rowStride();

@@ -34,8 +34,8 @@ class WarpedSplatter {
     Mat4 m_tsFromIs;
     ViewRaster m_raster;
     float m_scale;
-    double m_finer;    // table's columns a texel
-    Vec2 m_slope;      // of the ray through the middle of the field, texels a sheet
+    double m_finer;          // table's columns a texel
+    Vec2 m_slope;            // of the ray through the middle of the field, texels a sheet
     FootprintTable m_table;  // of the space in which the middle ray is upright
     Vec3 m_extent;           // half a footprint, in texels and sheets
     double m_first, m_last;  // offsets in N of the first and last voxel of a block
