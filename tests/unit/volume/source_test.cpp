@@ -142,7 +142,7 @@ TEST_F(Source, IsRefusedBeforeAnythingIsCalled) {
 TEST_F(Source, MissingIsSaidWithThoseFound) {
     const std::string text = reason("smoke");
     EXPECT_TRUE(text.starts_with("no volume source 'smoke' in " SCRIM_TEST_SOURCES ", ")) << text;
-    EXPECT_NE(text.find("; there is 'baddefault', 'noise', 'nosymbol', "), std::string::npos) << text;
+    EXPECT_NE(text.find("; there is 'baddefault', 'mesh', 'noise', 'nosymbol', "), std::string::npos) << text;
     EXPECT_TRUE(reason("../test").starts_with("no volume source '../test' in "));
 }
 
@@ -159,7 +159,7 @@ TEST_F(Source, ListLeavesOutBadOnesWithAWarning) {
     const auto sources = listSources([&](Severity, const std::string& text) { heard.push_back(text); });
     std::vector<std::string> names;
     for (const auto& s : sources) names.push_back(s.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"noise", "test"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"mesh", "noise", "primitives", "scan", "test"}));
     EXPECT_EQ(heard.size(), 5u);
 }
 
