@@ -133,8 +133,12 @@ TEST_F(MeshSource, BadFilesAreRefused) {
     lying.replace(lying.find("vertex 8"), 8, "vertex 4000000000");
     EXPECT_EQ(refused(write("lying.ply", lying)),
               file("lying.ply") + fmt::format(": declares more of 'vertex' than its {} bytes can hold", lying.size()));
-    const std::string text = refused(write("text.ply", "this is no mesh"));
-    EXPECT_TRUE(text.starts_with(file("text.ply") + ": cannot be read: ")) << text;
+    EXPECT_EQ(refused(write("text.ply", "this is no mesh")), file("text.ply") + ": has no PLY header");
+    std::string few = cubePly("binary_little_endian");
+    few.resize(few.find("end_header") + 60);
+    EXPECT_EQ(refused(write("few.ply", few)),
+              file("few.ply") + ": has 50 bytes after its header, which declares at least 102");
+    EXPECT_TRUE(refused(write("line.obj", "f 1 2\n")).starts_with(file("line.obj") + ": "));
 }
 
 // The library that reads meshes crashes on some of these; that must not reach us.

@@ -14,6 +14,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include <assimp/BaseImporter.h>
 #include <assimp/importerdesc.h>
@@ -30,7 +31,7 @@ constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 31;  // what Assimp's
 // What a reader may use before its file counts as damaged: several times what sound ones took when tried (some 20 bytes
 // a byte, 20 MB a second).
 constexpr std::uint64_t kMemory = std::uint64_t{1} << 30, kMemoryPerByte = 100;
-constexpr unsigned kSeconds = 10;
+constexpr unsigned kSeconds = 3;
 constexpr std::size_t kBytesPerSecond = 1'000'000;
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
@@ -60,18 +61,43 @@ std::string bytesOf(const std::string& path) {
     return bytes;
 }
 
-/// The reader allocates what a PLY's header declares. Each element takes at least one byte.
+/// Bytes of a PLY's property in a binary file; a list counts as an empty one. 0: not a property.
+std::uint64_t propertyBytes(std::istringstream& words) {
+    std::string type;
+    words >> type;
+    if (type == "list") words >> type;
+    for (const auto& [bytes, names] : {std::pair{1, "char uchar int8 uint8"},
+                                       {2, "short ushort int16 uint16"},
+                                       {4, "int uint float int32 uint32 float32"},
+                                       {8, "double float64"}})
+        if (std::string_view(names).find(type) != std::string_view::npos) return static_cast<std::uint64_t>(bytes);
+    return 0;
+}
+
+/// The reader allocates what a PLY's header declares, and runs beyond the end where the file is shorter: what can be
+/// told from the header is told here.
 void checkPlyHeader(const std::string& bytes, const std::string& path) {
-    std::istringstream header(bytes.substr(0, bytes.find("end_header")));
+    constexpr std::string_view kEnd = "end_header";
+    const std::size_t end = bytes.find(kEnd);
+    if (!bytes.starts_with("ply") || end == std::string::npos) refuse(path, "has no PLY header");
+    const std::uint64_t rest = bytes.size() - end - kEnd.size();
+    std::istringstream header(bytes.substr(0, end));
+    bool text = false;
+    std::uint64_t count = 0, least = 0;
+    std::string element;
     for (std::string line; std::getline(header, line);) {
         std::istringstream words(line);
-        std::string element, name;
-        std::uint64_t count = 0;
-        if (!(words >> element >> name) || element != "element") continue;
-        if (!(words >> count) || count > bytes.size())
-            refuse(path,
-                   fmt::format("declares more of '{}' than its {} bytes can hold", name.substr(0, 40), bytes.size()));
+        std::string word;
+        words >> word;
+        if (word == "format") text = words >> word && word == "ascii";
+        if (word == "element" && (!(words >> element >> count) || count > rest))
+            refuse(path, fmt::format("declares more of '{}' than its {} bytes can hold", element.substr(0, 40),
+                                     bytes.size()));
+        // As text, a number has at least a digit and a separator.
+        if (word == "property") least += count * (text ? 2 : propertyBytes(words));
     }
+    if (least > rest + 1)  // the last separator may be missing
+        refuse(path, fmt::format("has {} bytes after its header, which declares at least {}", rest, least));
 }
 
 /// Takes out every reader but the one for `ending`.
