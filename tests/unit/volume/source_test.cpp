@@ -148,7 +148,7 @@ TEST_F(Source, MissingIsSaidWithThoseFound) {
 
 TEST_F(Source, ThatIsNoLibraryIsRefusedWithTheReason) {
     const test::TempFolder folder;
-    std::filesystem::copy_file(__FILE__, folder.file("scrim_source_text.so"));
+    std::filesystem::copy_file(SCRIM_SOURCE_DIR "/README.md", folder.file("scrim_source_text.so"));
     setPath(folder.path());
     const std::string text = reason("text");
     EXPECT_TRUE(text.starts_with(folder.file("scrim_source_text.so") + ": cannot be loaded: ")) << text;
