@@ -61,24 +61,24 @@ static const larger_source kSource = {{SCRIM_SOURCE_ABI, sizeof(larger_source), 
 #if defined(SCRIM_TEST_NO_PARAMETERS)
                                        NULL,
 #else
-                                        &kParameters[0].known,
+                                       &kParameters[0].known,
 #endif
 #if defined(SCRIM_TEST_MANY_PARAMETERS)
                                        1000000,
 #else
-                                        2,
+                                       2,
 #endif
 #if defined(SCRIM_TEST_SMALL_PARAMETERS)
                                        sizeof(scrim_parameter) - 8,
 #elif defined(SCRIM_TEST_ODD_PARAMETERS)
-                                        sizeof(larger_parameter) + 1,
+                                       sizeof(larger_parameter) + 1,
 #else
      sizeof(larger_parameter),
 #endif
 #if defined(SCRIM_TEST_NO_GENERATE)
                                        NULL
 #else
-                                        generate
+                                       generate
 #endif
                                       },
                                       {NULL, NULL, NULL, NULL}};
