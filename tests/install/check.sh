@@ -53,6 +53,31 @@ cd "$work"
 [ -s noise.vdb ] || fail "the program wrote no volume"
 "$scrim" info noise.vdb >/dev/null || fail "the program cannot read its own volume"
 
+echo "-- a volume source of someone else's, made with the installed header alone"
+mkdir "$work/own"
+cp "$here/../../examples/source/ball.c" "$work/own"
+quietly "the example source does not compile" "${CC:-cc}" -std=c99 -pedantic -Wall -Wextra -Werror -shared -fPIC \
+    -fvisibility=hidden -I "$prefix/include" -o "$work/own/scrim_source_ball.so" "$work/own/ball.c" -lm
+export SCRIM_PLUGIN_PATH="$work/own"
+list="$("$scrim" make --list)"
+grep -q '^ball: a soft ball$' <<<"$list" || fail "the program does not list the example source: $list"
+"$scrim" make ball radius=2 density=5 resolution=32 -o ball.vdb || fail "the program does not run the example source"
+info="$("$scrim" info ball.vdb)" || fail "the program cannot read the example's volume"
+grep -Eq "voxel size +\[0\.125, 0\.125, 0\.125\]" <<<"$info" || fail "the example's volume is wrong: $info"
+grep -Eq "bounds +\[-16, -16, -16\] to \[15, 15, 15\]" <<<"$info" || fail "the example's volume is wrong: $info"
+if "$scrim" make ball radius=-2 -o wrong.vdb >"$work/wrong.log" 2>&1; then fail "the example takes any radius"; fi
+grep -q "source 'ball': parameter 'radius' is -2, expected 1e-06 to 1000000" "$work/wrong.log" ||
+    fail "the example's parameters are refused without a reason: $(cat "$work/wrong.log")"
+unset SCRIM_PLUGIN_PATH
+
+echo "-- the installed volume sources"
+"$scrim" make primitives shapes='box size=2,2,2; torus radius=2 tube=0.3' resolution=32 -o shapes.vdb ||
+    fail "primitives does not run"
+printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n' >tetrahedron.obj
+"$scrim" make mesh file=tetrahedron.obj resolution=32 -o mesh.vdb || fail "mesh does not run"
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\nabcdefgh' >scan.nrrd
+"$scrim" make scan file=scan.nrrd -o scan.vdb || fail "scan does not run"
+
 # And it was the installed source that ran, not one of the build's.
 source="$(find "$prefix" -name 'scrim_source_noise.so')"
 [ -n "$source" ] || fail "no volume source was installed"

@@ -1,37 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volume source `noise`: procedural smoke, fog and clouds, so that there is something to render without a
-// file.
+// Volume source `noise`: procedural smoke, fog and clouds, so that there is something to render without a file.
 //
-// It is not a simulation. An envelope (a rising plume, a ball or a slab) gives a signed depth below the
-// surface of the smoke; turbulence lifts and dents that surface, and density grows from 0 at the surface to
-// its full value one `softness` below. Turbulence is a sum of octaves of gradient noise (Perlin 1985, with
-// the quintic fade and the gradients of Perlin 2002), each `lacunarity` times finer and `gain` times weaker
-// than the last:
+// It is not a simulation. An envelope (a rising plume, a ball or a slab) gives a signed depth below the surface of
+// the smoke; turbulence lifts and dents that surface, and density grows from 0 at the surface to its full value one
+// `softness` below. Turbulence is a sum of octaves of gradient noise (Perlin 1985, with the quintic fade and the
+// gradients of Perlin 2002), each `lacunarity` times finer and `gain` times weaker than the last:
 //   billow(p) = sum_o gain^o (1 - |noise(p lacunarity^o)|) / sum_o gain^o,
-// whose creases between round bulges are what one takes for convection; a smooth fBm of the same octaves
-// thins the inside. Positions are displaced beforehand by a vector of two octaves of noise (domain warping),
-// which curls the bulges. The plume widens with height as an entraining plume does (radius proportional to
-// height above a virtual source below it; Morton, Taylor and Turner 1956), wanders sideways, roughens as it
-// rises, and thins out at the top.
+// whose creases between round bulges are what one takes for convection; a smooth fBm of the same octaves thins the
+// inside. Positions are displaced beforehand by a vector of two octaves of noise (domain warping), which curls the
+// bulges. The plume widens with height as an entraining plume does (radius proportional to height above a virtual
+// source below it; Morton, Taylor and Turner 1956), wanders sideways, roughens as it rises, and thins out at the top.
+//
+// Two shapes are made otherwise. A box is haze: full density, thinned by the billows of `turbulence` (0: even), with
+// soft faces. A hypertexture (Perlin and Hoffert 1989) is a soft ball, full up to an inner radius ri, from where
+// density falls with the square of the distance to 0 at the outer one, ro:
+//   D(p) = (ro^2 - |p|^2) / (ro^2 - ri^2), clamped to [0, 1],
+// looked up at p (1 + turbulence billow(p)): creases reach into the ball, and nothing ever reaches out of it.
 //
 // Parameters (lengths in world units; the volume is centred on the origin, y is up):
 //   resolution  voxels along the longest axis
 //   size        length of that axis
-//   shape       plume, ball or slab
+//   shape       plume, ball, slab, box or hypertexture
 //   density     largest value
 //   frequency   bulges of the coarsest octave along size
 //   octaves     number of octaves; those finer than voxels are left out
 //   lacunarity  how much finer the next octave is
 //   gain        how much weaker the next octave is
-//   turbulence  height of bulges, in parts of the radius
+//   turbulence  height of bulges, in parts of the radius; how much a box lacks, how deep a hypertexture's creases are
 //   warp        how far positions are displaced, in bulges
-//   coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest bulges
-//   softness    depth over which density grows, in parts of the radius
+//   coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest bulges (not for hypertextures)
+//   softness    depth over which density grows, in parts of the radius (of a box: of half its least edge)
 //   seed        another number, another smoke
+//   proportions of a box: its edges, the longest of which is `size`
 //
-// Every voxel is a pure function of its place and the parameters, so the bytes are the same on each run and
-// machine with IEEE arithmetic; blocks whose whole extent lies outside the highest possible bulge are never
-// evaluated.
+// Every voxel is a pure function of its place and the parameters, so the bytes are the same on each run and machine
+// with IEEE arithmetic; blocks whose whole extent lies outside the highest possible bulge are never evaluated.
 #include <scrim/volume/scrim_source.h>
 
 #include <algorithm>
@@ -39,6 +42,7 @@
 #include <cmath>
 #include <cstdint>
 #include <exception>
+#include <iterator>
 #include <string_view>
 
 namespace {
@@ -111,7 +115,7 @@ double noise(Vec p, std::uint32_t seed) {
                mix(v, mix(u, corner(0, 0, 1), corner(1, 0, 1)), mix(u, corner(0, 1, 1), corner(1, 1, 1))));
 }
 
-enum class Shape { plume, ball, slab };
+enum class Shape { plume, ball, slab, box, hypertexture };
 
 struct Settings {
     std::int64_t resolution;
@@ -127,6 +131,7 @@ struct Settings {
     double softness;
     double density;
     std::uint32_t seed;
+    Vec half;  ///< of a box, in sizes
 };
 
 /// The smoke as a function of position, in units of `size` around the origin: [-0.5, 0.5] on the longest
@@ -146,12 +151,15 @@ class Smoke {
     /// Half the extent of the box the smoke is confined to.
     Vec halfExtent() const {
         if (m_s.shape == Shape::plume) return {0.36, 0.5, 0.36};
-        if (m_s.shape == Shape::ball) return {0.5, 0.5, 0.5};
-        return {0.5, 0.15, 0.5};
+        if (m_s.shape == Shape::box) return m_s.half;
+        if (m_s.shape == Shape::slab) return {0.5, 0.15, 0.5};
+        return {0.5, 0.5, 0.5};
     }
 
     /// Whether a ball around `p` is certainly without smoke.
     bool certainlyEmpty(Vec p, double radius) const {
+        if (m_s.shape == Shape::box) return boxDepth(p) + radius <= 0;
+        if (m_s.shape == Shape::hypertexture) return length(p) - radius >= kOuterRadius;
         const double reach = warpReach() + radius;
         // Within `reach` of p the depth changes by at most this: depth is measured in local radii, and for
         // the plume the radius itself changes with height.
@@ -162,6 +170,8 @@ class Smoke {
 
     double value(Vec p) const {
         if (certainlyEmpty(p, 0)) return 0;
+        if (m_s.shape == Shape::box) return haze(p);
+        if (m_s.shape == Shape::hypertexture) return hypertexture(p);
         const double roughness = m_s.shape == Shape::plume ? 0.55 + 0.45 * smoothstep(-0.5, 0.1, p.y) : 1.0;
         // The plume's bulges are stretched upwards, and displaced more the higher they are.
         const Vec q = (m_s.frequency) * Vec{p.x, m_s.shape == Shape::plume ? 0.8 * p.y : p.y, p.z};
@@ -183,6 +193,32 @@ class Smoke {
     static constexpr double kHead = 0.76;            // where its axis ends, in a round head
     static constexpr double kSmallestRadius = 0.03;  // where the plume is thinnest, also below its foot
     static constexpr double kWarpBound = 1.6;        // of the length of `displacement`
+    static constexpr double kOuterRadius = 0.48;     // of a hypertexture: a little inside of its box
+
+    /// Distance to the nearest face of the box, negative outside.
+    double boxDepth(Vec p) const {
+        return std::min({m_s.half.x - std::abs(p.x), m_s.half.y - std::abs(p.y), m_s.half.z - std::abs(p.z)});
+    }
+
+    double haze(Vec p) const {
+        const double rise = m_s.softness * std::min({m_s.half.x, m_s.half.y, m_s.half.z});
+        double part = smoothstep(0, rise, boxDepth(p));
+        const double depth = m_s.turbulence * (1 - m_s.coverage);
+        if (depth > 0) part *= std::clamp(1 - depth * warpedBillow(p), 0.0, 1.0);
+        return m_s.density * part;
+    }
+
+    double hypertexture(Vec p) const {
+        const double bent = length(p) * (1 + m_s.turbulence * warpedBillow(p));
+        const double inner = kOuterRadius * std::max(0.0, 1 - m_s.softness);
+        const double fall = kOuterRadius * kOuterRadius - inner * inner;
+        return m_s.density * std::clamp((kOuterRadius * kOuterRadius - bent * bent) / fall, 0.0, 1.0);
+    }
+
+    double warpedBillow(Vec p) const {
+        const Vec q = m_s.frequency * p;
+        return billow(q + m_s.warp * displacement(q));
+    }
 
     double warpReach() const { return kWarpBound * m_s.warp / m_s.frequency; }
 
@@ -284,7 +320,12 @@ int emit(const scrim_host* host, const Settings& s) {
             for (std::int32_t bz = -nz; bz < nz; ++bz) {
                 const std::int32_t origin[3] = {kEdge * bx, kEdge * by, kEdge * bz};
                 if (!fillBlock(smoke, s, origin, values)) continue;
-                if (const int error = host->add_block(host, grid, origin, values); error != 0) return error;
+                // Even haze is tiles; other shapes stay as they always were.
+                const bool even = s.shape == Shape::box && std::all_of(std::begin(values), std::end(values),
+                                                                       [&](float v) { return v == values[0]; });
+                const int error = even ? host->add_tile(host, grid, origin, kEdge, values[0])
+                                       : host->add_block(host, grid, origin, values);
+                if (error != 0) return error;
             }
         if (const int stop = host->progress(host, double(bx + nx + 1) / (2 * nx)); stop != 0) return stop;
     }
@@ -295,7 +336,7 @@ int emit(const scrim_host* host, const Settings& s) {
 constexpr scrim_parameter kParameters[] = {
     {"resolution", SCRIM_INTEGER, "128", 8, 4096, nullptr, "voxels along the longest axis"},
     {"size", SCRIM_NUMBER, "2", 1e-6, 1e9, nullptr, "length of the longest axis, in world units"},
-    {"shape", SCRIM_STRING, "plume", 0, 0, "plume|ball|slab", "what the smoke fills"},
+    {"shape", SCRIM_STRING, "plume", 0, 0, "plume|ball|slab|box|hypertexture", "what the smoke fills"},
     {"frequency", SCRIM_NUMBER, "5", 0.1, 1000, nullptr, "bulges of the coarsest octave along the size"},
     {"octaves", SCRIM_INTEGER, "5", 1, 16, nullptr, "octaves of turbulence"},
     {"lacunarity", SCRIM_NUMBER, "2.1", 1, 10, nullptr, "how much finer each octave is than the last"},
@@ -306,14 +347,16 @@ constexpr scrim_parameter kParameters[] = {
     {"softness", SCRIM_NUMBER, "0.35", 1e-3, 10, nullptr, "depth over which density grows, in parts of the radius"},
     {"density", SCRIM_NUMBER, "1", 0, 1e6, nullptr, "largest value"},
     {"seed", SCRIM_INTEGER, "1", 0, 1e9, nullptr, "another number, another smoke"},
+    {"proportions", SCRIM_VEC3, "1, 1, 1", 1e-3, 1e3, nullptr, "of a box: its edges, the longest of which is size"},
 };
 
 Settings read(const scrim_value* v) {
     Settings s{};
     s.resolution = v[0].integer;
     s.size = v[1].number[0];
-    const std::string_view shape = v[2].text;
-    s.shape = shape == "plume" ? Shape::plume : shape == "ball" ? Shape::ball : Shape::slab;
+    const std::string_view shape = v[2].text;  // one of these, in the order of the enumeration
+    constexpr std::array<std::string_view, 5> kShapes{"plume", "ball", "slab", "box", "hypertexture"};
+    s.shape = static_cast<Shape>(std::find(kShapes.begin(), kShapes.end(), shape) - kShapes.begin());
     s.frequency = v[3].number[0];
     s.octaves = v[4].integer;
     s.lacunarity = v[5].number[0];
@@ -324,6 +367,8 @@ Settings read(const scrim_value* v) {
     s.softness = v[10].number[0];
     s.density = v[11].number[0];
     s.seed = static_cast<std::uint32_t>(v[12].integer);
+    const double* edges = v[13].number;
+    s.half = (0.5 / std::max({edges[0], edges[1], edges[2]})) * Vec{edges[0], edges[1], edges[2]};
     return s;
 }
 
@@ -341,7 +386,7 @@ int generate(const scrim_host* host, const scrim_value* values) {
 constexpr scrim_source kSource = {SCRIM_SOURCE_ABI,
                                   sizeof(scrim_source),
                                   "noise",
-                                  "procedural smoke: a plume, a ball or a slab with turbulence",
+                                  "procedural smoke and haze: plume, ball, slab, box or hypertexture",
                                   kParameters,
                                   sizeof kParameters / sizeof kParameters[0],
                                   sizeof(scrim_parameter),

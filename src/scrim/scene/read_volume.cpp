@@ -13,12 +13,14 @@ namespace {
 
 constexpr int kLargestOffset = 1'000'000'000;
 
-std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table) {
+/// Parameters as text. A source does not know where the scene is: its parameter `file` is a path like all others of the
+/// scene, relative to it, with variables and the frame put in.
+std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table, const ReadContext& context) {
     std::vector<std::pair<std::string, std::string>> parameters;
     for (const TomlValue& value : table.all()) {
         std::string text;
         if (value.isString())
-            text = value.string();
+            text = value.name() == "file" ? context.path(value).at(context.fileFrame()) : value.string();
         else if (value.isBoolean())
             text = value.boolean() ? "true" : "false";
         else if (value.isNumber())
@@ -110,7 +112,7 @@ void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume
         volume.where = source->where();
         volume.source = source->string();
         if (const auto parameters = table.find("parameters"))
-            volume.parameters = readParameters(parameters->table("'parameters' of " + table.description()));
+            volume.parameters = readParameters(parameters->table("'parameters' of " + table.description()), context);
         return;
     }
     table.describe(table.description() + " with a file");

@@ -32,7 +32,7 @@ struct SceneVolume {
     int frame = 0;       ///< the number put into `file`: the scene's frame plus the volume's offset
     OutsidePolicy outside = OutsidePolicy::error;
     std::string source;                                           ///< name of a volume source; empty for a file
-    std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text
+    std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text; `file`: as above
     Mat4 wsFromAsset{1.0};                                        ///< takes the asset's own world space to the scene's
     std::string densityGrid;                                      ///< as VdbFile::field takes it; "": choose
     double densityScale = 1;                      ///< extinction per world unit = ramp(grid value) * densityScale

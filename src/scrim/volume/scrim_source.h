@@ -29,7 +29,11 @@
  *
  *     cc -shared -fPIC -o scrim_source_box.so box.c
  *
- * Rules. Nothing throws and nothing exits across this boundary, in either direction. The host's functions may
+ * A longer one, with progress and errors, is examples/source/ball.c.
+ *
+ * Rules. Nothing throws and nothing exits across this boundary, in either direction: an exception that leaves
+ * `generate` is an error where the run-time can carry it to the host, and otherwise the end of the program, so
+ * that sources in C++ should catch everything and call `fail`. The host's functions may
  * be called only during `generate` and only from the thread that called it; a source may use threads of its
  * own behind that. The same parameters give the same grids, whatever the number of threads. All text is UTF-8
  * and ends with a zero byte; the host copies what it is given before a function returns.
@@ -53,7 +57,7 @@ extern "C" {
 #define SCRIM_NUMBER 0  /* a finite double */
 #define SCRIM_INTEGER 1 /* an int64_t */
 #define SCRIM_VEC3 2    /* three finite doubles, in text "x, y, z" */
-#define SCRIM_STRING 3  /* text, or one of some choices */
+#define SCRIM_STRING 3  /* text, or one of some choices; in a scene, one called "file" is a path seen from there */
 #define SCRIM_BOOL 4    /* in text "true" or "false" */
 
 /* The description of one parameter. */

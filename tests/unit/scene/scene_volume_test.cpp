@@ -90,6 +90,23 @@ TEST(SceneVolume, PassesParametersToItsSourceInOrder) {
               "scene.toml:6:20: 'a' is a table; expected a number, a string, true or false, or three numbers");
 }
 
+TEST(SceneVolume, FileOfItsSourceIsAPathOfTheScene) {
+    const auto file = [](const std::string& path, double frame) {
+        const SceneVolume v = volume("source = \"scan\"\nparameters = { file = \"" + path + "\" }\n", frame);
+        EXPECT_EQ(v.parameters.at(0).first, "file");
+        return v.parameters.at(0).second;
+    };
+    EXPECT_EQ(file("ct/head.nrrd", 1), "/shots/ct/head.nrrd");
+    EXPECT_EQ(file("/ct/head.nrrd", 1), "/ct/head.nrrd");
+    EXPECT_EQ(file("head.####.nrrd", 12), "/shots/head.0012.nrrd");
+    const Scene scene = read("[variables]\nCT = \"/scans\"\n" +
+                             sceneWith("source = \"scan\"\nparameters = { file = \"${CT}/head.nrrd\" }\n"));
+    EXPECT_EQ(scene.volumes.at(0).parameters.at(0).second, "/scans/head.nrrd");
+    EXPECT_EQ(errorOf(sceneWith("source = \"scan\"\nparameters = { file = \"${SCRIM_NONE}.nrrd\" }\n")),
+              "scene.toml:6:23: the path '${SCRIM_NONE}.nrrd' names the variable 'SCRIM_NONE', which is neither in "
+              "[variables] nor in the environment");
+}
+
 TEST(SceneVolume, IsAFileOrASource) {
     EXPECT_EQ(errorOf(sceneWith("name = \"plume\"\n")),
               "scene.toml:4:1: [[volume]] 'plume' lacks 'file'; expected a .vdb file, or 'source', the name "

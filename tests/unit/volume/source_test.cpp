@@ -142,13 +142,13 @@ TEST_F(Source, IsRefusedBeforeAnythingIsCalled) {
 TEST_F(Source, MissingIsSaidWithThoseFound) {
     const std::string text = reason("smoke");
     EXPECT_TRUE(text.starts_with("no volume source 'smoke' in " SCRIM_TEST_SOURCES ", ")) << text;
-    EXPECT_NE(text.find("; there is 'baddefault', 'noise', 'nosymbol', "), std::string::npos) << text;
+    EXPECT_NE(text.find("; there is 'baddefault', 'mesh', 'noise', 'nosymbol', "), std::string::npos) << text;
     EXPECT_TRUE(reason("../test").starts_with("no volume source '../test' in "));
 }
 
 TEST_F(Source, ThatIsNoLibraryIsRefusedWithTheReason) {
     const test::TempFolder folder;
-    std::filesystem::copy_file(__FILE__, folder.file("scrim_source_text.so"));
+    std::filesystem::copy_file(SCRIM_SOURCE_DIR "/README.md", folder.file("scrim_source_text.so"));
     setPath(folder.path());
     const std::string text = reason("text");
     EXPECT_TRUE(text.starts_with(folder.file("scrim_source_text.so") + ": cannot be loaded: ")) << text;
@@ -159,7 +159,7 @@ TEST_F(Source, ListLeavesOutBadOnesWithAWarning) {
     const auto sources = listSources([&](Severity, const std::string& text) { heard.push_back(text); });
     std::vector<std::string> names;
     for (const auto& s : sources) names.push_back(s.name);
-    EXPECT_EQ(names, (std::vector<std::string>{"noise", "test"}));
+    EXPECT_EQ(names, (std::vector<std::string>{"mesh", "noise", "primitives", "scan", "test"}));
     EXPECT_EQ(heard.size(), 5u);
 }
 

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apart.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace mesh {
+namespace {
+
+constexpr int kPollMilliseconds = 100;
+constexpr char kDone = 'd', kFailed = 'f';  // the first byte of what the child says
+
+void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
+    const rlimit both{value, value};
+    ::setrlimit(resource, &both);
+}
+
+rlim_t addressSpaceInUse() {
+    rlim_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
+}
+
+void writeAll(int file, const std::string& text) {
+    for (std::size_t done = 0; done < text.size();) {
+        const ssize_t n = ::write(file, text.data() + done, text.size() - done);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) return;
+        done += static_cast<std::size_t>(n);
+    }
+}
+
+/// The child's whole life.
+[[noreturn]] void live(int out, const std::function<std::string()>& work, const ApartLimits& limits) {
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGSEGV, SIGABRT, SIGBUS}) std::signal(number, SIG_DFL);
+    const int nowhere = ::open("/dev/null", O_WRONLY | O_CLOEXEC);  // libraries print when they fail
+    ::dup2(nowhere, STDOUT_FILENO);
+    ::dup2(nowhere, STDERR_FILENO);
+    limit(RLIMIT_CORE, 0);
+    limit(RLIMIT_CPU, limits.seconds);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
+    limit(RLIMIT_AS, addressSpaceInUse() + limits.moreMemory);
+#endif
+    std::string said;
+    try {
+        said = kDone + work();
+    } catch (const std::bad_alloc&) {
+        said = std::string(1, kFailed) + "it needs more memory than a file of its size should";
+    } catch (const std::exception& error) {
+        said = kFailed + std::string(error.what());
+    }
+    writeAll(out, said);
+    ::_exit(0);
+}
+
+std::string deathOf(int status) {
+    if (!WIFSIGNALED(status)) return fmt::format("its reader ended with status {}", WEXITSTATUS(status));
+    if (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) return "its reader did not come to an end";
+    return fmt::format("its reader crashed ({})", ::strsignal(WTERMSIG(status)));
+}
+
+}  // namespace
+
+std::string runApart(const std::function<std::string()>& work, const ApartLimits& limits,
+                     const std::function<bool()>& goOn) {
+    int ends[2] = {-1, -1};
+    if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(fmt::format("no pipe: {}", std::strerror(errno)));
+    const pid_t child = ::fork();
+    if (child < 0) {
+        const int reason = errno;
+        ::close(ends[0]);
+        ::close(ends[1]);
+        throw std::runtime_error(fmt::format("no child process: {}", std::strerror(reason)));
+    }
+    if (child == 0) live(ends[1], work, limits);
+    ::close(ends[1]);
+
+    std::string said;
+    bool stopped = false, outOfMemory = false;
+    char chunk[1 << 16];
+    for (;;) {
+        pollfd ready{ends[0], POLLIN, 0};
+        if (::poll(&ready, 1, kPollMilliseconds) <= 0) {
+            if (goOn()) continue;
+            stopped = true;
+            break;
+        }
+        const ssize_t n = ::read(ends[0], chunk, sizeof chunk);
+        if (n < 0 && errno == EINTR) continue;
+        if (n <= 0) break;
+        try {
+            said.append(chunk, static_cast<std::size_t>(n));
+        } catch (const std::bad_alloc&) {
+            outOfMemory = true;
+            break;
+        }
+    }
+    ::close(ends[0]);
+    if (stopped || outOfMemory) ::kill(child, SIGKILL);
+    int status = 0;
+    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (stopped) return "";
+    if (outOfMemory) throw std::bad_alloc();
+    if (said.empty() || !WIFEXITED(status) || WEXITSTATUS(status) != 0) throw std::runtime_error(deathOf(status));
+    const char first = said[0];
+    said.erase(0, 1);
+    if (first == kFailed) throw std::runtime_error(said);
+    return said;
+}
+
+}  // namespace mesh

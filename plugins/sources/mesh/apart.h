@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Work on data nobody can trust, done by a child process: where a library crashes, hangs or eats all memory, the child
+// does, and the caller gets a reason instead.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace mesh {
+
+struct ApartLimits {
+    std::uint64_t moreMemory = 0;  ///< bytes of address space beyond those in use
+    unsigned seconds = 60;         ///< of processor time
+};
+
+/// The text `work` returns, computed in a child process. What `work` throws is thrown here with its text; a child that
+/// dies otherwise is a std::runtime_error that says how. `goOn` is asked several times a second; false ends the child
+/// and gives an empty text.
+std::string runApart(const std::function<std::string()>& work, const ApartLimits& limits,
+                     const std::function<bool()>& goOn);
+
+}  // namespace mesh

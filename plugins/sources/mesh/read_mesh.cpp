@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: Apache-2.0
+// Meshes through Assimp. Its readers crash or hang on many a damaged file, so they run in a child process, with all
+// other formats switched off.
+#include "mesh.h"
+
+#include "apart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include <assimp/BaseImporter.h>
+#include <assimp/importerdesc.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <assimp/Importer.hpp>
+#include <fmt/format.h>
+
+namespace mesh {
+namespace {
+
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 31;  // what Assimp's counters take
+
+// What a reader may use before its file counts as damaged: several times what sound ones took when tried (some 20 bytes
+// a byte, 20 MB a second).
+constexpr std::uint64_t kMemory = std::uint64_t{1} << 30, kMemoryPerByte = 100;
+constexpr unsigned kSeconds = 3;
+constexpr std::size_t kBytesPerSecond = 1'000'000;
+
+[[noreturn]] void refuse(const std::string& path, const std::string& reason) {
+    throw std::runtime_error(path + ": " + reason);
+}
+
+std::string endingOf(const std::string& path) {
+    std::string ending = std::filesystem::path(path).extension().string();
+    for (char& c : ending) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+    return ending;
+}
+
+std::string bytesOf(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (status.type() == std::filesystem::file_type::not_found) refuse(path, "there is no such file");
+    if (error) refuse(path, error.message());
+    if (status.type() != std::filesystem::file_type::regular) refuse(path, "is not a file");  // a pipe never ends
+    const std::uintmax_t size = std::filesystem::file_size(path, error);
+    if (error) refuse(path, error.message());
+    if (size > kMostBytes)
+        refuse(path, fmt::format("has {} bytes, more than {}, the most that is taken", size, kMostBytes));
+    if (size == 0) refuse(path, "is empty");
+    std::string bytes(size, '\0');
+    std::ifstream in(path, std::ios::binary);
+    if (!in.read(bytes.data(), static_cast<std::streamsize>(size))) refuse(path, "cannot be read");
+    return bytes;
+}
+
+/// Bytes of a PLY's property in a binary file; a list counts as an empty one. 0: not a property.
+std::uint64_t propertyBytes(std::istringstream& words) {
+    std::string type;
+    words >> type;
+    if (type == "list") words >> type;
+    for (const auto& [bytes, names] : {std::pair{1, "char uchar int8 uint8"},
+                                       {2, "short ushort int16 uint16"},
+                                       {4, "int uint float int32 uint32 float32"},
+                                       {8, "double float64"}})
+        if (std::string_view(names).find(type) != std::string_view::npos) return static_cast<std::uint64_t>(bytes);
+    return 0;
+}
+
+/// The reader allocates what a PLY's header declares, and runs beyond the end where the file is shorter: what can be
+/// told from the header is told here.
+void checkPlyHeader(const std::string& bytes, const std::string& path) {
+    constexpr std::string_view kEnd = "end_header";
+    const std::size_t end = bytes.find(kEnd);
+    if (!bytes.starts_with("ply") || end == std::string::npos) refuse(path, "has no PLY header");
+    const std::uint64_t rest = bytes.size() - end - kEnd.size();
+    std::istringstream header(bytes.substr(0, end));
+    bool text = false;
+    std::uint64_t count = 0, least = 0;
+    std::string element;
+    for (std::string line; std::getline(header, line);) {
+        std::istringstream words(line);
+        std::string word;
+        words >> word;
+        if (word == "format") text = words >> word && word == "ascii";
+        if (word == "element" && (!(words >> element >> count) || count > rest))
+            refuse(path, fmt::format("declares more of '{}' than its {} bytes can hold", element.substr(0, 40),
+                                     bytes.size()));
+        // As text, a number has at least a digit and a separator.
+        if (word == "property") least += count * (text ? 2 : propertyBytes(words));
+    }
+    if (least > rest + 1)  // the last separator may be missing
+        refuse(path, fmt::format("has {} bytes after its header, which declares at least {}", rest, least));
+}
+
+/// Takes out every reader but the one for `ending`.
+void keepReader(Assimp::Importer& importer, const std::string& ending) {
+    std::vector<Assimp::BaseImporter*> others;
+    for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
+        const aiImporterDesc* description = importer.GetImporterInfo(i);
+        const std::string_view endings = description != nullptr ? description->mFileExtensions : "";
+        if (endings != ending.substr(1)) others.push_back(importer.GetImporter(i));
+    }
+    for (Assimp::BaseImporter* other : others) {
+        importer.UnregisterLoader(other);
+        delete other;  // the importer has let go of it
+    }
+}
+
+void append(const aiMesh& part, Mesh& mesh) {
+    const auto first = static_cast<std::uint32_t>(mesh.points.size());
+    if (mesh.points.size() + part.mNumVertices > std::numeric_limits<std::uint32_t>::max())
+        throw std::runtime_error("has more vertices than can be counted");
+    for (unsigned i = 0; i < part.mNumVertices; ++i) {
+        const aiVector3D& v = part.mVertices[i];
+        if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))
+            throw std::runtime_error(
+                fmt::format("one of its vertices is {}, {}, {}, expected finite numbers", v.x, v.y, v.z));
+        mesh.points.push_back({v.x, v.y, v.z});
+    }
+    for (unsigned i = 0; i < part.mNumFaces; ++i) {
+        const aiFace& face = part.mFaces[i];
+        if (face.mNumIndices != 3) continue;  // points and lines
+        std::array<std::uint32_t, 3> triangle{};
+        for (unsigned k = 0; k < 3; ++k) {
+            if (face.mIndices[k] >= part.mNumVertices)
+                throw std::runtime_error(
+                    fmt::format("a face names vertex {} of {}", face.mIndices[k] + 1, part.mNumVertices));
+            triangle[k] = first + face.mIndices[k];
+        }
+        mesh.triangles.push_back(triangle);
+    }
+}
+
+template <typename T>
+void put(std::string& bytes, const std::vector<T>& items) {
+    const std::uint64_t count = items.size();
+    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
+    bytes.append(reinterpret_cast<const char*>(items.data()), count * sizeof(T));
+}
+
+template <typename T>
+std::vector<T> take(std::string_view& bytes) {
+    std::uint64_t count = 0;
+    std::memcpy(&count, bytes.data(), sizeof count);
+    std::vector<T> items(count);
+    std::memcpy(items.data(), bytes.data() + sizeof count, count * sizeof(T));
+    bytes.remove_prefix(sizeof count + count * sizeof(T));
+    return items;
+}
+
+/// In the child: the mesh as `take` takes it.
+std::string importMesh(const std::string& bytes, const std::string& ending) {
+    Assimp::Importer importer;
+    keepReader(importer, ending);
+    const aiScene* scene =
+        importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, ending.c_str() + 1);
+    if (scene == nullptr) {
+        const std::string_view reason = importer.GetErrorString();
+        throw std::runtime_error(fmt::format("cannot be read: {}", reason.substr(0, 300)));
+    }
+    Mesh mesh;
+    for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(*scene->mMeshes[i], mesh);
+    std::string out;
+    put(out, mesh.points);
+    put(out, mesh.triangles);
+    return out;
+}
+
+}  // namespace
+
+Mesh readMesh(const std::string& path, const std::function<bool()>& goOn) {
+    const std::string ending = endingOf(path);
+    if (ending != ".obj" && ending != ".ply") refuse(path, "expected a file that ends in .obj or .ply");
+    const std::string bytes = bytesOf(path);
+    if (ending == ".ply") checkPlyHeader(bytes, path);
+
+    ApartLimits limits;
+    limits.moreMemory = kMemory + kMemoryPerByte * bytes.size();
+    limits.seconds = kSeconds + static_cast<unsigned>(bytes.size() / kBytesPerSecond);
+    Mesh mesh;
+    try {
+        const std::string read = runApart([&] { return importMesh(bytes, ending); }, limits, goOn);
+        if (read.empty()) return mesh;
+        std::string_view rest = read;
+        mesh.points = take<Point>(rest);
+        mesh.triangles = take<std::array<std::uint32_t, 3>>(rest);
+    } catch (const std::runtime_error& error) {
+        refuse(path, error.what());
+    }
+    if (mesh.triangles.empty()) refuse(path, "has no triangles");
+    return mesh;
+}
+
+}  // namespace mesh

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "edit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace scan {
+
+Scan cropped(const Scan& scan, const Size& from, const Size& to) {
+    Scan out;
+    for (int k = 0; k < 3; ++k)
+        out.size[static_cast<std::size_t>(k)] = to[static_cast<std::size_t>(k)] - from[static_cast<std::size_t>(k)];
+    out.axes = scan.axes;
+    out.origin = scan.origin + scan.axes * glm::dvec3(from[0], from[1], from[2]);
+    out.values.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
+    for (std::int64_t z = from[2]; z < to[2]; ++z)
+        for (std::int64_t y = from[1]; y < to[1]; ++y) {
+            const auto row = scan.values.begin() + static_cast<std::ptrdiff_t>(scan.indexOf(from[0], y, z));
+            out.values.insert(out.values.end(), row, row + static_cast<std::ptrdiff_t>(out.size[0]));
+        }
+    return out;
+}
+
+Scan halved(const Scan& scan, int axis) {
+    const auto a = static_cast<std::size_t>(axis);
+    Scan out;
+    out.size = scan.size;
+    out.size[a] = (scan.size[a] + 1) / 2;
+    out.axes = scan.axes;
+    if (scan.size[a] > 1) {
+        out.axes[axis] *= 2.0;
+        out.origin = scan.origin + 0.5 * scan.axes[axis];
+    } else {
+        out.origin = scan.origin;
+    }
+    out.values.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
+    Size p{};
+    for (p[2] = 0; p[2] < out.size[2]; ++p[2])
+        for (p[1] = 0; p[1] < out.size[1]; ++p[1])
+            for (p[0] = 0; p[0] < out.size[0]; ++p[0]) {
+                Size first = p;
+                first[a] *= 2;
+                Size second = first;
+                second[a] = std::min(second[a] + 1, scan.size[a] - 1);
+                out.values.push_back(0.5f * scan.values[scan.indexOf(first[0], first[1], first[2])] +
+                                     0.5f * scan.values[scan.indexOf(second[0], second[1], second[2])]);
+            }
+    return out;
+}
+
+void map(Scan& scan, const Mapping& mapping) {
+    for (float& value : scan.values) {
+        if (value <= mapping.threshold) {
+            value = 0;
+            continue;
+        }
+        double v = value;
+        if (mapping.window && !std::isnan(v)) {
+            const auto& [low, high] = *mapping.window;
+            v = std::clamp((v - low) / (high - low), 0.0, 1.0);
+        }
+        value = static_cast<float>(v * mapping.scale);
+    }
+}
+
+std::array<double, 2> range(const Scan& scan) {
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (const float v : scan.values)
+        if (std::isfinite(v)) {
+            least = std::min<double>(least, v);
+            most = std::max<double>(most, v);
+        }
+    return least <= most ? std::array{least, most} : std::array{0.0, 0.0};
+}
+
+}  // namespace scan

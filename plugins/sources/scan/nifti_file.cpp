@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// NIfTI: the library reads and checks the header; samples are read as those of a raw file, whose checks hold here too.
+#include "scan.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nifti2_io.h>
+
+namespace scan {
+namespace {
+
+struct Free {
+    void operator()(nifti_image* image) const { nifti_image_free(image); }
+};
+
+SampleType typeOf(const nifti_image& image, const std::string& path) {
+    switch (image.datatype) {
+        case DT_UINT8:
+            return SampleType::uint8;
+        case DT_INT8:
+            return SampleType::int8;
+        case DT_UINT16:
+            return SampleType::uint16;
+        case DT_INT16:
+            return SampleType::int16;
+        case DT_UINT32:
+            return SampleType::uint32;
+        case DT_INT32:
+            return SampleType::int32;
+        case DT_FLOAT32:
+            return SampleType::float32;
+        case DT_FLOAT64:
+            return SampleType::float64;
+        default:
+            refuse(path, fmt::format("holds {} samples, expected whole or real numbers of up to 32 bits or double",
+                                     nifti_datatype_to_string(image.datatype)));
+    }
+}
+
+/// The place of samples: the standard one (sform) if there is one, else that of the scanner (qform), else spacings
+/// along the axes.
+void place(const nifti_image& image, Scan& scan) {
+    const nifti_dmat44& m = image.sform_code > 0 ? image.sto_xyz : image.qto_xyz;
+    const bool placed = image.sform_code > 0 || image.qform_code > 0;
+    const double spacing[3] = {image.dx, image.dy, image.dz};
+    for (int column = 0; column < 3; ++column)
+        for (int row = 0; row < 3; ++row)
+            scan.axes[column][row] = placed                              ? m.m[row][column]
+                                     : row == column && spacing[row] > 0 ? spacing[row]
+                                                                         : row == column;
+    if (placed) scan.origin = {m.m[0][3], m.m[1][3], m.m[2][3]};
+}
+
+}  // namespace
+
+Scan readNifti(const std::string& path) {
+    fileBytes(path);
+    nifti_set_debug_level(0);  // it would print
+    const std::unique_ptr<nifti_image, Free> image(nifti_image_read(path.c_str(), 0));
+    if (!image) refuse(path, "is not a NIfTI file, or its header is damaged");
+    if (image->nx * image->ny * image->nz != static_cast<std::int64_t>(image->nvox))
+        refuse(path, fmt::format("holds several volumes ({} dimensions), expected one", image->ndim));
+
+    Scan scan;
+    RawLayout layout;
+    layout.size = scan.size = {image->nx, std::max<std::int64_t>(image->ny, 1), std::max<std::int64_t>(image->nz, 1)};
+    layout.type = typeOf(*image, path);
+    const bool swapped = image->byteorder != nifti_short_order();
+    layout.bigEndian = swapped == (std::endian::native == std::endian::little);
+    layout.header = image->iname_offset;
+    layout.exact = false;
+    if (layout.header < 0) refuse(path, "its samples begin before the file does");
+    place(*image, scan);
+    scan.values = readRaw(image->iname, layout);
+    if (image->scl_slope != 0 && std::isfinite(image->scl_slope) && std::isfinite(image->scl_inter))
+        for (float& v : scan.values) v = static_cast<float>(v * image->scl_slope + image->scl_inter);
+    return scan;
+}
+
+}  // namespace scan

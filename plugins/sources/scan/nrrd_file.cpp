@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: Apache-2.0
+// NRRD through Teem, in two goes: the header alone first, so that what it declares can be held against the file's size
+// before anything is allocated.
+#include "scan.h"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <teem/nrrd.h>
+
+namespace scan {
+namespace {
+
+struct Free {
+    void operator()(Nrrd* nrrd) const { nrrdNuke(nrrd); }
+    void operator()(NrrdIoState* state) const { nrrdIoStateNix(state); }
+};
+using NrrdOwner = std::unique_ptr<Nrrd, Free>;
+using StateOwner = std::unique_ptr<NrrdIoState, Free>;
+
+/// The innermost of the lines "[nrrd] function: text" that Teem has gathered.
+std::string teemError() {
+    char* gathered = biffGetDone(NRRD);
+    std::string text = gathered != nullptr ? gathered : "";
+    std::free(gathered);
+    while (!text.empty() && text.back() == '\n') text.pop_back();
+    text.erase(0, text.rfind('\n') + 1);
+    const std::size_t colon = text.find(": ");
+    return colon == std::string::npos ? text : text.substr(colon + 2);
+}
+
+void load(Nrrd* nrrd, NrrdIoState* state, const std::string& path) {
+    if (nrrdLoad(nrrd, path.c_str(), state) != 0) refuse(path, teemError());
+}
+
+/// The file that holds the samples: `path` itself, or the one its header names.
+std::string dataFile(const NrrdIoState& state, const std::string& path) {
+    if (state.dataFNFormat != nullptr || state.dataFNArr->len > 1)
+        refuse(path, "its samples are in several files, expected one");
+    if (state.dataFNArr->len == 0) return path;
+    return (std::filesystem::path(path).parent_path() / state.dataFN[0]).lexically_normal().string();
+}
+
+std::string typeName(int type) {
+    return airEnumStr(nrrdType, type);
+}
+
+/// Refuses a header whose samples cannot be in the file.
+void checkBytes(const Nrrd& nrrd, const NrrdIoState& state, const std::string& path) {
+    const Size size{static_cast<std::int64_t>(nrrd.axis[0].size), static_cast<std::int64_t>(nrrd.axis[1].size),
+                    static_cast<std::int64_t>(nrrd.axis[2].size)};
+    const std::int64_t count = sampleCount(size, path);
+    const std::int64_t bytes = count * static_cast<std::int64_t>(nrrdTypeSize[nrrd.type]);
+    const std::string file = dataFile(state, path);
+    const std::int64_t stored = fileBytes(file);
+    // As text a sample takes a digit and a separator.
+    const std::int64_t least = state.encoding == nrrdEncodingRaw     ? bytes
+                               : state.encoding == nrrdEncodingAscii ? 2 * count - 1
+                               : state.encoding == nrrdEncodingHex   ? 2 * bytes
+                                                                     : 0;
+    if (least > stored)
+        refuse(path, fmt::format("{} of {} need at least {} bytes as {}, and {} has {}", textOf(size),
+                                 typeName(nrrd.type), least, state.encoding->name, file, stored));
+    if (least == 0) checkRatio(stored, bytes, path);
+}
+
+/// Steps and origin: "space directions" if there are any, else spacings along the axes.
+void place(const Nrrd& nrrd, Scan& scan) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const NrrdAxisInfo& info = nrrd.axis[axis];
+        const bool directed = nrrd.spaceDim == 3 && std::isfinite(info.spaceDirection[0]);
+        for (int row = 0; row < 3; ++row) {
+            const double along = std::isfinite(info.spacing) && info.spacing != 0 ? std::abs(info.spacing) : 1;
+            scan.axes[axis][row] = directed ? info.spaceDirection[row] : row == axis ? along : 0;
+        }
+    }
+    for (int row = 0; row < 3; ++row)
+        if (nrrd.spaceDim == 3 && std::isfinite(nrrd.spaceOrigin[row])) scan.origin[row] = nrrd.spaceOrigin[row];
+}
+
+}  // namespace
+
+Scan readNrrd(const std::string& path) {
+    fileBytes(path);
+    // Teem would also take pictures and other formats, which it recognises by their first bytes.
+    std::string magic(4, '\0');
+    std::ifstream(path, std::ios::binary).read(magic.data(), 4);
+    if (magic != "NRRD") refuse(path, "is not an NRRD file: it does not begin with 'NRRD'");
+
+    static std::mutex mutex;  // Teem gathers its errors in one place for all threads
+    const std::lock_guard lock(mutex);
+    const NrrdOwner header(nrrdNew());
+    const StateOwner state(nrrdIoStateNew());
+    state->skipData = AIR_TRUE;
+    load(header.get(), state.get(), path);
+    if (header->dim != 3) refuse(path, fmt::format("has {} dimensions, expected 3", header->dim));
+    if (header->type == nrrdTypeBlock || nrrdTypeSize[header->type] == 0)
+        refuse(path, fmt::format("holds samples of type '{}', expected numbers", typeName(header->type)));
+    checkBytes(*header, *state, path);
+
+    const NrrdOwner nrrd(nrrdNew());
+    load(nrrd.get(), nullptr, path);
+    Scan scan;
+    for (std::size_t axis = 0; axis < 3; ++axis) scan.size[axis] = static_cast<std::int64_t>(nrrd->axis[axis].size);
+    place(*nrrd, scan);
+    scan.values.resize(static_cast<std::size_t>(sampleCount(scan.size, path)));
+    const auto sample = nrrdFLookup[nrrd->type];
+    for (std::size_t i = 0; i < scan.values.size(); ++i) scan.values[i] = sample(nrrd->data, i);
+    return scan;
+}
+
+}  // namespace scan

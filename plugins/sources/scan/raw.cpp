@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+// Samples from plain and gzipped files, and the checks on sizes that keep a wrong header from filling the memory.
+#include "scan.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace scan {
+namespace {
+
+constexpr std::int64_t kMostSamples = std::int64_t{1} << 31;  // 8 GB of floats
+constexpr std::int64_t kMostRatio = 1032;                     // of deflate (zlib's technical details)
+constexpr std::int64_t kSlack = 1 << 16;                      // for headers and empty files
+
+/// The bytes of a file in sequence, decompressed or not.
+class Bytes {
+  public:
+    Bytes(const std::string& path, bool compressed) : m_path(path) {
+        if (compressed) {
+            m_gz.reset(gzopen(path.c_str(), "rb"));
+            if (!m_gz) refuse(path, "cannot be opened");
+        } else {
+            m_file.open(path, std::ios::binary);
+            if (!m_file) refuse(path, "cannot be opened");
+        }
+    }
+
+    /// Up to `count` bytes; fewer at the end. Throws on damaged compression.
+    std::int64_t read(char* to, std::int64_t count) {
+        if (!m_gz) {
+            m_file.read(to, count);
+            return m_file.gcount();
+        }
+        const int got = gzread(m_gz.get(), to, static_cast<unsigned>(count));
+        int code = Z_OK;
+        const char* text = gzerror(m_gz.get(), &code);
+        if (got < 0 || (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR))
+            refuse(m_path, fmt::format("its compressed data is damaged: {}", text));
+        return got;
+    }
+
+  private:
+    struct Close {
+        void operator()(gzFile file) const { gzclose(file); }
+    };
+    std::string m_path;
+    std::ifstream m_file;
+    std::unique_ptr<gzFile_s, Close> m_gz;
+};
+
+template <typename T>
+float sample(const char* bytes, bool swap) {
+    std::array<char, sizeof(T)> raw;
+    std::memcpy(raw.data(), bytes, sizeof(T));
+    if (swap) std::reverse(raw.begin(), raw.end());
+    return static_cast<float>(std::bit_cast<T>(raw));
+}
+
+float sample(SampleType type, const char* bytes, bool swap) {
+    switch (type) {
+        case SampleType::uint8:
+            return sample<std::uint8_t>(bytes, false);
+        case SampleType::int8:
+            return sample<std::int8_t>(bytes, false);
+        case SampleType::uint16:
+            return sample<std::uint16_t>(bytes, swap);
+        case SampleType::int16:
+            return sample<std::int16_t>(bytes, swap);
+        case SampleType::uint32:
+            return sample<std::uint32_t>(bytes, swap);
+        case SampleType::int32:
+            return sample<std::int32_t>(bytes, swap);
+        case SampleType::float32:
+            return sample<float>(bytes, swap);
+        case SampleType::float64:
+            break;
+    }
+    return sample<double>(bytes, swap);
+}
+
+}  // namespace
+
+std::int64_t bytesOf(SampleType type) {
+    constexpr std::array<std::int64_t, 8> kBytes{1, 1, 2, 2, 4, 4, 4, 8};
+    return kBytes[static_cast<std::size_t>(type)];
+}
+
+std::string nameOf(SampleType type) {
+    constexpr std::array<const char*, 8> kNames{"uint8",  "int8",  "uint16", "int16",
+                                                "uint32", "int32", "float",  "double"};
+    return kNames[static_cast<std::size_t>(type)];
+}
+
+std::string textOf(const Size& size) {
+    return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
+}
+
+void refuse(const std::string& path, const std::string& reason) {
+    throw std::runtime_error(path + ": " + reason);
+}
+
+std::int64_t sampleCount(const Size& size, const std::string& path) {
+    std::int64_t count = 1;
+    for (const std::int64_t n : size) {
+        if (n < 1) refuse(path, fmt::format("{} samples, expected at least 1 along each axis", textOf(size)));
+        if (n > kMostSamples / count)
+            refuse(path,
+                   fmt::format("{} samples are more than {}, the most that is taken", textOf(size), kMostSamples));
+        count *= n;
+    }
+    return count;
+}
+
+std::int64_t fileBytes(const std::string& path) {
+    std::error_code error;
+    const auto status = std::filesystem::status(path, error);
+    if (status.type() == std::filesystem::file_type::not_found) refuse(path, "there is no such file");
+    if (error) refuse(path, error.message());
+    if (status.type() != std::filesystem::file_type::regular) refuse(path, "is not a file");
+    const auto bytes = std::filesystem::file_size(path, error);
+    if (error) refuse(path, error.message());
+    return static_cast<std::int64_t>(bytes);
+}
+
+void checkRatio(std::int64_t compressed, std::int64_t bytes, const std::string& path) {
+    if (bytes > compressed * kMostRatio + kSlack)
+        refuse(path, fmt::format("declares {} bytes of samples, and its {} compressed ones cannot hold that many",
+                                 bytes, compressed));
+}
+
+std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
+    const std::int64_t count = sampleCount(layout.size, path), width = bytesOf(layout.type);
+    const std::int64_t expected = layout.header + count * width, stored = fileBytes(path);
+    const bool compressed = path.ends_with(".gz");
+    const std::string declared = fmt::format("{} bytes ({} of {} after {} bytes of header)", expected,
+                                             textOf(layout.size), nameOf(layout.type), layout.header);
+    if (compressed)
+        checkRatio(stored, expected, path);
+    else if (stored < expected || (layout.exact && stored > expected))
+        refuse(path, fmt::format("has {} bytes, expected {}", stored, declared));
+
+    Bytes in(path, compressed);
+    std::vector<char> chunk(static_cast<std::size_t>(1 << 16));  // a multiple of every sample's width
+    const auto limit = static_cast<std::int64_t>(chunk.size());
+    std::int64_t got = 0;
+    const auto fetch = [&](std::int64_t bytes) {
+        const std::int64_t n = in.read(chunk.data(), bytes);
+        got += n;
+        if (n < bytes) refuse(path, fmt::format("ends after {} bytes, expected {}", got, declared));
+    };
+    for (std::int64_t left = layout.header; left > 0; left -= std::min(left, limit)) fetch(std::min(left, limit));
+
+    const bool swap = layout.bigEndian == (std::endian::native == std::endian::little);
+    std::vector<float> values(static_cast<std::size_t>(count));
+    for (std::int64_t i = 0; i < count;) {
+        const std::int64_t n = std::min(count - i, limit / width);
+        fetch(n * width);
+        for (std::int64_t k = 0; k < n; ++k, ++i)
+            values[static_cast<std::size_t>(i)] = sample(layout.type, chunk.data() + k * width, swap);
+    }
+    if (compressed && layout.exact && in.read(chunk.data(), 1) != 0)
+        refuse(path, fmt::format("goes on after {}", declared));
+    return values;
+}
+
+}  // namespace scan

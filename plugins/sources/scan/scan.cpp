@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// Volume source `scan`: measured or simulated volumes on a dense lattice (CT, MR, electron densities) as sparse grids.
+//
+//     scrim make scan file=bonsai_256.nrrd halve=z threshold=30 window=0,255 -o bonsai.vdb
+//     scrim make scan file=teddybear.raw size=128,128,62 spacing=2.8,2.8,5 threshold=20 -o teddy.vdb
+//
+// Which file: the ending of its name decides.
+//   .nrrd .nhdr   NRRD, its samples inside or in one file beside it, in any encoding of Teem's
+//   .nii .nii.gz  NIfTI-1 or -2
+//   others        raw samples, x fastest; gzipped where the name ends in .gz
+// A header says size, type, byte order and place itself, and the parameters marked raw must then be left alone. Its
+// place is kept: NRRD's space directions and origin (or spacings), NIfTI's sform, else its qform, else its spacings, in
+// the unit and handedness of the file (NIfTI: millimetres, x to the right, y to the front, z up; values by its slope
+// and intercept). A scene's `transform` turns it.
+//
+// Parameters:
+//   file         path; in a scene as seen from the scene, with ${NAME} and frames as other files
+//   size         raw: samples along x, y, z
+//   type         raw: uint8, int8, uint16, int16, uint32, int32, float or double
+//   endian       raw: little or big
+//   header       raw: bytes before the first sample
+//   spacing      distance between samples along x, y, z, in world units; 0, 0, 0: that of the file, or 1
+//   orientation  true: axes as the file turns them; false: along the world's, with the file's spacings
+//   center       true: the middle of the volume comes to the origin; false: where the file says
+//   crop_from    first sample that is kept, along x, y, z
+//   crop_to      first sample after those that are kept; 0, 0, 0: up to the end
+//   halve        axes, such as z or xyz, along which each two samples become their mean
+//   threshold    samples up to this (as the file has them) are empty
+//   window       "lo, hi": these become 0 and 1, what is beyond is clamped; "full": least and largest sample; empty: off
+//   scale        multiplied onto values at last
+//
+// The grid is called "density". A file that is shorter or (raw) longer than declared, sizes beyond 2^31 samples, and
+// compressed files too small to hold what they declare are refused before anything is allocated for them.
+#include "edit.h"
+#include "scan.h"
+
+#include <scrim/volume/scrim_source.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <exception>
+#include <new>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+namespace scan {
+namespace {
+
+enum {
+    kFile,
+    kSize,
+    kType,
+    kEndian,
+    kHeader,
+    kSpacing,
+    kOrientation,
+    kCenter,
+    kCropFrom,
+    kCropTo,
+    kHalve,
+    kThreshold,
+    kWindow,
+    kScale,
+    kCount
+};
+// 'auto' is what a header says, and for raw files the first of the others.
+constexpr scrim_parameter kParameters[kCount] = {
+    {"file", SCRIM_STRING, "", 0, 0, nullptr, "path of a .nrrd, .nhdr, .nii, .nii.gz or raw file"},
+    {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
+    {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double",
+     "raw: type of samples; auto: uint8"},
+    {"endian", SCRIM_STRING, "auto", 0, 0, "auto|little|big", "raw: order of bytes; auto: little"},
+    {"header", SCRIM_INTEGER, "0", 0, 1e12, nullptr, "raw: bytes before the first sample"},
+    {"spacing", SCRIM_VEC3, "0, 0, 0", 0, 1e9, nullptr, "between samples, in world units; 0, 0, 0: the file's, or 1"},
+    {"orientation", SCRIM_BOOL, "true", 0, 0, nullptr, "whether the file turns and places the volume"},
+    {"center", SCRIM_BOOL, "false", 0, 0, nullptr, "whether the middle comes to the origin"},
+    {"crop_from", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "first sample that is kept"},
+    {"crop_to", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "first sample after those kept; 0, 0, 0: up to the end"},
+    {"halve", SCRIM_STRING, "", 0, 0, nullptr, "axes along which each two samples become one: z, xy, xyz, ..."},
+    {"threshold", SCRIM_NUMBER, "0", 0, 0, nullptr, "samples up to this are empty"},
+    {"window", SCRIM_STRING, "", 0, 0, nullptr, "'lo, hi' that become 0 and 1, or 'full'; empty: values as they are"},
+    {"scale", SCRIM_NUMBER, "1", 0, 1e30, nullptr, "multiplied onto values"},
+};
+
+std::string lowerCase(std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+    return text;
+}
+
+glm::dvec3 vec3(const scrim_value& value) {
+    return {value.number[0], value.number[1], value.number[2]};
+}
+
+bool isZero(const scrim_value& value) {
+    return vec3(value) == glm::dvec3(0);
+}
+
+Size wholeNumbers(const scrim_value& value, const char* name) {
+    Size out{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        if (value.number[k] != std::floor(value.number[k]))
+            throw std::runtime_error(fmt::format("'{}' is {}, {}, {}, expected whole numbers", name, value.number[0],
+                                                 value.number[1], value.number[2]));
+        out[k] = static_cast<std::int64_t>(value.number[k]);
+    }
+    return out;
+}
+
+Scan readRawFile(const std::string& path, const scrim_value* values) {
+    if (isZero(values[kSize])) refuse(path, "a raw file does not say its size: give 'size', such as 128,128,64");
+    RawLayout layout;
+    layout.size = wholeNumbers(values[kSize], "size");
+    const std::string type = values[kType].text;
+    for (int i = 0; i < 8; ++i)
+        if (const auto t = static_cast<SampleType>(i); nameOf(t) == type) layout.type = t;
+    layout.bigEndian = std::string_view(values[kEndian].text) == "big";
+    layout.header = values[kHeader].integer;
+    Scan scan;
+    scan.size = layout.size;
+    scan.values = readRaw(path, layout);
+    return scan;
+}
+
+Scan readFile(const scrim_value* values) {
+    const std::string path = values[kFile].text, name = lowerCase(path);
+    if (path.empty()) throw std::runtime_error("expected 'file', a .nrrd, .nhdr, .nii, .nii.gz or raw file");
+    const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
+    const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz");
+    if (!nrrd && !nifti) return readRawFile(path, values);
+    const std::string_view automatic = "auto";
+    const char* given = !isZero(values[kSize])              ? "size"
+                        : values[kType].text != automatic   ? "type"
+                        : values[kEndian].text != automatic ? "endian"
+                        : values[kHeader].integer != 0      ? "header"
+                                                            : nullptr;
+    if (given != nullptr) refuse(path, fmt::format("says its '{}' itself; that is for raw files only", given));
+    return nrrd ? readNrrd(path) : readNifti(path);
+}
+
+void place(Scan& scan, const scrim_value* values) {
+    for (int k = 0; k < 3; ++k) {
+        double step = glm::length(scan.axes[k]);
+        if (!(step > 0) || !std::isfinite(step))
+            throw std::runtime_error("the file's axes are damaged: give 'orientation=false' and 'spacing'");
+        const double wanted = isZero(values[kSpacing]) ? step : values[kSpacing].number[k];
+        if (!(wanted > 0)) throw std::runtime_error("'spacing' has a 0, expected three numbers above 0");
+        if (values[kOrientation].boolean != 0) {
+            scan.axes[k] *= wanted / step;
+        } else {
+            scan.axes[k] = glm::dvec3(0);
+            scan.axes[k][k] = wanted;
+        }
+    }
+    if (values[kOrientation].boolean == 0) scan.origin = glm::dvec3(0);
+}
+
+Scan edited(Scan scan, const scrim_value* values) {
+    const Size from = wholeNumbers(values[kCropFrom], "crop_from");
+    const Size to = isZero(values[kCropTo]) ? scan.size : wholeNumbers(values[kCropTo], "crop_to");
+    for (std::size_t k = 0; k < 3; ++k)
+        if (from[k] >= to[k] || to[k] > scan.size[k])
+            throw std::runtime_error(fmt::format("a crop from {}, {}, {} to {}, {}, {} is no part of {} samples",
+                                                 from[0], from[1], from[2], to[0], to[1], to[2], textOf(scan.size)));
+    if (from != Size{} || to != scan.size) scan = cropped(scan, from, to);
+
+    const std::string_view axes = values[kHalve].text;
+    for (std::size_t i = 0; i < axes.size(); ++i)
+        if (axes[i] < 'x' || axes[i] > 'z' || axes.find(axes[i], i + 1) != std::string_view::npos)
+            throw std::runtime_error(fmt::format("'halve' is '{}', expected some of x, y and z, each once", axes));
+    for (const char axis : axes) scan = halved(scan, axis - 'x');
+    return scan;
+}
+
+Mapping mappingOf(const Scan& scan, const scrim_value* values) {
+    Mapping mapping;
+    mapping.threshold = values[kThreshold].number[0];
+    mapping.scale = values[kScale].number[0];
+    std::string text = values[kWindow].text;
+    if (text.empty()) return mapping;
+    std::array<double, 2> window{};
+    if (text == "full") {
+        window = range(scan);
+        if (!(window[0] < window[1])) throw std::runtime_error("'window' is 'full', and all samples are equal");
+    } else {
+        std::erase(text, ' ');
+        const char *end = text.data() + text.size(), *at = text.data();
+        const auto low = std::from_chars(at, end, window[0]);
+        const bool comma = low.ec == std::errc() && low.ptr != end && *low.ptr == ',';
+        const auto high = comma ? std::from_chars(low.ptr + 1, end, window[1]) : low;
+        if (!comma || high.ec != std::errc() || high.ptr != end || !(window[0] < window[1]) ||
+            !std::isfinite(window[1] - window[0]))
+            throw std::runtime_error(
+                fmt::format("'window' is '{}', expected two ascending numbers such as 0, 255, or 'full'",
+                            std::string_view(values[kWindow].text).substr(0, 80)));
+    }
+    mapping.window = window;
+    return mapping;
+}
+
+int emit(const scrim_host* host, const Scan& scan, bool center) {
+    const glm::dmat3& m = scan.axes;
+    const glm::dvec3 middle = 0.5 * glm::dvec3(scan.size[0] - 1, scan.size[1] - 1, scan.size[2] - 1);
+    const glm::dvec3 o = center ? -(m * middle) : scan.origin;
+    const double worldFromIndex[16] = {m[0].x, m[1].x, m[2].x, o.x, m[0].y, m[1].y, m[2].y, o.y,
+                                       m[0].z, m[1].z, m[2].z, o.z, 0,      0,      0,      1};
+    const int grid = host->add_grid(host, "density", worldFromIndex);
+    if (grid < 0) return grid;
+
+    std::array<float, 512> values;
+    for (std::int64_t z = 0; z < scan.size[2]; z += 8) {
+        for (std::int64_t y = 0; y < scan.size[1]; y += 8)
+            for (std::int64_t x = 0; x < scan.size[0]; x += 8) {
+                values.fill(0);
+                bool any = false;
+                for (std::int64_t k = z; k < std::min(z + 8, scan.size[2]); ++k)
+                    for (std::int64_t j = y; j < std::min(y + 8, scan.size[1]); ++j)
+                        for (std::int64_t i = x; i < std::min(x + 8, scan.size[0]); ++i) {
+                            const float v = scan.values[scan.indexOf(i, j, k)];
+                            values[static_cast<std::size_t>(((i - x) * 8 + j - y) * 8 + k - z)] = v;
+                            any = any || v != 0;
+                        }
+                if (!any) continue;
+                const std::int32_t origin[3] = {static_cast<std::int32_t>(x), static_cast<std::int32_t>(y),
+                                                static_cast<std::int32_t>(z)};
+                const bool constant =
+                    std::all_of(values.begin(), values.end(), [&](float v) { return v == values[0]; });
+                const int error = constant ? host->add_tile(host, grid, origin, 8, values[0])
+                                           : host->add_block(host, grid, origin, values.data());
+                if (error != 0) return error;
+            }
+        const double done = static_cast<double>(z + 8) / static_cast<double>(scan.size[2]);
+        if (const int stop = host->progress(host, std::min(done, 1.0)); stop != 0) return stop;
+    }
+    return 0;
+}
+
+int generate(const scrim_host* host, const scrim_value* values) {
+    try {
+        Scan scan = readFile(values);
+        place(scan, values);
+        scan = edited(std::move(scan), values);
+        map(scan, mappingOf(scan, values));
+        return emit(host, scan, values[kCenter].boolean != 0);
+    } catch (const std::bad_alloc&) {
+        host->fail(host, "not enough memory for the scan");
+    } catch (const std::exception& error) {
+        host->fail(host, error.what());
+    } catch (...) {
+        host->fail(host, "unknown exception");
+    }
+    return 1;
+}
+
+constexpr scrim_source kSource = {SCRIM_SOURCE_ABI,
+                                  sizeof(scrim_source),
+                                  "scan",
+                                  "scans and other dense volumes: NRRD, NIfTI or raw samples",
+                                  kParameters,
+                                  kCount,
+                                  sizeof(scrim_parameter),
+                                  generate};
+
+}  // namespace
+}  // namespace scan
+
+extern "C" SCRIM_SOURCE_EXPORT const scrim_source* scrim_source_v1(void) {
+    return &scan::kSource;
+}

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "plugins/generated.h"
+
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+#include <fmt/format.h>
+
+namespace scrim::test {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+/// A cube of edge 2 about the origin.
+constexpr const char* kCube =
+    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
+constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+
+/// The same cube as PLY. `format`: "ascii", "binary_little_endian" or "binary_big_endian".
+std::string cubePly(const std::string& format) {
+    const float points[8][3]{{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                             {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+    const std::int32_t faces[6][4]{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 4, 7, 3}, {1, 2, 6, 5}};
+    std::string out = "ply\nformat " + format +
+                      " 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
+                      "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
+    const auto put = [&](auto value) {
+        std::string bytes(sizeof value, '\0');
+        std::memcpy(bytes.data(), &value, sizeof value);
+        if ((format == "binary_big_endian") == (std::endian::native == std::endian::little))
+            std::reverse(bytes.begin(), bytes.end());
+        out += format == "ascii" ? fmt::format("{} ", value) : bytes;
+    };
+    for (const auto& p : points) {
+        for (const float c : p) put(c);
+        if (format == "ascii") out += "\n";
+    }
+    for (const auto& f : faces) {
+        out += format == "ascii" ? "4 " : std::string(1, '\4');
+        for (const std::int32_t i : f) put(i);
+        if (format == "ascii") out += "\n";
+    }
+    return out;
+}
+
+/// A ball of radius 1 with 2 n^2 quadrilaterals, some of them with two corners in one.
+std::string ballObj(int n) {
+    std::string out = "# a ball\nmtllib none.mtl\no ball\n";
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; j < 2 * n; ++j) {
+            const double t = kPi * i / n, p = kPi * j / n;
+            out += fmt::format("v {} {} {}\n", std::sin(t) * std::cos(p), std::cos(t), std::sin(t) * std::sin(p));
+        }
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < 2 * n; ++j) {
+            const int a = i * 2 * n + j + 1, b = i * 2 * n + (j + 1) % (2 * n) + 1;
+            out += fmt::format("f {} {} {} {}\n", a, b, b + 2 * n, a + 2 * n);
+        }
+    return out;
+}
+
+class MeshSource : public BuiltSource {
+  protected:
+    static SparseField fog(const std::string& path, Parameters more = {}) {
+        more.insert(more.begin(), {"file", path});
+        return make("mesh", more);
+    }
+    static std::string refused(const std::string& path, Parameters more = {}) {
+        more.insert(more.begin(), {"file", path});
+        return reason("mesh", more);
+    }
+};
+
+TEST_F(MeshSource, CubesKeepTheirVolume) {
+    const SparseField f = fog(write("cube.obj", kCube), {{"voxel", "0.05"}, {"density", "2"}});
+    EXPECT_EQ(f.name, "density");
+    // The ramp is symmetric about the faces; at edges and corners the distance is that to the edge, which takes
+    // something off in the outer half.
+    EXPECT_NEAR(mass(f), 16, 16 * 2e-3);
+    EXPECT_EQ(f.maxValue, 2);
+    ASSERT_FALSE(f.tiles.empty());
+    EXPECT_EQ(f.tiles[0].value, 2);
+    EXPECT_EQ(valueAt(f, Vec3(0.5, 0.5, 0.5)), 2);
+    EXPECT_EQ(valueAt(f, Vec3(1.1, 0, 0)), 0);
+}
+
+TEST_F(MeshSource, BallsOfManyFacesAreBalls) {
+    const SparseField f = fog(write("ball.obj", ballObj(48)), {{"voxel", "0.04"}});
+    EXPECT_NEAR(mass(f), 4 * kPi / 3, 0.01 * 4 * kPi / 3);  // an inscribed polyhedron is smaller by 0.2 %
+}
+
+TEST_F(MeshSource, EdgesAreLinearRampsAboutTheSurface) {
+    const SparseField f = fog(write("cube.obj", kCube), {{"voxel", "0.1"}, {"soft", "0.6"}});
+    for (const double x : {0.65, 0.75, 0.85, 0.95, 1.05, 1.15, 1.25, 1.35})
+        EXPECT_NEAR(valueAt(f, Vec3(x, 0.05, 0.05)), std::clamp(0.5 - (x - 1) / 0.6, 0.0, 1.0), 1e-4) << x;
+}
+
+TEST_F(MeshSource, PlyInAllItsFormatsGivesWhatObjGives) {
+    const SparseField obj = fog(write("cube.obj", kCube), {{"resolution", "32"}});
+    for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
+        const SparseField ply = fog(write("cube.ply", cubePly(format)), {{"resolution", "32"}});
+        EXPECT_EQ(ply.blockOrigins, obj.blockOrigins) << format;
+        EXPECT_NEAR(mass(ply), mass(obj), 1e-6) << format;
+    }
+}
+
+TEST_F(MeshSource, SurfacesAloneAreSheets) {
+    const SparseField f =
+        fog(write("t.obj", kTriangle), {{"voxel", "0.02"}, {"soft", "0.1"}, {"fill", "false"}, {"density", "3"}});
+    // A tent of half width 0.1 over an area of 0.5, and some around its border of length 2 + sqrt 2: there, at distance
+    // r, (1 - r / s) over half a disc's worth of directions gives pi s^2 / 6 a unit of length.
+    const double s = 0.1, border = 2 + std::sqrt(2.0);
+    EXPECT_NEAR(mass(f), 3 * (0.5 * s + border * kPi * s * s / 6), 3 * 0.5 * s * 0.05);
+    EXPECT_GT(valueAt(f, Vec3(0.25, 0.25, 0.001)), 2.6);
+    EXPECT_EQ(valueAt(f, Vec3(0.25, 0.25, 0.11)), 0);
+}
+
+TEST_F(MeshSource, BadFilesAreRefused) {
+    EXPECT_EQ(reason("mesh", {}), "expected 'file', a .obj or .ply file");
+    EXPECT_EQ(refused(file("none.obj")), file("none.obj") + ": there is no such file");
+    EXPECT_EQ(refused(m_folder.path() + "/x.stl"), file("x.stl") + ": expected a file that ends in .obj or .ply");
+    EXPECT_EQ(refused(write("empty.obj", "")), file("empty.obj") + ": is empty");
+    EXPECT_EQ(refused(write("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n")), file("points.obj") + ": has no triangles");
+    EXPECT_EQ(refused(write("nan.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n")),
+              file("nan.obj") + ": one of its vertices is nan, 1, 0, expected finite numbers");
+    EXPECT_EQ(refused(write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")),
+              file("far.obj") + ": cannot be read: OBJ: vertex index out of range");
+    const std::string point = "v 1 1 1\nv 1 1 1\nv 1 1 1\nf 1 2 3\n";
+    EXPECT_EQ(refused(write("point.obj", point)), file("point.obj") + ": all of its vertices are one point");
+    std::string lying = cubePly("binary_little_endian");
+    lying.replace(lying.find("vertex 8"), 8, "vertex 4000000000");
+    EXPECT_EQ(refused(write("lying.ply", lying)),
+              file("lying.ply") + fmt::format(": declares more of 'vertex' than its {} bytes can hold", lying.size()));
+    EXPECT_EQ(refused(write("text.ply", "this is no mesh")), file("text.ply") + ": has no PLY header");
+    std::string few = cubePly("binary_little_endian");
+    few.resize(few.find("end_header") + 60);
+    EXPECT_EQ(refused(write("few.ply", few)),
+              file("few.ply") + ": has 50 bytes after its header, which declares at least 102");
+    EXPECT_TRUE(refused(write("line.obj", "f 1 2\n")).starts_with(file("line.obj") + ": "));
+}
+
+// The library that reads meshes crashes on some of these; that must not reach us.
+TEST_F(MeshSource, FilesCutAnywhereAreRefused) {
+    const std::string whole = cubePly("binary_little_endian");
+    for (std::size_t n = 20; n < whole.size(); n += 23) {
+        const std::string text = refused(write("cut.ply", whole.substr(0, n)), {{"resolution", "16"}});
+        EXPECT_TRUE(text.starts_with(file("cut.ply") + ": ")) << text;
+    }
+}
+
+TEST_F(MeshSource, OpenSurfacesHaveNoInside) {
+    EXPECT_EQ(refused(write("t.obj", kTriangle)),
+              "no voxel lies inside the surface: choose a smaller 'voxel', or 'fill=false' where it is open");
+}
+
+TEST_F(MeshSource, TooManyVoxelsAreRefused) {
+    const std::string cube = write("cube.obj", kCube);
+    EXPECT_EQ(refused(cube, {{"voxel", "1e-5"}}),
+              "the mesh extends over 200003 voxels, expected at most 16384: choose a larger 'voxel'");
+    EXPECT_EQ(refused(cube, {{"voxel", "1e-3"}, {"soft", "1"}}),
+              "about 2.4e+10 voxels lie near the surface, expected at most 5.37e+08: choose a larger 'voxel' or a "
+              "smaller 'soft'");
+    const std::string away = write("away.obj", "v 1e9 0 0\nv 1000000001 0 0\nv 1e9 1000 0\nf 1 2 3\n");
+    EXPECT_EQ(refused(away, {{"voxel", "1"}}),
+              "the mesh lies 1e+09 voxels from the origin, expected at most 268435456");
+}
+
+}  // namespace
+}  // namespace scrim::test
