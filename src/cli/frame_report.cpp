@@ -17,6 +17,7 @@ Json workJson(const RenderWork& w) {
             {"texels_shaded", w.texelsShaded},
             {"light_samples", w.lightSamples},
             {"light_lookups", w.lightLookups},
+            {"slide_lookups", w.slideLookups},
             {"pixel_sheets", w.pixelSheets},
             {"sheets", w.sheets},
             {"buffer_bytes", w.bufferBytes}};

@@ -152,6 +152,7 @@ std::uint64_t EyeWalk::shadePixels(int tile, const Range& range, const PlaneStac
             cutSlab(walk.rays, step, m_frontToBack, part, at);
         else
             std::fill(at, at + kTileSize, static_cast<float>(step));
+        points.spacing = m_eye.pixelSpacing(range.sheet + p - range.firstPlane + 0.5);
         const auto toSlope = static_cast<float>(shader.slopeScale());
         for (int k = 0; k < kTileSize; ++k) {
             points.u[k] = walk.rays.u[k] + at[k] * walk.rays.stepU[k];

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/light_raster.h>
 
+#include <scrim/base/error.h>
+#include <scrim/light/slide_map.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include <fmt/format.h>
 
 namespace scrim {
 namespace {
@@ -24,6 +29,14 @@ struct Extent {
     }
 };
 
+// What lies in both; where nothing does, a point of `a`.
+Extent common(const Extent& a, const Extent& b) {
+    Extent both;
+    both.include(std::clamp(b.x0, a.x0, a.x1), std::clamp(b.y0, a.y0, a.y1));
+    both.include(std::clamp(b.x1, a.x0, a.x1), std::clamp(b.y1, a.y0, a.y1));
+    return both;
+}
+
 // Lays cells over the extent, with a margin of two for look-ups between cells.
 void layCells(const Extent& extent, LightView& view) {
     view.cell = std::max({view.cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
@@ -42,6 +55,9 @@ void layCells(const Extent& extent, LightView& view) {
 LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
                     LightPart part) {
     const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
+    if (light.slide && !light.slide->image)
+        throw Error(ErrorKind::usage,
+                    fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
     LightPlan plan;
     plan.light = part.light;
     plan.shadowed = light.shadows;
@@ -56,10 +72,17 @@ LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, co
         const Vec3 travel = sheets.tsVector(light.wsDirection);
         view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
         view.cell = scene.dials.shadowTexel;
-        for (const Vec3& corner : corners) {
-            const Vec3 ts = sheets.tsPoint(corner);
-            extent.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
-        }
+        const auto covered = [&](const std::vector<Vec3>& points) {
+            Extent all;
+            for (const Vec3& point : points) {
+                const Vec3 ts = sheets.tsPoint(point);
+                all.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
+            }
+            return all;
+        };
+        extent = covered(corners);
+        if (light.slide && light.slide->outside == SlideOutside::black)
+            extent = common(extent, covered(distantSlideCorners(light)));
         layCells(extent, view);
         return plan;
     }

@@ -3,12 +3,14 @@
 
 #include <scrim/base/error.h>
 #include <scrim/light/shadow_buffer.h>
+#include <scrim/light/slide_map.h>
 #include <scrim/render/light_raster.h>
 #include <scrim/splat/footprint_table.h>
 #include <scrim/splat/plane_stack.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -65,6 +67,20 @@ std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool shad
     return bytes;
 }
 
+// Why a slide wants pixels: where its own are smaller than a texel, texels would blur it. Empty where none does.
+std::string fineSlide(const ViewScene& scene, double texel) {
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    for (const Light& light : scene.lights) {
+        if (!light.slide) continue;
+        const std::optional<double> pixel = slidePixel(light, ws.center());
+        if (pixel && *pixel < texel)
+            return fmt::format("a pixel of the slide of '{}' covers {:.3g} at the volume, less than a texel of {:.3g}",
+                               light.name, *pixel, texel);
+    }
+    return {};
+}
+
 // Shading at texels costs by texel, shading at pixels by pixel; for a medium both are equally exact.
 void chooseShading(const ViewScene& scene, Plan& plan) {
     if (scene.dials.shade != ShadeMode::automatic) {
@@ -77,6 +93,11 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
     const double pixels = n * n * scene.camera.resolution.x * scene.camera.resolution.y;
     const Sheets& sheets = plan.groups.front().sheets;
     const double texels = double(sheets.width) * sheets.height;
+    if (const std::string reason = fineSlide(scene, sheets.texel); !reason.empty()) {
+        plan.shadeAtPixels = true;
+        plan.shadeReason = reason;
+        return;
+    }
     // A pixel's sample costs about twice a texel's: it gathers its extinction and its shadow.
     plan.shadeAtPixels = 2 * pixels < texels;
     plan.shadeReason = fmt::format(

@@ -52,6 +52,7 @@ struct Incidence {
     alignas(64) float b[kTileSize];
     alignas(64) float slant[kTileSize];       // 1 / cos of its angle to w
     alignas(64) float irradiance[kTileSize];  // before attenuation, relative to intensity
+    alignas(64) float tint[3 * kTileSize];    // by the light's slide, if it has one
 };
 
 HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
@@ -161,6 +162,8 @@ struct Work {
     Incidence in;
 };
 
+// `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place to place).
+template <bool kTinted>
 HWY_ATTR void addScattered(const ShadeInput& input, const SheetLight& light, const SheetMedium& medium, Work& w) {
     const DF d;
     const auto r = constant(light.intensity[0] * medium.albedo[0]);
@@ -168,9 +171,12 @@ HWY_ATTR void addScattered(const ShadeInput& input, const SheetLight& light, con
     const auto b = constant(light.intensity[2] * medium.albedo[2]);
     const auto add = [&](int k, VF phase) HWY_ATTR {
         const auto amount = hn::Mul(hn::Mul(load(medium.extinction, k), load(w.light, k)), phase);
-        hn::Store(hn::MulAdd(amount, r, load(w.rgb[0], k)), d, w.rgb[0] + k);
-        hn::Store(hn::MulAdd(amount, g, load(w.rgb[1], k)), d, w.rgb[1] + k);
-        hn::Store(hn::MulAdd(amount, b, load(w.rgb[2], k)), d, w.rgb[2] + k);
+        const auto tinted = [&](int c) HWY_ATTR {
+            return kTinted ? hn::Mul(amount, load(w.in.tint + c * kTileSize, k)) : amount;
+        };
+        hn::Store(hn::MulAdd(tinted(0), r, load(w.rgb[0], k)), d, w.rgb[0] + k);
+        hn::Store(hn::MulAdd(tinted(1), g, load(w.rgb[1], k)), d, w.rgb[1] + k);
+        hn::Store(hn::MulAdd(tinted(2), b, load(w.rgb[2], k)), d, w.rgb[2] + k);
     };
     if (medium.g == 0)
         forSamples([&](int k) HWY_ATTR { add(k, constant(kInverseFourPi)); });
@@ -180,6 +186,11 @@ HWY_ATTR void addScattered(const ShadeInput& input, const SheetLight& light, con
 
 HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
     const SheetLight& light = input.lights[index];
+    if (light.slide.image) {
+        const SampleTile& s = *input.samples;
+        const SlideSamples samples{s.u, s.v, s.eyeA, s.eyeB, input.thickness / input.texel, s.spacing};
+        if (!tintTile(light.slide, samples, w.in.tint)) return;  // outside of the picture
+    }
     if (light.distant)
         meetDistant(light, w.in);
     else
@@ -194,7 +205,11 @@ HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
         transmit<true, true>(input, w.in, tauIn, w.tauEye, w.pathEye, w.light);
     else
         transmit<true, false>(input, w.in, tauIn, w.tauEye, w.pathEye, w.light);
-    for (int m = 0; m < input.mediumCount; ++m) addScattered(input, light, input.media[m], w);
+    for (int m = 0; m < input.mediumCount; ++m)
+        if (light.slide.image)
+            addScattered<true>(input, light, input.media[m], w);
+        else
+            addScattered<false>(input, light, input.media[m], w);
 }
 
 HWY_ATTR void addAmbient(const ShadeInput& input, Work& w) {
