@@ -71,7 +71,7 @@ FilePixels readPixels(const std::string& path) {
     stored.set_format(OIIO::TypeDesc::FLOAT);
     stored.channelformats.clear();
     OIIO::ImageBuf data(stored);
-    if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.localpixels()))
+    if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.localpixels()) || in->has_error())
         refuse(path, clipped(in->geterror()));
     FilePixels out;
     out.integers = !spec.format.is_floating_point();

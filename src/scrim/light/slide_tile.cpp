@@ -247,8 +247,10 @@ HWY_ATTR HWY_INLINE Pixel bilinear(const LevelPlace& level, float x, float y) {
 
 // The part of a tap's box, along one axis, that lies within the picture.
 HWY_INLINE float within(float middle, float box, float begin, float end) {
-    const float half = 0.5f * box;
-    return std::max(std::min(middle + half, end) - std::max(middle - half, begin), 0.0f) / box;
+    // Counted from both borders, so that well inside it is 1 to the last bit, however small the box.
+    const float left = std::min((middle - begin) / box + 0.5f, 1.0f),
+                right = std::min((end - middle) / box + 0.5f, 1.0f);
+    return std::max(left + right - 1, 0.0f);
 }
 
 struct Levels {

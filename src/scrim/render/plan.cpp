@@ -67,16 +67,19 @@ std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool shad
     return bytes;
 }
 
-// Why a slide wants pixels: where its own are smaller than a texel, texels would blur it. Empty where none does.
+// Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels as
+// large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where none
+// does.
 std::string fineSlide(const ViewScene& scene, double texel) {
     Bounds ws;
     for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
     for (const Light& light : scene.lights) {
         if (!light.slide) continue;
         const std::optional<double> pixel = slidePixel(light, ws.center());
-        if (pixel && *pixel < texel)
-            return fmt::format("a pixel of the slide of '{}' covers {:.3g} at the volume, less than a texel of {:.3g}",
-                               light.name, *pixel, texel);
+        if (pixel && *pixel < 2 * texel)
+            return fmt::format(
+                "a pixel of the slide of '{}' covers {:.3g} at the volume, less than two texels of {:.3g}", light.name,
+                *pixel, texel);
     }
     return {};
 }
