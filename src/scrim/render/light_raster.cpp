@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/light_raster.h>
 
-#include <scrim/base/error.h>
 #include <scrim/light/slide_map.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-
-#include <fmt/format.h>
 
 namespace scrim {
 namespace {
@@ -55,9 +52,6 @@ void layCells(const Extent& extent, LightView& view) {
 LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
                     LightPart part) {
     const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
-    if (light.slide && !light.slide->image)
-        throw Error(ErrorKind::usage,
-                    fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
     LightPlan plan;
     plan.light = part.light;
     plan.shadowed = light.shadows;

@@ -151,6 +151,10 @@ Plan makePlan(const ViewScene& scene, int threads) {
     plan.region = {scene.region.x0 * n, scene.region.y0 * n, scene.region.x1 * n, scene.region.y1 * n};
     const std::vector<Vec3> corners = wsCorners(scene);
     if (corners.empty()) return plan;
+    for (const Light& light : scene.lights)
+        if (light.slide && !light.slide->image)
+            throw Error(ErrorKind::usage,
+                        fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
 
     for (LightGroup& group : groupLights(scene, corners)) {
         GroupPlan g;

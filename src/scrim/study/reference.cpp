@@ -43,7 +43,10 @@ double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) 
     for (const auto& map : m_slides) {
         if (!map) continue;
         const Vec3 a = map->homogeneous(ws), b = map->homogeneous(ws + step * direction);
-        if (a.z > 0 && b.z > 0) most = std::max(most, glm::distance(Vec2(a) / a.z, Vec2(b) / b.z) / kSlidePixels);
+        if (a.z > 0 && b.z > 0)
+            most = std::max(most, glm::distance(Vec2(a) / a.z, Vec2(b) / b.z) / kSlidePixels);
+        else if (a.z > 0 || b.z > 0)
+            most = kMostSlideSteps;  // into the light, or out of it
     }
     return step / std::min(most, kMostSlideSteps);
 }
