@@ -120,7 +120,8 @@ TEST(Classified, InteriorsWithoutAGradientAreNotBlack) {
     scene.lights[0].shadows = false;
     // Along z nearly all is interior: radiance = E/pi times opacity, whatever the way to the light.
     const auto pixel = pixelOf(renderScene(scene), 4, 4);
-    EXPECT_NEAR(pixel[0], pixel[3], 0.08 * pixel[3]);
+    // The faces at either end have normals, to a depth of about five voxels in all 98.
+    EXPECT_NEAR(pixel[0], pixel[3], 0.16 * pixel[3]);
 }
 
 TEST(Classified, HighlightIsWhereTheMirrorDirectionMeetsTheEye) {

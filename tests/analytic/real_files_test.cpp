@@ -57,6 +57,7 @@ ViewScene sceneOf(const Case& c) {
     Medium medium;
     medium.densityScale = c.scale;
     ViewScene scene;
+    scene.dials.crossFade = 0;
     scene.volumes.push_back({c.file, field, field->wsFromIs, medium});
 
     const Bounds ws = transformed(field->wsFromIs, field->isBounds());

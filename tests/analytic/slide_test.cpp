@@ -185,6 +185,9 @@ struct HardCase {
     Vec3 direction;
     bool projector;
 };
+void PrintTo(const HardCase& c, std::ostream* out) {
+    *out << c.name;
+}
 
 class SlideInSmoke : public testing::TestWithParam<HardCase> {
   protected:

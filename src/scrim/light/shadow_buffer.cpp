@@ -31,9 +31,28 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
     m_used.reserve(static_cast<std::size_t>(batchSheets));
 }
 
+// The part of its own sheet that a lamp inside the volume shines through: no raster resolves it, so every ray takes
+// the extinction at the lamp.
+void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
+    alignas(64) float u[kTileSize], v[kTileSize], sigma[kTileSize];
+    std::fill(u, u + kTileSize, static_cast<float>(m_view.tsSource.x));
+    std::fill(v, v + kTileSize, static_cast<float>(m_view.tsSource.y));
+    samplePoints(extinction, u, v, false, kTileEdge, sigma);
+    for (int y = 0; y < m_view.height; ++y)
+        for (int x = 0; x < m_view.width; ++x) {
+            const double a = (m_view.first.x + x * m_view.cell) * m_view.slopeScale;
+            const double b = (m_view.first.y + y * m_view.cell) * m_view.slopeScale;
+            m_tau[static_cast<std::size_t>(y) * static_cast<std::size_t>(m_view.width) + static_cast<std::size_t>(x)] +=
+                static_cast<float>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
+        }
+}
+
 void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
     m_firstSheet = firstSheet;
     m_count = count;
+    for (int s = 0; s < count; ++s)
+        if (const double part = m_view.litPart(firstSheet + s); part > 0 && part < 1)
+            leaveTheSource(part, {extinction.plane(s), extinction.width(), extinction.height()});
     const int tilesX = extinction.tilesX(), tilesY = extinction.tilesY();
     const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
 

@@ -53,6 +53,7 @@ class ShadowBuffer final : public ShadowLookup {
     static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets);
 
   private:
+    void leaveTheSource(double part, const FloatPlane& extinction);
     FloatPlane entryPlane(int s) const;
     bool lit(int s) const { return m_windowTilesX > 0 && m_view.reaches(m_firstSheet + s); }
 

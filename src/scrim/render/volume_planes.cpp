@@ -39,9 +39,8 @@ std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume
     const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale);
     if (!raster.parallel)
         return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, dials.footprintSteps, scale);
-    // Normals show what rounding does to footprints; extinction does not.
-    const FootprintLookup lookup = volume.classified ? FootprintLookup::sloped : FootprintLookup::nearest;
-    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, dials.footprintSteps, scale, lookup);
+    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, dials.footprintSteps, scale,
+                         VolumePlanes::footprintLookup(volume, raster));
 }
 
 }  // namespace
@@ -60,6 +59,10 @@ VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const S
     m_surface.emplace(Surface{TransferTable(*volume.classified),
                               scrim::vagueGradient(*volume.classified, voxel),
                               {batchSheets, raster.width, raster.height, 1}});
+}
+
+FootprintLookup VolumePlanes::footprintLookup(const ViewVolume& volume, const ViewRaster& raster) {
+    return volume.classified || raster.rsFromTs != Mat4(1.0) ? FootprintLookup::sloped : FootprintLookup::nearest;
 }
 
 int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {

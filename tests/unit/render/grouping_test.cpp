@@ -58,7 +58,8 @@ void expectSame(const Vec3& a, const Vec3& b, double tolerance) {
 // The largest angle between the axis and any ray of the group, the eye's turned where it looks against the lights.
 double worstSlant(const ViewScene& scene, const LightGroup& group) {
     double worst = 0;
-    for (const Vec3& d : eyeParts(scene, wsCorners(scene)).front().wsDirections)
+    const std::vector<EyePart> eye = eyeParts(scene, wsCorners(scene));
+    for (const Vec3& d : eye.front().wsDirections)
         worst = std::max(worst, angle(group.sameSide ? d : -d, group.wsAxis));
     for (const LightPart& part : group.parts)
         for (const Vec3& d : part.wsDirections) worst = std::max(worst, angle(d, group.wsAxis));

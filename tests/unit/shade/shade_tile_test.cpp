@@ -375,6 +375,7 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
     Light inside;
     inside.type = LightType::point;
     scene.lights.push_back(inside);
+    scene.dials.crossFade = 0;
     std::vector<LightPart> parts;
     for (const LightGroup& group : groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front()))
         parts.insert(parts.end(), group.parts.begin(), group.parts.end());

