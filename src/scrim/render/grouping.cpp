@@ -177,7 +177,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
         addParts(static_cast<int>(i), scene.lights[i], corners, parts);
 
-    const Vec3 axis = glm::normalize(meanDirection(eye.wsDirections));
+    const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
     for (const LightPart& part : parts) {
         const Vec3 mean = meanDirection(part.wsDirections);
