@@ -12,6 +12,7 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <cmath>
 #include <chrono>
 #include <string>
 #include <vector>
@@ -46,6 +47,19 @@ struct Setting {
     }
 };
 
+// Distant lights spread evenly over the sphere (a Fibonacci lattice): the worst case for grouping.
+void lightsAllRound(ViewScene& scene, int count) {
+    const Light first = scene.lights.front();
+    scene.lights.clear();
+    for (int i = 0; i < count; ++i) {
+        const double z = 1 - 2 * (i + 0.5) / count, r = std::sqrt(1 - z * z), angle = 2.399963 * i;
+        Light light = first;
+        light.name = fmt::format("light{}", i);
+        light.wsDirection = {r * std::cos(angle), r * std::sin(angle), z};
+        scene.lights.push_back(light);
+    }
+}
+
 std::vector<Setting> settings(const ViewScene& one) {
     std::vector<Setting> all;
     const auto add = [&](const std::string& label, const ViewScene& scene, int threads = 2) {
@@ -65,6 +79,16 @@ std::vector<Setting> settings(const ViewScene& one) {
     behind.lights.back().name = "behind";
     behind.lights.back().wsDirection = -one.lights.front().wsDirection;
     add("2 lights, two sweeps", behind);
+    for (const int count : {4, 8, 16}) {
+        ViewScene scene = one;
+        lightsAllRound(scene, count);
+        add(fmt::format("{} lights, all round", count), scene);
+    }
+    ViewScene perView = one;
+    perView.dials.splat = SplatMode::perView;
+    add("one light, shadow, per-view", perView);
+    perView.lights[0].shadows = false;
+    add("one light, no shadow, per-view", perView);
     add("one light, shadow, 1 thread", one, 1);
     return all;
 }
@@ -81,8 +105,10 @@ void report(const std::string& asset, int rounds) {
         for (Setting& s : all) s.round();
 
     const double base = all[0].median();
-    fmt::print("  {:<30}{:>9}{:>12}\n", "setting", "ms", "x unshadowed");
-    for (Setting& s : all) fmt::print("  {:<30}{:>9.1f}{:>12.2f}\n", s.label, 1e3 * s.median(), s.median() / base);
+    fmt::print("  {:<32}{:>9}{:>12}{:>9}\n", "setting", "ms", "x unshadowed", "MB");
+    for (Setting& s : all)
+        fmt::print("  {:<32}{:>9.1f}{:>12.2f}{:>9.0f}\n", s.label, 1e3 * s.median(), s.median() / base,
+                   static_cast<double>(s.frame.work.bufferBytes) / 1e6);
     fmt::print("  each further light, up to 8: +{:.3f} of the unshadowed picture\n",
                (all[4].median() - all[1].median()) / 7 / base);
     fmt::print("  two threads are {:.2f}x as fast as one\n", all.back().median() / all[1].median());

@@ -118,9 +118,10 @@ void VolumePlanes::classify(int p) {
             for (int k = 0; k < kTileSize; ++k) {
                 const std::ptrdiff_t at =
                     corner + static_cast<std::ptrdiff_t>(k / kTileEdge) * around.width + k % kTileEdge;
-                middle[k] = here[at];
-                front[k] = 0.5f * (before[at] + middle[k]);
-                back[k] = 0.5f * (behind[at] + middle[k]);
+                const SheetRun run = runThroughSheet(before[at], here[at], behind[at]);
+                front[k] = run.front;
+                middle[k] = run.middle;
+                back[k] = run.back;
             }
             m_surface->table.meanExtinction(front, middle, back, kTileSize, sigma);
             float* to = out.plane(p) + corner;

@@ -46,8 +46,10 @@ void sampleRun(const ValuePlanes& planes, const SampleTile& samples, const Sheet
     sampleAlongRays(planes.at(0), planes, samples, 0, run.middle);
     sampleAlongRays(planes.at(1), planes, samples, texelsPerSlope, run.back);
     for (int k = 0; k < kTileSize; ++k) {
-        run.front[k] = 0.5f * (run.front[k] + run.middle[k]);
-        run.back[k] = 0.5f * (run.back[k] + run.middle[k]);
+        const SheetRun through = runThroughSheet(run.front[k], run.middle[k], run.back[k]);
+        run.front[k] = through.front;
+        run.middle[k] = through.middle;
+        run.back[k] = through.back;
     }
 }
 
