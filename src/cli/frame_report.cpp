@@ -12,13 +12,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json workJson(const RenderWork& w) {
-    return {{"voxels_fed", w.voxelsFed},
-            {"footprints", w.footprints},
-            {"texels_shaded", w.texelsShaded},
-            {"light_samples", w.lightSamples},
-            {"light_lookups", w.lightLookups},
-            {"pixel_sheets", w.pixelSheets},
-            {"sheets", w.sheets},
+    return {{"voxels_fed", w.voxelsFed},       {"footprints", w.footprints},
+            {"texels_shaded", w.texelsShaded}, {"light_samples", w.lightSamples},
+            {"light_lookups", w.lightLookups}, {"slide_lookups", w.slideLookups},
+            {"pixel_sheets", w.pixelSheets},   {"sheets", w.sheets},
             {"buffer_bytes", w.bufferBytes}};
 }
 

@@ -4,6 +4,7 @@
 #include "console.h"
 #include "field_store.h"
 #include "scene_input.h"
+#include "slide_store.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
@@ -24,8 +25,9 @@ struct PlannedFrame {
     std::string text;
 };
 
-PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options, FieldStore& store, Console& console) {
-    const Scene scene = input.sceneAt(frame);
+PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options, FieldStore& store, SlideStore& slides,
+                       Console& console) {
+    Scene scene = input.sceneAt(frame);
     std::vector<VolumeFile> files = findFiles(scene);
     for (VolumeFile& file : files) {
         if (file.state != FileState::missing) continue;
@@ -34,8 +36,9 @@ PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options
         if (options.missing == MissingPolicy::skip) return {};
         file.state = FileState::black;
     }
+    slides.loadInto(scene);
     const Fields fields = store.fieldsOf(scene, files);
-    const ViewScene view = assemble(scene, fields, options.crop, memoryLeft(options.memory, fields));
+    const ViewScene view = assemble(scene, fields, options.crop, memoryLeft(options.memory, fields, slides.bytes()));
     const Plan plan = makePlan(view, threadCount());
 
     PlannedFrame planned;
@@ -55,6 +58,7 @@ void planCommand(const SceneOptions& options) {
     const ThreadLimit threads(options.threads);
     const ColourConfig colour = ColourConfig::open(options.ocio);
     FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
+    SlideStore slides(colour, console.sink());
     std::vector<SceneInput> inputs = openInputs(options, colour, store, false);
     Json all = Json::array();
     bool first = true;
@@ -64,7 +68,7 @@ void planCommand(const SceneOptions& options) {
             continue;
         }
         for (const int frame : input.frames()) {
-            PlannedFrame planned = planFrame(input, frame, options, store, console);
+            PlannedFrame planned = planFrame(input, frame, options, store, slides, console);
             if (planned.text.empty()) continue;
             if (options.json)
                 all.push_back(std::move(planned.json));

@@ -7,6 +7,7 @@
 #include "frame_report.h"
 #include "interrupt.h"
 #include "scene_input.h"
+#include "slide_store.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
@@ -40,6 +41,7 @@ class RenderRun {
           m_threads(options.threads),
           m_colour(ColourConfig::open(options.ocio)),
           m_store({options.memory, options.threads, options.verbose}, m_console.sink()),
+          m_slides(m_colour, m_console.sink()),
           m_progress(options.progress, m_console) {}
 
     void run();
@@ -55,6 +57,7 @@ class RenderRun {
     ThreadLimit m_threads;
     ColourConfig m_colour;
     FieldStore m_store;
+    SlideStore m_slides;
     Progress m_progress;
     std::vector<FrameReport> m_reports;
 };
@@ -126,7 +129,7 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
         return m_console.line(fmt::format("frame {}: {} exists already", frame, input.output().at(frame)));
 
     FrameReport report;
-    const Scene scene = timed(report.load, [&] { return input.sceneAt(frame); });
+    Scene scene = timed(report.load, [&] { return input.sceneAt(frame); });
     report.input = input.name();
     report.file = scene.output.file;
     report.frame = frame;
@@ -137,12 +140,15 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
 
     std::vector<VolumeFile> files = findFiles(scene);
     if (!mayRender(frame, files)) return;
-    const Fields fields = timed(report.load, [&] { return m_store.fieldsOf(scene, files); });
+    const Fields fields = timed(report.load, [&] {
+        m_slides.loadInto(scene);
+        return m_store.fieldsOf(scene, files);
+    });
     warnOfEmpty(scene, files, fields);
 
     ViewScene view;
     const Plan plan = timed(report.plan, [&] {
-        view = assemble(scene, fields, m_options.crop, memoryLeft(m_options.memory, fields));
+        view = assemble(scene, fields, m_options.crop, memoryLeft(m_options.memory, fields, m_slides.bytes()));
         return makePlan(view, threadCount());
     });
     report.planJson = planAsJson(view, plan);

@@ -219,13 +219,13 @@ std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConf
     return inputs;
 }
 
-std::size_t memoryLeft(std::size_t limit, const Fields& fields) {
-    const std::size_t taken = bytesOf(fields);
+std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slideBytes) {
+    const std::size_t taken = bytesOf(fields) + slideBytes;
     if (limit == 0) return 0;
     if (taken >= limit)
         throw Error(ErrorKind::memory,
-                    fmt::format("the volumes take {}, which leaves nothing of the limit of {} (--memory)",
-                                bytesText(taken), bytesText(limit)));
+                    fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
+                                slideBytes > 0 ? " and slides" : "", bytesText(taken), bytesText(limit)));
     return limit - taken;
 }
 

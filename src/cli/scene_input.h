@@ -58,8 +58,8 @@ class SceneInput {
 std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store,
                                    bool writes);
 
-/// Bytes that buffers may take: what `fields` leave of `limit`; 0 where there is no limit. Throws
-/// Error(memory).
-std::size_t memoryLeft(std::size_t limit, const Fields& fields);
+/// Bytes that buffers may take: what `fields` and slides of so many bytes leave of `limit`; 0 where there is no limit.
+/// Throws Error(memory).
+std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slideBytes);
 
 }  // namespace scrim::cli

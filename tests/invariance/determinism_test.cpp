@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What must not change a picture: threads, memory, the order of lights and volumes, where the scene stands.
 #include "support/fields.h"
+#include "support/slides.h"
 
 #include <scrim/base/parallel.h>
+#include <scrim/base/simd.h>
 #include <scrim/geometry/camera.h>
 
 #include <gtest/gtest.h>
@@ -67,6 +69,29 @@ TEST(InstructionSets, AgreeToRounding) {
     for (const char* name : {"avx2", "avx512", "auto"}) {
         scene.dials.simd = name;
         EXPECT_LT(largestDifference(narrow, renderScene(scene).image), 1e-5 * brightest(narrow)) << name;
+    }
+}
+
+// Slides: threads change no bit, crops and instruction sets the last ones only, at texels and at pixels.
+TEST(Slides, AreTheSameForThreadsCropsAndInstructionSets) {
+    for (const ShadeMode mode : {ShadeMode::texel, ShadeMode::pixel}) {
+        ViewScene scene = smokeScene();
+        scene.dials.shade = mode;
+        scene.lights.push_back(projector({-70, 60, 50}, 30, quarters(48)));
+        const auto with = [&](int threads) {
+            const ThreadLimit limit(threads);
+            return render(scene, makePlan(scene, threads)).image;
+        };
+        const Image whole = with(1);
+        EXPECT_EQ(whole.rgba, with(3).rgba);
+        ViewScene part = scene;
+        part.region = {13, 21, 50, 44};
+        const Image crop = renderScene(part).image;
+        EXPECT_LT(largestDifference(crop, reframed(whole, part.region)), 1e-4 * brightest(whole));
+        scene.dials.simd = "sse4";
+        EXPECT_LT(largestDifference(renderScene(scene).image, whole), 1e-4 * brightest(whole));
+        scene.dials.simd = "auto";
+        limitSimd("auto");
     }
 }
 

@@ -2,6 +2,7 @@
 #include <scrim/render/batch_lights.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/light/slide_map.h>
 
 #include <algorithm>
 #include <cmath>
@@ -101,6 +102,8 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     out.decay = light.decay;
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
+    if (light.slide)
+        out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5)};
     if (out.distant) {
         out.slopeA = static_cast<float>(plan.view.tsSource.x * plan.view.slopeScale);
         out.slopeB = static_cast<float>(plan.view.tsSource.y * plan.view.slopeScale);

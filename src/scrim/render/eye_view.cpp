@@ -72,6 +72,25 @@ ViewRaster EyeView::raster(const PixelWindow& region, int guardTiles) const {
     return raster;
 }
 
+SampleSpacing EyeView::pixelSpacing(double middle) const {
+    SampleSpacing spacing;
+    // Rays from the eye: a step of a pixel is one of their direction, times how far along the ray the sample lies; and
+    // that is what the last row of the inverse tells.
+    const Vec3 &x = m_orthographic ? m_ts.originX : m_ts.directionX,
+               &y = m_orthographic ? m_ts.originY : m_ts.directionY;
+    for (int axis = 0; axis < 3; ++axis) {
+        spacing.x[axis] = static_cast<float>(x[axis]);
+        spacing.y[axis] = static_cast<float>(y[axis]);
+    }
+    if (m_orthographic) return spacing;
+    const double tu = m_rasterFromOffset[0].z, tv = m_rasterFromOffset[1].z;
+    const Vec3 atOrigin = m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0);
+    spacing.t0 = static_cast<float>(atOrigin.z);
+    spacing.tu = static_cast<float>(tu);
+    spacing.tv = static_cast<float>(tv);
+    return spacing;
+}
+
 std::optional<EyeView::Box> EyeView::seenBy(double u0, double v0, double u1, double v1, double middle) const {
     Box box{1e30, 1e30, -1e30, -1e30};
     for (const double u : {u0, u1})

@@ -38,6 +38,9 @@ class EyeView {
     /// Slopes of eye rays at texels, for shading.
     const EyeSlopes& slopes() const { return m_slopes; }
 
+    /// How far apart pixels are on the plane N = `middle`, by the position of a sample there.
+    SampleSpacing pixelSpacing(double middle) const;
+
     /// The pixels whose rays may pass through texels [u0, u1] x [v0, v1] of the plane N = `middle`: a closed
     /// box of raster positions, or nothing where no bound is known (next to the eye and behind it).
     struct Box {

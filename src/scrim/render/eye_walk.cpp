@@ -25,6 +25,7 @@ int blockBegin(int sheet) {
 struct EyeWalk::TileWalk {
     RayTile rays;
     float startLeast, startMost;     // extremes of rays.startN
+    int block;                       // the block's first sheet
     int firstStep;                   // place of plane 0 among the block's sheets
     std::array<int, kBlock> planes;  // those with active texels under the tile
     int planeCount = 0;
@@ -39,7 +40,8 @@ struct EyeWalk::TileWalk {
 // Sets up the rays of a tile, and finds the planes whose active texels they may meet.
 EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack& planes) const {
     TileWalk walk;
-    walk.firstStep = range.sheet - blockBegin(range.sheet) - range.firstPlane;
+    walk.block = blockBegin(range.sheet);
+    walk.firstStep = range.sheet - walk.block - range.firstPlane;
     const double reference = blockBegin(range.sheet) + 0.5;
     const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
 
@@ -72,7 +74,8 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
 // The same in the eye's own raster, where a tile meets the same tile of every plane.
 EyeWalk::TileWalk EyeWalk::enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const {
     TileWalk walk;
-    walk.firstStep = range.sheet - blockBegin(range.sheet) - range.firstPlane;
+    walk.block = blockBegin(range.sheet);
+    walk.firstStep = range.sheet - walk.block - range.firstPlane;
     const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
     for (int p = range.firstPlane; p < range.lastPlane; ++p)
         if (planes.active(p, tx, ty)) walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
@@ -162,6 +165,7 @@ std::uint64_t EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetSha
             cutSlab(walk.rays, step, m_frontToBack, part, at);
         else
             std::fill(at, at + kTileSize, static_cast<float>(step));
+        points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
         const auto toSlope = static_cast<float>(shader.slopeScale());
         for (int k = 0; k < kTileSize; ++k) {
             points.u[k] = walk.rays.u[k] + at[k] * walk.rays.stepU[k];

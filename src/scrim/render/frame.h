@@ -15,6 +15,7 @@ struct RenderWork {
     std::uint64_t texelsShaded = 0;
     std::uint64_t lightSamples = 0;  ///< cells of shadow buffers walked
     std::uint64_t lightLookups = 0;  ///< light and sample pairs shaded
+    std::uint64_t slideLookups = 0;  ///< those of lights with a slide
     std::uint64_t pixelSheets = 0;   ///< pixel and sheet pairs composited
     std::uint64_t sheets = 0;
     std::uint64_t bufferBytes = 0;  ///< address space of the largest sweep's buffers
@@ -25,6 +26,7 @@ struct RenderWork {
         texelsShaded += o.texelsShaded;
         lightSamples += o.lightSamples;
         lightLookups += o.lightLookups;
+        slideLookups += o.slideLookups;
         pixelSheets += o.pixelSheets;
         sheets += o.sheets;
         bufferBytes = bufferBytes > o.bufferBytes ? bufferBytes : o.bufferBytes;

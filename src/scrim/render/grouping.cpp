@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/geometry/enclosing_cone.h>
+#include <scrim/light/slide_map.h>
 
 #include <algorithm>
 #include <cmath>
@@ -67,16 +68,36 @@ Cone coneToVolume(const Vec3& wsLight, const std::vector<Vec3>& corners, std::ve
     return enclosingCone(directions);
 }
 
-// Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and, for
-// a spot, its own cone.
-void addWindows(int index, const Light& light, const Cone& cone, std::vector<LightPart>& parts) {
+// What a light shines into by itself: directions whose cone holds it, and half that cone's angle. All around: none, 180
+// degrees.
+struct Beam {
+    std::vector<Vec3> directions;
+    double angle = std::acos(-1.0);
+};
+
+Beam beamOf(const Light& light) {
+    const double pi = std::acos(-1.0);
+    Beam beam;
+    if (light.type == LightType::spot) {
+        beam.angle = 0.5 * light.coneAngle * pi / 180;
+        beam.directions = rim(light.wsDirection, beam.angle);
+    }
+    if (!light.slide) return beam;
+    if (light.slide->outside == SlideOutside::black) {
+        const double angle = slideHalfAngle(light);
+        if (angle < beam.angle) beam = {slideCorners(light), angle};
+    }
+    beam.angle = std::min(beam.angle, 0.5 * pi);  // nothing behind a slide is lit
+    return beam;
+}
+
+// Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and its own beam.
+void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<LightPart>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
     const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::acos(-1.0);
-    const double spotAngle = light.type == LightType::spot ? 0.5 * light.coneAngle * std::acos(-1.0) / 180 : 4.0;
     for (const Vec3& axis : axes) {
         if (angleOf(glm::dot(axis, cone.axis)) > volumeAngle + kWindowAngle) continue;
-        if (light.type == LightType::spot && angleOf(glm::dot(axis, light.wsDirection)) > spotAngle + kWindowAngle)
-            continue;
+        if (angleOf(glm::dot(axis, light.wsDirection)) > beam.angle + kWindowAngle) continue;
         LightPart part;
         part.light = index;
         part.wsDirections = rim(axis, kWindowAngle);
@@ -96,19 +117,25 @@ void addParts(int index, const Light& light, const std::vector<Vec3>& corners, s
     }
     std::vector<Vec3> directions;
     const Cone cone = coneToVolume(light.wsPosition, corners, directions);
-    if (angleOf(cone.cosAngle) <= kWidestView) {
+    const Beam beam = beamOf(light);
+    const double volumeAngle = angleOf(cone.cosAngle);
+    // A picture that passes the volume by is no work at all, and one that is narrower leaves most of it alone.
+    if (light.slide && cone.cosAngle > 0 && angleOf(glm::dot(light.wsDirection, cone.axis)) > beam.angle + volumeAngle)
+        return;
+    if (light.slide && beam.angle < std::min(volumeAngle, kWidestView)) {
+        parts.push_back({index, beam.directions, {}, 0});
+        return;
+    }
+    if (volumeAngle <= kWidestView) {
         parts.push_back({index, std::move(directions), {}, 0});
         return;
     }
     // A spot's own cone may be narrow enough where the volume is not.
-    if (light.type == LightType::spot) {
-        const double angle = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
-        if (angle <= kWidestView) {
-            parts.push_back({index, rim(light.wsDirection, angle), {}, 0});
-            return;
-        }
+    if (beam.angle <= kWidestView) {
+        parts.push_back({index, beam.directions, {}, 0});
+        return;
     }
-    addWindows(index, light, cone, parts);
+    addWindows(index, light, beam, cone, parts);
 }
 
 // The cone around the eye's rays, turned where eye and light look at each other, and the lights' rays.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/light_raster.h>
 
+#include <scrim/light/slide_map.h>
 #include <scrim/render/view_rasters.h>
 
 #include <algorithm>
@@ -27,6 +28,14 @@ struct Extent {
         y1 = std::max(y1, y);
     }
 };
+
+// What lies in both; where nothing does, a point of `a`.
+Extent common(const Extent& a, const Extent& b) {
+    Extent both;
+    both.include(std::clamp(b.x0, a.x0, a.x1), std::clamp(b.y0, a.y0, a.y1));
+    both.include(std::clamp(b.x1, a.x0, a.x1), std::clamp(b.y1, a.y0, a.y1));
+    return both;
+}
 
 // Lays cells over the extent, with a margin of two for look-ups between cells.
 void layCells(const Extent& extent, LightView& view) {
@@ -65,10 +74,17 @@ LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, co
         travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
         view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
         view.cell = scene.dials.shadowTexel;
-        for (const Vec3& corner : corners) {
-            const Vec3 ts = sheets.tsPoint(corner);
-            extent.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
-        }
+        const auto covered = [&](const std::vector<Vec3>& points) {
+            Extent all;
+            for (const Vec3& point : points) {
+                const Vec3 ts = sheets.tsPoint(point);
+                all.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
+            }
+            return all;
+        };
+        extent = covered(corners);
+        if (light.slide && light.slide->outside == SlideOutside::black)
+            extent = common(extent, covered(distantSlideCorners(light)));
         layCells(extent, view);
         return plan;
     }

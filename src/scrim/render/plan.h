@@ -63,7 +63,7 @@ struct Plan {
     ExpectedWork work;
 };
 
-/// Plans a render for `threads` threads. Throws Error: render (field of view too wide), memory (not one sheet
+/// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too wide), memory (not one sheet
 /// fits the scene's memory limit).
 Plan makePlan(const ViewScene& scene, int threads);
 

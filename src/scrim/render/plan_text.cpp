@@ -35,6 +35,14 @@ Effect shadowEffect(const ViewScene& scene) {
     return {"shadows", true, fmt::format("of {}", quotedNames(with))};
 }
 
+Effect slideEffect(const ViewScene& scene) {
+    std::vector<std::string> with;
+    for (const Light& light : scene.lights)
+        if (light.slide) with.push_back(light.name);
+    if (with.empty()) return {"slides", false, "no light has a slide"};
+    return {"slides", true, fmt::format("of {}", quotedNames(with))};
+}
+
 Effect phaseEffect(const ViewScene& scene) {
     std::vector<std::string> names;
     for (const ViewVolume& volume : scene.volumes)
@@ -44,7 +52,7 @@ Effect phaseEffect(const ViewScene& scene) {
 }
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
-    std::vector<Effect> effects{shadowEffect(scene), phaseEffect(scene)};
+    std::vector<Effect> effects{shadowEffect(scene), slideEffect(scene), phaseEffect(scene)};
     const bool ambient = scene.ambient != Rgb(0);
     effects.push_back({"ambient light", ambient, ambient ? "[ambient] has a color" : "[ambient] is black"});
     const int n = scene.dials.antialias;
@@ -67,13 +75,19 @@ Vec3 axisOf(const GroupPlan& group) {
     return {m[0][2], m[1][2], m[2][2]};
 }
 
+const Light& lightOf(const ViewScene& scene, const LightPlan& light) {
+    return scene.lights[static_cast<std::size_t>(light.light)];
+}
+
 const std::string& lightName(const ViewScene& scene, const LightPlan& light) {
-    return scene.lights[static_cast<std::size_t>(light.light)].name;
+    return lightOf(scene, light).name;
 }
 
 Json lightJson(const ViewScene& scene, const LightPlan& light) {
     Json out{{"name", lightName(scene, light)}, {"shadowed", light.shadowed}};
     if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
+    if (const auto& slide = lightOf(scene, light).slide)
+        out["slide"] = {{"file", slide->file}, {"pixels", {slide->image->width(), slide->image->height()}}};
     if (!light.ssWindows.empty()) {
         out["window"] = light.window;
         out["windows"] = light.ssWindows.size();
@@ -105,6 +119,8 @@ double megabytes(std::size_t bytes) {
 std::string lightLine(const ViewScene& scene, const LightPlan& light) {
     std::string line = fmt::format("  light '{}'", lightName(scene, light));
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
+    if (const auto& slide = lightOf(scene, light).slide)
+        line += fmt::format(", slide of {} x {} pixels", slide->image->width(), slide->image->height());
     line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
                            : std::string(": no shadows\n");
     return line;

@@ -84,6 +84,10 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels) shaded.emplace(group.batchSheets, sheets.width, sheets.height, 4);
     const TileCull cull = plan.perView && group.sameSide ? occlusionMap(tiles, group.guardTiles) : TileCull{};
+    const auto slides =
+        static_cast<std::uint64_t>(std::count_if(group.lights.begin(), group.lights.end(), [&](const LightPlan& light) {
+            return scene.lights[static_cast<std::size_t>(light.light)].slide.has_value();
+        }));
     work.voxelsFed += fields.voxels();
     times.prepare += watch.lap();
 
@@ -102,6 +106,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
             const std::uint64_t texels = shadeBatch(shader, eye, tiles, fields.extinction(), first, count, *shaded);
             work.texelsShaded += texels;
             work.lightLookups += texels * group.lights.size();
+            work.slideLookups += texels * slides;
             times.shade += watch.lap();
             work.pixelSheets += walk.throughTexels(first, count, *shaded);
         } else {
@@ -109,6 +114,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
                 plan.perView ? walk.throughCells(first, count, fields.extinction(), group.guardTiles, shader)
                              : walk.throughPixels(first, count, fields.extinction(), shader);
             work.lightLookups += samples * group.lights.size();
+            work.slideLookups += samples * slides;
             work.pixelSheets += samples;
         }
         times.composite += watch.lap();

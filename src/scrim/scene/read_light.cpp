@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/read_sections.h>
 
+#include <scrim/base/error.h>
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace scrim {
 namespace {
 
-const std::vector<std::string> kTypes{"distant", "point", "spot"};  // in the order of LightType
+const std::vector<std::string> kTypes{"distant", "point", "spot", "projector"};  // in the order of LightType
 
 /// Colour times intensity times 2^exposure.
 Rgb readIntensity(TomlTable& table, const ReadContext& context) {
@@ -19,7 +22,7 @@ Rgb readIntensity(TomlTable& table, const ReadContext& context) {
     return rgb * intensity * std::exp2(exposure);
 }
 
-/// The axis of a spot light's cone.
+/// The axis of a cone or a slide.
 Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) {
     const auto direction = table.find("direction"), target = table.find("target");
     if (direction && target)
@@ -30,28 +33,80 @@ Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) 
                             "the light stands at its own 'target'", context.frame);
 }
 
+/// How large the slide's picture is: an angle, or the length of a distant light's.
+void readSlideSize(TomlTable& table, const Light& light, const ReadContext& context, Slide& slide) {
+    const auto fov = table.find("fov"), width = table.find("width"), height = table.find("height");
+    if (light.type != LightType::distant) {
+        if (const auto& length = width ? width : height)
+            length->fail(fmt::format("{} has '{}'; expected 'fov', since its light comes from a point",
+                                     table.description(), length->name()));
+        // A spot's picture fills its cone unless it says otherwise.
+        if (light.type == LightType::spot) slide.fov = std::min(light.coneAngle, 179.0);
+        if (fov) slide.fov = fov->numberAt(context.frame, Range::between(0, 180, "degrees"));
+        return;
+    }
+    if (fov)
+        fov->fail(fmt::format("{} has 'fov'; expected 'width' in world units, since its light is parallel",
+                              table.description()));
+    if (!width) table.require("width", "the width of the picture in world units");
+    slide.width = width->numberAt(context.frame, Range::positiveLength());
+    if (height) slide.height = height->numberAt(context.frame, Range::positiveLength());
+}
+
+Slide readSlide(TomlTable table, const Light& light, const ReadContext& context) {
+    Slide slide;
+    const TomlValue file = table.require("file", "the slide's picture");
+    slide.where = file.where();
+    slide.file = context.path(file).at(context.fileFrame());
+    if (const auto space = table.find("colorspace")) {
+        try {
+            slide.colorspace = context.colour.resolve(space->string());
+        } catch (const Error& error) {
+            space->fail(error.what());
+        }
+    }
+    readSlideSize(table, light, context, slide);
+    slide.roll = table.numberAt(context.frame, "roll", 0, Range::coordinate());
+    // A projector has no light but its picture's.
+    std::vector<std::string> outside{"black"};
+    if (light.type != LightType::projector) outside.insert(outside.end(), {"clamp", "repeat"});
+    slide.outside = static_cast<SlideOutside>(table.choice("outside", outside, 0));
+    table.finish();
+    return slide;
+}
+
 }  // namespace
 
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context) {
     Light light;
     light.name = readName(table, defaultName);
-    table.require("type", "'distant', 'point' or 'spot'");
+    table.require("type", choices(kTypes));
     light.type = static_cast<LightType>(table.choice("type", kTypes, 0));
     table.describe(fmt::format("{} of type '{}'", table.description(), kTypes[static_cast<std::size_t>(light.type)]));
 
+    if (light.type == LightType::projector) table.require("slide", "a table { file = \"...\" }: what it projects");
+    const auto slide = table.find("slide");
     if (light.type == LightType::distant) {
         light.wsDirection =
             readDirection(table.require("direction", "the way the light travels [x, y, z]"), context.frame);
+        if (slide)
+            light.wsPosition = table.require("position", "the centre of its slide [x, y, z]")
+                                   .vec3At(context.frame, Range::coordinate());
     } else {
         light.wsPosition = table.require("position", "a point [x, y, z]").vec3At(context.frame, Range::coordinate());
         light.radius = table.numberAt(context.frame, "radius", 0, Range::length());
         light.decay = table.choice("decay", {"inverse-square", "none"}, 0) == 0;
     }
-    if (light.type == LightType::spot) {
+    if (light.type == LightType::spot || (slide && light.type != LightType::distant))
         light.wsDirection = readAxis(table, light, context);
+    if (light.type == LightType::spot) {
         light.coneAngle =
             table.numberAt(context.frame, "cone", light.coneAngle, {0, 180, true, false, "degrees (the full angle)"});
         light.blend = table.numberAt(context.frame, "blend", light.blend, Range::fromTo(0, 1));
+    }
+    if (slide) {
+        if (const auto up = table.find("up")) light.wsUp = readDirection(*up, context.frame);
+        light.slide = readSlide(slide->table("'slide' of " + table.description()), light, context);
     }
     light.intensity = readIntensity(table, context);
     light.shadows = table.boolean("shadows", true);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shade/shade_tile.h>
 
+#include <type_traits>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/shade/shade_tile.cpp"
 #include <hwy/foreach_target.h>
@@ -52,6 +54,7 @@ struct Incidence {
     alignas(64) float b[kTileSize];
     alignas(64) float slant[kTileSize];       // 1 / cos of its angle to w
     alignas(64) float irradiance[kTileSize];  // before attenuation, relative to intensity
+    alignas(64) float tint[3 * kTileSize];    // by the light's slide, if it has one
 };
 
 HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
@@ -174,6 +177,8 @@ struct Work {
     Incidence in;
 };
 
+// `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place to place).
+template <bool kTinted>
 HWY_ATTR void addScattered(const ShadeInput& input, const SheetLight& light, const SheetMedium& medium, Work& w) {
     const DF d;
     const auto r = constant(light.intensity[0] * medium.albedo[0]);
@@ -181,9 +186,12 @@ HWY_ATTR void addScattered(const ShadeInput& input, const SheetLight& light, con
     const auto b = constant(light.intensity[2] * medium.albedo[2]);
     const auto add = [&](int k, VF phase) HWY_ATTR {
         const auto amount = hn::Mul(hn::Mul(load(medium.extinction, k), load(w.light, k)), phase);
-        hn::Store(hn::MulAdd(amount, r, load(w.rgb[0], k)), d, w.rgb[0] + k);
-        hn::Store(hn::MulAdd(amount, g, load(w.rgb[1], k)), d, w.rgb[1] + k);
-        hn::Store(hn::MulAdd(amount, b, load(w.rgb[2], k)), d, w.rgb[2] + k);
+        const auto tinted = [&](int c) HWY_ATTR {
+            return kTinted ? hn::Mul(amount, load(w.in.tint + c * kTileSize, k)) : amount;
+        };
+        hn::Store(hn::MulAdd(tinted(0), r, load(w.rgb[0], k)), d, w.rgb[0] + k);
+        hn::Store(hn::MulAdd(tinted(1), g, load(w.rgb[1], k)), d, w.rgb[1] + k);
+        hn::Store(hn::MulAdd(tinted(2), b, load(w.rgb[2], k)), d, w.rgb[2] + k);
     };
     if (medium.g == 0)
         forSamples([&](int k) HWY_ATTR { add(k, constant(kInverseFourPi)); });
@@ -201,6 +209,7 @@ HWY_ATTR HWY_INLINE VF power(VF x, float exponent) {
 
 // What a classified volume reflects after Phong (ZC02 eq. 6, 8 and 9, and phong() in classified.h). A white diffuse
 // surface that faces the light reflects k_d E / pi.
+template <bool kTinted>
 HWY_ATTR void addReflected(const ShadeInput& input, const SheetLight& light, const SheetSurface& surface, Work& w) {
     const DF d;
     constexpr float kInversePi = 0.318309886f;
@@ -228,7 +237,8 @@ HWY_ATTR void addReflected(const ShadeInput& input, const SheetLight& light, con
                                       load(surface.extinction, k));
         for (int c = 0; c < 3; ++c) {
             const auto source = hn::MulAdd(load(surface.emission[c], k), diffuse, specular);
-            const auto radiance = hn::Mul(hn::Mul(source, amount), constant(light.intensity[c]));
+            auto radiance = hn::Mul(hn::Mul(source, amount), constant(light.intensity[c]));
+            if constexpr (kTinted) radiance = hn::Mul(radiance, load(w.in.tint + c * kTileSize, k));
             hn::Store(hn::Add(load(w.rgb[c], k), radiance), d, w.rgb[c] + k);
         }
     });
@@ -236,6 +246,11 @@ HWY_ATTR void addReflected(const ShadeInput& input, const SheetLight& light, con
 
 HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
     const SheetLight& light = input.lights[index];
+    if (light.slide.image) {
+        const SampleTile& s = *input.samples;
+        const SlideSamples samples{s.u, s.v, s.eyeA, s.eyeB, input.thickness / input.texel, s.spacing};
+        if (!tintTile(light.slide, samples, w.in.tint)) return;  // outside of the picture
+    }
     if (light.distant)
         meetDistant(light, w.in);
     else
@@ -251,8 +266,15 @@ HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
         transmit<true, true>(input, w.in, path, tauIn, w.tauEye, w.pathEye, w.light);
     else
         transmit<true, false>(input, w.in, path, tauIn, w.tauEye, w.pathEye, w.light);
-    for (int m = 0; m < input.mediumCount; ++m) addScattered(input, light, input.media[m], w);
-    for (int s = 0; s < input.surfaceCount; ++s) addReflected(input, light, input.surfaces[s], w);
+    const auto add = [&](auto tinted) HWY_ATTR {
+        constexpr bool kTinted = decltype(tinted)::value;
+        for (int m = 0; m < input.mediumCount; ++m) addScattered<kTinted>(input, light, input.media[m], w);
+        for (int s = 0; s < input.surfaceCount; ++s) addReflected<kTinted>(input, light, input.surfaces[s], w);
+    };
+    if (light.slide.image)
+        add(std::true_type());
+    else
+        add(std::false_type());
 }
 
 HWY_ATTR void addUnshadowed(const float* extinction, float radiance, int channel, Work& w) {

@@ -3,11 +3,12 @@
 //
 // The samples may be texels (shared by all views, the default) or the points where pixels' rays meet the sheet.
 // Work is cut into passes over 256 samples that fit the first-level cache; what a light or a volume does not need
-// (distance, cone, phase, shadow) is a pass that is not run, never a test per sample.
+// (distance, cone, slide, phase, shadow) is a pass that is not run, never a test per sample.
 #pragma once
 
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
+#include <scrim/light/slide_tile.h>
 
 #include <vector>
 
@@ -19,6 +20,7 @@ struct SampleTile {
     alignas(64) float v[kTileSize];
     alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
     alignas(64) float eyeB[kTileSize];
+    SampleSpacing spacing;  ///< texels, unless said otherwise
 };
 
 /// Eye rays in texel space: parallel ones have constant slopes; those from a point meet at `tsEye`.
@@ -51,6 +53,7 @@ struct SheetLight {
     int window = 0;
     float windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
     float intensity[3] = {1, 1, 1};
+    SheetSlide slide;
 };
 
 /// A volume's part in a sheet.

@@ -16,6 +16,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Empty space is measured in balls of this many voxels: half a block's edge.
 constexpr double kEmptyRadius = 4;
 
+// A step passes over at most this many pixels of a slide, unless that takes more than so many steps for one.
+constexpr double kSlidePixels = 0.5;
+constexpr double kMostSlideSteps = 64;
+
 }  // namespace
 
 Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
@@ -25,6 +29,8 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
+    for (const Light& light : scene.lights)
+        m_slides.push_back(light.slide ? std::optional(slideMap(light)) : std::nullopt);
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.field->empty()) continue;
         const Mat4 isFromWs = glm::inverse(volume.wsFromIs);
@@ -33,6 +39,20 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
         m_volumes.push_back(
             {FieldProbe(*volume.field, scene.dials.kernel), isFromWs, &volume, longest * std::sqrt(3.0)});
     }
+}
+
+// The part of a step that the pixels of slides allow: light that varies within a step would be missed.
+double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) const {
+    double most = 1;
+    for (const auto& map : m_slides) {
+        if (!map) continue;
+        const Vec3 a = map->homogeneous(ws), b = map->homogeneous(ws + step * direction);
+        if (a.z > 0 && b.z > 0)
+            most = std::max(most, glm::distance(Vec2(a) / a.z, Vec2(b) / b.z) / kSlidePixels);
+        else if (a.z > 0 || b.z > 0)
+            most = kMostSlideSteps;  // into the light, or out of it
+    }
+    return step / std::min(most, kMostSlideSteps);
 }
 
 double Reference::extinction(const Vec3& ws) const {
@@ -144,6 +164,8 @@ Rgb Reference::scatter(const Light& light, const Vec3& ws, const Vec3& eye) cons
         scattering += extinction(v, ws) * phase * v.look->medium.albedo;
     }
     Rgb radiance = light.intensity * irradiance * scattering;
+    if (light.slide)
+        radiance *= slideValue(light, *m_slides[static_cast<std::size_t>(&light - m_scene.lights.data())], ws);
     if (radiance == Rgb(0)) return radiance;
     if (light.shadows) {
         const Vec3 from = light.type == LightType::distant
@@ -189,6 +211,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         }
         // A step is as long as its optical depth allows.
         double step = std::min(m_step, span.end - t);
+        step = slideStep(origin + t * direction, direction, step);
         for (int halvings = 0; halvings < 40; ++halvings) {
             const double densest =
                 std::max({extinction(origin + t * direction), extinction(origin + (t + 0.5 * step) * direction),

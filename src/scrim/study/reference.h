@@ -3,10 +3,12 @@
 // from every sample to every light. Slow, and meant to be obviously right: everything else is judged by it.
 #pragma once
 
+#include <scrim/light/slide_map.h>
 #include <scrim/render/view_scene.h>
 #include <scrim/study/field_probe.h>
 
 #include <array>
+#include <optional>
 #include <vector>
 
 namespace scrim {
@@ -56,11 +58,13 @@ class Reference {
     double extinction(const Volume& volume, const Vec3& ws) const;
     Vec3 gradient(const Volume& volume, const Vec3& ws) const;
     Rgb reflect(const Volume& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
+    double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
     Rgb scatter(const Light& light, const Vec3& ws, const Vec3& wsDirection) const;
 
     const ViewScene& m_scene;
     ReferenceOptions m_options;
     std::vector<Volume> m_volumes;
+    std::vector<std::optional<SlideMap>> m_slides;  // one a light
     Bounds m_wsBounds;
     double m_voxel, m_step;
 };

@@ -2,6 +2,7 @@
 // Axes and groups against the paper's half-way vector and against brute force.
 #include "support/expect_error.h"
 #include "support/fields.h"
+#include "support/slides.h"
 
 #include <scrim/geometry/camera.h>
 #include <scrim/render/grouping.h>
@@ -296,6 +297,31 @@ TEST(SpotLight, WithAWideConeIsCutIntoTheWindowsItMeets) {
         }
     EXPECT_GT(parts, 10u);
     EXPECT_LT(parts, 42u);
+}
+
+TEST(Projector, InsideTheVolumeIsOneViewOfItsBeam) {
+    ViewScene scene = fogScene(CameraType::orthographic);
+    scene.lights = {projector({0, 0, 3}, 40, quarters())};
+    auto groups = groupsOf(scene);
+    ASSERT_EQ(groups.size(), 1u);
+    ASSERT_EQ(groups[0].parts.size(), 1u);
+    EXPECT_TRUE(groups[0].parts[0].wsWindows.empty());
+    for (const Vec3& d : groups[0].parts[0].wsDirections)
+        EXPECT_NEAR(angle(d, scene.lights[0].wsDirection), slideHalfAngle(scene.lights[0]), 1e-9);
+    // Far away, and narrower than the volume: its beam too.
+    scene.lights = {projector({0, 30, 30}, 3, quarters())};
+    groups = groupsOf(scene);
+    EXPECT_NEAR(angle(groups[0].parts.at(0).wsDirections.at(0), scene.lights[0].wsDirection),
+                slideHalfAngle(scene.lights[0]), 1e-9);
+}
+
+TEST(Projector, ThatMissesTheVolumeIsNoWork) {
+    ViewScene scene = fogScene(CameraType::orthographic);
+    scene.lights = {projector({0, 30, 30}, 20, quarters())};
+    scene.lights[0].wsDirection = {0, 1, 0};
+    const auto groups = groupsOf(scene);
+    ASSERT_EQ(groups.size(), 1u);
+    EXPECT_TRUE(groups[0].parts.empty());
 }
 
 TEST(ImageAligned, SheetsFaceTheCamera) {

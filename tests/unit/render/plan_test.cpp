@@ -2,6 +2,7 @@
 // Plans against the scene they are made from: sheets and rasters must hold everything that will be asked of them.
 #include "support/expect_error.h"
 #include "support/fields.h"
+#include "support/slides.h"
 
 #include <scrim/geometry/camera.h>
 #include <scrim/render/plan.h>
@@ -194,6 +195,38 @@ TEST(Shading, IsChosenByCountsUnlessTheSceneSaysSo) {
     EXPECT_EQ(makePlan(scene, 2).shadeReason, "the scene says so");
     scene.dials.shade = ShadeMode::pixel;
     EXPECT_TRUE(makePlan(scene, 2).shadeAtPixels);
+}
+
+// A pixel of the slide needs two texels at least; else pixels.
+TEST(Shading, IsAtPixelsWhereASlideIsFinerThanTwoTexels) {
+    ViewScene scene = someScene();
+    scene.lights = {distantSlide({0.1, 0.2, -1}, 64 * 1.01, quarters(64))};  // texels of 0.5
+    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
+    scene.lights[0].slide->width = 64 * 0.99;
+    const Plan plan = makePlan(scene, 2);
+    EXPECT_TRUE(plan.shadeAtPixels);
+    EXPECT_EQ(plan.shadeReason,
+              "a pixel of the slide of 'slide' covers 0.99 at the volume, less than two texels of 0.5");
+    scene.dials.shade = ShadeMode::texel;
+    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
+}
+
+TEST(LightRaster, OfASlideIsAsLargeAsItsBeam) {
+    ViewScene scene = someScene();
+    scene.lights = {distantSlide({0.1, 0.2, -1}, 5, quarters())};
+    const LightView narrow = makePlan(scene, 2).groups[0].lights.at(0).view;
+    EXPECT_LE(narrow.width, 32);  // 10 texels and margins
+    EXPECT_LE(narrow.height, 32);
+    scene.lights[0].slide->outside = SlideOutside::clamp;
+    EXPECT_GT(makePlan(scene, 2).groups[0].lights.at(0).view.height, 32);
+}
+
+TEST(Plan, OfASlideThatIsNotLoadedIsAnError) {
+    ViewScene scene = someScene();
+    scene.lights = {distantSlide({0, 0, -1}, 5, nullptr)};
+    scene.lights[0].slide->file = "a.png";
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { makePlan(scene, 2); }),
+              "the slide 'a.png' of light 'slide' is not loaded");
 }
 
 TEST(Memory, LimitMakesBatchesSmallerButNotThePicture) {

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "slide_store.h"
+
+#include <scrim/base/error.h>
+
+#include <fmt/format.h>
+
+namespace scrim::cli {
+
+void SlideStore::loadInto(Scene& scene) {
+    // Kept are those of this frame only; two frames' pictures need never be in memory together.
+    std::map<Key, std::shared_ptr<const Texture>> before;
+    before.swap(m_images);
+    for (const Light& light : scene.lights) {
+        if (!light.slide) continue;
+        const Key key{light.slide->file, light.slide->colorspace};
+        if (const auto known = before.find(key); known != before.end()) m_images.insert(*known);
+    }
+    before.clear();
+    for (Light& light : scene.lights) {
+        if (!light.slide) continue;
+        Slide& slide = *light.slide;
+        std::shared_ptr<const Texture>& image = m_images[{slide.file, slide.colorspace}];
+        try {
+            if (!image) image = readTexture(slide.file, slide.colorspace, m_colour, m_messages);
+        } catch (const Error& error) {
+            throw Error(error.kind(), fmt::format("{}: light '{}': {}", slide.where, light.name, error.what()));
+        }
+        slide.image = image;
+    }
+}
+
+std::size_t SlideStore::bytes() const {
+    std::size_t sum = 0;
+    for (const auto& [key, image] : m_images) sum += image->bytes();
+    return sum;
+}
+
+}  // namespace scrim::cli

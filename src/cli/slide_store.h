@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of lights' slides: read once, and kept as long as the next frame shows them too.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/image/colour.h>
+#include <scrim/scene/scene.h>
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace scrim::cli {
+
+class SlideStore {
+  public:
+    /// `colour` must outlive this.
+    SlideStore(const ColourConfig& colour, MessageSink messages) : m_colour(colour), m_messages(std::move(messages)) {}
+
+    /// Gives every slide of `scene` its picture; forgets those of the frame before that this one does not use.
+    /// Throws Error(input) "scene.toml:12:18: light 'key': ...".
+    void loadInto(Scene& scene);
+
+    /// That the pictures take.
+    std::size_t bytes() const;
+
+  private:
+    using Key = std::pair<std::string, std::string>;  // file and colour space
+
+    const ColourConfig& m_colour;
+    MessageSink m_messages;
+    std::map<Key, std::shared_ptr<const Texture>> m_images;
+};
+
+}  // namespace scrim::cli

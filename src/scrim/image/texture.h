@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// A picture to be looked at from anywhere: a slide in front of a light. Pixels and their averages over ever larger
+// squares (a mip pyramid), as values: whoever looks pixels up does the interpolation (light/slide_tile.h).
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/image/colour.h>
+#include <scrim/image/image.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+/// Immutable once built: may be read from any number of threads.
+class Texture {
+  public:
+    /// `width` x `height` pixels of 4 floats (premultiplied RGBA in the working space), rows from top to bottom.
+    struct Level {
+        int width = 0, height = 0;
+        std::vector<float> rgba;
+
+        const float* pixel(int x, int y) const {
+            return rgba.data() +
+                   4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
+        }
+    };
+
+    /// `image` is premultiplied, in the working space, and not empty. `pixelAspect` is a pixel's width over its
+    /// height.
+    explicit Texture(const Image& image, double pixelAspect = 1);
+
+    int width() const { return m_levels.front().width; }
+    int height() const { return m_levels.front().height; }
+    /// Width over height of the picture as it is to be shown.
+    double aspect() const { return m_aspect; }
+
+    /// Level 0 is the picture; each further one has half the pixels along each side, rounded up, down to one pixel.
+    /// A pixel is the mean of the part of the level before that it covers, so every level has the picture's mean.
+    const std::vector<Level>& levels() const { return m_levels; }
+    std::size_t bytes() const;
+
+  private:
+    std::vector<Level> m_levels;
+    double m_aspect;
+};
+
+/// Pixels a texture may have: 1 GB with its pyramid.
+constexpr std::size_t kMostTexturePixels = std::size_t{48} << 20;
+
+/// Reads a picture in any format that OpenImageIO knows, turned as its orientation tag says, over its full (display)
+/// window. Grey becomes RGB, alpha is multiplied in: what is transparent is black. `colorspace` is that of the file;
+/// "": sRGB for integer pixels, the working space for floats. What is not finite or less than 0 becomes 0, with a
+/// warning. Throws Error(input) where the file is missing, damaged, no picture, or too large.
+std::shared_ptr<const Texture> readTexture(const std::string& path, const std::string& colorspace,
+                                           const ColourConfig& colour, const MessageSink& messages);
+
+}  // namespace scrim
