@@ -43,8 +43,7 @@ Scene paperScene(const std::string& name, const Settings& settings) {
 PaperPicture renderPaper(const std::string& name, const Settings& settings, int verify) {
     const TempFolder folder;
     std::vector<std::string> arguments{"render", pathOf(name), "-o", "picture.exr", "--stats", "stats.json", "-q"};
-    for (const std::string& setting : smallPicture() + settings)
-        arguments.insert(arguments.end(), {"--set", setting});
+    for (const std::string& setting : smallPicture() + settings) arguments.insert(arguments.end(), {"--set", setting});
     if (verify > 0) arguments.insert(arguments.end(), {"--verify", std::to_string(verify)});
 
     ProgramOptions options;
