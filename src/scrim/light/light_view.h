@@ -10,6 +10,8 @@
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
 
+#include <algorithm>
+
 namespace scrim {
 
 /// Texel coordinates of cell (i, j) on one sheet: offset + (i, j) * scale.
@@ -29,6 +31,10 @@ struct LightView {
     /// Does the light reach the middle plane of sheet n? A point light needs half a sheet of distance: closer
     /// than that its rays are no longer told apart.
     bool reaches(int n) const { return distant || n + 0.5 - tsSource.z >= 0.5; }
+
+    /// The part in [0, 1] of sheet n's thickness that lies before a point light (all of it for a distant one): the
+    /// sheet in which the light stands is lit in part.
+    double litPart(int n) const { return distant ? 1.0 : std::clamp(n + 1 - tsSource.z, 0.0, 1.0); }
 
     /// Map at the middle plane of sheet n, which the light must reach.
     CellMap at(int n) const {

@@ -93,14 +93,16 @@ BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const PlaneS
 }
 
 std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet) const {
-    if (!plan.view.reaches(sheet)) return std::nullopt;
+    constexpr double kLeastPart = 1e-3;  // of a sheet
+    const double part = plan.view.litPart(sheet);
+    if (part < kLeastPart) return std::nullopt;
     const Light& light = m_scene.lights[static_cast<std::size_t>(plan.light)];
     const Sheets& sheets = m_group.sheets;
     SheetLight out;
     out.shadowed = plan.shadowed;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
     out.decay = light.decay;
-    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(plan.share * light.intensity[c]);
+    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(part * plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
     if (light.slide)
         out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5)};
@@ -111,7 +113,8 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     }
     out.texelU = static_cast<float>(plan.view.tsSource.x);
     out.texelV = static_cast<float>(plan.view.tsSource.y);
-    out.distanceW = static_cast<float>((sheet + 0.5 - plan.view.tsSource.z) * sheets.thickness);
+    const double away = part < 1 ? 0.5 * part : sheet + 0.5 - plan.view.tsSource.z;
+    out.distanceW = static_cast<float>(away * sheets.thickness);
     const double radius = std::max(light.radius, kLeastRadius * sheets.thickness);
     out.radius2 = static_cast<float>(radius * radius);
     if (light.type == LightType::spot) {

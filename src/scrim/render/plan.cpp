@@ -45,12 +45,13 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
 
     Bounds ts;  // with the origin at the anchor
     for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
-    // Two texels of zeros around: bilinear look-ups that leave the raster find nothing there.
+    // Two texels of zeros around, so that bilinear look-ups that leave the raster find nothing there, and behind them
+    // room for the rounded-up rows of footprints.
     const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
     const double front = std::floor(ts.lower.z);
     sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);
-    sheets.width = roundUpToTile(ts.upper.x - left + 3);
-    sheets.height = roundUpToTile(ts.upper.y - top + 3);
+    sheets.width = roundUpToTile(ts.upper.x - left + 8);
+    sheets.height = roundUpToTile(ts.upper.y - top + 8);
     sheets.count = std::max(1, static_cast<int>(std::ceil(ts.upper.z - front)));
     return sheets;
 }

@@ -133,15 +133,15 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     if (const auto transform = table.find("transform"))
         volume.wsFromAsset = readTransform(transform->table("'transform' of " + description), context);
     if (const auto density = table.find("density")) readDensity(density->table("'density' of " + description), volume);
-    const auto classified = table.find("classified");
+    const auto medium = table.find("medium"), classified = table.find("classified");
     if (classified) {
         Classified c = readClassified(classified->table("[volume.classified] of " + description), context);
         c.densityScale = volume.densityScale;
         volume.classified = std::make_shared<const Classified>(std::move(c));
-        if (const auto both = table.find("medium"))
-            both->fail(fmt::format("{} has both 'medium' and 'classified'; expected one of them", description));
+        if (medium)
+            classified->fail(fmt::format("{} has both 'medium' and 'classified'; expected one of them", description));
     }
-    if (const auto medium = table.find("medium"))
+    if (medium)
         volume.medium = readMedium(medium->table("[volume.medium] of " + description), context);
     volume.medium.densityScale = volume.densityScale;
     table.finish();

@@ -108,13 +108,17 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
     if (first == second) return;
 
     // Activate the tiles under the block, once for each sheet that it may touch.
-    const auto tile = [](double texel) { return static_cast<int>(std::floor(texel)) / kTileEdge; };
+    const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
     const int tx0 = tile(ts.x + m_blockLower.x), tx1 = tile(ts.x + m_blockUpper.x + 1);
     const int ty0 = tile(ts.y + m_blockLower.y), ty1 = tile(ts.y + m_blockUpper.y + 1);
     const int mostX = target.planes->tilesX() - 1, mostY = target.planes->tilesY() - 1;
     if (tx1 < 0 || ty1 < 0 || tx0 > mostX || ty0 > mostY) return;
     if (*target.cull && (*target.cull)(tx0, ty0, tx1, ty1)) return;
-    target.splat.clipped = tx0 < 0 || ty0 < 0 || tx1 > mostX || ty1 > mostY;
+    // Tables reach a little beyond the kernel: a texel before it, and rows are rounded up behind it.
+    constexpr double kBefore = 2, kBehind = 6;
+    target.splat.clipped = ts.x + m_blockLower.x < kBefore || ts.y + m_blockLower.y < kBefore ||
+                           ts.x + m_blockUpper.x > splat.width - kBehind ||
+                           ts.y + m_blockUpper.y > splat.height - kBehind;
     const int s0 = std::max(splat.firstSheet, static_cast<int>(std::floor(ts.z + m_blockLower.z)));
     const int s1 = std::min(splat.lastSheet, static_cast<int>(std::floor(ts.z + m_blockUpper.z)) + 1);
     for (int s = s0; s < s1; ++s)

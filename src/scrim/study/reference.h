@@ -15,9 +15,9 @@ namespace scrim {
 
 struct ReferenceOptions {
     double step = 0.5;                 ///< voxels, at most
-    double classifiedStep = 0.0625;    ///< the same where a volume is classified
     double mostTau = 0.1;              ///< optical depth of a step, at most: denser places take smaller steps
     double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
+    double classifiedStep = 0.0625;    ///< voxels, at most, where a volume is classified
 };
 
 class Reference {

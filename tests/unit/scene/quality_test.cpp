@@ -89,7 +89,7 @@ TEST(Quality, SaysWhatIsAllowed) {
     EXPECT_EQ(errorOf("kernel", "box"),
               "scene.toml:9:1: 'kernel' is 'box'; expected 'linear', 'gaussian' or 'bspline'");
     EXPECT_EQ(errorOf("kernel", 1.0), "scene.toml:9:1: 'kernel' is 1; expected 'linear', 'gaussian' or 'bspline'");
-    EXPECT_EQ(errorOf("splat", "per-view"), "scene.toml:9:1: 'splat' is 'per-view'; expected 'shared'");
+    EXPECT_EQ(errorOf("splat", "both"), "scene.toml:9:1: 'splat' is 'both'; expected 'shared' or 'per-view'");
     EXPECT_EQ(errorOf("texle", 1.0).substr(0, 68),
               "scene.toml:9:1: there is no dial 'texle'; did you mean 'texel'?; exp");
 }

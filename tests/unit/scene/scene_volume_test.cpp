@@ -116,11 +116,11 @@ TEST(SceneVolume, IsAFileOrASource) {
               "scene.toml:6:10: [[volume]] 'volume1' has both 'file' and 'source'; expected one of them");
     EXPECT_EQ(volumeError("parameters = {}\n"),
               "scene.toml:6:1: 'parameters' is not known here ([[volume]] 'volume1' with a file); allowed: 'name', "
-              "'file', 'source', 'frame', 'transform', 'density' or 'medium'");
+              "'file', 'source', 'frame', 'transform', 'density', 'medium' or 'classified'");
     EXPECT_EQ(errorOf(sceneWith("source = \"noise\"\nframe = {}\n")),
               "scene.toml:6:1: 'frame' is not known here ([[volume]] 'volume1' with a source); allowed: "
               "'name', 'file', "
-              "'source', 'parameters', 'transform', 'density' or 'medium'");
+              "'source', 'parameters', 'transform', 'density', 'medium' or 'classified'");
 }
 
 TEST(SceneVolume, NamesAreUnique) {
@@ -130,11 +130,9 @@ TEST(SceneVolume, NamesAreUnique) {
 }
 
 TEST(SceneVolume, KeysOfLaterVersionsAreNotSilentlyIgnored) {
-    const std::string allowed = "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density' or 'medium'";
+    const std::string allowed = "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density', 'medium' or 'classified'";
     EXPECT_EQ(volumeError("lights = [\"key\"]\n"),
               "scene.toml:6:1: 'lights' is not known here ([[volume]] 'volume1' with a file)" + allowed);
-    EXPECT_EQ(volumeError("[volume.classified]\nambient = 0.2\n"),
-              "scene.toml:6:9: 'classified' is not known here ([[volume]] 'volume1' with a file)" + allowed);
     EXPECT_EQ(volumeError("[volume.medium]\nemission = { grid = \"flame\" }\n"),
               "scene.toml:7:1: 'emission' is not known here ([volume.medium] of [[volume]] 'volume1'); allowed: "
               "'albedo' or 'phase'");

@@ -147,8 +147,13 @@ Plain plainShade(const ShadeInput& in, int k) {
             way = {(in.samples->u[k] - double(light.texelU)) * in.texel / light.distanceW,
                    (in.samples->v[k] - double(light.texelV)) * in.texel / light.distanceW, 1};
             if (light.decay) {
-                const double r = glm::length(way) * light.distanceW;
-                irradiance = 1 / std::max(r * r, double(light.radius2));
+                // Mean over the eye's segment, at the two points of Gauss' quadrature.
+                irradiance = 0;
+                for (const double at : {-0.5, 0.5}) {
+                    const Vec3 from = way * double(light.distanceW) +
+                                      at / std::sqrt(3.0) * in.thickness * Vec3(a, b, 1);
+                    irradiance += 0.5 / std::max(glm::dot(from, from), double(light.radius2));
+                }
             }
         }
         const Vec3 travel = glm::normalize(way);
