@@ -24,6 +24,17 @@ namespace {
 
 const Settings kRough{"render.quality=draft"};
 
+/// Voxels of 1 instead of 0.5 for what stands in a scene.
+Settings coarse(const std::vector<std::string>& volumes) {
+    Settings settings = kRough;
+    for (const std::string& name : volumes)
+        settings =
+            settings + Settings{"volume." + name + ".parameters.voxel=1", "volume." + name + ".parameters.soft=2"};
+    return settings;
+}
+const Settings kRobot = coarse({"body", "head", "face"}), kRings = coarse({"left", "middle", "right"});
+const Settings kRobotAndRings = coarse({"body", "head", "face", "left", "middle", "right"});
+
 /// Where the ray from `ws` along `direction` meets the plane on which the coordinate `axis` is `value`.
 Vec3 projected(const Vec3& ws, const Vec3& direction, int axis, double value) {
     return ws + (value - ws[axis]) / direction[axis] * direction;
@@ -177,8 +188,8 @@ TEST_F(HipipGrid, MoleculeShadowsTheGridAndItself) {
 
 // Fig. 6.
 TEST(Robot, ShadowsOfHeadAndHandLieWhereTheLightThrowsThem) {
-    const PaperPicture with = renderPaper("robot", kRough),
-                       without = renderPaper("robot", kRough + Settings{"light.sun.shadows=false"});
+    const PaperPicture with = renderPaper("robot", kRobot),
+                       without = renderPaper("robot", kRobot + Settings{"light.sun.shadows=false"});
     expectShadowsOnlyDarken(with, without);
     const Vec3 light = paperScene("robot").lights.at(0).wsDirection;
     const Vec3 head(0, 54, 0), hand(-17, 25, 19), beside(-30, 54, 0);
@@ -189,8 +200,8 @@ TEST(Robot, ShadowsOfHeadAndHandLieWhereTheLightThrowsThem) {
 
 // Fig. 7.
 TEST(Rings, ShadowEachOtherAndTheGround) {
-    const PaperPicture with = renderPaper("rings", kRough),
-                       without = renderPaper("rings", kRough + Settings{"light.sun.shadows=false"});
+    const PaperPicture with = renderPaper("rings", kRings),
+                       without = renderPaper("rings", kRings + Settings{"light.sun.shadows=false"});
     expectShadowsOnlyDarken(with, without);
     // The left ring's highest point against the ground before the rings, where nothing stands in the light.
     const Vec3 light = paperScene("rings").lights.at(0).wsDirection;
@@ -198,7 +209,7 @@ TEST(Rings, ShadowEachOtherAndTheGround) {
     EXPECT_LT(shadowAt(with, without, projected(top, light, 1, 0)), 0.4 * shadowAt(with, without, {-20, 0, 50}));
 
     // Without the yellow ring, parts of the blue one are brighter: its shadow lay there.
-    const PaperPicture alone = renderPaper("rings", kRough + Settings{"volume.middle.density.scale=0"});
+    const PaperPicture alone = renderPaper("rings", kRings + Settings{"volume.middle.density.scale=0"});
     const auto blue = [](const Rgb& c) { return c.z > 2 * c.x; };
     const int shadowed = with.count([&](int x, int y) {
         return blue(with.colour(x, y)) && blue(alone.colour(x, y)) &&
@@ -210,8 +221,8 @@ TEST(Rings, ShadowEachOtherAndTheGround) {
 
 // Fig. 8.
 TEST(SmokyRoom, CubeDarkensTheSmokeBehindItAndTheFloor) {
-    const PaperPicture with = renderPaper("smoky_room", kRough),
-                       without = renderPaper("smoky_room", kRough + Settings{"light.lamp.shadows=false"});
+    const PaperPicture with = renderPaper("smoky_room", coarse({"cube"})),
+                       without = renderPaper("smoky_room", coarse({"cube"}) + Settings{"light.lamp.shadows=false"});
     const Vec3 lamp = paperScene("smoky_room").lights.at(0).wsPosition, cube(0, 48, 8);
     const Vec3 floor = projected(cube, cube - lamp, 1, 0);
     EXPECT_LT(shadowAt(with, without, floor), 0.5);
@@ -221,8 +232,8 @@ TEST(SmokyRoom, CubeDarkensTheSmokeBehindItAndTheFloor) {
 
 // Fig. 9.
 TEST(Room, RobotAndSmokeThrowShadowsOntoTheWalls) {
-    const PaperPicture with = renderPaper("room", kRough),
-                       without = renderPaper("room", kRough + Settings{"light.lamp.shadows=false"});
+    const PaperPicture with = renderPaper("room", kRobotAndRings),
+                       without = renderPaper("room", kRobotAndRings + Settings{"light.lamp.shadows=false"});
     expectShadowsOnlyDarken(with, without);
     const Vec3 lamp = paperScene("room").lights.at(0).wsPosition;
     const double shadow = shadowedPart(with, without, 0.4);
@@ -294,16 +305,17 @@ TEST(RoomHaze, SamePictureAsBruteForce) {
 // ---- Fig. 13 and 20: two lights
 
 // ZC02 section 4: "the region shadowed by the two lights is darker than the region that is only in the shadow of one".
-void expectTwoShadowsAdd(const std::string& name, const std::string& first, const std::string& second) {
+void expectTwoShadowsAdd(const std::string& name, const Settings& settings, const std::string& first,
+                         const std::string& second) {
     const auto dark = [](const std::string& light) { return "light." + light + ".intensity=0"; };
     const auto bare = [](const std::string& light) { return "light." + light + ".shadows=false"; };
-    const PaperPicture both = renderPaper(name, kRough),
-                       ambient = renderPaper(name, kRough + Settings{dark(first), dark(second)});
+    const PaperPicture both = renderPaper(name, settings),
+                       ambient = renderPaper(name, settings + Settings{dark(first), dark(second)});
     EXPECT_EQ(both.sweeps(), 1U) << "both lights are of one sweep";
-    const PaperPicture with[] = {renderPaper(name, kRough + Settings{dark(second)}),
-                                 renderPaper(name, kRough + Settings{dark(first)})};
-    const PaperPicture without[] = {renderPaper(name, kRough + Settings{dark(second), bare(first)}),
-                                    renderPaper(name, kRough + Settings{dark(first), bare(second)})};
+    const PaperPicture with[] = {renderPaper(name, settings + Settings{dark(second)}),
+                                 renderPaper(name, settings + Settings{dark(first)})};
+    const PaperPicture without[] = {renderPaper(name, settings + Settings{dark(second), bare(first)}),
+                                    renderPaper(name, settings + Settings{dark(first), bare(second)})};
     // What shadows leave of each light. Soft surfaces keep about half of it from themselves: a shadow is far less.
     const auto left = [&](int light, int x, int y) {
         const double a = ambient.brightness(x, y);
@@ -342,11 +354,11 @@ void expectTwoShadowsAdd(const std::string& name, const std::string& first, cons
 }
 
 TEST(RobotTwoLights, RegionShadowedByBothIsDarkerThanByOne) {
-    expectTwoShadowsAdd("robot_two_lights", "first", "second");
+    expectTwoShadowsAdd("robot_two_lights", kRobot, "first", "second");
 }
 
 TEST(RingsTwoLights, RegionShadowedByBothIsDarkerThanByOne) {
-    expectTwoShadowsAdd("rings_two_lights", "high", "low");
+    expectTwoShadowsAdd("rings_two_lights", kRings, "high", "low");
 }
 
 // ---- Fig. 14 to 16: slides
@@ -406,7 +418,7 @@ TEST_F(SlideRings, BlockLeavesExpMinusTauOfTheLight) {
 
 // Fig. 15.
 TEST(SlideLogo, RingOfTheLogoFallsOntoTheWall) {
-    const PaperPicture picture = renderPaper("slide_logo", kRough + Settings{"light.projector.shadows=false"});
+    const PaperPicture picture = renderPaper("slide_logo", kRobotAndRings + Settings{"light.projector.shadows=false"});
     const Vec3 from = paperScene("slide_logo").lights.at(0).wsPosition;
     const Vec3 axis = glm::normalize(Vec3(-10, 58, -62) - from);
     const Vec3 right = glm::normalize(glm::cross(axis, Vec3(0, 1, 0))), up = glm::cross(right, axis);
@@ -425,8 +437,8 @@ TEST(SlideLogo, RingOfTheLogoFallsOntoTheWall) {
 }
 
 TEST(SlideLogo, RobotAndRingsThrowShadows) {
-    const PaperPicture with = renderPaper("slide_logo", kRough),
-                       without = renderPaper("slide_logo", kRough + Settings{"light.projector.shadows=false"});
+    const PaperPicture with = renderPaper("slide_logo", kRobotAndRings),
+                       without = renderPaper("slide_logo", kRobotAndRings + Settings{"light.projector.shadows=false"});
     expectShadowsOnlyDarken(with, without);
     const double part = shadowedPart(with, without, 0.45);
     RecordProperty("shadowed", std::to_string(part));
@@ -508,8 +520,9 @@ const Settings kPapersProblem{"render.sheets=image-aligned", "render.splat=per-v
 
 TEST(Perpendicular, SheetsLieHalfWay) {
     const auto axes = [](const Settings& settings) {
+        const PaperPicture picture = renderPaper("perpendicular", kRough + settings);
         std::vector<std::vector<double>> all;
-        for (const auto& group : renderPaper("perpendicular", kRough + settings).stats.at("plan").at("groups"))
+        for (const auto& group : picture.stats.at("plan").at("groups"))
             all.push_back(group.at("axis").get<std::vector<double>>());
         return all;
     };
