@@ -33,13 +33,13 @@ picture() {
         echo "$name: left out: no folder $SCRIM_DATA/scan (SCRIM_DATA names the folder of scans)"
         return
     fi
-    # oiiotool, where there is one, writes JPEG of a chosen quality; Scrim alone writes it at the library's own.
+    # oiiotool, where there is one, writes JPEG of a chosen quality and without the command line in it.
     local preview="$pictures/$name.jpg"
     command -v oiiotool >/dev/null && preview="$folder/$name.png"
     "$scrim" render "$here/$scene.toml" -o "$folder/$name.exr" --preview "$preview" --res "${size}x${size}" \
         --progress none "$@"
     if [ "$preview" != "$pictures/$name.jpg" ]; then
-        oiiotool "$preview" --compression jpeg:88 -o "$pictures/$name.jpg"
+        oiiotool --nosoftwareattrib "$preview" --eraseattrib ".*" --compression jpeg:88 -o "$pictures/$name.jpg"
     fi
 }
 
