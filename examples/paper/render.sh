@@ -10,7 +10,8 @@ here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
 root="$(cd "$here/../.." && pwd)"
 build="${SCRIM_BUILD:-$root/build}"
 scrim="$build/bin/scrim"
-export SCRIM_DATA="${SCRIM_DATA:-$root/../shared/data}"
+SCRIM_DATA="$(realpath -m "${SCRIM_DATA:-$root/../shared/data}")"
+export SCRIM_DATA
 size="${SCRIM_GALLERY_SIZE:-512}"
 folder="${1:-$build/gallery}"
 [ $# -gt 0 ] && shift
@@ -32,13 +33,13 @@ picture() {
         echo "$name: left out: no folder $SCRIM_DATA/scan (SCRIM_DATA names the folder of scans)"
         return
     fi
-    # JPEG at the quality of the writer: oiiotool, where there is one, makes smaller files of the same look.
+    # oiiotool, where there is one, writes JPEG of a chosen quality and without the command line in it.
     local preview="$pictures/$name.jpg"
     command -v oiiotool >/dev/null && preview="$folder/$name.png"
     "$scrim" render "$here/$scene.toml" -o "$folder/$name.exr" --preview "$preview" --res "${size}x${size}" \
         --progress none "$@"
     if [ "$preview" != "$pictures/$name.jpg" ]; then
-        oiiotool "$preview" --compression jpeg:88 -o "$pictures/$name.jpg"
+        oiiotool --nosoftwareattrib "$preview" --eraseattrib ".*" --compression jpeg:88 -o "$pictures/$name.jpg"
     fi
 }
 

@@ -385,7 +385,7 @@ class SlideRings : public testing::Test {
         const double ambient = m_dark.brightnessAt(ws);
         return (m_with.brightnessAt(ws) - ambient) / (m_open.brightnessAt(ws) - ambient);
     }
-    const Settings kFine{"camera.resolution=[320, 320]"};
+    const Settings kFine{"camera.resolution=[256, 256]"};
     PaperPicture m_with, m_open, m_dark;  ///< m_open: without the block
     Vec3 m_position, m_direction, m_right, m_up;
 };
@@ -463,7 +463,7 @@ class BeamsOf : public testing::Test {
     static constexpr double kCube = 0.03 * 40, kHaze = 0.004 * 56;
     const double kSlope = std::sqrt(5.0) / 2;  // a beam's length over its extent in x
     /// From so far that all rays run alike: the place before the cube and that after it are then seen alike.
-    const Settings kSettings{"camera.resolution=[256, 256]", "camera.position=[0, 0, 4000]", "camera.target=[0, 0, 0]",
+    const Settings kSettings{"camera.resolution=[192, 192]", "camera.position=[0, 0, 4000]", "camera.target=[0, 0, 0]",
                              "camera.fov=1.25"};
 };
 using Beams = BeamsOf;
@@ -589,7 +589,7 @@ void PrintTo(const Beyond& b, std::ostream* out) {
 class BeyondThePaper : public testing::TestWithParam<Beyond> {};
 
 TEST_P(BeyondThePaper, AgreesWithBruteForce) {
-    const PaperPicture picture = renderPaper(GetParam().name, GetParam().settings, 8);
+    const PaperPicture picture = renderPaper(GetParam().name, GetParam().settings, 6);
     EXPECT_GE(picture.sweeps(), GetParam().leastSweeps);
     RecordProperty("error", std::to_string(picture.error()));
     EXPECT_LT(picture.error(), GetParam().tolerance);
