@@ -67,9 +67,9 @@ std::size_t fieldBytes(const ViewScene& scene, const Sheets& sheets, const ViewR
         bytes += planes(batch + 2 * halo) + (volume.classified ? planes(batch) : 0) + volume.field->blockCount() * 8;
         if (!raster.parallel) continue;  // one small table
         const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
-        const FootprintLookup lookup = VolumePlanes::footprintLookup(volume, raster);
         const FootprintSteps steps = footprintSteps(rsFromIs, scene.dials.footprintSteps);
-        bytes += FootprintTable::bytes(scene.dials.kernel, rsFromIs, steps.texel, steps.sheet, lookup);
+        bytes += FootprintTable::bytes(scene.dials.kernel, rsFromIs, steps.texel, steps.sheet,
+                                       FootprintLookup::sloped);
     }
     return bytes + (fields > 1 ? planes(batch) : 0);
 }

@@ -39,8 +39,7 @@ std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume
     const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale);
     if (!raster.parallel)
         return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, dials.footprintSteps, scale);
-    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, dials.footprintSteps, scale,
-                         VolumePlanes::footprintLookup(volume, raster));
+    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, dials.footprintSteps, scale);
 }
 
 }  // namespace
@@ -59,10 +58,6 @@ VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const S
     m_surface.emplace(Surface{TransferTable(*volume.classified),
                               scrim::vagueGradient(*volume.classified, voxel),
                               {batchSheets, raster.width, raster.height, 1}});
-}
-
-FootprintLookup VolumePlanes::footprintLookup(const ViewVolume& volume, const ViewRaster& raster) {
-    return volume.classified || raster.rsFromTs != Mat4(1.0) ? FootprintLookup::sloped : FootprintLookup::nearest;
 }
 
 int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {

@@ -41,8 +41,6 @@ class VolumePlanes {
     const TransferTable& table() const { return m_surface->table; }
     /// Differences for normals around the tile (tx, ty) of sheet firstSheet + p.
     GradientStep step(int p, int tx, int ty) const;
-    /// Rounded footprints average out along a ray of shared sheets; normals, and cells of a view, show them.
-    static FootprintLookup footprintLookup(const ViewVolume& volume, const ViewRaster& raster);
     /// Planes beyond those of a batch that a classified volume needs.
     static int halo(const ViewVolume& volume, const Sheets& sheets);
     double vagueGradient() const { return m_surface->vagueGradient; }

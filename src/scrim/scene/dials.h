@@ -19,7 +19,7 @@ struct Dials {
     double sheetThickness = 1;  ///< voxels, before the cosine of the worst slant
     double texel = 1;           ///< voxels
     Kernel kernel = Kernel::linear;
-    int footprintSteps = 16;  ///< quantised positions a voxel along each axis, a power of two
+    int footprintSteps = 8;  ///< quantised positions a voxel along each axis, a power of two
     double shadowTexel = 1;   ///< texels a shadow buffer's cell
     ShadowFilter shadowFilter = ShadowFilter::bilinear;
     SplatMode splat = SplatMode::shared;

@@ -91,7 +91,7 @@ std::vector<Dial> makeDials() {
                                  "reconstruction kernel: what the field is between its voxels"));
     all.push_back(integer("footprint_steps", "steps a voxel", "a power of two from 2 to 128", isFootprintSteps,
                           &Dials::footprintSteps,
-                          "quantised positions a footprint is tabulated at; 8, 16, 32 ripple by 0.7, 0.3, 0.1 %"));
+                          "positions a footprint is tabulated at, with slopes in between; error of second order"));
     all.push_back(number("shadow_texel", "texels", 0.1, 64, &Dials::shadowTexel,
                          "edge of a shadow buffer's cell; error of second order"));
     all.push_back(choice<ShadowFilter>("shadow_filter", {"bilinear", "nearest"}, &Dials::shadowFilter,
@@ -150,7 +150,7 @@ struct Preset {
 
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> all{
-        {"draft", 2, 1.5, 8}, {"standard", 1, 1, 16}, {"high", 0.5, 0.5, 32}, {"ultra", 0.25, 0.35, 32}};
+        {"draft", 2, 1.5, 4}, {"standard", 1, 1, 8}, {"high", 0.5, 0.5, 8}, {"ultra", 0.25, 0.35, 16}};
     return all;
 }
 

@@ -33,7 +33,7 @@ class FieldSplatter {
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
     /// by `scale`; positions are quantised to `stepsPerVoxel`.
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale,
-                  FootprintLookup lookup = FootprintLookup::nearest);
+                  FootprintLookup lookup = FootprintLookup::sloped);
 
     const FootprintTable& table() const { return m_table; }
 

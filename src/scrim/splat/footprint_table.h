@@ -7,8 +7,9 @@
 // kernel, rotation, shear and anisotropic voxel equally cheap. Because one cumulative integral along w serves
 // all sheets, the weights of a texel sum over the sheets to the kernel's line integral for every thickness.
 //
-// Rounding a position to its step moves the voxel: an error of first order in the step, which density forgives and
-// gradients do not. A table may therefore hold the slopes of its weights, too; what is left is of second order.
+// Rounding a position to its step moves the voxel: an error of first order in the step, which flickers when a camera
+// or a light moves, and which gradients show. A table may therefore hold the slopes of its weights, too; what is left
+// is of second order.
 #pragma once
 
 #include <scrim/geometry/spaces.h>

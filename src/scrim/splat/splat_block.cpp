@@ -92,19 +92,47 @@ HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float v
             hn::StoreU(hn::MulAdd(scale, hn::LoadU(d, weights + i), hn::LoadU(d, texels + i)), d, texels + i);
 }
 
-// The same where every weight goes with its slopes, in parts `part` apart.
+// Weights that go with their slopes, in parts `part` apart, at `rest` steps from where they were tabulated.
+template <class D>
+struct Slopes {
+    hn::Vec<D> u, v, n;
+
+    HWY_ATTR HWY_INLINE Slopes(D d, const float (&rest)[3])
+        : u(hn::Set(d, rest[0])), v(hn::Set(d, rest[1])), n(hn::Set(d, rest[2])) {}
+    HWY_ATTR HWY_INLINE hn::Vec<D> weights(D d, const float* from, int part) const {
+        const auto sum = hn::MulAdd(u, hn::LoadU(d, from + part), hn::LoadU(d, from));
+        return hn::MulAdd(n, hn::LoadU(d, from + 3 * part), hn::MulAdd(v, hn::LoadU(d, from + 2 * part), sum));
+    }
+};
+
+// The same as addFootprint with such weights. Rows of four are taken in pairs: in the table they lie side by side.
+template <int kWidth>
 HWY_ATTR HWY_INLINE void addSloped(const float* HWY_RESTRICT weights, int part, float value, const float (&rest)[3],
                                    int rows, int width, float* HWY_RESTRICT texels, std::ptrdiff_t rowStride) {
     const hn::CappedTag<float, 4> d;
-    const auto scale = hn::Set(d, value), restU = hn::Set(d, rest[0]), restV = hn::Set(d, rest[1]),
-               restN = hn::Set(d, rest[2]);
-    for (int row = 0; row < rows; ++row, weights += width, texels += rowStride)
-        for (int i = 0; i < width; i += 4) {
-            auto weight = hn::MulAdd(restU, hn::LoadU(d, weights + part + i), hn::LoadU(d, weights + i));
-            weight = hn::MulAdd(restV, hn::LoadU(d, weights + 2 * part + i), weight);
-            weight = hn::MulAdd(restN, hn::LoadU(d, weights + 3 * part + i), weight);
-            hn::StoreU(hn::MulAdd(scale, weight, hn::LoadU(d, texels + i)), d, texels + i);
+    const auto scale = hn::Set(d, value);
+    int row = 0;
+#if HWY_TARGET != HWY_SCALAR
+    if constexpr (kWidth == 4) {
+        const hn::CappedTag<float, 8> d8;
+        if (hn::Lanes(d8) == 8) {
+            const Slopes<decltype(d8)> slopes(d8, rest);
+            const hn::Half<decltype(d8)> half;
+            for (; row + 1 < rows; row += 2, weights += 8, texels += 2 * rowStride) {
+                const auto both = slopes.weights(d8, weights, part);
+                float* next = texels + rowStride;
+                const auto s = hn::Set(half, value);
+                hn::StoreU(hn::MulAdd(s, hn::LowerHalf(half, both), hn::LoadU(half, texels)), half, texels);
+                hn::StoreU(hn::MulAdd(s, hn::UpperHalf(half, both), hn::LoadU(half, next)), half, next);
+            }
         }
+    }
+#endif
+    const Slopes<decltype(d)> slopes(d, rest);
+    for (; row < rows; ++row, weights += width, texels += rowStride)
+        for (int i = 0; i < width; i += 4)
+            hn::StoreU(hn::MulAdd(scale, slopes.weights(d, weights + i, part), hn::LoadU(d, texels + i)), d,
+                       texels + i);
 }
 
 template <int kWidth, int kRows, bool kSloped, bool kClipped>
@@ -141,7 +169,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
             float* texels = planes + (sheet + from - firstSheet) * planeStride + chunk.texel[i];
             for (int s = from; s < to; ++s, weights += sheetStride, texels += planeStride)
                 if constexpr (kSloped)
-                    addSloped(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows, width,
+                    addSloped<kWidth>(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows, width,
                               texels, rowStride);
                 else
                     addFootprint<kWidth, kRows>(weights, value, rows, width, texels, rowStride);
@@ -157,7 +185,9 @@ HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPl
     if (splat.clipped)
         return splat.table->sloped() ? splatRange<0, 0, true, true>(splat, place, values, first, second)
                                      : splatRange<0, 0, false, true>(splat, place, values, first, second);
-    if (splat.table->sloped()) return splatRange<0, 0, true, false>(splat, place, values, first, second);
+    if (splat.table->sloped())
+        return width == 4 ? splatRange<4, 0, true, false>(splat, place, values, first, second)
+                          : splatRange<0, 0, true, false>(splat, place, values, first, second);
     // The shapes of the linear kernel at one texel a voxel, of wider kernels, and all others.
     if (width == 4 && rows == 4) return splatRange<4, 4, false, false>(splat, place, values, first, second);
     if (width == 4 && rows == 3) return splatRange<4, 3, false, false>(splat, place, values, first, second);
