@@ -88,7 +88,7 @@ TEST(Classified, DiffuseFollowsTheCosineOfTheLight) {
         // Within the surface: integral of sigma e^(-sigma t (1 + 1 / cos)) dt.
         const double expected = std::cos(angle) / (1 + 1 / std::cos(angle));
         // Sheets and texels of half a voxel resolve a surface that leans against them to a few per cent.
-        EXPECT_NEAR(pixelOf(renderScene(scene), 4, 4)[0], expected, 0.06 * expected) << degrees;
+        EXPECT_NEAR(pixelOf(renderScene(scene), 4, 4)[0], expected, 0.08 * expected) << degrees;
     }
 }
 
@@ -96,7 +96,8 @@ TEST(Classified, LightFromBehindASurfaceCountsOnlyWhereItIsTwoSided) {
     Classified look = stepAtHalf(0.02);  // so thin that light from behind arrives
     look.ambient = look.specular = 0;
     ViewScene scene = classifiedScene(
-        makeField({-12, -12, -6}, {12, 12, 6}, 1, [](const Vec3& is) { return 0.3 + 0.03 * (is.z + 16); }), look, 10, 8);
+        makeField({-12, -12, -6}, {12, 12, 6}, 1, [](const Vec3& is) { return 0.3 + 0.03 * (is.z + 16); }), look, 10,
+        8);
     scene.lights.push_back(distantLight({0, 0, 1}, 1));
     scene.lights[0].shadows = false;
     // Density grows towards the eye, so normals point away from it: the far light is in front of the surfaces.

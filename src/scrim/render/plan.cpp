@@ -67,9 +67,8 @@ std::size_t fieldBytes(const ViewScene& scene, const Sheets& sheets, const ViewR
         bytes += planes(batch + 2 * halo) + (volume.classified ? planes(batch) : 0) + volume.field->blockCount() * 8;
         if (!raster.parallel) continue;  // one small table
         const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
-        const FootprintSteps steps = footprintSteps(rsFromIs, scene.dials.footprintSteps);
-        bytes += FootprintTable::bytes(scene.dials.kernel, rsFromIs, steps.texel, steps.sheet,
-                                       FootprintLookup::sloped);
+        const FootprintSteps steps = footprintSteps(rsFromIs, VolumePlanes::footprintStepsOf(volume, scene.dials));
+        bytes += FootprintTable::bytes(scene.dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintLookup::sloped);
     }
     return bytes + (fields > 1 ? planes(batch) : 0);
 }

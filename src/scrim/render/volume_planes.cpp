@@ -36,10 +36,10 @@ Limits limitsAround(const std::initializer_list<const float*>& planes, int width
 std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume, const Dials& dials,
                                                         const Sheets& sheets, const ViewRaster& raster) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
+    const int steps = VolumePlanes::footprintStepsOf(volume, dials);
     const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale);
-    if (!raster.parallel)
-        return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, dials.footprintSteps, scale);
-    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, dials.footprintSteps, scale);
+    if (!raster.parallel) return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, steps, scale);
+    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, steps, scale);
 }
 
 }  // namespace
@@ -58,6 +58,11 @@ VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const S
     m_surface.emplace(Surface{TransferTable(*volume.classified),
                               scrim::vagueGradient(*volume.classified, voxel),
                               {batchSheets, raster.width, raster.height, 1}});
+}
+
+int VolumePlanes::footprintStepsOf(const ViewVolume& volume, const Dials& dials) {
+    constexpr int kMostSteps = 128;
+    return volume.classified ? std::min(2 * dials.footprintSteps, kMostSteps) : dials.footprintSteps;
 }
 
 int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {

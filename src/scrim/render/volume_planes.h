@@ -41,6 +41,8 @@ class VolumePlanes {
     const TransferTable& table() const { return m_surface->table; }
     /// Differences for normals around the tile (tx, ty) of sheet firstSheet + p.
     GradientStep step(int p, int tx, int ty) const;
+    /// Steps of a volume's footprints: surfaces take twice what the dial says, because normals show ripples best.
+    static int footprintStepsOf(const ViewVolume& volume, const Dials& dials);
     /// Planes beyond those of a batch that a classified volume needs.
     static int halo(const ViewVolume& volume, const Sheets& sheets);
     double vagueGradient() const { return m_surface->vagueGradient; }

@@ -20,7 +20,7 @@ struct Dials {
     double texel = 1;           ///< voxels
     Kernel kernel = Kernel::linear;
     int footprintSteps = 8;  ///< quantised positions a voxel along each axis, a power of two
-    double shadowTexel = 1;   ///< texels a shadow buffer's cell
+    double shadowTexel = 1;  ///< texels a shadow buffer's cell
     ShadowFilter shadowFilter = ShadowFilter::bilinear;
     SplatMode splat = SplatMode::shared;
     ShadeMode shade = ShadeMode::automatic;

@@ -141,8 +141,7 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         if (medium)
             classified->fail(fmt::format("{} has both 'medium' and 'classified'; expected one of them", description));
     }
-    if (medium)
-        volume.medium = readMedium(medium->table("[volume.medium] of " + description), context);
+    if (medium) volume.medium = readMedium(medium->table("[volume.medium] of " + description), context);
     volume.medium.densityScale = volume.densityScale;
     table.finish();
     return volume;

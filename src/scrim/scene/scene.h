@@ -39,7 +39,7 @@ struct SceneVolume {
     std::vector<std::pair<double, double>> ramp;  ///< grid value to value, ascending; constant outside; empty: none
     Medium medium;                                ///< its densityScale is the one above
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
-    std::string where;                            ///< of `file` or `source` in the scene: "scene.toml:12:8"
+    std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
 
 struct ScenePreview {

@@ -37,7 +37,7 @@ ClassifiedValue classify(const Classified& classified, double value);
 
 /// Where the gradient (per world unit) vanishes there is no surface and no normal: the diffuse term then falls back
 /// to 1, so that interiors are not black. Weight of the normal in [0, 1]; it is 1/2 where the field changes by a
-/// thousandth of the transfer function's last value over a voxel.
+/// hundredth of the transfer function's last value over a voxel.
 double normalWeight(const Classified& classified, double gradientLength, double voxel);
 
 /// Share of the light's irradiance over pi that is reflected, to be multiplied by the object's colour (`diffuse`)

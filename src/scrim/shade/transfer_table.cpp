@@ -133,7 +133,7 @@ bool TransferTable::anyBetween(float low, float high) const {
 }
 
 double vagueGradient(const Classified& classified, double voxel) {
-    constexpr double kVague = 1e-3;  // of the transfer function's last value, over a voxel
+    constexpr double kVague = 1e-2;  // of the transfer function's last value, over a voxel
     return kVague * classified.transfer.back().value / voxel;
 }
 

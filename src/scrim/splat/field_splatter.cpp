@@ -46,8 +46,11 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
         lattice.include(transformVector(tsFromIs, corner));
-    m_blockLower = lattice.lower - m_table.extent() - Vec3(0, 0, rounding(m_table));
-    m_blockUpper = lattice.upper + m_table.extent() + Vec3(0, 0, rounding(m_table));
+    // Slopes reach a step beyond the kernel.
+    const double texelStep = 1.0 / m_table.texelSteps();
+    const Vec3 reach = m_table.extent() + Vec3(texelStep, texelStep, 2 * rounding(m_table));
+    m_blockLower = lattice.lower - reach;
+    m_blockUpper = lattice.upper + reach;
     m_sheetSpan = lastTouched(m_table, lattice.size().z) - firstTouched(m_table, 0) + 2;
 
     std::vector<std::int32_t> first(field.blockCount());

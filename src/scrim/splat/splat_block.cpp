@@ -169,8 +169,8 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
             float* texels = planes + (sheet + from - firstSheet) * planeStride + chunk.texel[i];
             for (int s = from; s < to; ++s, weights += sheetStride, texels += planeStride)
                 if constexpr (kSloped)
-                    addSloped<kWidth>(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows, width,
-                              texels, rowStride);
+                    addSloped<kWidth>(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows,
+                                      width, texels, rowStride);
                 else
                     addFootprint<kWidth, kRows>(weights, value, rows, width, texels, rowStride);
             footprints += static_cast<std::uint64_t>(std::max(0, to - from));

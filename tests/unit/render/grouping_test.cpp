@@ -357,7 +357,8 @@ TEST(WideView, BeyondWhatImageAlignedSheetsServeIsAnError) {
     scene.camera.fov = 175;
     scene.dials.sheets = SheetAxis::imageAligned;
     const std::string text = errorOf(ErrorKind::render, [&] { groupsOf(scene); });
-    EXPECT_TRUE(text.starts_with("image-aligned sheets do not suit this scene (sheets = \"half-way\" does): rays lean 8"))
+    EXPECT_TRUE(
+        text.starts_with("image-aligned sheets do not suit this scene (sheets = \"half-way\" does): rays lean 8"))
         << text;
     EXPECT_TRUE(text.ends_with(" degrees from the sweep's axis, at most 85 can be rendered")) << text;
 }

@@ -89,7 +89,7 @@ TEST(SceneRender, DialsOverrideTheQuality) {
     EXPECT_EQ(scene.dials.shadowFilter, ShadowFilter::nearest);
     EXPECT_EQ(scene.dials.antialias, 2);
     EXPECT_EQ(read(kScene).quality, "standard");
-    EXPECT_EQ(read(kScene).dials.footprintSteps, 16);
+    EXPECT_EQ(read(kScene).dials.footprintSteps, 8);
 }
 
 TEST(SceneRender, IsChecked) {

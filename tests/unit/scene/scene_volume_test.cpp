@@ -130,7 +130,8 @@ TEST(SceneVolume, NamesAreUnique) {
 }
 
 TEST(SceneVolume, KeysOfLaterVersionsAreNotSilentlyIgnored) {
-    const std::string allowed = "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density', 'medium' or 'classified'";
+    const std::string allowed =
+        "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density', 'medium' or 'classified'";
     EXPECT_EQ(volumeError("lights = [\"key\"]\n"),
               "scene.toml:6:1: 'lights' is not known here ([[volume]] 'volume1' with a file)" + allowed);
     EXPECT_EQ(volumeError("[volume.medium]\nemission = { grid = \"flame\" }\n"),

@@ -150,8 +150,8 @@ Plain plainShade(const ShadeInput& in, int k) {
                 // Mean over the eye's segment, at the two points of Gauss' quadrature.
                 irradiance = 0;
                 for (const double at : {-0.5, 0.5}) {
-                    const Vec3 from = way * double(light.distanceW) +
-                                      at / std::sqrt(3.0) * in.thickness * Vec3(a, b, 1);
+                    const Vec3 from =
+                        way * double(light.distanceW) + at / std::sqrt(3.0) * in.thickness * Vec3(a, b, 1);
                     irradiance += 0.5 / std::max(glm::dot(from, from), double(light.radius2));
                 }
             }
