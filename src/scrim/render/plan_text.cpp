@@ -43,6 +43,25 @@ Effect slideEffect(const ViewScene& scene) {
     return {"slides", true, fmt::format("of {}", quotedNames(with))};
 }
 
+Effect classifiedEffect(const ViewScene& scene) {
+    std::vector<std::string> names;
+    for (const ViewVolume& volume : scene.volumes)
+        if (volume.classified) names.push_back(volume.name);
+    if (names.empty()) return {"surfaces", false, "no volume is classified: no gradients, no transfer function"};
+    return {"surfaces", true, fmt::format("{} classified", quotedNames(names))};
+}
+
+Effect crossFadeEffect(const ViewScene& scene, const Plan& plan) {
+    for (const GroupPlan& group : plan.groups)
+        for (const LightPlan& light : group.lights)
+            if (light.share < 1)
+                return {"cross-fade", true,
+                        fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
+                                    "sides",
+                                    scene.lights[static_cast<std::size_t>(light.light)].name, scene.dials.crossFade)};
+    return {"cross-fade", false, "no light is perpendicular to the eye"};
+}
+
 Effect phaseEffect(const ViewScene& scene) {
     std::vector<std::string> names;
     for (const ViewVolume& volume : scene.volumes)
@@ -52,7 +71,8 @@ Effect phaseEffect(const ViewScene& scene) {
 }
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
-    std::vector<Effect> effects{shadowEffect(scene), slideEffect(scene), phaseEffect(scene)};
+    std::vector<Effect> effects{shadowEffect(scene), slideEffect(scene), classifiedEffect(scene), phaseEffect(scene),
+                                crossFadeEffect(scene, plan)};
     const bool ambient = scene.ambient != Rgb(0);
     effects.push_back({"ambient light", ambient, ambient ? "[ambient] has a color" : "[ambient] is black"});
     const int n = scene.dials.antialias;
@@ -60,6 +80,12 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(
         {"level of detail", scene.dials.lod > 0,
          scene.dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", scene.dials.lod) : "lod is 0"});
+    effects.push_back({"wide eye", plan.eyeParts.size() > 1,
+                       plan.eyeParts.size() > 1 ? fmt::format("its rays are swept in {} parts", plan.eyeParts.size())
+                                                : "one sweep holds all of its rays"});
+    effects.push_back({"per-view splatting", plan.perView,
+                       plan.perView ? "the scene says so: a splat for the eye and one for every shadow"
+                                    : "all views share one splat"});
     effects.push_back({"shading at pixels", plan.shadeAtPixels,
                        plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason});
     return effects;
@@ -151,6 +177,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     const PixelWindow& r = plan.region;
     const Json out{{"voxel", plan.voxel},
                    {"region", {r.x0, r.y0, r.x1, r.y1}},
+                   {"splat", plan.perView ? "per-view" : "shared"},
                    {"shade", plan.shadeAtPixels ? "pixel" : "texel"},
                    {"shade_reason", plan.shadeReason},
                    {"effects", effects},
