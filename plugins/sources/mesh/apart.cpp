@@ -29,7 +29,7 @@ void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
     ::setrlimit(resource, &both);
 }
 
-rlim_t addressSpaceInUse() {
+[[maybe_unused]] rlim_t addressSpaceInUse() {
     rlim_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
     return pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE));
