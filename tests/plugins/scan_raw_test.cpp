@@ -159,7 +159,7 @@ TEST_F(ScanRaw, FilesOfAnotherSizeAreRefusedWithBothNumbers) {
 
 TEST_F(ScanRaw, DamagedCompressionIsRefused) {
     std::string bytes;
-    for (int i = 0; i < 1000; ++i) bytes += static_cast<char>(i * i * 7919 >> 5);
+    for (unsigned i = 0; i < 1000; ++i) bytes += static_cast<char>(i * i * 7919U >> 5);
     const std::string path = file("g.raw.gz");
     writeGz(path, bytes);
     const Parameters parameters{{"file", path}, {"size", "10,10,10"}};

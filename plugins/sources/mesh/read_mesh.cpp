@@ -151,7 +151,7 @@ std::vector<T> take(std::string_view& bytes) {
     std::uint64_t count = 0;
     std::memcpy(&count, bytes.data(), sizeof count);
     std::vector<T> items(count);
-    std::memcpy(items.data(), bytes.data() + sizeof count, count * sizeof(T));
+    if (count > 0) std::memcpy(items.data(), bytes.data() + sizeof count, count * sizeof(T));
     bytes.remove_prefix(sizeof count + count * sizeof(T));
     return items;
 }

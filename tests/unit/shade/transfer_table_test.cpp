@@ -97,7 +97,7 @@ TEST(NormalWeight, FallsWhereTheGradientVanishes) {
     const Classified look = bandAndSlope();
     EXPECT_EQ(normalWeight(look, 0, 2), 0);
     EXPECT_DOUBLE_EQ(normalWeight(look, vagueGradient(look, 2), 2), 0.5);
-    EXPECT_GT(normalWeight(look, 5, 2), 0.999);
+    EXPECT_GT(normalWeight(look, 5, 2), 0.99);
 }
 
 }  // namespace
