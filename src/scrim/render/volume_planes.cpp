@@ -56,6 +56,7 @@ VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const S
       m_readySheet(-m_halo) {
     if (!volume.classified) return;
     m_surface.emplace(Surface{TransferTable(*volume.classified),
+                              stepFor(raster.rsFromTs),
                               scrim::vagueGradient(*volume.classified, voxel),
                               {batchSheets, raster.width, raster.height, 1}});
 }
@@ -134,16 +135,17 @@ void VolumePlanes::classify(int p) {
     out.finish(p);
 }
 
-GradientStep VolumePlanes::step(int p, int tx, int ty) const {
-    Mat4 rsFromTs = m_raster.rsFromTs;
-    if (!m_raster.parallel) {
-        // The middle of the tile, on its ray.
-        const double n = m_firstSheet + p + 0.5;
-        const Vec3 middle((tx + 0.5) * kTileEdge, (ty + 0.5) * kTileEdge, 1);
-        const Vec3 onPlane = glm::inverse(m_raster.fromPlane(n)) * middle;
-        rsFromTs = m_raster.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n});
-    }
+GradientStep VolumePlanes::stepFor(const Mat4& rsFromTs) const {
     return gradientStep(rsFromTs * m_sheets.tsFrom(m_volume.wsFromIs), m_sheets.ssFromWs, m_volume.wsFromIs);
+}
+
+GradientStep VolumePlanes::step(int p, int tx, int ty) const {
+    if (m_raster.parallel) return m_surface->step;
+    // The middle of the tile, on its ray.
+    const double n = m_firstSheet + p + 0.5;
+    const Vec3 middle((tx + 0.5) * kTileEdge, (ty + 0.5) * kTileEdge, 1);
+    const Vec3 onPlane = glm::inverse(m_raster.fromPlane(n)) * middle;
+    return stepFor(m_raster.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
 }
 
 ValuePlanes VolumePlanes::values(int p) const {

@@ -51,12 +51,14 @@ class VolumePlanes {
   private:
     struct Surface {
         TransferTable table;
+        GradientStep step;  // of a parallel raster: the same everywhere
         double vagueGradient;
         PlaneStack extinction;
     };
     struct Run {
         int sheet, count;
     };
+    GradientStep stepFor(const Mat4& rsFromTs) const;
     int planeOf(int sheet) const { return (sheet + m_halo) % m_values.planes(); }
 
     const ViewVolume& m_volume;

@@ -11,13 +11,6 @@
 namespace scrim {
 namespace {
 
-// The field at the ends and in the middle of the eye's segments.
-struct Run {
-    alignas(64) float front[kTileSize];
-    alignas(64) float middle[kTileSize];
-    alignas(64) float back[kTileSize];
-};
-
 // Values at the samples, moved by (du, dv) texels.
 void sampleMoved(const float* plane, const ValuePlanes& planes, const SampleTile& samples, float du, float dv,
                  float* out) {
@@ -40,7 +33,8 @@ void sampleAlongRays(const float* plane, const ValuePlanes& planes, const Sample
     samplePoints({plane, planes.width, planes.height}, u, v, false, kTileSize, out);
 }
 
-void sampleRun(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets, Run& run) {
+void sampleRun(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
+               ClassifiedTile& run) {
     const auto texelsPerSlope = static_cast<float>(sheets.thickness / sheets.texel);
     sampleAlongRays(planes.at(-1), planes, samples, -texelsPerSlope, run.front);
     sampleAlongRays(planes.at(0), planes, samples, 0, run.middle);
@@ -80,10 +74,9 @@ GradientStep gradientStep(const Mat4& rsFromIs, const Mat3& ssFromWs, const Mat4
 
 bool classifyExtinction(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
                         const TransferTable& table, ClassifiedTile& out) {
-    Run run;
-    sampleRun(planes, samples, sheets, run);
-    float low = run.front[0], high = low;
-    for (const float* values : {run.front, run.middle, run.back})
+    sampleRun(planes, samples, sheets, out);
+    float low = out.front[0], high = low;
+    for (const float* values : {out.front, out.middle, out.back})
         for (int k = 0; k < kTileSize; ++k) {
             low = std::min(low, values[k]);
             high = std::max(high, values[k]);
@@ -92,15 +85,13 @@ bool classifyExtinction(const ValuePlanes& planes, const SampleTile& samples, co
         std::fill(out.extinction, out.extinction + kTileSize, 0.0f);
         return false;
     }
-    table.meanExtinction(run.front, run.middle, run.back, kTileSize, out.extinction);
+    table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction);
     return std::any_of(out.extinction, out.extinction + kTileSize, [](float sigma) { return sigma > 0; });
 }
 
-void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
-                     const GradientStep& step, double vagueGradient, const TransferTable& table, ClassifiedTile& out) {
-    Run run;
-    sampleRun(planes, samples, sheets, run);
-    for (int c = 0; c < 3; ++c) table.meanEmission(c, run.front, run.middle, run.back, kTileSize, out.emission[c]);
+void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const GradientStep& step,
+                     double vagueGradient, const TransferTable& table, ClassifiedTile& out) {
+    for (int c = 0; c < 3; ++c) table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c]);
 
     alignas(64) float lower[kTileSize], upper[kTileSize];
     for (float* axis : out.normal) std::fill(axis, axis + kTileSize, 0.0f);

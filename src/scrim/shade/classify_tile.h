@@ -53,18 +53,21 @@ GradientStep gradientStep(const Mat4& rsFromIs, const Mat3& ssFromWs, const Mat4
 
 /// Classified samples: of the eye's segments through the sheet.
 struct ClassifiedTile {
+    alignas(64) float front[kTileSize];  ///< the field where the segments begin, in their middle, where they end
+    alignas(64) float middle[kTileSize];
+    alignas(64) float back[kTileSize];
     alignas(64) float extinction[kTileSize];   ///< mean, per world unit
     alignas(64) float emission[3][kTileSize];  ///< mean of extinction times colour
     alignas(64) float normal[3][kTileSize];    ///< unit, in sweep space, out of the denser side
     alignas(64) float weight[kTileSize];       ///< of the normal, see normalWeight
 };
 
-/// Fills in `extinction`; false (and all of it 0) where the samples show nothing.
+/// Fills in the field and `extinction`; false (and all of the latter 0) where the samples show nothing.
 bool classifyExtinction(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
                         const TransferTable& table, ClassifiedTile& out);
 
-/// Fills in the rest.
-void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
-                     const GradientStep& step, double vagueGradient, const TransferTable& table, ClassifiedTile& out);
+/// Fills in the rest, after classifyExtinction.
+void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const GradientStep& step,
+                     double vagueGradient, const TransferTable& table, ClassifiedTile& out);
 
 }  // namespace scrim
