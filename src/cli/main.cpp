@@ -9,6 +9,7 @@
 #include "options.h"
 #include "plan_command.h"
 #include "render_command.h"
+#include "study_command.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/version.h>
@@ -67,7 +68,7 @@ std::string versionText() {
 /// The command line and what it fills in.
 struct CommandLine {
     CLI::App app{"Renders OpenVDB volumes with volumetric shadows by sheet-based splatting.", "scrim"};
-    SceneOptions render, plan;
+    SceneOptions render, plan, study;
     InfoOptions info;
     MakeOptions make;
 
@@ -76,6 +77,7 @@ struct CommandLine {
         app.require_subcommand(0, 1);
         addRender();
         addPlan();
+        addStudy();
         addInfo();
         addMake();
     }
@@ -90,6 +92,11 @@ struct CommandLine {
         addSceneOptions(*command, plan);
         addRenderOptions(*command, plan, "Accepted, so that the arguments of a render can be planned as they are");
         command->add_flag("--json", plan.json, "print JSON");
+    }
+    void addStudy() {
+        CLI::App* command = app.add_subcommand("study", "measure what accuracy costs in time on a scene");
+        addSceneOptions(*command, study);
+        addStudyOptions(*command, study);
     }
     void addInfo() {
         CLI::App* command = app.add_subcommand("info", "show what .vdb files hold");
@@ -155,6 +162,7 @@ int runCommand(CommandLine& line) {
     const std::string name = &line.current() == &line.app ? "" : line.current().get_name();
     if (name == "render") renderCommand(line.render);
     if (name == "plan") planCommand(line.plan);
+    if (name == "study") studyCommand(line.study);
     if (name == "info") infoCommand(line.info);
     if (name == "make") makeCommand(line.make);
     if (name.empty()) {

@@ -40,6 +40,13 @@ std::optional<std::vector<Number>> numbersOf(std::string_view text, char separat
     }
 }
 
+double secondsFrom(const std::string& option, const std::string& text) {
+    const auto numbers = numbersOf<double>(text, '\0');
+    if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !(numbers->front() <= 1e9))
+        refuse(option, text, "seconds, more than 0");
+    return numbers->front();
+}
+
 int countFrom(const std::string& option, const std::string& text, int most) {
     const auto numbers = numbersOf<int>(text, '\0');
     if (!numbers || numbers->size() != 1 || numbers->front() < 0 || numbers->front() > most)
@@ -134,6 +141,14 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
               [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
     command.option_defaults()->group("Options");
+}
+
+void addStudyOptions(CLI::App& command, SceneOptions& o) {
+    command.add_option("-o,--output", o.output, "folder for study.csv, study.json and index.html")->type_name("DIR");
+    add(command, "--budget", "SECONDS", "stop in time, with what there is by then",
+        [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
+    addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
+              [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
 }
 
 }  // namespace scrim::cli

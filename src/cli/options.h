@@ -42,12 +42,15 @@ struct SceneOptions {
     int verify = 0;  ///< pixels
 
     bool json = false;  ///< of `scrim plan`
+    double budget = 0;  ///< of `scrim study`: seconds; 0: none
 };
 
 /// Those that decide what is rendered: of `render` and `plan`. `options` must outlive the parse.
 void addSceneOptions(CLI::App& command, SceneOptions& options);
 /// Those about what comes out: of `render`. `group` is their title in the help.
 void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
+/// Of `study`.
+void addStudyOptions(CLI::App& command, SceneOptions& options);
 /// -v and -q.
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
 

@@ -40,8 +40,7 @@ struct Candidate {
 };
 
 double errorOf(const Image& image, std::vector<VerifiedPixel> pixels) {
-    for (VerifiedPixel& p : pixels)
-        for (std::size_t c = 0; c < 4; ++c) p.rendered[c] = image.rgba[image.indexOf(p.x, p.y) + c];
+    setRendered(pixels, image);
     return summarise(pixels).error;
 }
 

@@ -22,14 +22,15 @@ std::vector<std::uint8_t> withoutAlpha(const DisplayImage& picture) {
     return rgb;
 }
 
-/// The bytes of a picture file in the format that `path`'s extension names. In memory, since on a full disk
-/// OpenImageIO's PNG writer reports success and libjpeg ends the process.
-std::vector<unsigned char> encoded(const std::string& path, const DisplayImage& picture) {
-    const auto refuse = [&path](const std::string& why) {
-        throw Error(ErrorKind::output, fmt::format("cannot write '{}': {}", path, why));
+}  // namespace
+
+// In memory, since on a full disk OpenImageIO's PNG writer reports success and libjpeg ends the process.
+std::vector<unsigned char> pictureBytes(const std::string& name, const DisplayImage& picture) {
+    const auto refuse = [&name](const std::string& why) {
+        throw Error(ErrorKind::output, fmt::format("cannot write '{}': {}", name, why));
     };
-    const std::string extension = std::filesystem::path(path).extension().string();
-    const std::unique_ptr<OIIO::ImageOutput> out = extension.empty() ? nullptr : OIIO::ImageOutput::create(path);
+    const std::string extension = std::filesystem::path(name).extension().string();
+    const std::unique_ptr<OIIO::ImageOutput> out = extension.empty() ? nullptr : OIIO::ImageOutput::create(name);
     if (!out || !out->supports("ioproxy")) {
         OIIO::geterror();  // forgotten: the text below says more
         refuse("its extension must name a picture format, such as '.png' or '.jpg'");
@@ -39,19 +40,17 @@ std::vector<unsigned char> encoded(const std::string& path, const DisplayImage& 
     out->set_ioproxy(&memory);
     const OIIO::ImageSpec spec(picture.window.width(), picture.window.height(), 3, OIIO::TypeDesc::UINT8);
     const std::vector<std::uint8_t> rgb = withoutAlpha(picture);
-    if (!out->open(path, spec) || !out->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !out->close())
+    if (!out->open(name, spec) || !out->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !out->close())
         refuse(clipped(out->geterror()));
     return bytes;
 }
-
-}  // namespace
 
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
                   const ColourConfig& colour, const std::string& display, const std::string& view) {
     if (displayWindow.empty())
         throw Error(ErrorKind::usage, fmt::format("cannot write '{}': the display window is empty", path));
     const std::vector<unsigned char> bytes =
-        encoded(path, colour.displayImage(reframed(working, displayWindow), display, view));
+        pictureBytes(path, colour.displayImage(reframed(working, displayWindow), display, view));
     writeWholeFile(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 

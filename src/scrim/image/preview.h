@@ -7,6 +7,7 @@
 #include <scrim/image/image.h>
 
 #include <string>
+#include <vector>
 
 namespace scrim {
 
@@ -19,5 +20,9 @@ namespace scrim {
 /// view.
 void writePreview(const std::string& path, const Image& working, const PixelWindow& displayWindow,
                   const ColourConfig& colour, const std::string& display, const std::string& view);
+
+/// The bytes of a picture file, opaque, in the format that the extension of `name` stands for. Throws Error(output),
+/// which calls it `name`.
+std::vector<unsigned char> pictureBytes(const std::string& name, const DisplayImage& picture);
 
 }  // namespace scrim

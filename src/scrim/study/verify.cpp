@@ -39,35 +39,46 @@ double relativeError(double squares, double mean, double count) {
 
 }  // namespace
 
-std::vector<VerifiedPixel> samplePixels(const ViewScene& scene, const Image& image, int count, unsigned seed,
-                                        const ProgressSink& progress) {
+std::vector<VerifiedPixel> drawPixels(const Image& image, int count, unsigned seed) {
     // Candidates: what the picture shows, and a little less, so that pixels it wrongly lost may show up.
     std::vector<VerifiedPixel> pixels;
     const PixelWindow& window = image.window;
     for (int y = window.y0; y < window.y1; ++y)
-        for (int x = window.x0; x < window.x1; ++x) {
-            const float* rgba = image.rgba.data() + image.indexOf(x, y);
-            if (rgba[3] <= 0.5 * kLeastAlpha) continue;
-            VerifiedPixel p{x, y, {}, {}};
-            std::copy(rgba, rgba + 4, p.rendered.begin());
-            pixels.push_back(p);
-        }
+        for (int x = window.x0; x < window.x1; ++x)
+            if (image.rgba[image.indexOf(x, y) + 3] > 0.5 * kLeastAlpha) pixels.push_back({x, y, {}, {}});
     // A seeded shuffle of our own: the standard one may differ between libraries.
     std::mt19937 random(seed);
     const std::size_t wanted = std::min(pixels.size(), static_cast<std::size_t>(std::max(count, 0)));
     for (std::size_t i = 0; i < wanted; ++i) std::swap(pixels[i], pixels[i + random() % (pixels.size() - i)]);
     pixels.resize(wanted);
+    setRendered(pixels, image);
+    return pixels;
+}
 
+void evaluateReferences(const ViewScene& scene, std::span<VerifiedPixel> pixels, const ProgressSink& progress) {
     const Reference reference(scene);
-    for (std::size_t first = 0; first < wanted; first += kPixelsPerStep) {
-        const std::size_t step = std::min(kPixelsPerStep, wanted - first);
+    for (std::size_t first = 0; first < pixels.size(); first += kPixelsPerStep) {
+        const std::size_t step = std::min(kPixelsPerStep, pixels.size() - first);
         parallelFor(step, [&](std::size_t i) {
             VerifiedPixel& p = pixels[first + i];
             p.reference = reference.pixel(p.x, p.y);
         });
-        if (progress && !progress(double(first + step) / double(wanted)))
+        if (progress && !progress(double(first + step) / double(pixels.size())))
             throw Error(ErrorKind::interrupted, "the verification was interrupted");
     }
+}
+
+void setRendered(std::span<VerifiedPixel> pixels, const Image& image) {
+    for (VerifiedPixel& p : pixels) {
+        const float* rgba = image.rgba.data() + image.indexOf(p.x, p.y);
+        std::copy(rgba, rgba + 4, p.rendered.begin());
+    }
+}
+
+std::vector<VerifiedPixel> samplePixels(const ViewScene& scene, const Image& image, int count, unsigned seed,
+                                        const ProgressSink& progress) {
+    std::vector<VerifiedPixel> pixels = drawPixels(image, count, seed);
+    evaluateReferences(scene, pixels, progress);
     return pixels;
 }
 

@@ -7,6 +7,7 @@
 #include <scrim/render/view_scene.h>
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace scrim {
@@ -29,7 +30,17 @@ struct Verification {
     int worstX = 0, worstY = 0;
 };
 
-/// Evaluates `count` pixels, drawn at random with `seed` from those of `image` that are not empty, both ways.
+/// Draws `count` pixels at random with `seed` from those of `image` that are not empty; fewer where it has fewer. The
+/// first of them are the same for every `count`. Their references are still to be evaluated.
+std::vector<VerifiedPixel> drawPixels(const Image& image, int count, unsigned seed);
+
+/// Fills in the references. Throws Error(interrupted) where `progress` wishes it.
+void evaluateReferences(const ViewScene& scene, std::span<VerifiedPixel> pixels, const ProgressSink& progress = {});
+
+/// Fills in what `image` has there: another rendering of the same region.
+void setRendered(std::span<VerifiedPixel> pixels, const Image& image);
+
+/// Both: evaluates `count` pixels, drawn at random with `seed` from those of `image` that are not empty, both ways.
 /// Fewer where the picture has fewer. `image` is in the working space, as rendered from `scene`.
 std::vector<VerifiedPixel> samplePixels(const ViewScene& scene, const Image& image, int count, unsigned seed,
                                         const ProgressSink& progress = {});

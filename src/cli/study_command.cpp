@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "study_command.h"
+
+#include "console.h"
+#include "field_store.h"
+#include "progress.h"
+#include "scene_input.h"
+#include "slide_store.h"
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/image/atomic_file.h>
+#include <scrim/image/exr.h>
+#include <scrim/render/assemble.h>
+#include <scrim/study/study.h>
+#include <scrim/study/study_data.h>
+#include <scrim/study/study_page.h>
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <system_error>
+
+namespace scrim::cli {
+namespace {
+
+std::filesystem::path folderFor(const std::string& output) {
+    if (output.empty()) throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
+    std::error_code error;
+    std::filesystem::create_directories(output, error);
+    if (error || !std::filesystem::is_directory(output))
+        throw Error(ErrorKind::output, fmt::format("cannot make the folder '{}': {}", output,
+                                                   error ? error.message() : "there is a file of that name"));
+    return output;
+}
+
+std::string tableOf(const Study& study) {
+    std::string text = fmt::format("{} reference pixels, {:.0f} s\n{:<12}{:<56}{:>9}{:>12}\n", study.pixels, study.spent,
+                                   "error below", "setting", "error", "time");
+    for (const Recommendation& r : recommendations(study)) {
+        const Trial* t = r.trial ? &study.trials[*r.trial] : nullptr;
+        text += t ? fmt::format("{:>9.1f} % {:<56}{:>7.2f} %{:>9.0f} ms\n", 100 * r.tolerance, t->name,
+                                100 * t->error.error, 1e3 * t->time())
+                  : fmt::format("{:>9.1f} % none of those tried\n", 100 * r.tolerance);
+    }
+    text += fmt::format("{:<12}one value finer or coarser\n", "dial");
+    for (const DialWorth& w : worthOfDials(study)) text += fmt::format("{:<16}{}\n", w.dial, w.verdict);
+    return text;
+}
+
+}  // namespace
+
+void studyCommand(const SceneOptions& options) {
+    Console console(options.verbose, options.quiet);
+    const ThreadLimit threads(options.threads);
+    const ColourConfig colour = ColourConfig::open(options.ocio);
+    FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
+    SlideStore slides(colour, console.sink());
+    Progress progress(options.progress, console);
+    const std::filesystem::path folder = folderFor(options.output);
+
+    // The output is a folder here: scenes have none of their own.
+    SceneOptions sceneOptions = options;
+    sceneOptions.output.clear();
+    if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
+    SceneInput input(options.inputs.front(), sceneOptions, colour, store);
+    if (input.frames().size() != 1) throw Error(ErrorKind::usage, "study: expected one frame; say which with --frames");
+
+    Scene scene = input.sceneAt(input.frames().front());
+    const std::vector<VolumeFile> files = findFiles(scene);
+    for (const VolumeFile& file : files)
+        if (file.state == FileState::missing) throw Error(ErrorKind::input, file.problem);
+    slides.loadInto(scene);
+    const Fields fields = store.fieldsOf(scene, files);
+
+    const auto sceneWith = [&](const Dials& dials) {
+        Scene turned = scene;
+        turned.dials = dials;
+        return assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slides.bytes()));
+    };
+    StudyOptions studyOptions;
+    studyOptions.budget = options.budget;
+    progress.beginFrame(input.frames().front());
+    const Study study = runStudy(sceneWith, scene.dials, studyOptions, progress.stage(0, 1));
+    progress.endFrame();
+
+    const std::string name = std::filesystem::path(input.name()).filename().string();
+    writeWholeFile((folder / "study.csv").string(), studyAsCsv(study));
+    writeWholeFile((folder / "study.json").string(), studyAsJson(study, name));
+    writeWholeFile((folder / "index.html").string(), studyAsHtml(study, name, colour));
+    if (!options.quiet) printOut(tableOf(study));
+    console.line(fmt::format("{}: study.csv, study.json, index.html", folder.string()));
+}
+
+}  // namespace scrim::cli

@@ -1,0 +1,299 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/study/study.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/render/renderer.h>
+#include <scrim/scene/quality.h>
+#include <scrim/study/convergence_order.h>
+#include <scrim/study/expected_time.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr unsigned kPixelSeed = 1;
+constexpr int kPixelsAtATime = 32;
+// Of a budget: the reference at most so much, each setting at most so much, all settings once at most so much, and with
+// pictures so much.
+constexpr double kReferencePart = 0.25, kTrialPart = 0.08, kFirstRoundPart = 0.65, kPicturesPart = 0.8;
+// Other kernels have references of their own, and only serve to compare them: fewer pixels do.
+constexpr std::size_t kOtherKernelPixels = 128;
+
+class Run {
+  public:
+    Run(const SceneWith& sceneWith, const Dials& base, const StudyOptions& options, const ProgressSink& progress)
+        : m_sceneWith(sceneWith), m_base(base), m_options(options), m_progress(progress) {}
+
+    Study study();
+
+  private:
+    double spent() const { return std::chrono::duration<double>(Clock::now() - m_start).count(); }
+    bool past(double part) const { return m_options.budget > 0 && spent() > part * m_options.budget; }
+    void report(double done) const;
+
+    std::vector<VerifiedPixel> reference(const ViewScene& scene, std::vector<VerifiedPixel> pixels, std::size_t most);
+    void renderBase();
+    Image timedRender(const ViewScene& scene, Trial& trial) const;
+    bool affordable(double seconds) const;
+    void tryOnce(Trial& trial);
+    void tryAll(std::size_t first, double from, double to);
+    void repeat();
+    void findOrders();
+    void drawErrors();
+
+    const SceneWith& m_sceneWith;
+    const Dials m_base;
+    const StudyOptions& m_options;
+    const ProgressSink& m_progress;
+    const Clock::time_point m_start = Clock::now();
+    Study m_study;
+    std::map<Kernel, std::vector<VerifiedPixel>> m_truth;
+    double m_scale = 1;           // measured over expected time
+    double m_referenceTime = 0;  // seconds a pixel
+};
+
+void Run::report(double done) const {
+    const double shown = m_options.budget > 0 ? std::min(1.0, spent() / m_options.budget) : done;
+    if (m_progress && !m_progress(shown)) throw Error(ErrorKind::interrupted, "the study was interrupted");
+}
+
+Image Run::timedRender(const ViewScene& scene, Trial& trial) const {
+    const auto begin = Clock::now();
+    Frame frame = render(scene, makePlan(scene, threadCount()));
+    trial.seconds.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
+    trial.work = frame.work;
+    return std::move(frame.image);
+}
+
+// References of `pixels` until the error of what is rendered there is known well enough, or time is up.
+std::vector<VerifiedPixel> Run::reference(const ViewScene& scene, std::vector<VerifiedPixel> pixels, std::size_t most) {
+    std::size_t done = 0;
+    while (done < std::min(most, pixels.size())) {
+        const std::size_t step = std::min<std::size_t>(kPixelsAtATime, pixels.size() - done);
+        evaluateReferences(scene, std::span(pixels).subspan(done, step));
+        done += step;
+        const Verification v = summarise({pixels.begin(), pixels.begin() + static_cast<std::ptrdiff_t>(done)});
+        report(0.1 * double(done) / double(most));
+        if (done >= 4 * kPixelsAtATime && v.upper - v.lower < 2 * m_options.intervalWanted * v.error) break;
+        if (past(kReferencePart)) break;
+    }
+    pixels.resize(done);
+    return pixels;
+}
+
+void Run::renderBase() {
+    Dials truth = m_base;
+    truth.lod = 0;
+    Trial& trial = m_study.trials.front();
+    const Image image = timedRender(m_sceneWith(m_base), trial);
+    std::vector<VerifiedPixel> pixels = drawPixels(image, m_options.mostPixels, kPixelSeed);
+    if (pixels.empty()) throw Error(ErrorKind::render, "there is nothing to study: the picture is empty");
+    const double before = spent();
+    pixels = reference(m_sceneWith(truth), std::move(pixels), static_cast<std::size_t>(m_options.mostPixels));
+    m_referenceTime = (spent() - before) / double(pixels.size());
+    for (const VerifiedPixel& p : pixels)
+        m_study.meanReference += (p.reference[0] + p.reference[1] + p.reference[2]) / 3 / double(pixels.size());
+    m_study.pixels = static_cast<int>(pixels.size());
+    m_truth[m_base.kernel] = std::move(pixels);
+    trial.seconds.clear();  // the first render pays for pages that the later ones find
+}
+
+bool Run::affordable(double seconds) const {
+    return m_options.budget == 0 || (seconds < kTrialPart * m_options.budget &&
+                                     spent() + seconds < kFirstRoundPart * m_options.budget);
+}
+
+void Run::tryOnce(Trial& trial) {
+    const ViewScene scene = m_sceneWith(trial.dials);
+    const double expected = expectedSeconds(scene, makePlan(scene, threadCount()), threadCount());
+    std::vector<VerifiedPixel>& truth = m_truth[trial.dials.kernel];
+    const std::size_t missing = truth.empty() ? std::min(m_truth[m_base.kernel].size(), kOtherKernelPixels) : 0;
+    const double seconds = expected * m_scale + double(missing) * m_referenceTime;
+    if (!affordable(seconds)) {
+        trial.skipped = fmt::format("it would take about {:.2g} s, more than the budget has left for it", seconds);
+        m_study.outOfTime = true;
+        return;
+    }
+    const Image image = timedRender(scene, trial);
+    m_scale = trial.seconds.back() / expected;
+    if (missing > 0) {
+        Dials exact = trial.dials;
+        exact.lod = 0;
+        truth = m_truth[m_base.kernel];
+        truth.resize(missing);
+        evaluateReferences(m_sceneWith(exact), truth);
+    }
+    trial.seen = truth;
+    setRendered(trial.seen, image);
+    trial.error = summarise(trial.seen);
+    trial.run = true;
+}
+
+// Those that take least time first, so that a budget leaves out as few as it can; other kernels, which need references
+// of their own, last.
+void Run::tryAll(std::size_t first, double from, double to) {
+    std::vector<Trial>& trials = m_study.trials;
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = first; i < trials.size(); ++i) {
+        const ViewScene scene = m_sceneWith(trials[i].dials);
+        const double expected = expectedSeconds(scene, makePlan(scene, threadCount()), threadCount());
+        order.emplace_back(trials[i].dials.kernel == m_base.kernel ? expected : 1e9 + expected, i);
+    }
+    std::sort(order.begin(), order.end());
+    double done = 0;
+    for (const auto& [expected, i] : order) {
+        tryOnce(trials[i]);
+        report(from + (to - from) * ++done / double(order.size()));
+    }
+}
+
+// Round after round, so that a machine whose speed drifts bends no curve.
+void Run::repeat() {
+    for (int round = 1; round < m_options.repeats; ++round) {
+        double done = 0;
+        for (Trial& trial : m_study.trials) {
+            ++done;
+            if (!trial.run) continue;
+            if (m_options.budget > 0 && spent() + trial.time() > 0.97 * m_options.budget) {
+                m_study.outOfTime = true;
+                continue;  // a faster one may still fit
+            }
+            timedRender(m_sceneWith(trial.dials), trial);
+            report(0.5 + 0.45 * (round - 1 + done / double(m_study.trials.size())) / (m_options.repeats - 1));
+        }
+    }
+}
+
+// Distance from the finest picture, at the reference's pixels: free of what the other dials cost.
+double distance(const Trial& a, const Trial& b) {
+    double squares = 0;
+    for (std::size_t i = 0; i < a.seen.size(); ++i)
+        for (std::size_t c = 0; c < 3; ++c) squares += std::pow(a.seen[i].rendered[c] - b.seen[i].rendered[c], 2);
+    return std::sqrt(squares / (3 * double(a.seen.size())));
+}
+
+void Run::findOrders() {
+    for (DialSweep& sweep : m_study.sweeps) {
+        if (sweep.sizes.empty() || sweep.dial == "lod") continue;  // lod steps by whole levels
+        std::vector<DialDistance> distances;
+        const Trial* finest = nullptr;
+        double finestSize = 0;
+        sweep.distances.assign(sweep.trials.size(), 0);
+        for (std::size_t i = 0; i < sweep.trials.size(); ++i) {
+            const Trial& trial = m_study.trials[sweep.trials[i]];
+            if (!trial.run) continue;
+            if (!finest) {
+                finest = &trial;
+                finestSize = sweep.sizes[i];
+            }
+            sweep.distances[i] = distance(trial, *finest) / m_study.meanReference;
+            distances.push_back({sweep.sizes[i], sweep.distances[i]});
+        }
+        sweep.order = convergenceOrder(distances, finestSize);
+    }
+}
+
+// Errors of whole pictures are taken from the most accurate one, since the reference knows single pixels.
+void Run::drawErrors() {
+    m_study.best = m_study.front.back();
+    if (past(kPicturesPart)) return;
+    const auto rendered = [&](std::size_t trial) {
+        const ViewScene scene = m_sceneWith(m_study.trials[trial].dials);
+        return render(scene, makePlan(scene, threadCount())).image;
+    };
+    m_study.picture = rendered(m_study.best);
+    report(0.5);
+    for (const auto& [name, trial] : m_study.presets) {
+        if (!m_study.trials[trial].run || trial == m_study.best || past(kPicturesPart)) continue;
+        if (static_cast<int>(m_study.errorPictures.size()) == m_options.mostPictures) break;
+        Image difference = rendered(trial);
+        for (std::size_t i = 0; i < difference.rgba.size(); ++i)
+            difference.rgba[i] = i % 4 == 3 ? m_study.picture.rgba[i] : difference.rgba[i] - m_study.picture.rgba[i];
+        m_study.errorPictures.push_back({name, trial, std::move(difference)});
+    }
+}
+
+Study Run::study() {
+    m_study.threads = threadCount();
+    m_study.sweeps = dialSweeps();
+    addTrial(m_study.trials, "the scene's own", m_base);
+    renderBase();
+    for (const std::string& name : presetNames())
+        m_study.presets.emplace_back(name, addTrial(m_study.trials, name, *presetDials(name)));
+    addSweeps(m_study.trials, m_study.sweeps, m_base);
+    addJoint(m_study.trials, m_base);
+    tryAll(0, 0.1, 0.35);
+    const std::size_t joined = m_study.trials.size();
+    addNeighbours(m_study.trials, m_study.sweeps, markFront(m_study.trials, m_base.kernel));
+    tryAll(joined, 0.35, 0.5);
+    m_study.front = markFront(m_study.trials, m_base.kernel);
+    findOrders();
+    drawErrors();
+    repeat();
+    m_study.front = markFront(m_study.trials, m_base.kernel);
+    m_study.spent = spent();
+    report(1);
+    return std::move(m_study);
+}
+
+// The place of `base` in a sweep, if it is there.
+std::optional<std::size_t> placeOfBase(const DialSweep& sweep) {
+    const auto at = std::find(sweep.trials.begin(), sweep.trials.end(), std::size_t{0});
+    if (at == sweep.trials.end()) return std::nullopt;
+    return static_cast<std::size_t>(at - sweep.trials.begin());
+}
+
+std::string verdictOn(const Trial& base, const Trial* finer, const Trial* coarser) {
+    const auto change = [&](const Trial& t) {
+        return fmt::format("error x{:.2f}, time x{:.2f}", t.error.error / base.error.error, t.time() / base.time());
+    };
+    std::string text;
+    if (finer) text += "finer: " + change(*finer);
+    if (coarser) text += (text.empty() ? "coarser: " : "; coarser: ") + change(*coarser);
+    return text;
+}
+
+}  // namespace
+
+Study runStudy(const SceneWith& sceneWith, const Dials& base, const StudyOptions& options,
+               const ProgressSink& progress) {
+    return Run(sceneWith, base, options, progress).study();
+}
+
+std::vector<Recommendation> recommendations(const Study& study) {
+    std::vector<Recommendation> all;
+    for (const double tolerance : {0.05, 0.02, 0.01, 0.005, 0.002})
+        all.push_back({tolerance, cheapestWithin(study.trials, study.trials.front().dials.kernel, tolerance)});
+    return all;
+}
+
+std::vector<DialWorth> worthOfDials(const Study& study) {
+    const auto at = [&](const DialSweep& sweep, std::size_t place) -> std::optional<std::size_t> {
+        if (place >= sweep.trials.size() || !study.trials[sweep.trials[place]].run) return std::nullopt;
+        return sweep.trials[place];
+    };
+    const auto trial = [&](const std::optional<std::size_t>& place) {
+        return place ? &study.trials[*place] : nullptr;
+    };
+    std::vector<DialWorth> all;
+    for (const DialSweep& sweep : study.sweeps) {
+        const std::optional<std::size_t> base = placeOfBase(sweep);
+        if (!base || sweep.dial == "kernel") continue;
+        DialWorth worth{sweep.dial, *base > 0 ? at(sweep, *base - 1) : std::nullopt, at(sweep, *base + 1), {}};
+        worth.verdict = verdictOn(study.trials.front(), trial(worth.finer), trial(worth.coarser));
+        all.push_back(std::move(worth));
+    }
+    return all;
+}
+
+}  // namespace scrim
