@@ -23,10 +23,26 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
     return {tile(lower), tile(upper)};
 }
 
+// One tile's part of a row, sharpened by `strength` times its second differences, but not beyond its neighbours: where
+// an opaque edge lies between two cells, the lit one stays as it is.
+void sharpenSpan(const float* above, const float* here, const float* below, float strength, float* out) {
+    for (int x = 0; x < kTileEdge; ++x) {
+        const float left = here[x - 1], right = here[x + 1], own = here[x];
+        const float least = std::min(std::min(std::min(left, right), std::min(above[x], below[x])), own);
+        const float most = std::max(std::max(std::max(left, right), std::max(above[x], below[x])), own);
+        const float around = left + right + above[x] + below[x];
+        out[x] = std::min(std::max(own - strength * (around - 4 * own), least), most);
+    }
+}
+
 }  // namespace
 
-ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int batchSheets)
-    : m_view(view), m_thickness(sheets.thickness), m_nearest(filter == ShadowFilter::nearest) {
+ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps,
+                           int batchSheets)
+    : m_view(view),
+      m_thickness(sheets.thickness),
+      m_nearest(filter == ShadowFilter::nearest),
+      m_sharpening(m_nearest ? 0.0f : static_cast<float>(lookUps) / 12) {
     m_tau.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
     m_used.reserve(static_cast<std::size_t>(batchSheets));
 }
@@ -135,6 +151,36 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
         }
     }
     return samples;
+}
+
+void ShadowBuffer::sharpen(int s) {
+    if (m_sharpening == 0 || !lit(s)) return;
+    const auto tiles = static_cast<std::size_t>(m_windowTilesX);
+    const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s * m_windowTilesY) * tiles;
+    const auto isUsed = [&](int x, int y) {
+        return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY &&
+               used[static_cast<std::size_t>(y) * tiles + static_cast<std::size_t>(x)] != 0;
+    };
+    // Rows as they were, with a cell on either side. Tiles that take no part hold nothing: their cells stand in for the
+    // neighbours that they border on.
+    const int width = windowWidth();
+    std::vector<float> above(static_cast<std::size_t>(width) + 2), here(static_cast<std::size_t>(width) + 2);
+    float* row = m_entry.data() + static_cast<std::size_t>(s) * entryStride();
+    for (int y = 0; y < m_windowTilesY * kTileEdge; ++y, row += width) {
+        const int ty = y / kTileEdge, inTile = y % kTileEdge;
+        std::copy_n(row, width, here.begin() + 1);
+        for (int tx = 0; tx < m_windowTilesX; ++tx) {
+            if (!isUsed(tx, ty)) continue;
+            const int x = tx * kTileEdge;
+            float* own = here.data() + 1 + x;
+            if (!isUsed(tx - 1, ty)) own[-1] = own[0];
+            if (!isUsed(tx + 1, ty)) own[kTileEdge] = own[kTileEdge - 1];
+            const float* up = inTile == 0 && !isUsed(tx, ty - 1) ? own : above.data() + 1 + x;
+            const float* down = inTile == kTileEdge - 1 && !isUsed(tx, ty + 1) ? own : row + width + x;
+            sharpenSpan(up, own, down, m_sharpening, row + x);
+        }
+        std::swap(above, here);
+    }
 }
 
 // Tau at entry of sheet `firstSheet + s`: a window of the whole raster.

@@ -30,7 +30,9 @@ class ShadowLookup {
 
 class ShadowBuffer final : public ShadowLookup {
   public:
-    ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int batchSheets);
+    /// `lookUps`: bilinear ones on the way from this buffer to the picture, one where pixels look into it, two where
+    /// texels do that pixels then look at. See `sharpen`.
+    ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets);
 
     const LightView& view() const { return m_view; }
 
@@ -44,6 +46,11 @@ class ShadowBuffer final : public ShadowLookup {
     /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's
     /// extinction times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
+
+    /// Makes up beforehand for the blur of the look-ups to come, as unblur.h does for sheets: tau at entry of sheet s of
+    /// the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`; what the buffer
+    /// carries on stays as it is.
+    void sharpen(int s);
 
     void lookUpTile(int s, int texelX, int texelY, float* tau) const override;
     void lookUpPoints(int s, const float* u, const float* v, float* tau) const override;
@@ -60,6 +67,7 @@ class ShadowBuffer final : public ShadowLookup {
     LightView m_view;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
+    float m_sharpening;  // times the second differences
     std::vector<float> m_tau;  // the whole raster: tau at entry of the next batch
 
     // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.

@@ -28,6 +28,7 @@ double pathInSheets(const LightView& view) {
 BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
     : m_scene(scene), m_group(group) {
     const ShadowFilter filter = scene.dials.shadowFilter;
+    const int lookUps = plan.shadeAtPixels ? 1 : 2;
     m_shadows.resize(group.lights.size());
     m_ownSheets.resize(group.lights.size());
     for (std::size_t i = 0; i < group.lights.size(); ++i) {
@@ -37,7 +38,7 @@ BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPl
             m_ownSheets[i].reset(new OwnSheets{{scene, group.sheets, light.raster, group.batchSheets, plan.voxel},
                                                {light.raster, group.sheets, filter, group.batchSheets}});
         else
-            m_shadows[i] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, group.batchSheets);
+            m_shadows[i] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps, group.batchSheets);
     }
 }
 
@@ -87,6 +88,9 @@ BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const PlaneS
         for (int row = 0; row < shadow->taskCount(); ++row) tasks.push_back({shadow, row, 0});
     parallelFor(tasks.size(),
                 [&](std::size_t i) { tasks[i].samples = tasks[i].shadow->attenuate(tasks[i].row, extinction); });
+    const auto sheets = static_cast<std::size_t>(count);
+    parallelFor(shadowed.size() * sheets,
+                [&](std::size_t i) { shadowed[i / sheets]->sharpen(static_cast<int>(i % sheets)); });
     Work work = attenuateOwn(firstSheet, count);
     for (const Task& task : tasks) work.samples += task.samples;
     return work;

@@ -101,8 +101,26 @@ std::string fineSlide(const ViewScene& scene, double texel) {
     return {};
 }
 
-// Shading at texels costs by texel, shading at pixels by pixel; for a medium both are equally exact.
+// Optical depth of a sheet from which on media are shaded at pixels. What a texel shows, 1 - e^-tau, bends more and more as
+// tau grows, and so does what lies between two texels. (Smoke of so many a voxel, error at texels and at pixels: 0.23: 0.5,
+// 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
+constexpr double kDenseSheet = 0.4;
+
+// Empty where no medium is that dense.
+std::string denseMedium(const ViewScene& scene, const Plan& plan) {
+    for (const ViewVolume& volume : scene.volumes) {
+        const double tau =
+            volume.field->maxValue * volume.medium.densityScale * plan.groups.front().sheets.thickness;
+        if (!volume.classified && tau > kDenseSheet)
+            return fmt::format("volume {} reaches an optical depth of {:.2g} a sheet, more than texels resolve",
+                               volume.name, tau);
+    }
+    return {};
+}
+
+// Shading at texels costs by texel, shading at pixels by pixel; for a thin medium both are equally exact.
 void chooseShading(const ViewScene& scene, Plan& plan) {
+    if (plan.groups.empty()) return;
     if (plan.perView) {
         plan.shadeAtPixels = true;
         plan.shadeReason = "per-view splatting knows no other place";
@@ -137,10 +155,15 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
         plan.shadeReason = reason;
         return;
     }
+    if (const std::string reason = denseMedium(scene, plan); !reason.empty()) {
+        plan.shadeAtPixels = true;
+        plan.shadeReason = reason;
+        return;
+    }
     // A pixel's sample costs about twice a texel's: it gathers its extinction and its shadow.
     plan.shadeAtPixels = 2 * pixels < texels;
     plan.shadeReason = fmt::format(
-        "a sheet has {:.3g} texels, the picture {:.3g} pixels, and a medium looks the "
+        "a sheet has {:.3g} texels, the picture {:.3g} pixels, and a thin medium looks the "
         "same either way",
         texels, pixels);
 }

@@ -66,7 +66,7 @@ struct Taus {
 
 Taus carry(const LightView& view, const PlaneStack& extinction, const std::vector<int>& batches,
            ShadowFilter filter = ShadowFilter::bilinear) {
-    ShadowBuffer buffer(view, sheetsOf(kSheets), filter, kSheets);
+    ShadowBuffer buffer(view, sheetsOf(kSheets), filter, 0, kSheets);
     Taus out;
     int first = 0;
     for (const int count : batches) {
@@ -215,7 +215,7 @@ TEST(ShadowBuffer, OfALightBetweenTheSheetsStartsBehindIt) {
 TEST(ShadowBuffer, AtPointsIsTheTileThatHoldsThem) {
     const LightView view = distantView(0.3, -0.2);
     const PlaneStack extinction = uniform();
-    ShadowBuffer buffer(view, sheetsOf(kSheets), ShadowFilter::bilinear, kSheets);
+    ShadowBuffer buffer(view, sheetsOf(kSheets), ShadowFilter::bilinear, 0, kSheets);
     buffer.beginBatch(0, kSheets, extinction);
     std::uint64_t samples = 0;
     for (int task = 0; task < buffer.taskCount(); ++task) samples += buffer.attenuate(task, extinction);
@@ -230,9 +230,55 @@ TEST(ShadowBuffer, AtPointsIsTheTileThatHoldsThem) {
     for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(points[k], tile[k], 1e-6 * tile[k]);
 }
 
+// Sheet 0 darkens by `tau(x)`; tau at entry of sheet 1 in buffers that are looked up so many times.
+ShadowBuffer behindColumns(const std::function<double(int)>& tau, int lookUps) {
+    PlaneStack extinction = uniform();
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            extinction.plane(0)[y * kWidth + x] = static_cast<float>(tau(x) / kThickness);
+    ShadowBuffer buffer(distantView(0, 0), sheetsOf(kSheets), ShadowFilter::bilinear, lookUps, kSheets);
+    buffer.beginBatch(0, kSheets, extinction);
+    for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, extinction);
+    buffer.sharpen(1);
+    return buffer;
+}
+
+// Between cells a bilinear look-up of x^2 is too high by t (1 - t), on average by 1/6.
+TEST(ShadowBuffer, SharpenedForOneLookUpIsRightOnAverage) {
+    const auto meanError = [](int lookUps) {
+        const ShadowBuffer buffer = behindColumns([](int x) { return 0.01 * x * x; }, lookUps);
+        double sum = 0;
+        float u[kTileSize], v[kTileSize], tau[kTileSize];
+        for (int k = 0; k < kTileSize; ++k) {
+            u[k] = 24 + static_cast<float>(k + 0.5) / kTileSize;
+            v[k] = 40;
+        }
+        buffer.lookUpPoints(1, u, v, tau);
+        for (int k = 0; k < kTileSize; ++k) sum += tau[k] - 0.01 * double(u[k]) * u[k];
+        return sum / kTileSize;
+    };
+    EXPECT_NEAR(meanError(0), 0.01 / 6, 1e-5);
+    EXPECT_NEAR(meanError(1), 0, 1e-5);
+    EXPECT_NEAR(meanError(2), -0.01 / 6, 1e-5);
+}
+
+TEST(ShadowBuffer, SharpeningLeavesOpaqueEdgesAndTheBorderAsTheyAre) {
+    constexpr int kEdge = 40;
+    const ShadowBuffer plain = behindColumns([](int x) { return x < kEdge ? 0.5 : 1e5; }, 0);
+    const ShadowBuffer sharpened = behindColumns([](int x) { return x < kEdge ? 0.5 : 1e5; }, 2);
+    for (int ty = 0; ty < kHeight / kTileEdge; ++ty)
+        for (int tx = 0; tx < kWidth / kTileEdge; ++tx) {
+            float before[kTileSize], after[kTileSize];
+            plain.lookUpTile(1, tx * kTileEdge, ty * kTileEdge, before);
+            sharpened.lookUpTile(1, tx * kTileEdge, ty * kTileEdge, after);
+            for (int k = 0; k < kTileSize; ++k)
+                EXPECT_NEAR(after[k], before[k], 1e-6 * before[k]) << "tile " << tx << "," << ty << " cell " << k;
+        }
+}
+
 TEST(ShadowBuffer, WithoutActiveTilesDoesNoWorkAndCastsNoShadow) {
     PlaneStack empty(4, kWidth, kHeight, 1);
-    ShadowBuffer buffer(distantView(0, 0), sheetsOf(4), ShadowFilter::bilinear, 4);
+    ShadowBuffer buffer(distantView(0, 0), sheetsOf(4), ShadowFilter::bilinear, 0, 4);
     buffer.beginBatch(0, 4, empty);
     EXPECT_EQ(buffer.taskCount(), 0);
     float tau[kTileSize];
@@ -244,7 +290,7 @@ TEST(ShadowBuffer, TakesNoMoreBytesThanEstimated) {
     for (const LightView& view : {distantView(0.3, -0.2), distantView(1.5, 1), pointView()})
         for (const int batch : {1, 8, kSheets}) {
             const PlaneStack extinction = uniform();
-            ShadowBuffer buffer(view, sheetsOf(kSheets), ShadowFilter::bilinear, batch);
+            ShadowBuffer buffer(view, sheetsOf(kSheets), ShadowFilter::bilinear, 0, batch);
             for (int first = 0; first + batch <= kSheets; first += batch) buffer.beginBatch(first, batch, extinction);
             // The list of tiles in use, a byte each, is not counted.
             const std::size_t tiles = 256u * 256 / kTileSize * static_cast<std::size_t>(batch);

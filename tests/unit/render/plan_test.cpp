@@ -198,6 +198,18 @@ TEST(Shading, IsChosenByCountsUnlessTheSceneSaysSo) {
 }
 
 // A pixel of the slide needs two texels at least; else pixels.
+TEST(PlannedShading, IsAtPixelsWhereASheetIsDense) {
+    ViewScene scene = someScene();
+    scene.camera.resolution = {64, 64};
+    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
+    scene.volumes[0].medium.densityScale = 4;
+    const Plan plan = makePlan(scene, 2);
+    EXPECT_TRUE(plan.shadeAtPixels);
+    EXPECT_NE(plan.shadeReason.find("an optical depth of"), std::string::npos) << plan.shadeReason;
+    scene.dials.sheetThickness = 0.1;
+    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
+}
+
 TEST(Shading, IsAtPixelsWhereASlideIsFinerThanTwoTexels) {
     ViewScene scene = someScene();
     scene.lights = {distantSlide({0.1, 0.2, -1}, 64 * 1.01, quarters(64))};  // texels of 0.5
