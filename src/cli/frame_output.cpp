@@ -31,7 +31,12 @@ ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, con
         attributes.emplace_back("scrim:verify:lower", report.verification->lower);
         attributes.emplace_back("scrim:verify:upper", report.verification->upper);
         attributes.emplace_back("scrim:verify:bias", report.verification->bias);
+        attributes.emplace_back("scrim:verify:worst", report.verification->worst);
         attributes.emplace_back("scrim:verify:pixels", report.verification->pixels);
+    }
+    if (report.tolerance) {
+        attributes.emplace_back("scrim:tolerance:wanted", report.tolerance->wanted);
+        attributes.emplace_back("scrim:tolerance:predicted", report.tolerance->predicted);
     }
     return attributes;
 }

@@ -52,6 +52,13 @@ Json reportJson(const FrameReport& r) {
              {"threads", r.threads},
              {"plan", Json::parse(r.planJson)}};
     if (r.verification) out["verification"] = verificationJson(*r.verification);
+    if (const auto& t = r.tolerance)
+        out["tolerance"] = {{"wanted", t->wanted},
+                            {"predicted", t->predicted},
+                            {"texel", t->texel},
+                            {"sheet_thickness", t->sheetThickness},
+                            {"refined", t->refined},
+                            {"met", t->met}};
     return out;
 }
 
@@ -70,6 +77,10 @@ std::string summaryLine(const FrameReport& r) {
     if (r.verification)
         text += fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
                             100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
+    if (r.tolerance)
+        text += fmt::format("; predicted {:.2f} % with texel {} and sheet_thickness {}{}", 100 * r.tolerance->predicted,
+                            r.tolerance->texel, r.tolerance->sheetThickness,
+                            r.tolerance->refined ? ", refined once" : "");
     return text;
 }
 

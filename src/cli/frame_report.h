@@ -14,18 +14,28 @@
 
 namespace scrim::cli {
 
+/// What came of a tolerance.
+struct ToleranceReport {
+    double wanted = 0;
+    double predicted = 0;  ///< of the setting that was rendered last
+    double texel = 0, sheetThickness = 0;
+    bool refined = false;  ///< the first setting missed
+    bool met = false;
+};
+
 struct FrameReport {
     std::string input;
     std::string file;
     int frame = 1;
     Int2 resolution{0};
-    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< seconds
+    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< seconds; plan: with a tolerance's pilots
     StageTimes stages;                                             ///< of `render`
     RenderWork work;
     std::string planJson;
     int threads = 0;
     std::size_t peakBytes = 0;  ///< of the process so far
     std::optional<Verification> verification;
+    std::optional<ToleranceReport> tolerance;
 
     double total() const { return load + plan + render + verify + write; }
 };

@@ -40,6 +40,13 @@ std::optional<std::vector<Number>> numbersOf(std::string_view text, char separat
     }
 }
 
+double toleranceFrom(const std::string& option, const std::string& text) {
+    const auto numbers = numbersOf<double>(text, '\0');
+    if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !(numbers->front() < 1))
+        refuse(option, text, "a relative RMSE between 0 and 1, such as 0.005");
+    return numbers->front();
+}
+
 double secondsFrom(const std::string& option, const std::string& text) {
     const auto numbers = numbersOf<double>(text, '\0');
     if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !(numbers->front() <= 1e9))
@@ -138,6 +145,8 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.add_flag("--skip-existing", o.skipExisting, "leave frames alone whose picture exists");
     add(command, "--verify", "N", "compare N random pixels with the brute-force reference",
         [&o](const std::string& t) { o.verify = countFrom("--verify", t, std::numeric_limits<int>::max()); });
+    add(command, "--tolerance", "E", "choose texels and sheets so that the error (relative RMSE) stays below E, and verify",
+        [&o](const std::string& t) { o.tolerance = toleranceFrom("--tolerance", t); });
     addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
               [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
     command.option_defaults()->group("Options");

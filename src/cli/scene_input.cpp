@@ -67,6 +67,7 @@ std::vector<std::string> overridesOf(const SceneOptions& options, bool framed) {
     if (options.resolution && !framed)
         overrides.push_back(fmt::format("camera.resolution=[{}, {}]", options.resolution->x, options.resolution->y));
     if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", quoted(options.quality)));
+    if (options.tolerance > 0) overrides.push_back(fmt::format("render.tolerance={}", options.tolerance));
     overrides.insert(overrides.end(), options.sets.begin(), options.sets.end());
     return overrides;
 }
@@ -123,6 +124,7 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
 
 Scene SceneInput::read(const SceneText& text, int frame) const {
     Scene scene = readScene(text, frame, m_overrides, m_colour);
+    if (!m_options.quality.empty() && m_options.tolerance == 0) scene.tolerance = 0;  // the preset is in its place
     SceneOutput& output = scene.output;
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
     if (output.path.pattern.empty()) {

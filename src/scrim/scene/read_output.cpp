@@ -80,9 +80,13 @@ RenderSection readRender(TomlTable table) {
     RenderSection out;
     if (const auto quality = table.find("quality")) out.quality = presetNames()[quality->choice(presetNames())];
     out.dials = *presetDials(out.quality);
+    if (const auto tolerance = table.find("tolerance"))
+        out.tolerance = tolerance->number({0, 1, false, false, "a relative RMSE; 0 for none"});
     for (const DialInfo& dial : dialTable()) {
         const auto value = table.find(dial.name);
         if (!value) continue;
+        if (out.tolerance > 0 && (dial.name == "texel" || dial.name == "sheet_thickness"))
+            value->fail("'" + dial.name + "' cannot be given beside 'tolerance', which chooses it");
         if (value->isString())
             setDial(out.dials, dial.name, value->string(), value->where());
         else if (value->isNumber())

@@ -33,6 +33,7 @@ struct CameraSection {
 struct RenderSection {
     std::string quality = "standard";
     Dials dials;
+    double tolerance = 0;
 };
 
 CameraSection readCamera(TomlTable table, const ReadContext& context);

@@ -69,6 +69,7 @@ struct Scene {
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
     std::string quality = "standard";  ///< the preset that `dials` started from
+    double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
     SceneOutput output;
 };
 

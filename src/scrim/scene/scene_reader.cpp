@@ -103,9 +103,10 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
         return readLight(table, name, context);
     });
     if (const auto ambient = root.find("ambient")) scene.ambient = readAmbient(ambient->table("[ambient]"), context);
-    RenderSection render{"standard", *presetDials("standard")};
+    RenderSection render{"standard", *presetDials("standard"), 0};
     if (const auto table = root.find("render")) render = readRender(table->table("[render]"));
     scene.quality = render.quality;
+    scene.tolerance = render.tolerance;
     scene.dials = render.dials;
     const auto output = root.find("output");
     scene.output = output ? readOutput(output->table("[output]"), context) : defaultOutput(context);
