@@ -24,15 +24,31 @@
 namespace scrim::cli {
 namespace {
 
-std::filesystem::path folderFor(const std::string& output) {
-    if (output.empty()) throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
-    std::error_code error;
-    std::filesystem::create_directories(output, error);
-    if (error || !std::filesystem::is_directory(output))
-        throw Error(ErrorKind::output, fmt::format("cannot make the folder '{}': {}", output,
-                                                   error ? error.message() : "there is a file of that name"));
-    return output;
-}
+// The folder for the results: there before hours of work rely on it, and gone again where nothing came of them.
+class ResultFolder {
+  public:
+    explicit ResultFolder(const std::string& path) : m_path(path) {
+        std::error_code error;
+        m_made = std::filesystem::create_directories(path, error);
+        if (error)
+            throw Error(ErrorKind::output, fmt::format("cannot make the folder '{}': {}", path, error.message()));
+    }
+    ~ResultFolder() {
+        std::error_code ignored;
+        if (m_made) std::filesystem::remove(m_path, ignored);  // unless it holds something
+    }
+    ResultFolder(const ResultFolder&) = delete;
+    ResultFolder& operator=(const ResultFolder&) = delete;
+
+    const std::string& path() const { return m_path; }
+    void write(const std::string& name, const std::string& text) const {
+        writeWholeFile((std::filesystem::path(m_path) / name).string(), text);
+    }
+
+  private:
+    std::string m_path;
+    bool m_made = false;
+};
 
 std::string tableOf(const Study& study) {
     std::string text = fmt::format("{} reference pixels, {:.0f} s\n{:<12}{:<56}{:>9}{:>12}\n", study.pixels, study.spent,
@@ -51,18 +67,18 @@ std::string tableOf(const Study& study) {
 }  // namespace
 
 void studyCommand(const SceneOptions& options) {
+    if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
+    if (options.output.empty())
+        throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
     Console console(options.verbose, options.quiet);
     const ThreadLimit threads(options.threads);
     const ColourConfig colour = ColourConfig::open(options.ocio);
     FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
     SlideStore slides(colour, console.sink());
     Progress progress(options.progress, console);
-    const std::filesystem::path folder = folderFor(options.output);
-
     // The output is a folder here: scenes have none of their own.
     SceneOptions sceneOptions = options;
     sceneOptions.output.clear();
-    if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
     SceneInput input(options.inputs.front(), sceneOptions, colour, store);
     if (input.frames().size() != 1) throw Error(ErrorKind::usage, "study: expected one frame; say which with --frames");
 
@@ -80,16 +96,17 @@ void studyCommand(const SceneOptions& options) {
     };
     StudyOptions studyOptions;
     studyOptions.budget = options.budget;
+    const ResultFolder folder(options.output);
     progress.beginFrame(input.frames().front());
     const Study study = runStudy(sceneWith, scene.dials, studyOptions, progress.stage(0, 1));
     progress.endFrame();
 
     const std::string name = std::filesystem::path(input.name()).filename().string();
-    writeWholeFile((folder / "study.csv").string(), studyAsCsv(study));
-    writeWholeFile((folder / "study.json").string(), studyAsJson(study, name));
-    writeWholeFile((folder / "index.html").string(), studyAsHtml(study, name, colour));
+    folder.write("study.csv", studyAsCsv(study));
+    folder.write("study.json", studyAsJson(study, name));
+    folder.write("index.html", studyAsHtml(study, name, colour));
     if (!options.quiet) printOut(tableOf(study));
-    console.line(fmt::format("{}: study.csv, study.json, index.html", folder.string()));
+    console.line(fmt::format("{}: study.csv, study.json, index.html", folder.path()));
 }
 
 }  // namespace scrim::cli

@@ -252,7 +252,7 @@ TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
 
 TEST_F(CliErrors, UnknownCommandListsTheCommands) {
     expectFailure({"rendr", "scene.toml"}, kUsage,
-                  "unknown command 'rendr'; expected 'render', 'plan', 'info' or 'make'");
+                  "unknown command 'rendr'; expected 'render', 'plan', 'study', 'info' or 'make'");
 }
 
 TEST_F(CliErrors, UnknownQualityListsThePresets) {

@@ -27,8 +27,12 @@ struct Axis {
         high = std::max(high, v);
     }
     void finish(double pictureFrom, double pictureTo) {
-        constexpr double kMargin = 1.15;
+        constexpr double kMargin = 1.15, kLeastRange = 2;
         if (high <= 0) low = high = 1;
+        if (const double range = high / low; range < kLeastRange) {
+            low /= std::sqrt(kLeastRange / range);
+            high *= std::sqrt(kLeastRange / range);
+        }
         low /= kMargin;
         high *= kMargin;
         from = pictureFrom;
@@ -39,7 +43,7 @@ struct Axis {
     /// 1, 2 and 5 times powers of ten; powers alone where that would be too many.
     std::vector<double> ticks() const {
         std::vector<double> all;
-        const bool wide = high / low > 1e4;
+        const bool wide = high / low > 1e3;
         for (int power = static_cast<int>(std::floor(std::log10(low))); std::pow(10.0, power) <= high; ++power)
             for (const double m : {1.0, 2.0, 5.0}) {
                 const double v = m * std::pow(10.0, power);

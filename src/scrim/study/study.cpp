@@ -119,7 +119,7 @@ void Run::tryOnce(Trial& trial) {
     std::vector<VerifiedPixel>& truth = m_truth[trial.dials.kernel];
     const std::size_t missing = truth.empty() ? std::min(m_truth[m_base.kernel].size(), kOtherKernelPixels) : 0;
     const double seconds = expected * m_scale + double(missing) * m_referenceTime;
-    if (!affordable(seconds)) {
+    if (&trial != &m_study.trials.front() && !affordable(seconds)) {
         trial.skipped = fmt::format("it would take about {:.2g} s, more than the budget has left for it", seconds);
         m_study.outOfTime = true;
         return;
@@ -253,13 +253,19 @@ std::optional<std::size_t> placeOfBase(const DialSweep& sweep) {
     return static_cast<std::size_t>(at - sweep.trials.begin());
 }
 
+// Changes smaller than these are noise: of errors at some hundred pixels, of times on a busy machine.
+constexpr double kSameError = 1.05, kSameTime = 1.1;
+
 std::string verdictOn(const Trial& base, const Trial* finer, const Trial* coarser) {
+    const auto error = [&](const Trial& t) { return t.error.error / std::max(base.error.error, 1e-12); };
     const auto change = [&](const Trial& t) {
-        return fmt::format("error x{:.2f}, time x{:.2f}", t.error.error / base.error.error, t.time() / base.time());
+        return fmt::format("error x{:.2f}, time x{:.2f}", error(t), t.time() / base.time());
     };
-    std::string text;
-    if (finer) text += "finer: " + change(*finer);
-    if (coarser) text += (text.empty() ? "coarser: " : "; coarser: ") + change(*coarser);
+    const bool pays = finer && error(*finer) < 1 / kSameError;
+    const bool wasted = coarser && error(*coarser) < kSameError && coarser->time() < base.time() / kSameTime;
+    std::string text = pays ? "finer pays" : wasted ? "coarser would do" : "as it should be";
+    if (finer) text += "; finer: " + change(*finer);
+    if (coarser) text += "; coarser: " + change(*coarser);
     return text;
 }
 
@@ -290,6 +296,7 @@ std::vector<DialWorth> worthOfDials(const Study& study) {
         const std::optional<std::size_t> base = placeOfBase(sweep);
         if (!base || sweep.dial == "kernel") continue;
         DialWorth worth{sweep.dial, *base > 0 ? at(sweep, *base - 1) : std::nullopt, at(sweep, *base + 1), {}};
+        if (!worth.finer && !worth.coarser) continue;
         worth.verdict = verdictOn(study.trials.front(), trial(worth.finer), trial(worth.coarser));
         all.push_back(std::move(worth));
     }

@@ -30,13 +30,13 @@ std::string percent(double part) {
     return fmt::format("{:.3g} %", 100 * part);
 }
 
-std::string milliseconds(double seconds) {
-    return fmt::format("{:.3g} ms", 1e3 * seconds);
+std::string timeText(double seconds) {
+    return seconds < 0.9995 ? fmt::format("{:.3g} ms", 1e3 * seconds) : fmt::format("{:.3g} s", seconds);
 }
 
 std::string resultText(const Trial& t) {
     return fmt::format("{}: {} ({} to {}), {}", t.name, percent(t.error.error), percent(t.error.lower),
-                       percent(t.error.upper), milliseconds(t.time()));
+                       percent(t.error.upper), timeText(t.time()));
 }
 
 ChartPoint paretoPoint(const Trial& t, const std::string& label) {
@@ -82,7 +82,7 @@ std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
 
 std::string trialRow(const std::string& first, const Trial& t) {
     return row({first, t.name, percent(t.error.error),
-                fmt::format("{} to {}", percent(t.error.lower), percent(t.error.upper)), milliseconds(t.time())});
+                fmt::format("{} to {}", percent(t.error.lower), percent(t.error.upper)), timeText(t.time())});
 }
 
 std::string recommendationTable(const Study& study) {
@@ -108,7 +108,7 @@ std::string choiceTable(const Study& study) {
             const Trial& t = study.trials[sweep.trials[i]];
             html += t.run ? row({sweep.dial, sweep.values[i], percent(t.error.error),
                                  fmt::format("{} to {}", percent(t.error.lower), percent(t.error.upper)),
-                                 milliseconds(t.time())})
+                                 timeText(t.time())})
                           : row({sweep.dial, sweep.values[i], t.skipped, "", ""});
         }
     }

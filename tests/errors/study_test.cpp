@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+// scrim study, and renders with a tolerance, from the command line.
+#include "errors/program_test.h"
+
+#include <scrim/image/exr_read.h>
+
+#include <nlohmann/json.hpp>
+
+namespace scrim::test {
+namespace {
+
+using StudyCommand = ProgramTest;
+using ToleranceOption = ProgramTest;
+
+TEST_F(StudyCommand, WritesATableDataAndAPage) {
+    const ProgramResult result = runWell({"study", "scene.toml", "-o", "out/deep", "--budget", "2", "--progress", "none"});
+    EXPECT_NE(result.out.find("error below"), std::string::npos) << result.out;
+    const auto json = nlohmann::json::parse(readBytes(file("out/deep/study.json")));
+    EXPECT_EQ(json.at("scene"), "scene.toml");
+    EXPECT_EQ(json.at("recommendations").size(), 5u);
+    EXPECT_EQ(readBytes(file("out/deep/study.csv")).rfind("setting,", 0), 0u);
+    EXPECT_EQ(readBytes(file("out/deep/index.html")).rfind("<!doctype html>", 0), 0u);
+}
+
+TEST_F(StudyCommand, RefusesWhatItCannotStudy) {
+    expectFailure({"study", "scene.toml"}, 2, "study: say with -o which folder the results go to");
+    expectFailure({"study", "scene.toml", "smoke.vdb", "-o", "out"}, 2, "study: expected one scene or asset");
+    expectFailure({"study", "scene.toml", "-o", "out", "--frames", "1-2"}, 2,
+                  "study: expected one frame; say which with --frames");
+    expectFailure({"study", "scene.toml", "-o", "out", "--budget", "0"}, 2, "--budget 0: expected seconds, more than 0");
+    expectFailure({"study", "scene.toml", "-o", "smoke.vdb"}, 4,
+                  "cannot make the folder 'smoke.vdb': Not a directory");
+    expectFailure({"study", "scene.toml", "-o", "out", "--set", "camera.target=[0, 0, 90]"}, 1,
+                  "there is nothing to study: the picture is empty");
+}
+
+TEST_F(ToleranceOption, IsMetAndReported) {
+    runWell({"render", "scene.toml", "--tolerance", "0.02", "--stats", "stats.json"});
+    const auto frame = nlohmann::json::parse(readBytes(file("stats.json"))).at(0);
+    EXPECT_EQ(frame.at("tolerance").at("wanted"), 0.02);
+    EXPECT_LE(frame.at("tolerance").at("predicted").get<double>(), 0.02);
+    EXPECT_TRUE(frame.at("tolerance").at("met").get<bool>());
+    EXPECT_LE(frame.at("verification").at("error").get<double>(), 0.02);
+    const auto attributes = readExrAttributes(file("scene.exr"));
+    EXPECT_EQ(attributes.count("scrim:tolerance:predicted"), 1u);
+    EXPECT_EQ(attributes.count("scrim:verify:worst"), 1u);
+}
+
+TEST_F(ToleranceOption, OfASceneGivesWayToAPresetOfTheCommandLine) {
+    write("tolerant.toml", kCamera + kVolume + kLight + "[render]\ntolerance = 0.05\n");
+    runWell({"render", "tolerant.toml", "--stats", "a.json"});
+    EXPECT_TRUE(nlohmann::json::parse(readBytes(file("a.json"))).at(0).contains("tolerance"));
+    runWell({"render", "tolerant.toml", "--quality", "draft", "--stats", "b.json"});
+    EXPECT_FALSE(nlohmann::json::parse(readBytes(file("b.json"))).at(0).contains("tolerance"));
+}
+
+TEST_F(ToleranceOption, IsRefusedWhereItMakesNoSense) {
+    expectFailure({"render", "scene.toml", "--tolerance", "0"}, 2,
+                  "--tolerance 0: expected a relative RMSE between 0 and 1, such as 0.005");
+    write("both.toml", kCamera + kVolume + kLight + "[render]\ntolerance = 0.05\ntexel = 0.5\n");
+    expectFailure({"render", "both.toml"}, 3,
+                  "both.toml:14:9: 'texel' cannot be given beside 'tolerance', which chooses it");
+}
+
+}  // namespace
+}  // namespace scrim::test
