@@ -81,7 +81,7 @@ RenderSection readRender(TomlTable table) {
     if (const auto quality = table.find("quality")) out.quality = presetNames()[quality->choice(presetNames())];
     out.dials = *presetDials(out.quality);
     if (const auto tolerance = table.find("tolerance"))
-        out.tolerance = tolerance->number({0, 1, false, false, "a relative RMSE; 0 for none"});
+        out.tolerance = tolerance->number({0, 1, false, false, "as relative RMSE; 0 for none"});
     for (const DialInfo& dial : dialTable()) {
         const auto value = table.find(dial.name);
         if (!value) continue;

@@ -101,7 +101,7 @@ TEST(SceneRender, IsChecked) {
     EXPECT_EQ(renderError("texel = inf\n"), "scene.toml:7:9: 'texel' is inf; expected a number");
     EXPECT_EQ(renderError("texel = []\n"), "scene.toml:7:9: 'texel' is a list of 0; expected a number from 0.05 to 64");
     EXPECT_EQ(renderError("tolerance = -0.005\n"),
-              "scene.toml:7:13: 'tolerance' is -0.005; expected a number from 0 to 1 (a relative RMSE; 0 for none)");
+              "scene.toml:7:13: 'tolerance' is -0.005; expected a number from 0 to 1 as relative RMSE; 0 for none");
     EXPECT_EQ(renderError("tolerance = 0.005\nsheet_thickness = 1\n"),
               "scene.toml:8:19: 'sheet_thickness' cannot be given beside 'tolerance', which chooses it");
     EXPECT_EQ(renderError("tolerance = 0.005\nmax_slant = 30\n"), "no error");
