@@ -85,7 +85,8 @@ TEST_P(OddValues, ThatAreTheLargestFloatAreOpaque) {
             look(s, {4, 4, 40}, {4, 4, 4}, 30);
             const Frame frame = renderScene(s);
             EXPECT_TRUE(sane(frame.image)) << "scale " << scale << (block == &one ? " one" : block == &all ? " all" : "");
-            EXPECT_GT(pixelOf(frame, 12, 12)[3], 0.999) << scale;
+            // Two voxels of tent at least, of the transfer function's last extinction (0.6).
+            EXPECT_GT(pixelOf(frame, 12, 12)[3], GetParam().classified ? -std::expm1(-1.2) : 0.999) << scale;
         }
 }
 
@@ -122,12 +123,13 @@ TEST_P(OddValues, ASingleVoxelShowsWhereverItLiesInItsLeaf) {
         s.region = {0, 0, 25, 25};
         const Frame frame = renderScene(s);
         ASSERT_TRUE(sane(frame.image));
-        // Through the middle of the tent: the integral of 1 - |z| is 1. Classified: more than half opaque.
+        // Through the middle of the tent the integral of 1 - |z| is 1; between texels a quarter of a voxel apart its tip
+        // is cut by up to (7/8)^2, of which sharpening restores a half. Classified: more than half opaque.
         const double alpha = pixelOf(frame, 12, 12)[3];
         if (GetParam().classified)
             EXPECT_GT(alpha, 0.5) << corner;
         else
-            EXPECT_NEAR(alpha, -std::expm1(-3.0), 0.01) << corner;
+            EXPECT_NEAR(-std::log1p(-alpha), 3, 0.5) << corner;
         EXPECT_EQ(pixelOf(frame, 0, 0)[3], 0);
     }
 }
@@ -140,8 +142,9 @@ TEST_P(OddValues, TilesAloneLookLikeLeaves) {
     for (int i = 0; i < 8; ++i) leaves.push_back({Int3(i >> 2 & 1, i >> 1 & 1, i & 1) * 8 - 8, block});
     std::vector<ConstantTile> tiles;
     for (const auto& [origin, values] : leaves) tiles.push_back({origin, 8, 0.5f});
+    // Leaves are added in the order of their depth, tiles as they come: to rounding.
     const Image a = picture(built(leaves)).image, b = picture(built({}, tiles)).image;
-    EXPECT_LT(changeOf("change", a, b), 1e-6);  // tiles are added after, leaves in order of their depth
+    EXPECT_LT(changeOf("change", a, b), GetParam().classified ? 1e-5 : 1e-6);
     const Image c = picture(built({{{0, 0, 0}, block}})).image, d = picture(built({}, {{{0, 0, 0}, 8, 0.5f}})).image;
     EXPECT_EQ(c.rgba, d.rgba);
 }

@@ -73,7 +73,9 @@ TEST_P(Mirrored, SceneGivesTheMirroredPicture) {
         mirror(light.wsDirection);
     }
     mirror(other.camera.wsPosition);
-    other.camera.wsFromCamera = lookAt(other.camera.wsPosition, Vec3(0), {0, 1, 0});
+    Mat3& axes = other.camera.wsFromCamera;
+    for (int axis = 0; axis < 3; ++axis) mirror(axes[axis]);
+    axes[0] = -axes[0];  // right-handed again: the picture runs the other way
     const Frame a = renderScene(scene), b = renderScene(other);
     double most = 0;
     for (int y = 0; y < kPixelsWide; ++y)
