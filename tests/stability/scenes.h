@@ -32,6 +32,7 @@ inline void PrintTo(const Way& way, std::ostream* out) {
 
 inline constexpr Way kTexels{"texels", SplatMode::shared, ShadeMode::texel, false};
 inline constexpr Way kPixels{"pixels", SplatMode::shared, ShadeMode::pixel, false};
+inline constexpr Way kAutomatic{"automatic", SplatMode::shared, ShadeMode::automatic, false};
 inline constexpr Way kPerView{"perView", SplatMode::perView, ShadeMode::automatic, false};
 inline constexpr Way kSurface{"classified", SplatMode::shared, ShadeMode::automatic, true};
 inline constexpr Way kSurfacePerView{"classifiedPerView", SplatMode::perView, ShadeMode::automatic, true};

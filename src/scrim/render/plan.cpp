@@ -101,6 +101,19 @@ std::string fineSlide(const ViewScene& scene, double texel) {
     return {};
 }
 
+// Rays from an eye fan out: the slant of its rays, and with it the optical depth of a sheet, changes from a texel to the
+// next by about texel / distance. Nearer than this, in texels, that is no longer a small part of either.
+constexpr double kNearEye = 4;
+
+bool eyeAmong(const ViewScene& scene, double texel) {
+    if (scene.camera.type != CameraType::perspective) return false;
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    ws.lower -= kNearEye * texel;
+    ws.upper += kNearEye * texel;
+    return ws.contains(scene.camera.wsPosition);
+}
+
 // Shading at texels costs by texel, shading at pixels by pixel; for a medium both are equally exact.
 void chooseShading(const ViewScene& scene, Plan& plan) {
     if (plan.perView) {
@@ -135,6 +148,11 @@ void chooseShading(const ViewScene& scene, Plan& plan) {
     if (const std::string reason = fineSlide(scene, sheets.texel); !reason.empty()) {
         plan.shadeAtPixels = true;
         plan.shadeReason = reason;
+        return;
+    }
+    if (eyeAmong(scene, sheets.texel)) {
+        plan.shadeAtPixels = true;
+        plan.shadeReason = "the eye stands so near that what it sees of a sheet changes between texels";
         return;
     }
     // A pixel's sample costs about twice a texel's: it gathers its extinction and its shadow.
