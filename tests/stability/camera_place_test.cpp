@@ -70,9 +70,10 @@ TEST_P(EyeAt, SeesTheHazeFromThereOn) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Stands, EyeAt,
-                         testing::Values(Stand{"theVolumesMiddle", {-0.5, -0.5, -0.5}}, Stand{"aVoxelsCentre", {0, 0, 0}},
-                                         Stand{"aHairBesideIt", {1e-9, -1e-9, 1e-9}}, Stand{"theLastVoxel", {0, 0, 11}},
-                                         Stand{"theBoxesFace", {0, 0, 12}}, Stand{"anotherVoxel", {3, -4, 5}}),
+                         testing::Values(Stand{"theVolumesMiddle", {-0.5, -0.5, -0.5}},
+                                         Stand{"aVoxelsCentre", {0, 0, 0}}, Stand{"aHairBesideIt", {1e-9, -1e-9, 1e-9}},
+                                         Stand{"theLastVoxel", {0, 0, 11}}, Stand{"theBoxesFace", {0, 0, 12}},
+                                         Stand{"anotherVoxel", {3, -4, 5}}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 // On planes of the sheets and between them.
@@ -89,6 +90,17 @@ TEST(EyeInASheet, SeesAsMuchOfItAsIsLeft) {
                 << way.name << " " << part;
         }
     }
+}
+
+// `auto` shades at texels where there are more pixels than those, but not where the eye is that near.
+TEST(EyeAmongVolumes, IsShadedAtPixels) {
+    for (const double z : {0.0, 11.5, 14.0})
+        EXPECT_TRUE(makePlan(haze(kAutomatic, {0, 0, z}, 50, 256), 1).shadeAtPixels);
+    EXPECT_FALSE(makePlan(haze(kAutomatic, {0, 0, 40}, 50, 256), 1).shadeAtPixels);
+    // A parallel view has no eye to stand anywhere.
+    ViewScene parallel = haze(kAutomatic, {0, 0, 0}, 50, 256);
+    parallel.camera.type = CameraType::orthographic;
+    EXPECT_FALSE(makePlan(parallel, 1).shadeAtPixels);
 }
 
 // The near plane, before, in and behind the volume, on and between the planes of sheets, for both kinds of camera and both
@@ -132,7 +144,8 @@ TEST(NarrowEye, OfHalfADegreeAgreesWithBruteForceAndWithAParallelOne) {
         // Ten voxels before and behind the middle are 1 % larger and smaller: a fiftieth of a voxel at the rim. Per view
         // the two kinds of camera have splatters of their own (3 % measured).
         EXPECT_LT(changeOf(std::string(way.name) + "Change", parallel, frame.image),
-                  way.splat == SplatMode::perView ? 0.04 : 0.004) << way.name;
+                  way.splat == SplatMode::perView ? 0.04 : 0.004)
+            << way.name;
     }
 }
 

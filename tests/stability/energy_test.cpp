@@ -53,7 +53,8 @@ TEST_P(Energy, OfAWhiteFurnaceIsAlpha) {
             ASSERT_TRUE(sane(image)) << extinction;
             for (std::size_t i = 0; i < image.rgba.size(); i += 4)
                 for (std::size_t c = 0; c < 3; ++c)
-                    ASSERT_NEAR(image.rgba[i + c], image.rgba[i + 3], 3e-6 * image.rgba[i + 3]) << extinction << " " << i;
+                    ASSERT_NEAR(image.rgba[i + c], image.rgba[i + 3], 3e-6 * image.rgba[i + 3])
+                        << extinction << " " << i;
         }
 }
 
@@ -78,8 +79,7 @@ TEST_P(Energy, OfABlackMediumIsNone) {
     if (GetParam().classified) GTEST_SKIP() << "surfaces have colours of their own";
     for (const ViewScene& scene : scenes(3, Rgb(0))) {
         const Image image = renderScene(scene).image;
-        for (std::size_t i = 0; i < image.rgba.size(); ++i)
-            ASSERT_EQ(i % 4 == 3 ? 0 : image.rgba[i], 0);
+        for (std::size_t i = 0; i < image.rgba.size(); ++i) ASSERT_EQ(i % 4 == 3 ? 0 : image.rgba[i], 0);
         EXPECT_EQ(pixelOf({image, {}, {}}, 0, 0)[3], 0);
     }
 }
@@ -123,7 +123,7 @@ TEST_P(Energy, OfWhatLiesBehindFallsWithTheSmokeBefore) {
             take(GetParam(), scene);
             const double through = pixelOf(renderScene(scene), 7, 6)[0];
             EXPECT_GE(through, 0);
-            EXPECT_LT(through, before) << extinction;
+            EXPECT_TRUE(through < before || through == 0) << extinction << ": " << through << " after " << before;
             before = through;
         }
     }

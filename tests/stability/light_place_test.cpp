@@ -61,7 +61,8 @@ TEST_P(LampAt, AThousandthOfAVoxelBesideItLooksTheSame) {
     const Image here = renderScene(haze(kPixels, GetParam().at, 2)).image;
     for (const Vec3& hair : {Vec3(1e-3, 0, 0), Vec3(0, -1e-3, 0), Vec3(0, 0, 1e-3), Vec3(0, 0, -1e-3)}) {
         const Image beside = renderScene(haze(kPixels, GetParam().at + hair, 2)).image;
-        EXPECT_LT(changeOf("change", here, beside), GetParam().border ? 0.08 : 5e-3) << hair.x << "," << hair.y << "," << hair.z;
+        EXPECT_LT(changeOf("change", here, beside), GetParam().border ? 0.08 : 5e-3)
+            << hair.x << "," << hair.y << "," << hair.z;
     }
 }
 
@@ -76,10 +77,11 @@ TEST_P(LampAt, WithoutARadiusIsFinite) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Places, LampAt,
-                         testing::Values(Place{"theVolumesMiddle", {-0.5, -0.5, -0.5}}, Place{"aVoxelsCentre", {0, 0, 0}},
-                                         Place{"anotherVoxelsCentre", {3, -2, 4}}, Place{"aFace", {0, 0, 8}, true},
-                                         Place{"anEdge", {8, 8, 0}, true}, Place{"aCorner", {8, 8, 8}, true},
-                                         Place{"besideTheBox", {0, 12, 0}}, Place{"theCamera", {0, 0, 40}}),
+                         testing::Values(Place{"theVolumesMiddle", {-0.5, -0.5, -0.5}},
+                                         Place{"aVoxelsCentre", {0, 0, 0}}, Place{"anotherVoxelsCentre", {3, -2, 4}},
+                                         Place{"aFace", {0, 0, 8}, true}, Place{"anEdge", {8, 8, 0}, true},
+                                         Place{"aCorner", {8, 8, 8}, true}, Place{"besideTheBox", {0, 12, 0}},
+                                         Place{"theCamera", {0, 0, 40}}),
                          [](const auto& test) { return std::string(test.param.name); });
 
 // A lamp on every place across one sheet, its planes included: each is as near to brute force as the next.

@@ -84,7 +84,10 @@ TEST_P(OddValues, ThatAreTheLargestFloatAreOpaque) {
             s.volumes[0].medium.densityScale = scale;
             look(s, {4, 4, 40}, {4, 4, 4}, 30);
             const Frame frame = renderScene(s);
-            EXPECT_TRUE(sane(frame.image)) << "scale " << scale << (block == &one ? " one" : block == &all ? " all" : "");
+            EXPECT_TRUE(sane(frame.image)) << "scale " << scale
+                                           << (block == &one   ? " one"
+                                               : block == &all ? " all"
+                                                               : "");
             // Two voxels of tent at least, of the transfer function's last extinction (0.6).
             EXPECT_GT(pixelOf(frame, 12, 12)[3], GetParam().classified ? -std::expm1(-1.2) : 0.999) << scale;
         }

@@ -52,9 +52,11 @@ TEST_P(Slab, HasItsClosedFormAtEveryOpticalDepth) {
     EXPECT_NEAR(front[3], -std::expm1(-tau), 1e-5 * std::min(tau, 1.0));
     const auto behind = pixelOf(renderScene(slab(c.way, tau, c.voxels, false)), 8, 8);
     const double expected = tau * std::exp(-tau);
-    // Floats end at 1e-38, and exponentials before that are 0.
-    EXPECT_NEAR(behind[0], expected, 1e-5 * (1 + tau) * expected + 1e-30);
-    EXPECT_EQ(behind[3], front[3]);
+    // Floats end at 1e-38, and exponentials before that are 0. A sheet's transmittance is kept as 1 - alpha: what lies
+    // behind an opaque one is off by a last bit of itself, 1.2e-7 (measured behind tau = 15: 12 % of a 3e-7th).
+    const double back = 0.5 * tau * std::exp(-0.5 * tau);
+    EXPECT_NEAR(behind[0], expected, 1e-5 * (1 + tau) * expected + 1.2e-7 * back + 1e-30);
+    EXPECT_NEAR(behind[3], front[3], 1e-6 * front[3]);
 }
 
 INSTANTIATE_TEST_SUITE_P(Depths, Slab, testing::ValuesIn(everyDepth()));
@@ -153,7 +155,8 @@ TEST(OpaqueVoxel, InSmokeAgreesWithBruteForce) {
         ASSERT_TRUE(sane(frame.image)) << way.name;
         const Verification v = verified(scene, frame, 60);
         RecordProperty(way.name, std::to_string(v.error));
-        EXPECT_LT(v.error, way.shade == ShadeMode::texel ? 0.06 : 0.035) << way.name << ", worst " << v.worst << " at " << v.worstX << "," << v.worstY;
+        EXPECT_LT(v.error, way.shade == ShadeMode::texel ? 0.06 : 0.035)
+            << way.name << ", worst " << v.worst << " at " << v.worstX << "," << v.worstY;
     }
 }
 

@@ -58,7 +58,8 @@ TEST_P(OrderFlip, TheCrossFadeBeginsAndEndsWithoutAStep) {
     for (const double end : {-2.0, 2.0}) {
         const double inner = end * (1 - 1e-3), outer = end * (1 + 1e-3);
         ASSERT_GT(makePlan(scene(inner, 2), 1).groups.size(), 1u);
-        EXPECT_LT(changeOf("change", renderScene(scene(inner, 2)).image, renderScene(scene(outer, 2)).image), 2e-3) << end;
+        EXPECT_LT(changeOf("change", renderScene(scene(inner, 2)).image, renderScene(scene(outer, 2)).image), 2e-3)
+            << end;
     }
 }
 
@@ -82,14 +83,16 @@ TEST_P(OrderFlip, BothSidesAgreeWithBruteForce) {
         const double unit = brightest(frame.image);
         for (const auto& [x, y] : {std::pair{16, 16}, {12, 13}, {20, 18}, {11, 18}}) {
             const auto found = pixelOf(frame, x, y), truth = reference.pixel(x, y);
-            EXPECT_NEAR(found[0], truth[0], (GetParam().way.classified ? 0.1 : 0.03) * unit) << degrees << " pixel " << x << "," << y;
+            EXPECT_NEAR(found[0], truth[0], (GetParam().way.classified ? 0.1 : 0.03) * unit)
+                << degrees << " pixel " << x << "," << y;
             EXPECT_NEAR(found[3], truth[3], 0.03) << degrees << " pixel " << x << "," << y;
         }
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, OrderFlip,
-                         testing::Values(Crossing{"texels", kTexels, false, 0.006}, Crossing{"pixels", kPixels, false, 0.006},
+                         testing::Values(Crossing{"texels", kTexels, false, 0.006},
+                                         Crossing{"pixels", kPixels, false, 0.006},
                                          Crossing{"perspective", kTexels, true, 0.008},
                                          Crossing{"perView", kPerView, false, 0.006},
                                          Crossing{"classified", kSurface, false, 0.04}),

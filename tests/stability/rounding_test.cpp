@@ -68,13 +68,13 @@ TEST_P(Rounding, IsAMillionthOfTheBrightest) {
         }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Lights, Rounding,
-    testing::Values(Lit{"inFront", {{-1, -0.6, -0.7}}}, Lit{"behind", {{0.5, -0.6, 1.1}}},
-                    Lit{"along", {lookAt({13, 9, 60}, {0.3, 0.1, 0}, {0, 1, 0})[2] * -1.0}},
-                    Lit{"fading", {{1, 0, -13.0 / 60}}},
-                    Lit{"allRound", {{-1, -0.6, -0.7}, {0.5, -0.6, 1.1}, {1, 0.2, -0.1}, {0, 1, 0.4}}}),
-    [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(Lights, Rounding,
+                         testing::Values(Lit{"inFront", {{-1, -0.6, -0.7}}}, Lit{"behind", {{0.5, -0.6, 1.1}}},
+                                         Lit{"along", {lookAt({13, 9, 60}, {0.3, 0.1, 0}, {0, 1, 0})[2] * -1.0}},
+                                         Lit{"fading", {{1, 0, -13.0 / 60}}},
+                                         Lit{"allRound",
+                                             {{-1, -0.6, -0.7}, {0.5, -0.6, 1.1}, {1, 0.2, -0.1}, {0, 1, 0.4}}}),
+                         [](const auto& test) { return std::string(test.param.name); });
 
 // Sums over n sheets of 1/n the thickness: rounding grows at most as n does (it is biased where equal terms are added to
 // a sum of one exponent), from one thickness to a hundredth.

@@ -96,8 +96,7 @@ TEST_P(SameScene, WithItsLightsAndVolumesInAnotherOrderIsTheSamePicture) {
             other.volumes[i] = scene.volumes[order[i]];
             other.lights[i] = scene.lights[order[i]];
         }
-        EXPECT_LT(changeOf("change", before, renderScene(other).image), 1e-6)
-            << order[0] << order[1] << order[2];
+        EXPECT_LT(changeOf("change", before, renderScene(other).image), 1e-6) << order[0] << order[1] << order[2];
     }
 }
 

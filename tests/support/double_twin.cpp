@@ -20,8 +20,9 @@ struct Raster {
     std::vector<Value> values;
 
     Raster(int w, int h) : width(w), height(h), values(static_cast<std::size_t>(w) * static_cast<std::size_t>(h)) {}
-    Value& at(int x, int y) { return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-                                            static_cast<std::size_t>(x)]; }
+    Value& at(int x, int y) {
+        return values[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+    }
     const Value& at(int x, int y) const { return const_cast<Raster*>(this)->at(x, y); }
     Value between(double x, double y) const {
         x = std::clamp(x, 0.0, width - 1.0);
@@ -169,14 +170,12 @@ class Sweep {
             const LightPlan& plan = m_group.lights[l];
             const Light& light = m_scene.lights[static_cast<std::size_t>(plan.light)];
             const CellMap map = plan.view.at(sheet);
-            const double entry =
-                entries[l].between((x - map.offsetU) / map.scale, (y - map.offsetV) / map.scale)[0];
+            const double entry = entries[l].between((x - map.offsetU) / map.scale, (y - map.offsetV) / map.scale)[0];
             const double tl = sigma * m_sheets.thickness * slant(plan.view);
-            const double arrives = !plan.shadowed       ? psi(te)
+            const double arrives = !plan.shadowed     ? psi(te)
                                    : m_group.sameSide ? std::exp(-entry) * psi(te + tl)
                                                       : std::exp(-entry - std::min(te, tl)) * psi(std::abs(te - tl));
-            const double phase =
-                phaseValue(medium.phase, -glm::dot(light.wsDirection, viewingAxis(m_scene.camera)));
+            const double phase = phaseValue(medium.phase, -glm::dot(light.wsDirection, viewingAxis(m_scene.camera)));
             sum += plan.share * arrives * phase * light.intensity * medium.albedo;
         }
         return sum;
