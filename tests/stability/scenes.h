@@ -133,7 +133,8 @@ inline double largestDifference(const Image& a, const Image& b) {
     double most = 0;
     for (std::size_t i = 0; i < a.rgba.size(); ++i) {
         const double difference = std::abs(double(a.rgba[i]) - double(b.rgba[i]));
-        if (!(difference <= most)) most = difference;  // NaN counts
+        if (std::isnan(difference)) return difference;
+        most = std::max(most, difference);
     }
     return most;
 }

@@ -35,6 +35,32 @@ TEST_P(SameScene, InHalfOrFourTimesTheUnitsIsTheSamePictureToTheBit) {
         EXPECT_EQ(before.rgba, renderScene(moved(scene, scale, Mat3(1.0), Vec3(0))).image.rgba) << scale;
 }
 
+// To the bit: the field in other units, a power of two, with extinction or transfer function to match. A voxel of 2^-60
+// squared, as gradients are, is a float of 2^-120, next to the smallest.
+TEST_P(SameScene, OfAFieldInOtherUnitsIsTheSamePictureToTheBit) {
+    const ViewScene scene = smallScene(GetParam());
+    const auto before = renderScene(scene).image.rgba;
+    for (const int power : {-70, -20, 20, 70}) {
+        ViewScene other = scene;
+        const SparseField& field = *scene.volumes[0].field;
+        const double unit = std::ldexp(1.0, power);
+        other.volumes[0].field = makeField(Int3(-9), Int3(9), 1, [&](const Vec3& is) {
+            const Int3 p(is), origin = p >> 3 << 3, at = p - origin;
+            const auto block = std::find(field.blockOrigins.begin(), field.blockOrigins.end(), origin);
+            if (block == field.blockOrigins.end()) return 0.0;
+            const float* values = field.block(static_cast<std::size_t>(block - field.blockOrigins.begin()));
+            return unit * values[blockOffset(at.x, at.y, at.z)];
+        });
+        other.volumes[0].medium.densityScale /= unit;
+        if (GetParam().classified) {
+            Classified look = *scene.volumes[0].classified;
+            for (TransferPoint& point : look.transfer) point.value *= unit;
+            other.volumes[0].classified = std::make_shared<const Classified>(look);
+        }
+        EXPECT_EQ(before, renderScene(other).image.rgba) << "times 2^" << power;
+    }
+}
+
 // To rounding: two grids of half the density each.
 TEST_P(SameScene, AsTwoGridsOfHalfTheDensityIsTheSamePicture) {
     if (GetParam().classified) GTEST_SKIP() << "a transfer function does not add up";
