@@ -88,6 +88,7 @@ TEST_P(Energy, OfABlackMediumIsNone) {
 // extinction.
 TEST_P(Energy, MoreDensityNeverLetsMoreThrough) {
     for (ViewScene scene : scenes(0.01, Rgb(0.5))) {
+        scene.dials.opacityCutoff = 0;
         std::vector<float> before;
         for (const double more : {1.0, 1.1, 3.0, 3.0, 10.0, 100.0}) {
             scene.volumes[0].medium.densityScale *= more;
@@ -99,7 +100,7 @@ TEST_P(Energy, MoreDensityNeverLetsMoreThrough) {
             const Image image = renderScene(scene).image;
             ASSERT_TRUE(sane(image));
             for (std::size_t i = 3; i < before.size(); i += 4)
-                ASSERT_GE(image.rgba[i], before[i] - 1e-3 * (1 - before[i]) - 3e-7) << "pixel " << i / 4;
+                ASSERT_GE(image.rgba[i], before[i] - 3e-7f) << "pixel " << i / 4;
             before = image.rgba;
         }
     }
