@@ -2,6 +2,7 @@
 // A light at every angle to the eye, in steps of a degree, the exact right angles included, and along the axes of a
 // sheet: brute force agrees everywhere, and from one degree to the next the error hardly changes.
 #include "stability/scenes.h"
+#include "support/expect_error.h"
 
 #include <scrim/study/reference.h>
 
@@ -101,11 +102,14 @@ TEST(LightWithinItsSheets, MakesAPictureThatAHairDoesNotChange) {
         // The light's raster keeps half a degree to the sheets; below that all angles are one.
         EXPECT_LT(changeOf("hair", exact, picture(-1e-6)), 1e-4) << along.x << "," << along.y;
         ASSERT_TRUE(sane(picture(1e-6)));
+        scene.dials.splat = SplatMode::shared;
+        const std::string refusal = errorOf(ErrorKind::render, [&] { makePlan(scene, 1); });
+        EXPECT_TRUE(refusal.starts_with("image-aligned sheets do not suit this scene")) << refusal;
     }
 }
 
-// Half-way sheets have a light along u or v only where the eye is perpendicular to it, or the light is one of several:
-// a lamp's rays that run along the axes of its own window's sheets.
+// Half-way sheets: the light leans exactly along u or exactly along v, so that one of its slopes is 0, or it is exactly
+// perpendicular to the eye.
 TEST(LightAlongU, OrVOfHalfWaySheetsAgreesWithBruteForce) {
     for (const Way& way : {kTexels, kPerView})
         for (const Vec3& direction : {Vec3(1, 0, -1), Vec3(-1, 0, -1), Vec3(0, 1, -1), Vec3(0, -1, -1), Vec3(1, 0, 0),
