@@ -2,10 +2,10 @@
 #include <scrim/render/plan.h>
 
 #include <scrim/base/error.h>
-#include <scrim/light/slide_map.h>
 #include <scrim/light/view_shadow.h>
 #include <scrim/render/eye_view.h>
 #include <scrim/render/light_raster.h>
+#include <scrim/render/shading_place.h>
 #include <scrim/render/view_rasters.h>
 #include <scrim/render/volume_planes.h>
 #include <scrim/splat/footprint_table.h>
@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 
@@ -82,90 +81,6 @@ std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool perV
             bytes += perView ? ViewShadow::bytes(light.raster, batch) + fieldBytes(scene, s, light.raster, batch)
                              : ShadowBuffer::bytes(light.view, s, batch);
     return bytes;
-}
-
-// Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels as
-// large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where none
-// does.
-std::string fineSlide(const ViewScene& scene, double texel) {
-    Bounds ws;
-    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
-    for (const Light& light : scene.lights) {
-        if (!light.slide) continue;
-        const std::optional<double> pixel = slidePixel(light, ws.center());
-        if (pixel && *pixel < 2 * texel)
-            return fmt::format(
-                "a pixel of the slide of '{}' covers {:.3g} at the volume, less than two texels of {:.3g}", light.name,
-                *pixel, texel);
-    }
-    return {};
-}
-
-// Optical depth of a sheet from which on media are shaded at pixels. What a texel shows, 1 - e^-tau, bends more and more as
-// tau grows, and so does what lies between two texels. (Smoke of so many a voxel, error at texels and at pixels: 0.23: 0.5,
-// 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
-constexpr double kDenseSheet = 0.4;
-
-// Empty where no medium is that dense.
-std::string denseMedium(const ViewScene& scene, const Plan& plan) {
-    for (const ViewVolume& volume : scene.volumes) {
-        const double tau =
-            volume.field->maxValue * volume.medium.densityScale * plan.groups.front().sheets.thickness;
-        if (!volume.classified && tau > kDenseSheet)
-            return fmt::format("volume {} reaches an optical depth of {:.2g} a sheet, more than texels resolve",
-                               volume.name, tau);
-    }
-    return {};
-}
-
-// Shading at texels costs by texel, shading at pixels by pixel; for a thin medium both are equally exact.
-void chooseShading(const ViewScene& scene, Plan& plan) {
-    if (plan.groups.empty()) return;
-    if (plan.perView) {
-        plan.shadeAtPixels = true;
-        plan.shadeReason = "per-view splatting knows no other place";
-        return;
-    }
-    if (scene.dials.shade != ShadeMode::automatic) {
-        plan.shadeAtPixels = scene.dials.shade == ShadeMode::pixel;
-        plan.shadeReason = "the scene says so";
-        return;
-    }
-    for (const ViewVolume& volume : scene.volumes)
-        if (volume.classified) {
-            plan.shadeAtPixels = true;
-            plan.shadeReason = fmt::format("volume {} is classified: surfaces are sharper than texels", volume.name);
-            return;
-        }
-    for (const GroupPlan& group : plan.groups)
-        for (const LightPlan& light : group.lights)
-            if (!light.ssWindows.empty()) {
-                plan.shadeAtPixels = true;
-                plan.shadeReason = fmt::format("light {} is so near that its light changes between texels",
-                                               scene.lights[static_cast<std::size_t>(light.light)].name);
-                return;
-            }
-    // Of the whole picture: a crop must be shaded as the rest is.
-    const double n = scene.dials.antialias;
-    const double pixels = n * n * scene.camera.resolution.x * scene.camera.resolution.y;
-    const Sheets& sheets = plan.groups.front().sheets;
-    const double texels = double(sheets.width) * sheets.height;
-    if (const std::string reason = fineSlide(scene, sheets.texel); !reason.empty()) {
-        plan.shadeAtPixels = true;
-        plan.shadeReason = reason;
-        return;
-    }
-    if (const std::string reason = denseMedium(scene, plan); !reason.empty()) {
-        plan.shadeAtPixels = true;
-        plan.shadeReason = reason;
-        return;
-    }
-    // A pixel's sample costs about twice a texel's: it gathers its extinction and its shadow.
-    plan.shadeAtPixels = 2 * pixels < texels;
-    plan.shadeReason = fmt::format(
-        "a sheet has {:.3g} texels, the picture {:.3g} pixels, and a thin medium looks the "
-        "same either way",
-        texels, pixels);
 }
 
 // Sheets a batch: enough for every thread to have some, few enough to stay in memory.
@@ -241,7 +156,9 @@ Plan makePlan(const ViewScene& scene, int threads) {
             plan.groups.push_back(planGroup(scene, corners, plan, part, group));
         plan.eyeParts.push_back(std::move(part));
     }
-    chooseShading(scene, plan);
+    const ShadingPlace place = shadingPlace(scene, plan);
+    plan.shadeAtPixels = place.atPixels;
+    plan.shadeReason = place.reason;
 
     const std::size_t pixels = static_cast<std::size_t>(roundUpToTile(plan.region.width())) *
                                static_cast<std::size_t>(roundUpToTile(plan.region.height()));

@@ -4,6 +4,7 @@
 #include <scrim/splat/unblur.h>
 
 #include <algorithm>
+#include <limits>
 
 #include <glm/matrix.hpp>
 
@@ -33,13 +34,23 @@ Limits limitsAround(const std::initializer_list<const float*>& planes, int width
     return limits;
 }
 
+// The largest voxel that is told from larger ones: sums and products of floats must not overflow. Of a medium an
+// extinction of 1e9 optical depths a voxel, of a classified volume a million times the last value of the transfer
+// function: beyond them a voxel's tent is opaque to its rim but for a millionth of a voxel, which no raster resolves.
+float mostOf(const ViewVolume& volume, double voxel) {
+    const double most = volume.classified ? 1e6 * volume.classified->transfer.back().value : 1e9 / voxel;
+    return static_cast<float>(std::min<double>(most, std::numeric_limits<float>::max()));
+}
+
 std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume, const Dials& dials,
-                                                        const Sheets& sheets, const ViewRaster& raster) {
+                                                        const Sheets& sheets, const ViewRaster& raster, double voxel) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
     const int steps = VolumePlanes::footprintStepsOf(volume, dials);
     const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale);
-    if (!raster.parallel) return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, steps, scale);
-    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, steps, scale);
+    const float most = mostOf(volume, voxel);
+    if (!raster.parallel) return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, steps, scale, most);
+    return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, steps, scale, FootprintLookup::sloped,
+                         most);
 }
 
 }  // namespace
@@ -51,7 +62,7 @@ VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const S
       m_raster(raster),
       m_shared(raster.rsFromTs == Mat4(1.0)),
       m_halo(halo(volume, sheets)),
-      m_splatter(splatterFor(volume, dials, sheets, raster)),
+      m_splatter(splatterFor(volume, dials, sheets, raster, voxel)),
       m_values(batchSheets + 2 * m_halo, raster.width, raster.height, 1),
       m_readySheet(-m_halo) {
     if (!volume.classified) return;
@@ -93,7 +104,10 @@ SplatWork VolumePlanes::splat(int task, const TileCull& cull) {
         m_splatter);
     for (int p = first; p < first + run.count; ++p) {
         m_values.finish(p);
-        if (m_shared) unblur(m_values, p);
+        if (m_shared)
+            unblur(m_values, p);
+        else if (m_raster.parallel)
+            m_values.raiseToZero(p);  // slopes of footprints go below 0 around what is the field's rim
         m_values.dropEmpty(p);
     }
     return work;

@@ -99,16 +99,16 @@ void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const
         sampleBetween(planes, samples, -step.rsVoxel[axis], lower);
         sampleBetween(planes, samples, step.rsVoxel[axis], upper);
         for (int c = 0; c < 3; ++c) {
-            // Out of the denser side: down the gradient.
-            const auto part = static_cast<float>(-step.ssFromDifference[axis][c]);
+            // Out of the denser side: down the gradient. In units of the vague one: squares of gradients neither overflow
+            // nor vanish, whatever the units of the field and the size of its voxels.
+            const auto part = static_cast<float>(-step.ssFromDifference[axis][c] / vagueGradient);
             for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
         }
     }
-    const auto vague2 = static_cast<float>(vagueGradient * vagueGradient);
     for (int k = 0; k < kTileSize; ++k) {
         float *x = out.normal[0] + k, *y = out.normal[1] + k, *z = out.normal[2] + k;
         const float g2 = *x * *x + *y * *y + *z * *z;
-        out.weight[k] = g2 / (g2 + vague2);
+        out.weight[k] = g2 / (g2 + 1);
         const float inverse = 1 / std::sqrt(std::max(g2, 1e-30f));  // a gradient of 0 has no weight
         *x *= inverse;
         *y *= inverse;

@@ -36,10 +36,11 @@ struct FieldSplatter::Target {
 };
 
 FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
-                             float scale, FootprintLookup lookup)
+                             float scale, FootprintLookup lookup, float most)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_scale(scale),
+      m_most(most),
       m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
               footprintSteps(tsFromIs, stepsPerVoxel).sheet, lookup),
       m_order(tsFromIs) {
@@ -69,7 +70,7 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
 SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
                                const TileCull& cull) const {
     Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(), firstSheet,
-                   lastSheet, m_scale, planes.width(), planes.height(), false},
+                   lastSheet, m_scale, m_most, planes.width(), planes.height(), false},
                   &planes,
                   firstPlane,
                   &cull};

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace scrim {
@@ -31,9 +32,9 @@ using TileCull = std::function<bool(int, int, int, int)>;
 class FieldSplatter {
   public:
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
-    /// by `scale`; positions are quantised to `stepsPerVoxel`.
+    /// by `scale`, and count as `most` above it; positions are quantised to `stepsPerVoxel`.
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale,
-                  FootprintLookup lookup = FootprintLookup::sloped);
+                  FootprintLookup lookup = FootprintLookup::sloped, float most = std::numeric_limits<float>::max());
 
     const FootprintTable& table() const { return m_table; }
 
@@ -50,7 +51,7 @@ class FieldSplatter {
 
     const SparseField& m_field;
     Mat4 m_tsFromIs;
-    float m_scale;
+    float m_scale, m_most;
     FootprintTable m_table;
     LatticeOrder m_order;
     Vec3 m_blockLower, m_blockUpper;            // offsets of a block's voxels in texel space, footprints included

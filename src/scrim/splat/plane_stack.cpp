@@ -89,6 +89,17 @@ void PlaneStack::finishRow(int p, int ty) {
     }
 }
 
+void PlaneStack::raiseToZero(int p) {
+    for (int ty = 0; ty < tilesY(); ++ty)
+        for (int tx = 0; tx < tilesX(); ++tx) {
+            if (!active(p, tx, ty)) continue;
+            const int floats = kTileEdge * m_channels;
+            float* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * floats;
+            for (int y = 0; y < kTileEdge; ++y, row += rowStride())
+                for (int x = 0; x < floats; ++x) row[x] = std::max(row[x], 0.0f);
+        }
+}
+
 void PlaneStack::dropEmpty(int p) {
     for (int ty = 0; ty < tilesY(); ++ty)
         for (int tx = 0; tx < tilesX(); ++tx) {

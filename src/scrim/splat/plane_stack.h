@@ -55,6 +55,8 @@ class PlaneStack {
     /// Clears what is left of the old content. `finishRow` does so for one row of tiles.
     void finish(int p);
     void finishRow(int p, int ty);
+    /// What is below 0 in active tiles becomes 0.
+    void raiseToZero(int p);
     /// Makes tiles inactive that hold nothing but zeros (of a plane with one channel).
     void dropEmpty(int p);
 

@@ -146,7 +146,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
     const std::ptrdiff_t entryStride = sheetStride * sheets;
     const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
     const int firstSheet = splat.firstSheet, lastSheet = splat.lastSheet;
-    const float scale = splat.scale;
+    const float scale = splat.scale, most = splat.most;
     const float* const allWeights = table.weights();
     const std::int32_t* const index = splat.order->index.data();
     float* const planes = splat.planes;
@@ -159,7 +159,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
         locate<kSloped, kClipped>(splat, place, k, chunk);
         const int end = std::min(kChunk, second - k);
         for (int i = k0 - k; i < end; ++i) {
-            const float value = values[index[k + i]] * scale;
+            const float value = std::min(values[index[k + i]] * scale, most);
             if (value == 0) continue;
             const int sheet = chunk.sheet[i];
             if (kClipped && sheet == kNoSheet) continue;

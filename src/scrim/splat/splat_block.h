@@ -20,6 +20,7 @@ struct BlockSplat {
     std::int32_t firstSheet;     ///< sheets [firstSheet, lastSheet) are written
     std::int32_t lastSheet;
     float scale;                 ///< factor on every value
+    float most;                  ///< scaled values above it count as it
     std::int32_t width, height;  ///< of the planes, texels
     bool clipped;                ///< footprints may leave the planes; those that do are left out
 };
@@ -32,7 +33,7 @@ struct BlockPlace {
 };
 
 /// Adds the footprints of the voxels [first, second) of the lattice order, with `values` (512 floats in
-/// `blockOffset` order) times scale, to the sheets. Voxels of value 0 are skipped. Returns the number of
+/// `blockOffset` order) times scale, at most `most`, to the sheets. Voxels of value 0 are skipped. Returns the number of
 /// footprints (voxel and sheet pairs) that were added.
 std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first, int second);
 

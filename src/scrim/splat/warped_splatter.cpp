@@ -44,11 +44,12 @@ struct WarpedSplatter::Target {
 };
 
 WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const ViewRaster& raster, Kernel kernel,
-                               int stepsPerVoxel, float scale)
+                               int stepsPerVoxel, float scale, float most)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_raster(raster),
       m_scale(scale),
+      m_most(most),
       m_finer(finerSteps(tsFromIs, stepsPerVoxel)),
       m_slope(middleSlope(field, tsFromIs, raster)),
       m_table(kernel, tableFromIs(tsFromIs, m_slope, m_finer), 2, footprintSteps(tsFromIs, stepsPerVoxel).sheet),
@@ -87,7 +88,7 @@ void WarpedSplatter::splatOneBlock(const Int3& origin, const float* values, Targ
     for (int x = 0; x < kBlockEdge; ++x)
         for (int y = 0; y < kBlockEdge; ++y)
             for (int z = 0; z < kBlockEdge; ++z) {
-                const float value = values[blockOffset(x, y, z)] * m_scale;
+                const float value = std::min(values[blockOffset(x, y, z)] * m_scale, m_most);
                 if (value != 0) splatVoxel(transformPoint(m_tsFromIs, Vec3(origin + Int3(x, y, z))), value, target);
             }
 }

@@ -15,9 +15,9 @@ namespace scrim {
 
 class WarpedSplatter {
   public:
-    /// `field` must outlive this. Voxel values are multiplied by `scale`.
+    /// `field` must outlive this. Voxel values are multiplied by `scale`, and count as `most` above it.
     WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const ViewRaster& raster, Kernel kernel,
-                   int stepsPerVoxel, float scale);
+                   int stepsPerVoxel, float scale, float most = std::numeric_limits<float>::max());
 
     /// As FieldSplatter::splat.
     SplatWork splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane, const TileCull& cull) const;
@@ -33,7 +33,7 @@ class WarpedSplatter {
     const SparseField& m_field;
     Mat4 m_tsFromIs;
     ViewRaster m_raster;
-    float m_scale;
+    float m_scale, m_most;
     double m_finer;          // table's columns a texel
     Vec2 m_slope;            // of the ray through the middle of the field, texels a sheet
     FootprintTable m_table;  // of the space in which the middle ray is upright
