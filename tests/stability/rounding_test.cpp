@@ -58,13 +58,14 @@ void PrintTo(const Lit& lit, std::ostream* out) {
 class Rounding : public testing::TestWithParam<Lit> {};
 
 // Half a last bit is 6e-8. Some fifty sheets add up to some of them; a voxel's place in its block is a float, too, and its
-// weight changes by up to a whole over a voxel: 1e-6 of a texel is 1e-6 of the brightest. From faint to opaque.
+// weight changes by up to a whole over a voxel: 1e-6 of a texel is 1e-6 of the brightest. From faint to opaque; where a
+// shadow buffer falls from tau = 100 to 0 within a cell, what sharpens it leaves half a last bit of the hundred.
 TEST_P(Rounding, IsAMillionthOfTheBrightest) {
     for (const auto& field : {smoothField(), smokeField(9)})
         for (const double extinction : {1e-6, 0.03, 0.3, 3.0, 100.0}) {
             const Budget budget = budgetOf(parallelScene(field, extinction, GetParam().lights));
             RecordProperty("largestAt" + std::to_string(extinction), std::to_string(budget.largest * 1e6));
-            EXPECT_LT(budget.largest, 3e-6) << "extinction " << extinction << ", " << budget.sheets << " sheets";
+            EXPECT_LT(budget.largest, extinction < 100 ? 3e-6 : 1e-5) << "extinction " << extinction << ", " << budget.sheets << " sheets";
             EXPECT_LT(budget.mean, 2e-7) << "extinction " << extinction;
         }
 }

@@ -91,6 +91,21 @@ void sharpen(Plane& plane) {
         }
 }
 
+// See ShadowBuffer::sharpen, for texels.
+Plane sharpenedTau(const Plane& tau) {
+    Plane out = tau;
+    for (int y = 1; y + 1 < tau.height; ++y)
+        for (int x = 1; x + 1 < tau.width; ++x) {
+            const double here = tau.at(x, y)[0];
+            const std::array<double, 4> around{tau.at(x - 1, y)[0], tau.at(x + 1, y)[0], tau.at(x, y - 1)[0],
+                                               tau.at(x, y + 1)[0]};
+            const auto [least, most] = std::minmax_element(around.begin(), around.end());
+            const double sharp = here - (around[0] + around[1] + around[2] + around[3] - 4 * here) / 6;
+            out.at(x, y)[0] = std::clamp(sharp, std::min(*least, here), std::max(*most, here));
+        }
+    return out;
+}
+
 double psi(double t) {
     return t == 0 ? 1 : -std::expm1(-t) / t;
 }
@@ -130,7 +145,8 @@ class Sweep {
         for (const auto& volume : m_volumes)
             for (std::size_t i = 0; i < total.values.size(); ++i)
                 total.values[i][0] += volume[static_cast<std::size_t>(sheet)].values[i][0];
-        const std::vector<Plane> entries = m_taus;
+        std::vector<Plane> entries;
+        for (const Plane& tau : m_taus) entries.push_back(sharpenedTau(tau));
         for (std::size_t l = 0; l < m_taus.size(); ++l) attenuate(m_group.lights[l].view, sheet, total, m_taus[l]);
 
         Raster<4> out(m_sheets.width, m_sheets.height);
