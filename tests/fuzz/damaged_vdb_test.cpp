@@ -81,9 +81,9 @@ class DamagedVdb : public ProgramTest {
 
 TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
 #if defined(__SANITIZE_ADDRESS__)
-    constexpr int kFiles = 5;  // a process takes several times as long
+    constexpr int kFiles = 3;  // a process takes several times as long
 #else
-    constexpr int kFiles = 25;
+    constexpr int kFiles = 10;
 #endif
     const char* wanted = std::getenv("SCRIM_FUZZ_FILES");
     const int files = wanted == nullptr ? kFiles : std::atoi(wanted);
@@ -95,7 +95,7 @@ TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
             const std::string bytes = damaged(good, random), what = std::string(kind.name) + " " + std::to_string(i);
             write("bad.vdb", bytes);
             std::filesystem::remove(file("bad.exr"));
-            expectRefusedOrRead({"info", "bad.vdb"}, what);
+            if (i % 4 == 0) expectRefusedOrRead({"info", "bad.vdb"}, what);
             expectRefusedOrRead({"render", "bad.vdb", "-o", "bad.exr", "--res", "16x16", "--quality", "draft", "-q",
                                  "--memory", kMemory},
                                 what);

@@ -19,6 +19,7 @@ namespace scrim::fuzz {
 namespace {
 
 constexpr double kRounding = 1e-5;  // of sums of floats
+constexpr double kMostWork = 3e6;   // of whatever the plan counts: larger scenes teach no more
 constexpr double kLargest = 1e30;   // beyond this floats may overflow, and need not be right
 
 /// The most irradiance (distant) that `light` gives anywhere; infinite where nothing bounds it.
@@ -44,6 +45,13 @@ double brightest(const ViewScene& scene, const ViewVolume& volume, int c) {
     return volume.medium.albedo[c] * (most + scene.ambient[c]);
 }
 
+/// Tables of footprints, one a view and sweep, are work that plans do not count.
+bool isSmall(const Plan& plan) {
+    const ExpectedWork& work = plan.work;
+    return work.footprints + work.texels + work.lightSamples + work.pixelSheets <= kMostWork &&
+           plan.groups.size() <= (plan.perView ? 2 : 20);
+}
+
 void checkPicture(const ByteScene& scene, const Plan& plan, const Image& image) {
     require(image.window == scene.view.region, "another window");
     double most[3] = {0, 0, 0};
@@ -51,7 +59,7 @@ void checkPicture(const ByteScene& scene, const Plan& plan, const Image& image) 
         for (int c = 0; c < 3; ++c) most[c] = std::max(most[c], brightest(scene.view, volume, c));
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
         const float* rgba = image.rgba.data() + i;
-        require(rgba[3] >= 0 && rgba[3] <= 1 + kRounding, "alpha {} at {}\n{}", rgba[3], i / 4, scene.toml);
+        require(rgba[3] >= 0 && rgba[3] <= 1, "alpha {} at {}\n{}", rgba[3], i / 4, scene.toml);
         // Each sweep has its own sheets, and an alpha that differs a little from the picture's.
         const double alpha = plan.groups.size() > 1 ? 1 : rgba[3] + kRounding;
         for (int c = 0; c < 3; ++c) {
@@ -74,6 +82,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         const auto rendered = [&](int threads) {
             const ThreadLimit limit(threads);
             const Plan plan = makePlan(scene.view, threads);
+            if (!isSmall(plan)) return emptyImage({});
             Image image = render(scene.view, plan).image;
             checkPicture(scene, plan, image);
             return image;

@@ -108,9 +108,12 @@ std::string lightText(Choices& c, int i) {
 }
 
 std::string dialsText(Choices& c) {
-    std::string text = "[render]\n";
-    if (c.once(2)) text += fmt::format("texel = {}\n", c.logBetween(0.3, 64));
-    if (c.once(2)) text += fmt::format("sheet_thickness = {}\n", c.logBetween(0.2, 64));
+    // Per-view splatting takes seconds to tabulate the footprints of coarse texels, for each view.
+    const bool perView = c.once(3);
+    const double coarsest = perView ? 2 : 64;
+    std::string text = fmt::format("[render]\nsplat = \"{}\"\n", perView ? "per-view" : "shared");
+    if (c.once(2)) text += fmt::format("texel = {}\n", c.logBetween(0.3, coarsest));
+    if (c.once(2)) text += fmt::format("sheet_thickness = {}\n", c.logBetween(0.2, coarsest));
     if (c.once(3)) text += fmt::format("shadow_texel = {}\n", c.logBetween(0.3, 64));
     if (c.once(3)) text += fmt::format("footprint_steps = {}\n", 2 << c.below(7));
     if (c.once(4)) text += fmt::format("max_slant = {}\n", c.between(10, 85));
@@ -119,7 +122,6 @@ std::string dialsText(Choices& c) {
     if (c.once(4)) text += fmt::format("lod = {}\n", c.logBetween(0.1, 64));
     if (c.once(6)) text += fmt::format("antialias = {}\n", 1 + c.below(3));
     text += fmt::format("kernel = \"{}\"\n", c.word({"linear", "gaussian", "bspline"}));
-    text += fmt::format("splat = \"{}\"\n", c.word({"shared", "per-view"}));
     text += fmt::format("shade = \"{}\"\n", c.word({"auto", "texel", "pixel"}));
     text += fmt::format("sheets = \"{}\"\n", c.word({"half-way", "image-aligned"}));
     text += fmt::format("shadow_filter = \"{}\"\n", c.word({"bilinear", "nearest"}));

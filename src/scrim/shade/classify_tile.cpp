@@ -11,6 +11,9 @@
 namespace scrim {
 namespace {
 
+/// Gradients beyond this (of fields whose values are) are cut off, since their squares would overflow a float.
+constexpr float kSteepest = 1e18f;
+
 // The field at the ends and in the middle of the eye's segments.
 struct Run {
     alignas(64) float front[kTileSize];
@@ -110,7 +113,8 @@ void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const
         for (int c = 0; c < 3; ++c) {
             // Out of the denser side: down the gradient.
             const auto part = static_cast<float>(-step.ssFromDifference[axis][c]);
-            for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
+            for (int k = 0; k < kTileSize; ++k)
+                out.normal[c][k] += std::clamp(part * (upper[k] - lower[k]), -kSteepest, kSteepest);
         }
     }
     const auto vague2 = static_cast<float>(vagueGradient * vagueGradient);
