@@ -100,7 +100,7 @@ def vdb_render_settings(n, threads):
         return float(re.search(r"ray-tracing.*\n.*completed in ([\d.e+-]+) sec", log).group(1))
 
     # Its shadow rays begin with a whole step of where they start, an error of first order: that step matters most.
-    for step, shadow in ((4, 4), (4, 2), (4, 1), (4, 0.5), (2, 0.5), (2, 0.25), (1, 0.25)):
+    for step, shadow in ((4, 4), (4, 2), (4, 1), (3, 0.5), (2, 0.5), (2, 0.25)):
         yield Setting("vdb_render", f"step {step} shadow {shadow}",
                       lambda picture, step=step, shadow=shadow: ["vdb_render", n["asset"], picture, *scene, "-step",
                                                                  str(step), "-shadowstep", str(shadow)], seconds)

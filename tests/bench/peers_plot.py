@@ -13,7 +13,7 @@ import sys
 from html import escape
 
 WIDTH, HEIGHT = 420, 300  # of a panel, within its axes
-LEFT, TOP, GAP, BOTTOM = 70, 84, 34, 50
+LEFT, TOP, GAP, BOTTOM = 70, 100, 56, 50
 TOOLS = {"scrim": ("Scrim", "#0072B2", "circle"), "vdb_render": ("vdb_render", "#D55E00", "square"),
          "cycles": ("Cycles", "#CC79A7", "diamond"), "light volume": ("dense marcher, light volume", "#009E73", "up"),
          "shadow rays": ("dense marcher, shadow rays", "#000000", "down")}
@@ -61,7 +61,7 @@ def front(points):
 
 def panel(rows, time, x0, y0, x, y, title, last):
     out = [f'<rect x="{x0}" y="{y0}" width="{WIDTH}" height="{HEIGHT}" fill="none" stroke="#888"/>',
-           text(x0 + 8, y0 + 18, title, "start", 'font-weight="bold"')]
+           text(x0, y0 - 8, title, "start", 'font-weight="bold"')]
     for tick in x.ticks:
         out.append(f'<line x1="{x(tick):.1f}" y1="{y0}" x2="{x(tick):.1f}" y2="{y0 + HEIGHT}" stroke="#ddd"/>')
         out.append(text(x(tick), y0 + HEIGHT + 16, f"{tick:g}"))

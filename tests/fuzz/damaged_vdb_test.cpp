@@ -81,9 +81,9 @@ class DamagedVdb : public ProgramTest {
 
 TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
 #if defined(__SANITIZE_ADDRESS__)
-    constexpr int kFiles = 3;  // a process takes several times as long
+    constexpr int kFiles = 2;  // a process takes several times as long
 #else
-    constexpr int kFiles = 10;
+    constexpr int kFiles = 6;
 #endif
     const char* wanted = std::getenv("SCRIM_FUZZ_FILES");
     const int files = wanted == nullptr ? kFiles : std::atoi(wanted);

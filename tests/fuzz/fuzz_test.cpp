@@ -98,7 +98,7 @@ INSTANTIATE_TEST_SUITE_P(All, FuzzTarget,
                          ::testing::Values(Target{"scene_text", scrim_fuzz_scene_text, 500},
                                            Target{"vdb_layout", scrim_fuzz_vdb_layout, 5000},
                                            Target{"transfer", scrim_fuzz_transfer, 1000},
-                                           Target{"random_scene", scrim_fuzz_random_scene, 100}),
+                                           Target{"random_scene", scrim_fuzz_random_scene, 60}),
                          [](const auto& target) { return std::string(target.param.name); });
 
 }  // namespace

@@ -26,7 +26,10 @@ class Choices {
     unsigned byte() { return m_data == m_end ? 0 : *m_data++; }
     int below(int n) { return static_cast<int>(byte()) % n; }
     bool once(int in) { return below(in) == in - 1; }
-    double unit() { return (byte() * 256 + byte()) / 65535.0; }
+    double unit() {
+        const unsigned high = byte();
+        return (high * 256 + byte()) / 65535.0;
+    }
     double between(double a, double b) { return a + (b - a) * unit(); }
     double logBetween(double a, double b) { return a * std::pow(b / a, unit()); }
     template <std::size_t N>
@@ -46,87 +49,124 @@ class Choices {
     const std::uint8_t *m_data, *m_end;
 };
 
-std::string cameraText(Choices& c) {
+/// Keys and values, a line each. (Compilers order the arguments of a call as they like: a choice stands alone.)
+class Lines {
+  public:
+    template <typename T>
+    void add(const char* key, const T& value) {
+        m_text += fmt::format("{} = {}\n", key, value);
+    }
+    void addWord(const char* key, const char* word) { m_text += fmt::format("{} = \"{}\"\n", key, word); }
+    void line(const std::string& text) { m_text += text + "\n"; }
+    const std::string& text() const { return m_text; }
+
+  private:
+    std::string m_text;
+};
+
+void addCamera(Lines& out, Choices& c) {
     const bool orthographic = c.once(3);
-    std::string text = fmt::format("[camera]\ntype = \"{}\"\n", orthographic ? "orthographic" : "perspective");
-    text += fmt::format("target = {}\nposition = {}\n", c.point(8), c.point(c.logBetween(40, 4)));
-    text += orthographic ? fmt::format("height = {}\n", c.logBetween(30, 0.5)) : fmt::format("fov = {}\n", c.between(40, 150));
-    text += fmt::format("near = {}\n", c.once(4) ? c.between(0, 40) : 0.0);
-    if (c.once(4)) text += fmt::format("up = {}\n", c.point(1));
-    if (c.once(6)) text += fmt::format("pixel_aspect = {}\n", c.logBetween(0.5, 2));
-    return text + fmt::format("resolution = [{}, {}]\n", 1 + (c.below(24) + 15) % 24, 1 + (c.below(24) + 11) % 24);
+    out.line("[camera]");
+    out.addWord("type", orthographic ? "orthographic" : "perspective");
+    out.add("target", c.point(8));
+    const double reach = c.logBetween(40, 4);
+    out.add("position", c.point(reach));
+    if (orthographic)
+        out.add("height", c.logBetween(30, 0.5));
+    else
+        out.add("fov", c.between(40, 150));
+    if (c.once(4)) out.add("near", c.between(0, 40));
+    if (c.once(4)) out.add("up", c.point(1));
+    if (c.once(6)) out.add("pixel_aspect", c.logBetween(0.5, 2));
+    const int width = 1 + (c.below(24) + 15) % 24, height = 1 + (c.below(24) + 11) % 24;
+    out.add("resolution", fmt::format("[{}, {}]", width, height));
 }
 
-std::string transferText(Choices& c) {
-    std::string text = "transfer = [ { value = 0, extinction = 0 }";
+void addClassified(Lines& out, Choices& c) {
+    std::string points = "[ { value = 0, extinction = 0 }";
     double value = 0;
     for (int i = 1 + c.below(4); i > 0; --i) {
         value += c.once(4) ? 0 : c.between(0.1, 0.5);
-        // A step at 0 would give empty space an extinction.
-        const double extinction = value > 0 ? c.logBetween(0.5, 50) * (c.once(3) ? 0 : 1) : 0;
-        text += fmt::format(", {{ value = {}, color = {}, extinction = {} }}", value, c.colour(), extinction);
+        const double most = c.logBetween(0.5, 50);
+        const bool clear = c.once(3) || value == 0;  // a step at 0 would give empty space an extinction
+        points += fmt::format(", {{ value = {}, color = {}, extinction = {} }}", value, c.colour(), clear ? 0 : most);
     }
-    text += fmt::format(", {{ value = {}, extinction = 1 }} ]\n", value + 0.1);
-    return text + fmt::format("ambient = {}\ndiffuse = {}\nspecular = {}\nexponent = {}\ntwo_sided = {}\n", c.unit(),
-                              c.unit(), c.unit(), c.between(20, 0), c.once(2));
+    out.line("[volume.classified]");
+    out.add("transfer", points + fmt::format(", {{ value = {}, extinction = 1 }} ]", value + 0.1));
+    for (const char* part : {"ambient", "diffuse", "specular"}) out.add(part, c.unit());
+    out.add("exponent", c.between(20, 0));
+    out.add("two_sided", c.once(2));
 }
 
-std::string volumeText(Choices& c) {
-    std::string text = "[[volume]]\nfile = \"made.vdb\"\n";
+void addVolume(Lines& out, Choices& c) {
+    out.line("[[volume]]\nfile = \"made.vdb\"");
     const double scale = c.once(5) ? c.logBetween(1e-30, 1e30) : c.logBetween(0.1, 20);
-    text += fmt::format("density = {{ scale = {}{} }}\n", scale, c.once(5) ? ", ramp = [[0, 0], [0.3, 1], [0.6, 0.2]]" : "");
+    out.add("density", fmt::format("{{ scale = {}{} }}", scale, c.once(5) ? ", ramp = [[0, 0], [0.3, 1], [0.6, 0.2]]" : ""));
     if (c.once(3)) {
+        out.add("transform.rotate", c.point(180));
+        const double x = c.logBetween(1, 4), y = c.logBetween(1, 0.25), z = c.logBetween(1, 2);
+        out.add("transform.scale", fmt::format("[{}, {}, {}]", x, y, z));
         const double far = c.once(4) ? 1e5 : 10;
-        text += fmt::format("transform = {{ rotate = {}, scale = [{}, {}, {}], translate = {} }}\n", c.point(180),
-                            c.logBetween(1, 4), c.logBetween(1, 0.25), c.logBetween(1, 2), c.point(far));
+        out.add("transform.translate", c.point(far));
     }
-    if (c.once(3)) return text + "[volume.classified]\n" + transferText(c);
-    text += fmt::format("[volume.medium]\nalbedo = {}\n", c.colour());
-    if (c.once(2)) text += fmt::format("phase = {{ type = \"hg\", g = {} }}\n", c.between(-0.95, 0.95));
-    return text;
+    if (c.once(3)) return addClassified(out, c);
+    out.line("[volume.medium]");
+    out.add("albedo", c.colour());
+    if (c.once(2)) out.add("phase", fmt::format("{{ type = \"hg\", g = {} }}", c.between(-0.95, 0.95)));
 }
 
-std::string lightText(Choices& c, int i) {
-    const char* type = c.word({"distant", "point", "spot", "projector"});
-    const bool distant = type[0] == 'd';
-    const bool projector = std::string(type) == "projector", slide = projector || c.once(5);
-    std::string text = fmt::format("[[light]]\nname = \"l{}\"\ntype = \"{}\"\n", i, type);
-    text += fmt::format("color = {}\nintensity = {}\nshadows = {}\n", c.colour(),
-                        c.once(6) ? c.logBetween(1e-30, 1e30) : c.logBetween(1, 100), !c.once(5));
-    if (!distant || slide) text += fmt::format("position = {}\n", c.point(c.logBetween(30, 3)));
+void addLight(Lines& out, Choices& c, int number) {
+    const std::string type = c.word({"distant", "point", "spot", "projector"});
+    const bool distant = type == "distant", projector = type == "projector", slide = projector || c.once(5);
+    out.line("[[light]]");
+    out.add("name", fmt::format("\"l{}\"", number));
+    out.addWord("type", type.c_str());
+    out.add("color", c.colour());
+    out.add("intensity", c.once(6) ? c.logBetween(1e-30, 1e30) : c.logBetween(1, 100));
+    out.add("shadows", !c.once(5));
+    if (!distant || slide) {
+        const double reach = c.logBetween(30, 3);
+        out.add("position", c.point(reach));
+    }
     if (!distant) {
-        text += fmt::format("radius = {}\n", c.once(4) ? 0.0 : c.between(0.1, 5));
-        if (c.once(3)) text += "decay = \"none\"\n";
+        out.add("radius", c.once(4) ? 0.0 : c.between(0.1, 5));
+        if (c.once(3)) out.addWord("decay", "none");
     }
-    if (distant || slide || std::string(type) == "spot") text += fmt::format("direction = {}\n", c.point(1));
-    if (std::string(type) == "spot") text += fmt::format("cone = {}\nblend = {}\n", c.between(60, 179), c.unit());
-    if (slide)
-        text += fmt::format("slide = {{ file = \"made.png\", {} = {}, roll = {}{} }}\n", distant ? "width" : "fov",
-                            distant ? c.logBetween(20, 0.5) : c.between(40, 170), c.between(0, 360),
-                            projector ? "" : fmt::format(", outside = \"{}\"", c.word({"black", "clamp", "repeat"})));
-    return text;
+    if (distant || slide || type == "spot") out.add("direction", c.point(1));
+    if (type == "spot") {
+        out.add("cone", c.between(60, 179));
+        out.add("blend", c.unit());
+    }
+    if (!slide) return;
+    out.addWord("slide.file", "made.png");
+    if (distant)
+        out.add("slide.width", c.logBetween(20, 0.5));
+    else
+        out.add("slide.fov", c.between(40, 170));
+    out.add("slide.roll", c.between(0, 360));
+    if (!projector) out.addWord("slide.outside", c.word({"black", "clamp", "repeat"}));
 }
 
-std::string dialsText(Choices& c) {
-    // Per-view splatting takes seconds to tabulate the footprints of coarse texels, for each view.
-    const bool perView = c.once(3);
-    const double coarsest = perView ? 2 : 64;
-    std::string text = fmt::format("[render]\nsplat = \"{}\"\n", perView ? "per-view" : "shared");
-    if (c.once(2)) text += fmt::format("texel = {}\n", c.logBetween(0.3, coarsest));
-    if (c.once(2)) text += fmt::format("sheet_thickness = {}\n", c.logBetween(0.2, coarsest));
-    if (c.once(3)) text += fmt::format("shadow_texel = {}\n", c.logBetween(0.3, 64));
-    if (c.once(3)) text += fmt::format("footprint_steps = {}\n", 2 << c.below(7));
-    if (c.once(4)) text += fmt::format("max_slant = {}\n", c.between(10, 85));
-    if (c.once(4)) text += fmt::format("cross_fade = {}\n", c.between(0, 20));
-    if (c.once(4)) text += fmt::format("opacity_cutoff = {}\n", c.between(0, 0.5));
-    if (c.once(4)) text += fmt::format("lod = {}\n", c.logBetween(0.1, 64));
-    if (c.once(6)) text += fmt::format("antialias = {}\n", 1 + c.below(3));
-    text += fmt::format("kernel = \"{}\"\n", c.word({"linear", "gaussian", "bspline"}));
-    text += fmt::format("shade = \"{}\"\n", c.word({"auto", "texel", "pixel"}));
-    text += fmt::format("sheets = \"{}\"\n", c.word({"half-way", "image-aligned"}));
-    text += fmt::format("shadow_filter = \"{}\"\n", c.word({"bilinear", "nearest"}));
-    text += fmt::format("shadow_plane = \"{}\"\n", c.word({"light", "image"}));
-    return text + fmt::format("simd = \"{}\"\n", c.word({"auto", "sse4", "avx2", "avx512"}));
+void addDials(Lines& out, Choices& c) {
+    // Fine tables of footprints in coarse texels take seconds.
+    constexpr double kCoarsest = 4;
+    out.line("[render]");
+    out.add("footprint_steps", 4 << c.below(3));
+    if (c.once(2)) out.add("texel", c.logBetween(0.3, kCoarsest));
+    if (c.once(2)) out.add("sheet_thickness", c.logBetween(0.2, kCoarsest));
+    if (c.once(3)) out.add("shadow_texel", c.logBetween(0.3, 64));
+    if (c.once(4)) out.add("max_slant", c.between(10, 85));
+    if (c.once(4)) out.add("cross_fade", c.between(0, 20));
+    if (c.once(4)) out.add("opacity_cutoff", c.between(0, 0.5));
+    if (c.once(4)) out.add("lod", c.logBetween(0.1, 64));
+    if (c.once(6)) out.add("antialias", 1 + c.below(3));
+    out.addWord("kernel", c.word({"linear", "gaussian", "bspline"}));
+    out.addWord("splat", c.word({"shared", "shared", "per-view"}));
+    out.addWord("shade", c.word({"auto", "texel", "pixel"}));
+    out.addWord("sheets", c.word({"half-way", "image-aligned"}));
+    out.addWord("shadow_filter", c.word({"bilinear", "nearest"}));
+    out.addWord("shadow_plane", c.word({"light", "image"}));
+    out.addWord("simd", c.word({"auto", "sse4", "avx2", "avx512"}));
 }
 
 /// Some blocks around the origin, of one value, of noise or of lone voxels; a tile now and then; voxels of any shape.
@@ -136,7 +176,8 @@ std::shared_ptr<const SparseField> madeField(Choices& c) {
     field->name = "density";
     for (int axis = 0; axis < 3; ++axis) field->wsFromIs[axis][axis] = c.once(4) ? c.logBetween(0.5, 2) : 1.0;
     if (c.once(6)) field->wsFromIs[1][0] = c.between(-0.5, 0.5);
-    const int blocks = c.once(8) ? 0 : 1 + c.below(kMostBlocks), pattern = c.below(3);
+    const int blocks = c.once(8) ? 0 : 1 + c.below(kMostBlocks);
+    const int pattern = c.below(3);
     const auto most = static_cast<float>(c.once(5) ? c.logBetween(1e-30, 1e30) : c.logBetween(1, 0.01));
     std::uint32_t noise = c.byte() + 1;
     for (int b = 0; b < blocks; ++b) {
@@ -149,7 +190,7 @@ std::shared_ptr<const SparseField> madeField(Choices& c) {
         }
     }
     if (c.once(4)) {
-        field->tiles.push_back({Int3(8 * c.below(3) - 8, 8, 0), 8, most});
+        field->tiles.push_back({Int3(8 * (c.below(3) - 1), 8, 0), 8, most});
         field->activeVoxels += kBlockVoxels;
     }
     field->blockValues = std::shared_ptr<const float>(values, values->data());
@@ -170,11 +211,16 @@ ByteScene sceneOfBytes(const std::uint8_t* data, std::size_t size) {
     static const ColourConfig colour = ColourConfig::open("");
     Choices c(data, size);
     ByteScene out;
-    out.toml = cameraText(c);
-    for (int i = 1 + (c.once(4) ? c.below(3) : 0); i > 0; --i) out.toml += volumeText(c);
-    for (int i = (c.below(5) + 1) % 5; i > 0; --i) out.toml += lightText(c, i);
-    if (c.once(2)) out.toml += fmt::format("[ambient]\ncolor = {}\n", c.colour());
-    out.toml += dialsText(c);
+    Lines lines;
+    addCamera(lines, c);
+    for (int i = 1 + (c.once(4) ? c.below(3) : 0); i > 0; --i) addVolume(lines, c);
+    for (int i = (c.below(5) + 1) % 5; i > 0; --i) addLight(lines, c, i);
+    if (c.once(2)) {
+        lines.line("[ambient]");
+        lines.add("color", c.colour());
+    }
+    addDials(lines, c);
+    out.toml = lines.text();
 
     const Scene scene = readScene({"fuzz.toml", "", out.toml}, 1, {}, colour);
     std::vector<std::shared_ptr<const SparseField>> fields;

@@ -33,6 +33,18 @@ Limits limitsAround(const std::initializer_list<const float*>& planes, int width
     return limits;
 }
 
+// Footprints with slopes may end a little below 0, which a dense medium turns into light from nowhere. (Where all views
+// share a raster, to unblur it takes care of that.)
+void raiseToZero(PlaneStack& planes, int p) {
+    for (int ty = 0; ty < planes.tilesY(); ++ty)
+        for (int tx = 0; tx < planes.tilesX(); ++tx) {
+            if (!planes.active(p, tx, ty)) continue;
+            float* row = planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
+            for (int y = 0; y < kTileEdge; ++y, row += planes.rowStride())
+                for (int x = 0; x < kTileEdge; ++x) row[x] = std::max(row[x], 0.0f);
+        }
+}
+
 std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume, const Dials& dials,
                                                         const Sheets& sheets, const ViewRaster& raster) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
@@ -92,7 +104,10 @@ SplatWork VolumePlanes::splat(int task, const TileCull& cull) {
         m_splatter);
     for (int p = first; p < first + run.count; ++p) {
         m_values.finish(p);
-        if (m_shared) unblur(m_values, p);
+        if (m_shared)
+            unblur(m_values, p);
+        else
+            raiseToZero(m_values, p);
         m_values.dropEmpty(p);
     }
     return work;
