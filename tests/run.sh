@@ -22,7 +22,7 @@ if [ "$preset" = "asan" ]; then
     # down most and learn least from it, since the same code runs in quicker tests.
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
     slow='*OrderOfThickness*:*RealFile*:*SlideInSmoke*:Classified.AgreesWithBruteForce:*NineAllRound*:Popping*'
-    printf '%s\n' error unit analytic plugin invariance |
+    printf '%s\n' error unit analytic fuzz plugin invariance |
         xargs -P "$(nproc)" -I{} env "$build/bin/scrim_{}_tests" --gtest_brief=1 --gtest_filter="-$slow"
 else
     ctest --preset "$preset" -j "$(nproc)"

@@ -68,7 +68,8 @@ std::string numbersAsJson(const std::string& asset, const ViewScene& scene) {
     const ViewVolume& volume = scene.volumes.front();
     return fmt::format(
         "{{\"asset\": \"{}\", \"grid\": \"{}\", \"voxels\": {},\n \"eye\": [{}, {}, {}], \"look\": [{}, {}, {}], "
-        "\"fov\": {}, \"resolution\": [{}, {}],\n \"scale\": {}, \"albedo\": {}, \"voxel\": {},\n \"light\": [{}, {}, {}], "
+        "\"fov\": {}, \"resolution\": [{}, {}],\n \"scale\": {}, \"albedo\": {}, \"voxel\": {},\n \"light\": [{}, {}, "
+        "{}], "
         "\"irradiance\": {}}}\n",
         asset, volume.field->name, volume.field->activeVoxels, eye.x, eye.y, eye.z, look.x, look.y, look.z, camera.fov,
         camera.resolution.x, camera.resolution.y, volume.medium.densityScale, volume.medium.albedo.x, voxelUnit(scene),

@@ -18,7 +18,7 @@ namespace scrim::test {
 namespace {
 
 constexpr int kInput = 3;
-constexpr const char* kMemory = "1G";  // the least that reading is given
+constexpr const char* kMemory = "1G";     // the least that reading is given
 constexpr long kMostResident = 2L << 20;  // KiB: what was read and what is made of it
 
 struct Kind {
@@ -35,8 +35,11 @@ std::vector<Kind> kinds() {
         {"double_and_tiles", {{.type = "double", .voxels = voxels, .tiles = {{{0, 128, 0}, 128, 0.1}}}}},
         {"level_set", {{.type = "sphere", .gridClass = "level set"}}},
         {"frustum", {{.voxels = voxels, .frustum = true}}},
-        {"many_grids", {{.name = "a", .voxels = voxels}, {.name = "v", .type = "vec3s", .voxels = voxels},
-                        {.name = "p", .type = "points", .voxels = voxels}, {.name = "a", .voxels = voxels}}},
+        {"many_grids",
+         {{.name = "a", .voxels = voxels},
+          {.name = "v", .type = "vec3s", .voxels = voxels},
+          {.name = "p", .type = "points", .voxels = voxels},
+          {.name = "a", .voxels = voxels}}},
     };
 }
 
@@ -49,12 +52,20 @@ std::string damaged(std::string bytes, std::mt19937& random) {
     };
     const std::uint32_t lengths[] = {0xffffffff, 0x7fffffff, 0x80000000, 0x10000000, 0x00100000, 0};
     switch (below(7)) {
-        case 0: return bytes.substr(0, below(bytes.size()));                                      // cut off
-        case 1: return bytes.replace(below(bytes.size()), 512, std::string(512, '\0'));           // a sector lost
-        case 2: return bytes.erase(below(bytes.size()), 1 + below(64));                           // bytes lost
-        case 3: return bytes.insert(below(bytes.size()), bytes.substr(below(bytes.size()), 64));  // bytes doubled
-        case 4: put(lengths[below(6)]); break;                                                    // a length
-        case 5: put(std::uint64_t{lengths[below(6)]} << below(33)); break;                        // an offset
+        case 0:
+            return bytes.substr(0, below(bytes.size()));  // cut off
+        case 1:
+            return bytes.replace(below(bytes.size()), 512, std::string(512, '\0'));  // a sector lost
+        case 2:
+            return bytes.erase(below(bytes.size()), 1 + below(64));  // bytes lost
+        case 3:
+            return bytes.insert(below(bytes.size()), bytes.substr(below(bytes.size()), 64));  // bytes doubled
+        case 4:
+            put(lengths[below(6)]);
+            break;  // a length
+        case 5:
+            put(std::uint64_t{lengths[below(6)]} << below(33));
+            break;  // an offset
         default:
             for (int i = 0; i < 8; ++i) bytes[below(bytes.size())] = static_cast<char>(random());
     }
@@ -72,7 +83,8 @@ class DamagedVdb : public ProgramTest {
         const ProgramResult result = run(arguments, {.timeout = std::chrono::seconds(60), .environment = {}});
         EXPECT_FALSE(result.timedOut) << what;
         EXPECT_TRUE(result.status == 0 || result.status == kInput)
-            << what << ": status " << result.status << ", signal " << result.signal << "\n" << result.err;
+            << what << ": status " << result.status << ", signal " << result.signal << "\n"
+            << result.err;
         if (result.status != kInput) return;
         EXPECT_EQ(result.lastErrorLine().rfind("scrim: error: bad.vdb: ", 0), 0u) << what << ": " << result.err;
         EXPECT_LT(result.lastErrorLine().size(), 1500u) << what;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fuzz targets as plain tests: all files of their corpora, and some hundred mutations of them, always the same.
-// SCRIM_FUZZ_RUNS=N asks for N mutations a target. An input that crashes the program is left in the file "input" of the
-// working directory's "fuzz_failed".
+// The fuzz targets as plain tests: all files of their corpora, and some mutations of them, always the same.
+// SCRIM_FUZZ_RUNS=N asks for N mutations a target. An input that fails, or crashes the program, is left in the folder
+// scrim_fuzz_failed, where temporary files go.
 #include "support/vdb_make.h"
 
 #include <gtest/gtest.h>
@@ -51,10 +51,18 @@ std::string mutated(std::string input, const std::vector<std::string>& corpus, s
         const std::size_t at = below(input.size() + 1), length = 1 + below(16);
         const std::string& other = corpus[below(corpus.size())];
         switch (below(5)) {
-            case 0: input.insert(at, 1, static_cast<char>(random())); break;
-            case 1: input.erase(at, length); break;
-            case 2: input.insert(at, input.substr(at, length)); break;
-            case 3: input.replace(at, length, other.substr(below(other.size()), length)); break;
+            case 0:
+                input.insert(at, 1, static_cast<char>(random()));
+                break;
+            case 1:
+                input.erase(at, length);
+                break;
+            case 2:
+                input.insert(at, input.substr(at, length));
+                break;
+            case 3:
+                input.replace(at, length, other.substr(below(other.size()), length));
+                break;
             default:
                 if (at < input.size()) input[at] = static_cast<char>(random());
         }

@@ -65,8 +65,8 @@ void checkPicture(const ByteScene& scene, const Plan& plan, const Image& image) 
         for (int c = 0; c < 3; ++c) {
             if (!(most[c] <= kLargest)) continue;
             require(std::isfinite(rgba[c]) && rgba[c] >= 0, "radiance {} at {}\n{}", rgba[c], i / 4, scene.toml);
-            require(rgba[c] <= alpha * most[c] * (1 + 1e-3), "radiance {} at {} (alpha {}), no more than {}\n{}", rgba[c],
-                    i / 4, rgba[3], alpha * most[c], scene.toml);
+            require(rgba[c] <= alpha * most[c] * (1 + 1e-3), "radiance {} at {} (alpha {}), no more than {}\n{}",
+                    rgba[c], i / 4, rgba[3], alpha * most[c], scene.toml);
         }
     }
 }

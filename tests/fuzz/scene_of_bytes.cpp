@@ -101,7 +101,8 @@ void addClassified(Lines& out, Choices& c) {
 void addVolume(Lines& out, Choices& c) {
     out.line("[[volume]]\nfile = \"made.vdb\"");
     const double scale = c.once(5) ? c.logBetween(1e-30, 1e30) : c.logBetween(0.1, 20);
-    out.add("density", fmt::format("{{ scale = {}{} }}", scale, c.once(5) ? ", ramp = [[0, 0], [0.3, 1], [0.6, 0.2]]" : ""));
+    out.add("density",
+            fmt::format("{{ scale = {}{} }}", scale, c.once(5) ? ", ramp = [[0, 0], [0.3, 1], [0.6, 0.2]]" : ""));
     if (c.once(3)) {
         out.add("transform.rotate", c.point(180));
         const double x = c.logBetween(1, 4), y = c.logBetween(1, 0.25), z = c.logBetween(1, 2);

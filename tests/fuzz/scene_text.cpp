@@ -65,8 +65,8 @@ void checkLight(const Light& light) {
 void checkScene(const Scene& scene) {
     const Camera& camera = scene.camera;
     require(camera.resolution.x > 0 && camera.resolution.y > 0, "a picture without pixels");
-    require(camera.fov > 0 && camera.fov < 180 && camera.height > 0 && std::isfinite(camera.height), "fov {}, height {}",
-            camera.fov, camera.height);
+    require(camera.fov > 0 && camera.fov < 180 && camera.height > 0 && std::isfinite(camera.height),
+            "fov {}, height {}", camera.fov, camera.height);
     require(finite(camera.wsPosition), "a camera that is nowhere");
     for (int c = 0; c < 3; ++c) require(isUnit(camera.wsFromCamera[c]), "a camera's axis that is no unit vector");
     require(std::abs(glm::determinant(camera.wsFromCamera) - 1) < 1e-6, "a camera's frame that is no rotation");

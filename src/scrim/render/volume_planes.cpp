@@ -39,7 +39,8 @@ void raiseToZero(PlaneStack& planes, int p) {
     for (int ty = 0; ty < planes.tilesY(); ++ty)
         for (int tx = 0; tx < planes.tilesX(); ++tx) {
             if (!planes.active(p, tx, ty)) continue;
-            float* row = planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
+            float* row =
+                planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
             for (int y = 0; y < kTileEdge; ++y, row += planes.rowStride())
                 for (int x = 0; x < kTileEdge; ++x) row[x] = std::max(row[x], 0.0f);
         }
