@@ -12,3 +12,6 @@ if(SCRIM_SANITIZE)
                                                           -fno-sanitize-recover=all)
     target_link_options(scrim_build_settings INTERFACE -fsanitize=${SCRIM_SANITIZE})
 endif()
+if(SCRIM_BUILD_FUZZERS) # the fuzzers see which branches an input takes
+    target_compile_options(scrim_build_settings INTERFACE -fsanitize=fuzzer-no-link)
+endif()

@@ -243,6 +243,16 @@ TEST(Classified, ShadowsFollowTheTransferFunction) {
     EXPECT_NEAR(brightness(0.1) / brightness(0), expected, 0.02 * expected);
 }
 
+TEST(Classified, GradientsWhoseSquareNoFloatHoldsAreGradients) {
+    ViewScene scene = classifiedScene(makeField({-6, -6, -6}, {6, 6, 6}, 1, [](const Vec3&) { return 1e25; }),
+                                      stepAtHalf(20), 20, 16);
+    scene.lights.push_back(distantLight({0, 0, -1}, 2));
+    for (const float value : renderScene(scene).image.rgba) {
+        ASSERT_TRUE(std::isfinite(value)) << value;
+        EXPECT_LE(value, 2);
+    }
+}
+
 TEST(Classified, AgreesWithBruteForce) {
     Classified look =
         transferOf({{0.15, Rgb(0.3, 0.5, 1), 0}, {0.3, Rgb(0.3, 0.5, 1), 0.2}, {0.6, Rgb(1, 0.6, 0.3), 2}});

@@ -6,6 +6,8 @@
 #include <scrim/base/simd.h>
 #include <scrim/render/sweep.h>
 
+#include <algorithm>
+
 namespace scrim {
 namespace {
 
@@ -26,8 +28,9 @@ void gather(const ImageTiles& tiles, int n, const EyePart& part, double primary,
                 }
             const double weight = inverse * part.weight(x + 0.5, y + 0.5);
             float* pixel = image.rgba.data() + image.indexOf(x, y);
-            for (int c = 0; c < 3; ++c) pixel[c] += static_cast<float>(weight) * sum[c];
-            pixel[3] += static_cast<float>(weight * primary) * sum[3];
+            // Interpolation between texels rounds: what is nothing may come out a hair below, and opaque above.
+            for (int c = 0; c < 3; ++c) pixel[c] += static_cast<float>(weight) * std::max(sum[c], 0.0f);
+            pixel[3] = std::clamp(pixel[3] + static_cast<float>(weight * primary) * sum[3], 0.0f, 1.0f);
         }
     });
 }

@@ -31,7 +31,7 @@ Scratch& threadScratch() {
 // What is known of a tile's samples: rows of 256 floats.
 struct SheetShader::Gathered {
     Gathered(std::size_t media, std::size_t surfaces, std::size_t lights) : scratch(threadScratch()) {
-        const std::size_t count = 1 + media + lights;
+        const std::size_t count = 1 + media + std::max<std::size_t>(lights, 1);  // tauIn(0) is there in any case
         if (scratch.rows.size() < count) scratch.rows.resize(count);
         if (scratch.classified.size() < surfaces) scratch.classified.resize(surfaces);
         scratch.surfaces.clear();
@@ -39,7 +39,7 @@ struct SheetShader::Gathered {
         m_tauIn = 1 + media;
     }
     float* medium(std::size_t i) const { return scratch.rows[1 + i].values; }
-    float* tauIn(std::size_t light) const { return scratch.rows[0].values + (m_tauIn + light) * kTileSize; }
+    float* tauIn(std::size_t light) const { return scratch.rows[m_tauIn + light].values; }
 
     Scratch& scratch;
     float* total;  // extinction of all volumes

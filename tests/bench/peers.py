@@ -1,0 +1,219 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""Error against time: Scrim beside other renderers, on the same scene, against the same brute-force reference.
+
+    tests/bench/peers.py [--rounds N] [--pixels N] [--skip TOOL]... [--csv FILE] [--svg FILE] [ASSET]...
+
+An ASSET is a .vdb or noise:RESOLUTION (the default is noise:350). Needs a build (SCRIM_BUILD names it), vdb_render
+(Debian: libopenvdb-tools) and Blender for Cycles; what is not there is skipped with a line that says so. Writes a table
+to stdout, peers.csv, and with --svg a plot of it.
+
+All tools render 512 x 512 pixels of one volume with single, isotropic scattering under one distant light, on all
+processors. All settings are measured in turn, round after round, so that a machine whose speed drifts favours none;
+medians count. Settings that take longer than --slow seconds are measured once.
+
+Two times stand in the table. `process` is that of the whole program, from its start over loading to the written picture.
+`render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's statistics (plan
+and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time between Cycles' first
+sample and its last. The dense marcher exists for this comparison only: the scaffold around it is no product, so only
+its render time counts (to copy the grid into a dense array counts as loading), and it has no process time.
+"""
+import argparse
+import csv
+import json
+import math
+import os
+import re
+import shutil
+import statistics
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import peers_plot
+
+HERE = Path(__file__).resolve().parent
+BIN = Path(os.environ.get("SCRIM_BUILD", HERE.parent.parent / "build")) / "bin"
+COLUMNS = ["asset", "voxels", "tool", "setting", "error", "lower", "upper", "bias", "process_seconds", "render_seconds",
+           "memory_mb", "rounds"]
+
+
+class Setting:
+    """One tool at one setting: its command, how to read its render time, and what was measured."""
+
+    def __init__(self, tool, label, command, render_seconds, process=True):
+        self.tool, self.label, self.command, self.render_seconds = tool, label, command, render_seconds
+        self.process = process  # whether the time of the whole program says anything
+        self.process_times, self.render_times, self.memory = [], [], []
+
+    def measure(self, picture):
+        log = picture.with_suffix(".log")
+        with open(log, "w") as out:
+            begin = time.monotonic()
+            child = subprocess.Popen([*self.command(picture)], stdout=out, stderr=subprocess.STDOUT)
+            _, status, usage = os.wait4(child.pid, 0)
+            seconds = time.monotonic() - begin
+        child.returncode = os.waitstatus_to_exitcode(status)
+        text = log.read_text()
+        if child.returncode != 0 or not picture.exists():
+            raise SystemExit(f"{self.tool} ({self.label}) failed:\n{text[-2000:]}")
+        self.process_times.append(seconds)
+        self.render_times.append(self.render_seconds(text))
+        self.memory.append(usage.ru_maxrss / 1024)  # of the largest process, its children included
+
+
+def scrim_settings(work, threads):
+    stats = work / "stats.json"
+
+    def seconds(_):
+        frame = json.loads(stats.read_text())[0]["seconds"]
+        return frame["plan"] + frame["render"]
+
+    def setting(label, *options):
+        return Setting("scrim", label,
+                       lambda picture: [BIN / "scrim", "render", work / "scene.toml", "-o", picture, "--stats", stats,
+                                        "--threads", str(threads), "-q", *options], seconds)
+
+    for quality in ("draft", "standard", "high", "ultra"):
+        yield setting(f"quality {quality}", "--quality", quality)
+    for texel, sheets in ((1.4, 3), (1, 3), (1, 2), (0.7, 2), (0.5, 1.5), (0.5, 1), (0.35, 1), (0.25, 1), (0.25, 0.5)):
+        yield setting(f"texel {texel} sheets {sheets}", "--set", f"render.texel={texel}", "--set",
+                      f"render.sheet_thickness={sheets}", "--set", f"render.footprint_steps={8 if texel >= 1 else 16}")
+
+
+def vdb_render_settings(n, threads):
+    def text(values):
+        return ",".join(repr(float(v)) for v in values)
+
+    # Its coefficients are per voxel, its light is a radiance: irradiance / 4 pi.
+    extinction = n["scale"] * n["voxel"]
+    colour = n["irradiance"] / (4 * math.pi)
+    scene = ["-name", n["grid"], "-res", "{}x{}".format(*n["resolution"]), "-translate", text(n["eye"]),
+             "-lookat", text(e + l for e, l in zip(n["eye"], n["look"])), "-up", "0,1,0", "-focal", "50",
+             "-aperture", repr(100 * math.tan(math.radians(n["fov"] / 2))),
+             "-light", text([-c for c in n["light"]] + 3 * [colour]), "-scatter", text(3 * [extinction * n["albedo"]]),
+             "-absorb", text(3 * [extinction * (1 - n["albedo"])]), "-gain", "0", "-cutoff", "1e-5", "-v",
+             "-cpus", str(threads)]
+
+    def seconds(log):
+        return float(re.search(r"ray-tracing.*\n.*completed in ([\d.e+-]+) sec", log).group(1))
+
+    # Its shadow rays begin with a whole step of where they start, an error of first order: that step matters most.
+    for step, shadow in ((4, 4), (4, 2), (4, 1), (3, 0.5), (2, 0.5), (2, 0.25)):
+        yield Setting("vdb_render", f"step {step} shadow {shadow}",
+                      lambda picture, step=step, shadow=shadow: ["vdb_render", n["asset"], picture, *scene, "-step",
+                                                                 str(step), "-shadowstep", str(shadow)], seconds)
+
+
+def cycles_settings(work, threads):
+    def seconds(log):
+        times = [60 * int(m) + float(s) for m, s in re.findall(r"Time:(\d+):(\d+\.\d+).* \| (?:Sample 0/|Finished)", log)]
+        return times[-1] - times[0]
+
+    for samples, rate in ((4, 2), (4, 1), (16, 1), (32, 0.5)):
+        yield Setting("cycles", f"samples {samples} step rate {rate}",
+                      lambda picture, samples=samples, rate=rate: [
+                          "blender", "-b", "--factory-startup", "-t", str(threads), "-P", HERE / "peers_cycles.py", "--",
+                          work / "numbers.json", picture, str(samples), str(rate)], seconds)
+
+
+def marcher_settings(work):
+    def setting(tool, label, *values):
+        return Setting(tool, label, lambda picture: [BIN / "scrim_peers", "march", work / "scene.toml", picture, *values],
+                       lambda log: float(log.split()[-1]), process=False)
+
+    for step, cell, ray in ((1.5, 3, 2), (1.5, 2, 2), (1.5, 1, 2), (1, 1, 1), (0.75, 1, 1)):
+        yield setting("light volume", f"step {step} cell {cell} ray {ray}", "volume", str(step), str(cell), str(ray))
+    for step, shadow in ((3, 4), (1.5, 3), (1.5, 2), (1, 1), (0.75, 1), (0.5, 0.5)):
+        yield setting("shadow rays", f"step {step} shadow {shadow}", "rays", str(step), str(shadow))
+
+
+def settings_of(work, numbers, options):
+    """All that can and shall be measured."""
+    tools = {"scrim": lambda: scrim_settings(work, options.threads),
+             "vdb_render": lambda: vdb_render_settings(numbers, options.threads),
+             "cycles": lambda: cycles_settings(work, options.threads),
+             "light volume": lambda: (s for s in marcher_settings(work) if s.tool == "light volume"),
+             "shadow rays": lambda: (s for s in marcher_settings(work) if s.tool == "shadow rays")}
+    packages = {"vdb_render": ("vdb_render", "libopenvdb-tools"), "cycles": ("blender", "blender")}
+    for tool, settings in tools.items():
+        program, package = packages.get(tool, (None, None))
+        if tool in options.skip:
+            print(f"{tool}: skipped, as asked")
+        elif program and not shutil.which(program):
+            print(f"{tool}: skipped, since there is no program '{program}' (Debian package {package})")
+        else:
+            yield from settings()
+
+
+def compare(asset, work, options):
+    """Measures all settings on `asset`; a row of COLUMNS for each."""
+    vdb, label = asset, Path(asset).name
+    if asset.startswith("noise:"):
+        vdb, label = work / "noise.vdb", asset
+        subprocess.run([BIN / "scrim", "make", "noise", f"resolution={asset[6:]}", "-o", vdb], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    pixels = work / "pixels.txt"
+    made = subprocess.run([BIN / "scrim_peers", "scene", vdb, work / "scene.toml", pixels, str(options.pixels)],
+                          check=True, stdout=subprocess.PIPE, text=True).stdout
+    (work / "numbers.json").write_text(made)
+    numbers = json.loads(made)
+
+    settings = list(settings_of(work, numbers, options))
+    pictures = [work / f"{i}.exr" for i in range(len(settings))]
+    for _ in range(options.rounds):
+        for setting, picture in zip(settings, pictures):
+            if not setting.process_times or setting.process_times[0] <= options.slow:
+                setting.measure(picture)
+    errors = subprocess.run([BIN / "scrim_peers", "error", pixels, *pictures], check=True, stdout=subprocess.PIPE,
+                            text=True).stdout.splitlines()
+    for setting, line in zip(settings, errors):
+        process = f"{statistics.median(setting.process_times):.4g}" if setting.process else ""
+        yield dict(zip(COLUMNS, [label, numbers["voxels"], setting.tool, setting.label, *line.split(), process,
+                                 f"{statistics.median(setting.render_times):.4g}",
+                                 f"{statistics.median(setting.memory):.0f}", len(setting.process_times)]))
+
+
+def print_table(rows, options):
+    print(f"\n{rows[0]['asset']}: {rows[0]['voxels']} voxels, {options.threads} threads, {options.pixels} reference "
+          f"pixels, median of up to {options.rounds} rounds")
+    print(f"  {'tool':<14}{'setting':<26}{'error %':>9}{'95 % interval':>17}{'process s':>11}{'render s':>10}"
+          f"{'peak MB':>9}{'rounds':>8}")
+    for r in rows:
+        interval = f"{100 * float(r['lower']):.2f} to {100 * float(r['upper']):.2f}"
+        print(f"  {r['tool']:<14}{r['setting']:<26}{100 * float(r['error']):>9.2f}{interval:>17}"
+              f"{r['process_seconds'] or '-':>11}{r['render_seconds']:>10}{r['memory_mb']:>9}{r['rounds']:>8}")
+    print("  process: start, loading, render and writing. render: as the tool itself says. '-': the dense marcher (light\n"
+          "  volume, shadow rays) is no program of its own, only its render time counts; its memory is that of its copy,\n"
+          "  too. Memory is what was resident at most.", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("assets", nargs="*", metavar="ASSET")
+    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--pixels", type=int, default=400, help="of the reference")
+    parser.add_argument("--skip", action="append", default=[], metavar="TOOL",
+                        help="scrim, vdb_render, cycles, 'light volume' or 'shadow rays'")
+    parser.add_argument("--slow", type=float, default=10, help="seconds of a setting that is measured once")
+    parser.add_argument("--threads", type=int, default=os.cpu_count())
+    parser.add_argument("--csv", default="peers.csv")
+    parser.add_argument("--svg", help="a plot of the table")
+    options = parser.parse_args()
+    rows = []
+    for asset in options.assets or ["noise:350"]:
+        with tempfile.TemporaryDirectory() as work:
+            rows.append(list(compare(asset, Path(work), options)))
+        print_table(rows[-1], options)
+    with open(options.csv, "w", newline="") as file:
+        writer = csv.DictWriter(file, COLUMNS)
+        writer.writeheader()
+        for table in rows:
+            writer.writerows(table)
+    if options.svg:
+        peers_plot.plot(options.csv, options.svg)
+
+
+if __name__ == "__main__":
+    main()

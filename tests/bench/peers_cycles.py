@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: Apache-2.0
+# The scene of peers.py in Cycles. Blender runs this, not Python:
+#     blender -b --factory-startup -t THREADS -P peers_cycles.py -- NUMBERS.json OUT.exr SAMPLES STEP_RATE
+# As little as possible is asked of Cycles: one bounce, a sun without a size, no denoiser, and a pixel filter so narrow
+# that all samples go through the middle of the pixel, as everybody else's do.
+import json
+import math
+import sys
+
+import bpy
+from mathutils import Matrix, Vector
+
+numbers_file, picture, samples, step_rate = sys.argv[sys.argv.index("--") + 1:]
+with open(numbers_file) as file:
+    numbers = json.load(file)
+
+scene = bpy.context.scene
+for thing in list(bpy.data.objects):
+    bpy.data.objects.remove(thing)
+
+
+def place(name, data, matrix=Matrix()):
+    thing = bpy.data.objects.new(name, data)
+    scene.collection.objects.link(thing)
+    thing.matrix_world = matrix
+    return thing
+
+
+def looking(direction):
+    """A frame that looks along -z, y up, as cameras and suns do."""
+    back = -Vector(direction).normalized()
+    right = Vector((0, 1, 0)).cross(back).normalized()
+    return Matrix((right, back.cross(right), back)).transposed().to_4x4()
+
+
+# Debian's Blender 3.4 has no NanoVDB, and draws the dense copy that it makes instead half a voxel too high on each axis.
+volume = bpy.data.volumes.new("volume")
+volume.filepath = numbers["asset"]
+volume.render.precision = "FULL"
+volume.render.clipping = 0
+half_voxel = 0.5 * numbers["voxel"]
+place("volume", volume, Matrix.Translation((-half_voxel,) * 3))
+
+material = bpy.data.materials.new("medium")
+material.use_nodes = True
+material.cycles.volume_sampling = "DISTANCE"
+tree = material.node_tree
+tree.nodes.clear()
+grid = tree.nodes.new("ShaderNodeAttribute")
+grid.attribute_name = numbers["grid"]
+both = tree.nodes.new("ShaderNodeAddShader")
+parts = (("ShaderNodeVolumeScatter", (1, 1, 1, 1), numbers["albedo"]),
+         ("ShaderNodeVolumeAbsorption", (0, 0, 0, 1), 1 - numbers["albedo"]))
+for i, (kind, colour, part) in enumerate(parts):
+    node = tree.nodes.new(kind)
+    node.inputs["Color"].default_value = colour
+    scale = tree.nodes.new("ShaderNodeMath")
+    scale.operation = "MULTIPLY"
+    scale.inputs[1].default_value = part * numbers["scale"]
+    tree.links.new(grid.outputs["Fac"], scale.inputs[0])
+    tree.links.new(scale.outputs[0], node.inputs["Density"])
+    tree.links.new(node.outputs[0], both.inputs[i])
+output = tree.nodes.new("ShaderNodeOutputMaterial")
+tree.links.new(both.outputs[0], output.inputs["Volume"])
+volume.materials.append(material)
+
+sun = bpy.data.lights.new("key", "SUN")
+sun.energy = numbers["irradiance"]
+sun.angle = 0
+place("key", sun, looking(numbers["light"]))
+scene.world = None
+
+camera = bpy.data.cameras.new("camera")
+camera.sensor_fit = "HORIZONTAL"
+camera.angle = math.radians(numbers["fov"])
+camera.clip_end = 1e6
+scene.camera = place("camera", camera, Matrix.Translation(numbers["eye"]) @ looking(numbers["look"]))
+
+render = scene.render
+render.engine = "CYCLES"
+render.resolution_x, render.resolution_y = numbers["resolution"]
+render.resolution_percentage = 100
+render.film_transparent = True
+render.image_settings.file_format = "OPEN_EXR"
+render.image_settings.color_depth = "32"
+render.filepath = picture
+scene.view_settings.view_transform = "Raw"
+scene.cycles.device = "CPU"
+scene.cycles.samples = int(samples)
+scene.cycles.use_adaptive_sampling = False
+scene.cycles.use_denoising = False
+scene.cycles.volume_bounces = 0
+scene.cycles.volume_step_rate = float(step_rate)
+scene.cycles.volume_max_steps = 65536
+scene.cycles.sample_clamp_indirect = 0
+scene.cycles.pixel_filter_type = "GAUSSIAN"
+scene.cycles.filter_width = 0.01
+bpy.ops.render.render(write_still=True)

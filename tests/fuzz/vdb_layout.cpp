@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// Fuzz target: the outer structure of a .vdb is told for any bytes, or refused in one line. What is behind it belongs to
+// OpenVDB, which is not safe on damaged files and is therefore kept in a process of its own: damaged_vdb_test.cpp.
+#include "require.h"
+
+#include <scrim/base/error.h>
+#include <scrim/volume/vdb_layout.h>
+
+#include <cstdint>
+#include <span>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    using namespace scrim;
+    using namespace scrim::fuzz;
+    try {
+        const VdbLayout layout = checkVdbLayout("fuzz.vdb", {reinterpret_cast<const char*>(data), size});
+        std::size_t bytes = 0;
+        for (const VdbLayout::Grid& grid : layout.grids) bytes += 1 + grid.name.size() + grid.type.size();
+        require(bytes <= size, "{} grids with names of {} bytes in a file of {}", layout.grids.size(), bytes, size);
+    } catch (const Error& error) {
+        const std::string message = error.what();
+        require(error.kind() == ErrorKind::input, "an error of kind {}: {}", int(error.kind()), message);
+        require(message.starts_with("fuzz.vdb: "), "no place: {}", message);
+        require(message.find('\n') == std::string::npos, "more than one line: {}", message);
+        require(message.size() <= 1100, "a message of {} bytes", message.size());
+    }
+    return 0;
+}
