@@ -21,7 +21,7 @@ if [ "$preset" = "asan" ]; then
     # Whole programs at a time: a process for every test takes longer to start than to run. Sanitizers slow brute force
     # down most and learn least from it, since the same code runs in quicker tests.
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
-    slow='*OrderOfThickness*:*RealFile*:*SlideInSmoke*:Classified.AgreesWithBruteForce:*NineAllRound*:Popping*:*EveryAngle*'
+    slow='*OrderOfThickness*:*RealFile*:*SlideInSmoke*:Classified.AgreesWithBruteForce:*NineAllRound*:Popping*:*EveryAngle*:*TenThousandSheets*:*ManySheets*'
     printf '%s\n' error unit analytic plugin invariance stability |
         xargs -P "$(nproc)" -I{} env "$build/bin/scrim_{}_tests" --gtest_brief=1 --gtest_filter="-$slow"
 else
