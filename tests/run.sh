@@ -24,7 +24,7 @@ skipped=
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
     skipped='-*OrderOfThickness*:*RealFile*:*SlideInSmoke*:Classified.AgreesWithBruteForce:*NineAllRound*:Popping*'
-    skipped="$skipped:*EveryAngle*"
+    skipped="$skipped:*EveryAngle*:*TenThousandSheets*:*ManySheets*"
 else
     programs="paper $programs"
 fi
