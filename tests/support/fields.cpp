@@ -63,6 +63,8 @@ ViewScene orthographicScene(std::shared_ptr<const SparseField> field, const Medi
     scene.camera.wsPosition = {0, 0, ws.upper.z + 2 * height};
     scene.region = {0, 0, resolution, resolution};
     scene.volumes.push_back({"volume", field, field->wsFromIs, medium});
+    // One to a voxel: boxes of voxels then are whole sheets of whole texels, which closed forms like.
+    scene.dials.texel = scene.dials.sheetThickness = 1;
     return scene;
 }
 

@@ -16,8 +16,8 @@ enum class SplatMode { shared, perView };
 enum class ShadowPlane { light, image };
 
 struct Dials {
-    double sheetThickness = 1;  ///< voxels, before the cosine of the worst slant
-    double texel = 1;           ///< voxels
+    double sheetThickness = 1.5;  ///< voxels, before the cosine of the worst slant
+    double texel = 0.7;           ///< voxels
     Kernel kernel = Kernel::linear;
     int footprintSteps = 8;  ///< quantised positions a voxel along each axis, a power of two
     double shadowTexel = 1;  ///< texels a shadow buffer's cell

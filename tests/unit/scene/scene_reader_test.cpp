@@ -84,7 +84,7 @@ TEST(SceneRender, DialsOverrideTheQuality) {
     const Scene scene =
         read(kScene + "[render]\nquality = \"high\"\ntexel = 0.75\nshadow_filter = \"nearest\"\nantialias = 2\n");
     EXPECT_EQ(scene.quality, "high");
-    EXPECT_EQ(scene.dials.sheetThickness, 0.5);
+    EXPECT_EQ(scene.dials.sheetThickness, 1);
     EXPECT_EQ(scene.dials.texel, 0.75);
     EXPECT_EQ(scene.dials.shadowFilter, ShadowFilter::nearest);
     EXPECT_EQ(scene.dials.antialias, 2);
