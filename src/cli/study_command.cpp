@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 namespace scrim::cli {
@@ -89,16 +90,25 @@ void studyCommand(const SceneOptions& options) {
     slides.loadInto(scene);
     const Fields fields = store.fieldsOf(scene, files);
 
+    // Of all dials, only lod changes what is assembled.
+    std::map<double, ViewScene> assembled;
     const auto sceneWith = [&](const Dials& dials) {
-        Scene turned = scene;
+        auto found = assembled.find(dials.lod);
+        if (found == assembled.end()) {
+            scene.dials.lod = dials.lod;
+            const std::size_t left = memoryLeft(options.memory, fields, slides.bytes());
+            found = assembled.emplace(dials.lod, assemble(scene, fields, options.crop, left)).first;
+        }
+        ViewScene turned = found->second;
         turned.dials = dials;
-        return assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slides.bytes()));
+        return turned;
     };
+    const Dials base = scene.dials;
     StudyOptions studyOptions;
     studyOptions.budget = options.budget;
     const ResultFolder folder(options.output);
     progress.beginFrame(input.frames().front());
-    const Study study = runStudy(sceneWith, scene.dials, studyOptions, progress.stage(0, 1));
+    const Study study = runStudy(sceneWith, base, studyOptions, progress.stage(0, 1));
     progress.endFrame();
 
     const std::string name = std::filesystem::path(input.name()).filename().string();

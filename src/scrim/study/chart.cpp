@@ -13,7 +13,7 @@ namespace {
 
 // Okabe and Ito's palette (2008) without its yellow, which white swallows.
 constexpr std::array<const char*, 7> kColours{"#999999", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"};
-constexpr int kLeft = 64, kRight = 20, kTop = 34, kBottom = 48;
+constexpr int kLeft = 64, kRight = 20, kTop = 44, kBottom = 48;
 constexpr double kMarker = 4;
 
 // One logarithmic axis, from data to picture.
@@ -72,7 +72,7 @@ std::string marker(int style, double x, double y) {
 }
 
 std::string axes(const Chart& chart, const Axis& x, const Axis& y) {
-    std::string svg = fmt::format(R"(<text class="title" x="{}" y="18">{}</text>)", kLeft, escaped(chart.title));
+    std::string svg = fmt::format(R"(<text class="title" x="{}" y="16">{}</text>)", kLeft, escaped(chart.title));
     for (const double v : x.ticks())
         svg += fmt::format(R"(<path class="grid" d="M{0:.1f} {1}V{2}"/><text x="{0:.1f}" y="{3}" text-anchor="middle">{4:g}</text>)",
                            x.at(v), kTop, chart.height - kBottom, chart.height - kBottom + 16, v);
@@ -148,8 +148,8 @@ std::string chartAsSvg(const Chart& chart) {
     for (auto s = chart.series.rbegin(); s != chart.series.rend(); ++s) {
         at -= 6.6 * double(s->name.size()) + 26;
         const char* colour = kColours[static_cast<std::size_t>(s->style) % kColours.size()];
-        svg += fmt::format(R"(<g stroke="{0}" fill="{0}">{1}</g><text x="{2:.1f}" y="26">{3}</text>)", colour,
-                           marker(s->style, at, 22), at + 8, escaped(s->name));
+        svg += fmt::format(R"(<g stroke="{0}" fill="{0}">{1}</g><text x="{2:.1f}" y="34">{3}</text>)", colour,
+                           marker(s->style, at, 30), at + 8, escaped(s->name));
     }
     return svg + "</svg>\n";
 }

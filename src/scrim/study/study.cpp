@@ -45,6 +45,7 @@ class Run {
     void renderBase();
     Image timedRender(const ViewScene& scene, Trial& trial) const;
     bool affordable(double seconds) const;
+    double expected(const Dials& dials) const;
     void tryOnce(Trial& trial);
     void tryAll(std::size_t first, double from, double to);
     void repeat();
@@ -113,19 +114,23 @@ bool Run::affordable(double seconds) const {
                                      spent() + seconds < kFirstRoundPart * m_options.budget);
 }
 
+double Run::expected(const Dials& dials) const {
+    const ViewScene scene = m_sceneWith(dials);
+    return expectedSeconds(scene, makePlan(scene, threadCount()), threadCount());
+}
+
 void Run::tryOnce(Trial& trial) {
-    const ViewScene scene = m_sceneWith(trial.dials);
-    const double expected = expectedSeconds(scene, makePlan(scene, threadCount()), threadCount());
+    const double expectedTime = expected(trial.dials);
     std::vector<VerifiedPixel>& truth = m_truth[trial.dials.kernel];
     const std::size_t missing = truth.empty() ? std::min(m_truth[m_base.kernel].size(), kOtherKernelPixels) : 0;
-    const double seconds = expected * m_scale + double(missing) * m_referenceTime;
+    const double seconds = expectedTime * m_scale + double(missing) * m_referenceTime;
     if (&trial != &m_study.trials.front() && !affordable(seconds)) {
         trial.skipped = fmt::format("it would take about {:.2g} s, more than the budget has left for it", seconds);
         m_study.outOfTime = true;
         return;
     }
-    const Image image = timedRender(scene, trial);
-    m_scale = trial.seconds.back() / expected;
+    const Image image = timedRender(m_sceneWith(trial.dials), trial);
+    m_scale = trial.seconds.back() / expectedTime;
     if (missing > 0) {
         Dials exact = trial.dials;
         exact.lod = 0;
@@ -145,13 +150,12 @@ void Run::tryAll(std::size_t first, double from, double to) {
     std::vector<Trial>& trials = m_study.trials;
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = first; i < trials.size(); ++i) {
-        const ViewScene scene = m_sceneWith(trials[i].dials);
-        const double expected = expectedSeconds(scene, makePlan(scene, threadCount()), threadCount());
-        order.emplace_back(trials[i].dials.kernel == m_base.kernel ? expected : 1e9 + expected, i);
+        const double last = trials[i].dials.kernel == m_base.kernel ? 0 : 1e9;
+        order.emplace_back(last + expected(trials[i].dials), i);
     }
     std::sort(order.begin(), order.end());
     double done = 0;
-    for (const auto& [expected, i] : order) {
+    for (const auto& [time, i] : order) {
         tryOnce(trials[i]);
         report(from + (to - from) * ++done / double(order.size()));
     }
