@@ -48,6 +48,11 @@ PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options
                     {"plan", Json::parse(planAsJson(view, plan))}};
     planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, planAsTable(view, plan),
                                "memory of the fields", bytesText(bytesOf(fields)));
+    if (scene.tolerance > 0) {
+        planned.json["tolerance"] = scene.tolerance;
+        planned.text += fmt::format("{:<23} {}: a render chooses texels and sheets for it; this is the plan of '{}'\n",
+                                    "tolerance", scene.tolerance, scene.quality);
+    }
     return planned;
 }
 

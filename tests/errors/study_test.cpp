@@ -54,6 +54,11 @@ TEST_F(ToleranceOption, OfASceneGivesWayToAPresetOfTheCommandLine) {
     EXPECT_FALSE(nlohmann::json::parse(readBytes(file("b.json"))).at(0).contains("tolerance"));
 }
 
+TEST_F(ToleranceOption, IsSaidByThePlan) {
+    const ProgramResult result = runWell({"plan", "scene.toml", "--tolerance", "0.03"});
+    EXPECT_NE(result.out.find("0.03: a render chooses texels and sheets for it"), std::string::npos) << result.out;
+}
+
 TEST_F(ToleranceOption, IsRefusedWhereItMakesNoSense) {
     expectFailure({"render", "scene.toml", "--tolerance", "0"}, 2,
                   "--tolerance 0: expected a relative RMSE between 0 and 1, such as 0.005");
