@@ -21,7 +21,7 @@ echo "== testing ($preset)"
 # brute force down most and learn least from it, since the same code runs in quicker tests.
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
-    export SCRIM_FUZZ_RUNS=20 SCRIM_FUZZ_FILES=6
+    export SCRIM_FUZZ_RUNS=20
     programs="error unit stability fuzz plugin"
     filter='-*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*'
 else

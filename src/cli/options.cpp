@@ -40,17 +40,12 @@ std::optional<std::vector<Number>> numbersOf(std::string_view text, char separat
     }
 }
 
-double toleranceFrom(const std::string& option, const std::string& text) {
+/// The number that is the whole of `text`, where `allows` holds of it.
+double numberFrom(const std::string& option, const std::string& text, bool (*allows)(double),
+                  const std::string& expected) {
     const auto numbers = numbersOf<double>(text, '\0');
-    if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !(numbers->front() < 1))
-        refuse(option, text, "a relative RMSE between 0 and 1, such as 0.005");
-    return numbers->front();
-}
-
-double secondsFrom(const std::string& option, const std::string& text) {
-    const auto numbers = numbersOf<double>(text, '\0');
-    if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !(numbers->front() <= 1e9))
-        refuse(option, text, "seconds, more than 0");
+    if (!numbers || numbers->size() != 1 || !allows(numbers->front()))
+        refuse(option, text, expected);
     return numbers->front();
 }
 
@@ -75,6 +70,11 @@ void addChoice(CLI::App& command, const std::string& name, const std::vector<std
         if (found == words.end()) refuse(name, "'" + text + "'", choices(words));
         take(static_cast<std::size_t>(found - words.begin()));
     });
+}
+
+void addProgress(CLI::App& command, SceneOptions& o) {
+    addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
+              [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
 }
 
 }  // namespace
@@ -146,18 +146,23 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     add(command, "--verify", "N", "compare N random pixels with the brute-force reference",
         [&o](const std::string& t) { o.verify = countFrom("--verify", t, std::numeric_limits<int>::max()); });
     add(command, "--tolerance", "E", "choose texels and sheets so that the error (relative RMSE) stays below E, and verify",
-        [&o](const std::string& t) { o.tolerance = toleranceFrom("--tolerance", t); });
-    addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
-              [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
+        [&o](const std::string& t) {
+            o.tolerance = numberFrom(
+                "--tolerance", t, [](double e) { return e > 0 && e < 1; },
+                "a relative RMSE between 0 and 1, such as 0.005");
+        });
+    addProgress(command, o);
     command.option_defaults()->group("Options");
 }
 
 void addStudyOptions(CLI::App& command, SceneOptions& o) {
     command.add_option("-o,--output", o.output, "folder for study.csv, study.json and index.html")->type_name("DIR");
     add(command, "--budget", "SECONDS", "stop in time, with what there is by then",
-        [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
-    addChoice(command, "--progress", progressStyleNames(), "form of the progress report",
-              [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
+        [&o](const std::string& t) {
+            o.budget = numberFrom(
+                "--budget", t, [](double v) { return v > 0 && v <= 1e9; }, "seconds, more than 0");
+        });
+    addProgress(command, o);
 }
 
 }  // namespace scrim::cli

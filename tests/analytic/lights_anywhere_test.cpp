@@ -23,16 +23,6 @@ ViewScene smokeScene() {
     return orthographicScene(smokeField(22), medium, 54, 64);
 }
 
-Light lamp(const Vec3& wsPosition, double intensity, double radius) {
-    Light light;
-    light.name = "lamp";
-    light.type = LightType::point;
-    light.wsPosition = wsPosition;
-    light.intensity = Rgb(intensity);
-    light.radius = radius;
-    return light;
-}
-
 TEST(LightsAnywhere, InFrontAndBehindAtOnceAgreeWithBruteForce) {
     ViewScene scene = smokeScene();
     scene.lights = {distantLight({0.3, -0.4, -1}, 2), distantLight({-0.4, -0.2, 1}, 3)};

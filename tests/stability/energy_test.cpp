@@ -106,6 +106,13 @@ TEST_P(Energy, MoreDensityNeverLetsMoreThrough) {
     }
 }
 
+// Smoke that scatters nothing, around the origin, and the eye in front of it.
+void addBlackSmoke(ViewScene& scene, double extinction) {
+    const auto field = smoothField();
+    scene.volumes.push_back({"smoke", field, field->wsFromIs, Medium{extinction, Rgb(0), {}}});
+    scene.camera.wsPosition.z = 60;
+}
+
 // A block behind smoke, one that glows by itself (by ambient light of its own albedo): what arrives from behind, the
 // picture less the smoke's own light, falls with every increase of the smoke.
 TEST_P(Energy, OfWhatLiesBehindFallsWithTheSmokeBefore) {
@@ -114,11 +121,8 @@ TEST_P(Energy, OfWhatLiesBehindFallsWithTheSmokeBefore) {
     for (const double side : {-1.0, 1.0}) {
         double before = 1e30;
         for (const double extinction : {1e-4, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0}) {
-            Medium glowing{0.5, Rgb(1), {}}, smoke{extinction, Rgb(0), {}};
-            ViewScene scene = orthographicScene(block, glowing, 10, 16);
-            const auto front = smoothField();
-            scene.volumes.push_back({"smoke", front, front->wsFromIs, smoke});
-            scene.camera.wsPosition.z = 60;
+            ViewScene scene = orthographicScene(block, {0.5, Rgb(1), {}}, 10, 16);
+            addBlackSmoke(scene, extinction);
             scene.ambient = Rgb(1);
             scene.lights = {distantLight({0.1, 0, side}, 1e-6)};
             take(GetParam(), scene);
@@ -135,11 +139,8 @@ TEST_P(Energy, OfAShadowedFloorFallsWithTheSmokeAbove) {
     const auto floor = boxField({-8, -20, -8}, {7, -17, 7});
     double before = 1e30;
     for (const double extinction : {1e-4, 0.01, 0.1, 0.3, 1.0, 3.0, 10.0}) {
-        Medium thin{0.01, Rgb(1), {}}, smoke{extinction, Rgb(0), {}};
-        ViewScene scene = orthographicScene(floor, thin, 40, 40);
-        const auto above = smoothField();
-        scene.volumes.push_back({"smoke", above, above->wsFromIs, smoke});
-        scene.camera.wsPosition.z = 60;
+        ViewScene scene = orthographicScene(floor, {0.01, Rgb(1), {}}, 40, 40);
+        addBlackSmoke(scene, extinction);
         scene.lights = {distantLight({0, -1, -0.1}, 1)};
         scene.dials.splat = GetParam().splat;
         scene.dials.shade = GetParam().shade;

@@ -54,16 +54,6 @@ inline void take(const Way& way, ViewScene& scene) {
     }
 }
 
-inline Light lamp(const Vec3& wsPosition, double intensity, double radius = 0) {
-    Light light;
-    light.name = "lamp";
-    light.type = LightType::point;
-    light.wsPosition = wsPosition;
-    light.intensity = Rgb(intensity);
-    light.radius = radius;
-    return light;
-}
-
 inline void look(ViewScene& scene, const Vec3& from, const Vec3& to, double fov) {
     scene.camera.type = CameraType::perspective;
     scene.camera.wsPosition = from;

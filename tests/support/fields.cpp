@@ -76,6 +76,16 @@ Light distantLight(const Vec3& direction, double irradiance) {
     return light;
 }
 
+Light lamp(const Vec3& wsPosition, double intensity, double radius) {
+    Light light;
+    light.name = "lamp";
+    light.type = LightType::point;
+    light.wsPosition = wsPosition;
+    light.intensity = Rgb(intensity);
+    light.radius = radius;
+    return light;
+}
+
 Frame renderScene(const ViewScene& scene) {
     return render(scene, makePlan(scene, threadCount()));
 }

@@ -29,6 +29,9 @@ ViewScene orthographicScene(std::shared_ptr<const SparseField> field, const Medi
 /// A distant light that travels along `direction` with the given irradiance.
 Light distantLight(const Vec3& direction, double irradiance = 1);
 
+/// A point light.
+Light lamp(const Vec3& wsPosition, double intensity, double radius = 0);
+
 /// Plan and render in one go.
 Frame renderScene(const ViewScene& scene);
 

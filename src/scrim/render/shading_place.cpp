@@ -10,15 +10,20 @@
 namespace scrim {
 namespace {
 
+Bounds wsBounds(const ViewScene& scene) {
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    return ws;
+}
+
 // Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels as
 // large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where none
 // does.
 std::string fineSlide(const ViewScene& scene, double texel) {
-    Bounds ws;
-    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    const Vec3 center = wsBounds(scene).center();
     for (const Light& light : scene.lights) {
         if (!light.slide) continue;
-        const std::optional<double> pixel = slidePixel(light, ws.center());
+        const std::optional<double> pixel = slidePixel(light, center);
         if (pixel && *pixel < 2 * texel)
             return fmt::format(
                 "a pixel of the slide of '{}' covers {:.3g} at the volume, less than two texels of {:.3g}", light.name,
@@ -50,8 +55,7 @@ constexpr double kNearEye = 4;
 
 bool eyeAmong(const ViewScene& scene, double texel) {
     if (scene.camera.type != CameraType::perspective) return false;
-    Bounds ws;
-    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    Bounds ws = wsBounds(scene);
     ws.lower -= kNearEye * texel;
     ws.upper += kNearEye * texel;
     return ws.contains(scene.camera.wsPosition);

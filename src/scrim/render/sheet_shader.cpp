@@ -158,8 +158,7 @@ bool SheetShader::classify(int p, const SampleTile& at, int tx, int ty, Gathered
         const ValuePlanes planes = volume.values(p);
         ClassifiedTile& tile = rows.scratch.classified[i];
         if (!classifyExtinction(planes, at, m_group.sheets, volume.table(), tile)) continue;
-        classifySurface(planes, at, volume.step(p, tx, ty), volume.vagueGradient(), volume.table(),
-                        tile);
+        classifySurface(planes, at, volume.step(p, tx, ty), volume.vagueGradient(), volume.table(), tile);
         add(tile.extinction);
         SheetSurface surface = m_surfaces[i];
         surface.extinction = tile.extinction;

@@ -33,8 +33,7 @@ void sampleAlongRays(const float* plane, const ValuePlanes& planes, const Sample
     samplePoints({plane, planes.width, planes.height}, u, v, false, kTileSize, out);
 }
 
-void sampleRun(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
-               ClassifiedTile& run) {
+void sampleRun(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets, ClassifiedTile& run) {
     const auto texelsPerSlope = static_cast<float>(sheets.thickness / sheets.texel);
     sampleAlongRays(planes.at(-1), planes, samples, -texelsPerSlope, run.front);
     sampleAlongRays(planes.at(0), planes, samples, 0, run.middle);

@@ -3,7 +3,6 @@
 // that the colour-blind can tell apart), in the shape of their markers, and are named in the chart.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
