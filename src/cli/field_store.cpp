@@ -72,7 +72,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         const SceneVolume& volume = scene.volumes[i];
         const Key key = keyOf(volume, files[i]);
         if (!volume.source.empty() && !m_fields.contains(key)) makeMissing(volume);
-        fields.push_back(used.contains(key) ? m_fields.at(key) : nullptr);
+        fields.push_back({used.contains(key) ? m_fields.at(key) : nullptr, {}, {}});
     }
     return fields;
 }
@@ -92,7 +92,13 @@ std::vector<VolumeFile> findFiles(const Scene& scene) {
 
 std::size_t bytesOf(const Fields& fields) {
     std::size_t bytes = 0;
-    for (const auto& field : std::set(fields.begin(), fields.end()))
+    std::set<std::shared_ptr<const SparseField>> all;
+    for (const VolumeFields& of : fields) {
+        all.insert(of.density);
+        all.insert(of.albedo.begin(), of.albedo.end());
+        all.insert(of.emission.begin(), of.emission.end());
+    }
+    for (const auto& field : all)
         if (field)
             bytes += field->blockCount() * (kBlockVoxels * sizeof(float) + sizeof(Int3)) +
                      field->tiles.size() * sizeof(ConstantTile);

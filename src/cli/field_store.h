@@ -5,6 +5,7 @@
 #include "guarded_load.h"
 #include "options.h"
 
+#include <scrim/render/assemble.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
 
@@ -15,7 +16,7 @@
 
 namespace scrim::cli {
 
-using Fields = std::vector<std::shared_ptr<const SparseField>>;
+using Fields = std::vector<VolumeFields>;
 
 class FieldStore {
   public:

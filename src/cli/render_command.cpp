@@ -108,11 +108,11 @@ bool RenderRun::mayRender(int frame, std::vector<VolumeFile>& files) {
 
 void RenderRun::warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& files, const Fields& fields) {
     for (std::size_t i = 0; i < fields.size(); ++i) {
-        if (!fields[i] || !fields[i]->empty()) continue;
+        if (!fields[i].density || !fields[i].density->empty()) continue;
         const SceneVolume& volume = scene.volumes[i];
         m_console.warning(fmt::format("{}: nothing to render: grid '{}' has no active voxels",
                                       volume.source.empty() ? files[i].path : "source '" + volume.source + "'",
-                                      fields[i]->name));
+                                      fields[i].density->name));
     }
 }
 

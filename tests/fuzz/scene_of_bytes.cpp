@@ -224,8 +224,8 @@ ByteScene sceneOfBytes(const std::uint8_t* data, std::size_t size) {
     out.toml = lines.text();
 
     const Scene scene = readScene({"fuzz.toml", "", out.toml}, 1, {}, colour);
-    std::vector<std::shared_ptr<const SparseField>> fields;
-    for (std::size_t i = 0; i < scene.volumes.size(); ++i) fields.push_back(madeField(c));
+    std::vector<VolumeFields> fields;
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) fields.push_back({madeField(c), {}, {}});
     out.view = assemble(scene, fields, {}, kMemoryLimit);
     for (Light& light : out.view.lights)
         if (light.slide) light.slide->image = madePicture(c);

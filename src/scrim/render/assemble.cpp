@@ -67,7 +67,7 @@ std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, doubl
 
 }  // namespace
 
-ViewScene assemble(const Scene& scene, const std::vector<std::shared_ptr<const SparseField>>& fields,
+ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
                    const std::optional<PixelWindow>& crop, std::size_t memoryLimit) {
     ViewScene out;
     out.camera = scene.camera;
@@ -85,10 +85,12 @@ ViewScene assemble(const Scene& scene, const std::vector<std::shared_ptr<const S
     out.lights = scene.lights;
     out.ambient = scene.ambient;
     out.dials = scene.dials;
+    out.layers = scene.output.layers;
+    out.lines = scene.lines;
     out.memoryLimit = memoryLimit;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
-        std::shared_ptr<const SparseField> field = fields[i];
+        std::shared_ptr<const SparseField> field = fields[i].density;
         if (!field || field->empty()) continue;
         if (!volume.ramp.empty()) field = withRamp(*field, volume.ramp);
         if (scene.dials.lod > 0)

@@ -5,16 +5,24 @@
 #include <scrim/render/view_scene.h>
 #include <scrim/scene/scene.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
 
 namespace scrim {
 
-/// `fields[i]` belongs to `scene.volumes[i]`, in its asset's own world space; null where the volume shows nothing
-/// at this frame. `crop` limits the region to pixels of it (display window coordinates). Ramps are applied, and
+/// The grids of one volume, each in its asset's own world space; null where the volume shows nothing at this frame, or
+/// needs none of it.
+struct VolumeFields {
+    std::shared_ptr<const SparseField> density;
+    std::array<std::shared_ptr<const SparseField>, 3> albedo;      ///< red, green and blue, where the albedo is a grid
+    std::vector<std::shared_ptr<const SparseField>> emission = {};  ///< one each of SceneVolume::emission
+};
+
+/// `fields[i]` belongs to `scene.volumes[i]`. `crop` limits the region to pixels of it (display window coordinates). Ramps are applied, and
 /// coarser levels built where the dial `lod` asks for them.
-ViewScene assemble(const Scene& scene, const std::vector<std::shared_ptr<const SparseField>>& fields,
+ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
                    const std::optional<PixelWindow>& crop, std::size_t memoryLimit);
 
 }  // namespace scrim

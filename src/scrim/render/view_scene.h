@@ -6,6 +6,7 @@
 #include <scrim/image/image.h>
 #include <scrim/light/light.h>
 #include <scrim/scene/dials.h>
+#include <scrim/scene/scene.h>
 #include <scrim/shade/classified.h>
 #include <scrim/shade/medium.h>
 #include <scrim/volume/sparse_field.h>
@@ -17,12 +18,29 @@
 
 namespace scrim {
 
+/// A further field of a volume.
+struct ViewField {
+    std::shared_ptr<const SparseField> field;
+    Mat4 wsFromIs{1.0};
+};
+
+/// Radiance per world unit = field value times `colour`.
+struct ViewEmission {
+    ViewField field;
+    Rgb colour{1};
+};
+
 struct ViewVolume {
     std::string name;
     std::shared_ptr<const SparseField> field;
     Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
     Medium medium;
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead of as a medium
+    /// Where the albedo is a grid: of red, green and blue the density times the albedo, on the lattice of `field`. What is
+    /// scattered is this times medium.densityScale; medium.albedo does not count.
+    std::vector<ViewField> scatter = {};
+    std::vector<ViewEmission> emission = {};  ///< they add up
+    std::vector<bool> lights = {};  ///< for each light of the scene: does it light this volume? Empty: all do
 };
 
 struct ViewScene {
@@ -32,6 +50,8 @@ struct ViewScene {
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
+    std::vector<Layer> layers;  ///< to render beside the beauty
+    std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;  ///< bytes that buffers may take; 0: no limit
 };
 

@@ -8,21 +8,45 @@
 #include <scrim/light/light.h>
 #include <scrim/scene/dials.h>
 #include <scrim/scene/frame_path.h>
+#include <scrim/scene/scene_lines.h>
 #include <scrim/shade/classified.h>
 #include <scrim/shade/medium.h>
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace scrim {
 
+/// Pictures beside the beauty.
+enum class Layer { light, ambient, emission, albedo, depth, transmittance };
+
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
     error,  ///< nothing: a missing file is an error
     hold,   ///< the first or last file
     black,  ///< no volume
+};
+
+/// A colour that grids give from place to place.
+struct ColourGrid {
+    std::string grid;          ///< as GridRequest names colours
+    double scale = 1;          ///< times this
+    Mat3 workingFromGrid{1.0};  ///< from the grid's colour space to the working space
+    std::string where;         ///< of the grid's name in the scene
+};
+
+/// Light that a medium sends out by itself. It does not light the volume: nothing scatters it.
+struct Emission {
+    std::string grid;
+    /// Grid value to radiance per world unit, ascending and linear between; constant outside, but 0 where the grid is.
+    /// Empty: the value itself, in white. A blackbody is a ramp, too, with a point every few Kelvin.
+    std::vector<std::pair<double, Rgb>> ramp;
+    double scale = 1;       ///< times this
+    bool blackbody = false;  ///< for what is said about it
+    std::string where;      ///< of the grid's name in the scene
 };
 
 struct SceneVolume {
@@ -38,6 +62,9 @@ struct SceneVolume {
     double densityScale = 1;                      ///< extinction per world unit = ramp(grid value) * densityScale
     std::vector<std::pair<double, double>> ramp;  ///< grid value to value, ascending; constant outside; empty: none
     Medium medium;                                ///< its densityScale is the one above
+    std::optional<ColourGrid> albedoGrid;         ///< instead of medium.albedo
+    std::vector<Emission> emission;               ///< of a medium; they add up
+    std::optional<std::vector<std::string>> lights;  ///< names of those that light it; none: all
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
     std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
@@ -56,6 +83,7 @@ struct SceneOutput {
     bool half = true;        ///< 16-bit channels, or else 32-bit
     std::string compression = "zip";
     double fps = 24;
+    std::vector<Layer> layers;  ///< each at most once, in the order of the enumeration
     ScenePreview preview;
 };
 
@@ -71,6 +99,8 @@ struct Scene {
     std::string quality = "standard";  ///< the preset that `dials` started from
     double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
     SceneOutput output;
+    /// Where the scene's text says what: "light.key.shadows" is at "scene.toml:12:3". Null for one built in code.
+    std::shared_ptr<const SceneLines> lines = nullptr;
 };
 
 }  // namespace scrim

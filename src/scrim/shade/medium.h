@@ -8,10 +8,20 @@
 
 namespace scrim {
 
+/// The look of multiple scattering, after M. Wrenninge, "Oz: the great and volumetric" (2013): octave n adds single
+/// scattering anew, with extinction towards the light times extinction^n, the whole times contribution^n, and a phase
+/// function of which phase^n is left. No energy is gained as long as contribution <= extinction.
+struct Octaves {
+    int count = 1;  ///< 1: single scattering
+    double extinction = 0.5, contribution = 0.5, phase = 0.5;
+};
+
 struct Medium {
     double densityScale = 1;  ///< extinction per world unit = field value times this
     Rgb albedo{0.9};          ///< scattered part of extinction, each channel in [0, 1]
-    Phase phase;
+    Phase phase = {};
+    Rgb extinctionTint{1};  ///< multiplies extinction, in each channel
+    Octaves octaves = {};
 };
 
 }  // namespace scrim

@@ -4,11 +4,34 @@
 #include <cmath>
 
 namespace scrim {
+namespace {
+
+const double kFourPi = 4 * std::acos(-1.0);
+
+double henyeyGreenstein(double g, double cosTheta) {
+    return (1 - g * g) / (kFourPi * std::pow(1 + g * g - 2 * g * cosTheta, 1.5));
+}
+
+}  // namespace
 
 double phaseValue(const Phase& phase, double cosTheta) {
-    const double fourPi = 4 * std::acos(-1.0);
-    const double g = phase.g;
-    return (1 - g * g) / (fourPi * std::pow(1 + g * g - 2 * g * cosTheta, 1.5));
+    switch (phase.type) {
+        case PhaseType::twoLobe:
+            return (1 - phase.blend) * henyeyGreenstein(phase.g, cosTheta) +
+                   phase.blend * henyeyGreenstein(phase.g2, cosTheta);
+        case PhaseType::rayleigh:
+            return (1 + phase.strength * (0.75 * (1 + cosTheta * cosTheta) - 1)) / kFourPi;
+        default:
+            return henyeyGreenstein(phase.g, cosTheta);
+    }
+}
+
+Phase flattened(const Phase& phase, double part) {
+    Phase flat = phase;
+    flat.g *= part;
+    flat.g2 *= part;
+    flat.strength *= part;
+    return flat;
 }
 
 }  // namespace scrim

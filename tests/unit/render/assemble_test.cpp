@@ -29,7 +29,9 @@ Scene someScene() {
 
 ViewScene assembled(const Scene& scene, const std::vector<std::shared_ptr<const SparseField>>& fields,
                     const std::optional<PixelWindow>& crop = {}) {
-    return assemble(scene, fields, crop, 0);
+    std::vector<VolumeFields> of;
+    for (const auto& field : fields) of.push_back({field, {}, {}});
+    return assemble(scene, of, crop, 0);
 }
 
 TEST(Assemble, HandsOverWhatTheSceneSays) {
@@ -39,7 +41,7 @@ TEST(Assemble, HandsOverWhatTheSceneSays) {
     scene.dials.texel = 0.75;
     scene.volumes[0].wsFromAsset[3] = {5, 6, 7, 1};
     const auto field = smokeField(6, 0.5);
-    const ViewScene view = assemble(scene, {field}, {}, 12345);
+    const ViewScene view = assemble(scene, {{field, {}, {}}}, {}, 12345);
     ASSERT_EQ(view.volumes.size(), 1u);
     EXPECT_EQ(view.volumes[0].name, "smoke");
     EXPECT_EQ(view.volumes[0].field, field);  // nothing to change: nothing copied
