@@ -12,11 +12,28 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json workJson(const RenderWork& w) {
-    return {{"voxels_fed", w.voxelsFed},       {"footprints", w.footprints},
-            {"texels_shaded", w.texelsShaded}, {"light_samples", w.lightSamples},
-            {"light_lookups", w.lightLookups}, {"slide_lookups", w.slideLookups},
-            {"pixel_sheets", w.pixelSheets},   {"sheets", w.sheets},
-            {"buffer_bytes", w.bufferBytes}};
+    return {{"voxels_fed", w.voxelsFed},
+            {"footprints", w.footprints},
+            {"texels_shaded", w.texelsShaded},
+            {"samples_shaded", w.shade.samples},
+            {"light_samples", w.lightSamples},
+            {"light_lookups", w.shade.lightLookups},
+            {"slide_lookups", w.shade.slideLookups},
+            {"phase_evaluations", w.shade.phases},
+            {"octaves", w.shade.octaves},
+            {"gradients", w.shade.gradients},
+            {"emissions", w.shade.emissions},
+            {"ambients", w.shade.ambients},
+            {"exponentials", w.shade.exponentials},
+            {"pixel_sheets", w.pixelSheets},
+            {"layer_samples", w.layerSamples},
+            {"sheets", w.sheets},
+            {"buffer_bytes", w.bytes.total()},
+            {"bytes",
+             {{"fields", w.bytes.fields},
+              {"shadows", w.bytes.shadows},
+              {"shaded", w.bytes.shaded},
+              {"picture", w.bytes.picture}}}};
 }
 
 Json verificationJson(const Verification& v) {
@@ -92,7 +109,7 @@ std::string detailLines(const FrameReport& r) {
         "  {} threads, {:.1f} MB of buffers, {:.1f} MB resident at most",
         r.plan, r.stages.prepare, r.stages.splat, r.stages.attenuate, r.stages.shade, r.stages.composite, r.verify,
         r.work.sheets, r.work.footprints, r.work.texelsShaded, r.work.lightSamples, r.work.pixelSheets, r.threads,
-        double(r.work.bufferBytes) / (1 << 20), double(r.peakBytes) / (1 << 20));
+        double(r.work.bytes.total()) / (1 << 20), double(r.peakBytes) / (1 << 20));
 }
 
 std::string workAsJson(const RenderWork& work) {

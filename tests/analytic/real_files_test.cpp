@@ -81,7 +81,7 @@ double medianDepth(const ViewScene& scene) {
     for (int y = 4; y < kResolution; y += 8)
         for (int x = 4; x < kResolution; x += 8) {
             const Vec3 eye = rays.origin(x, y), far = eye + 2 * glm::length(eye) * rays.direction(x, y);
-            if (const double tau = reference.opticalDepth(eye, far); tau > 0.03) depths.push_back(tau);
+            if (const double tau = reference.opticalDepth(eye, far).x; tau > 0.03) depths.push_back(tau);
         }
     if (depths.empty()) return 0;
     std::nth_element(depths.begin(), depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2), depths.end());

@@ -287,11 +287,11 @@ TEST(SlideOfALampInside, AgreesWithBruteForceInEveryWindow) {
 
 TEST(Slides, ThatAreNotThereAreNotLookedUp) {
     ViewScene scene = screen(distantLight({0, 0, -1}));
-    EXPECT_EQ(renderScene(scene).work.slideLookups, 0u);
+    EXPECT_EQ(renderScene(scene).work.shade.slideLookups, 0u);
     scene.lights.push_back(distantSlide({0.1, 0, -1}, 64, quarters()));
     const Frame frame = renderScene(scene);
-    EXPECT_GT(frame.work.slideLookups, 0u);
-    EXPECT_EQ(2 * frame.work.slideLookups, frame.work.lightLookups);
+    EXPECT_GT(frame.work.shade.slideLookups, 0u);
+    EXPECT_EQ(2 * frame.work.shade.slideLookups, frame.work.shade.lightLookups);
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ void report(const std::string& asset, int rounds) {
     fmt::print("  {:<32}{:>9}{:>12}{:>9}\n", "setting", "ms", "x unshadowed", "MB");
     for (Setting& s : all)
         fmt::print("  {:<32}{:>9.1f}{:>12.2f}{:>9.0f}\n", s.label, 1e3 * s.median(), s.median() / base,
-                   static_cast<double>(s.frame.work.bufferBytes) / 1e6);
+                   static_cast<double>(s.frame.work.bytes.total()) / 1e6);
     fmt::print("  each further light, up to 8: +{:.3f} of the unshadowed picture\n",
                (all[4].median() - all[1].median()) / 7 / base);
     fmt::print("  two threads are {:.2f}x as fast as one\n", all.back().median() / all[1].median());

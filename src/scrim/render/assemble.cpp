@@ -2,7 +2,7 @@
 #include <scrim/render/assemble.h>
 
 #include <scrim/base/error.h>
-#include <scrim/base/parallel.h>
+#include <scrim/render/derived_fields.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
@@ -13,38 +13,6 @@
 
 namespace scrim {
 namespace {
-
-using Ramp = std::vector<std::pair<double, double>>;
-
-float ramped(const Ramp& ramp, double value) {
-    if (value <= ramp.front().first) return static_cast<float>(ramp.front().second);
-    for (std::size_t i = 1; i < ramp.size(); ++i)
-        if (value <= ramp[i].first) {
-            const double t = (value - ramp[i - 1].first) / (ramp[i].first - ramp[i - 1].first);
-            return static_cast<float>(ramp[i - 1].second + t * (ramp[i].second - ramp[i - 1].second));
-        }
-    return static_cast<float>(ramp.back().second);
-}
-
-// Remaps the voxels of a field. Empty space stays empty, whatever the ramp says of 0: only active voxels are fed.
-std::shared_ptr<const SparseField> withRamp(const SparseField& field, const Ramp& ramp) {
-    auto out = std::make_shared<SparseField>(field);
-    auto values = std::make_shared<std::vector<float>>(field.blockCount() * kBlockVoxels);
-    parallelFor(field.blockCount(), [&](std::size_t b) {
-        for (int i = 0; i < kBlockVoxels; ++i) {
-            const float v = field.block(b)[i];
-            (*values)[b * kBlockVoxels + static_cast<std::size_t>(i)] = v > 0 ? ramped(ramp, v) : 0.0f;
-        }
-    });
-    out->blockValues = std::shared_ptr<const float>(values, values->data());
-    out->maxValue = 0;
-    for (const float v : *values) out->maxValue = std::max(out->maxValue, v);
-    for (ConstantTile& tile : out->tiles) {
-        tile.value = ramped(ramp, tile.value);
-        out->maxValue = std::max(out->maxValue, tile.value);
-    }
-    return out;
-}
 
 // Pixels that the edge of a voxel covers where the volume comes closest to the camera.
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
@@ -60,9 +28,50 @@ double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4&
 // Halves the resolution as long as the voxels stay below `lod` pixels.
 std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, double lod, const Mat4& wsFromAsset,
                                                      std::shared_ptr<const SparseField> field) {
+    if (field->empty()) return field;
     while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1)
         field = std::make_shared<SparseField>(coarser(*field));
     return field;
+}
+
+// For each light of the scene: does it light the volume? Empty: all do.
+std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
+    std::vector<bool> lit;
+    if (!volume.lights) return lit;
+    for (const Light& light : scene.lights)
+        lit.push_back(std::find(volume.lights->begin(), volume.lights->end(), light.name) != volume.lights->end());
+    return lit;
+}
+
+// A volume with what its grids make of it; nothing where all of it is empty.
+std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields) {
+    const auto placed = [&](FieldPointer field) {
+        if (scene.dials.lod > 0)
+            field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
+        const Mat4 wsFromIs = volume.wsFromAsset * field->wsFromIs;
+        return ViewField{std::move(field), wsFromIs};
+    };
+    ViewVolume out;
+    out.name = volume.name;
+    out.medium = volume.medium;
+    out.classified = volume.classified;
+    out.lights = lightsOf(scene, volume);
+    FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
+    if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
+    if (!volume.classified) {
+        for (std::size_t i = 0; i < fields.emission.size(); ++i)
+            if (fields.emission[i] && !fields.emission[i]->empty())
+                for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i]))
+                    out.emission.push_back({placed(emitted.field), emitted.color});
+        if (volume.albedoGrid && fields.albedo[0] && !density->empty())
+            for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
+                out.scatter.push_back(placed(channel));
+    }
+    if (density->empty() && out.emission.empty()) return std::nullopt;
+    const ViewField own = placed(density);
+    out.field = own.field;
+    out.wsFromIs = own.wsFromIs;
+    return out;
 }
 
 }  // namespace
@@ -88,16 +97,8 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
     out.layers = scene.output.layers;
     out.lines = scene.lines;
     out.memoryLimit = memoryLimit;
-    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        const SceneVolume& volume = scene.volumes[i];
-        std::shared_ptr<const SparseField> field = fields[i].density;
-        if (!field || field->empty()) continue;
-        if (!volume.ramp.empty()) field = withRamp(*field, volume.ramp);
-        if (scene.dials.lod > 0)
-            field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
-        out.volumes.push_back(
-            {volume.name, field, volume.wsFromAsset * field->wsFromIs, volume.medium, volume.classified});
-    }
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i)
+        if (auto volume = viewOf(scene, scene.volumes[i], fields[i])) out.volumes.push_back(std::move(*volume));
     return out;
 }
 

@@ -26,19 +26,24 @@ double pathInSheets(const LightView& view) {
 }  // namespace
 
 BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
-    : m_scene(scene), m_group(group) {
+    : m_scene(scene), m_group(group), m_rows(plan.extinction) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
-    m_shadows.resize(group.lights.size());
+    m_shadows.resize(row(group.lights.size(), 0));
     m_ownSheets.resize(group.lights.size());
     for (std::size_t i = 0; i < group.lights.size(); ++i) {
         const LightPlan& light = group.lights[i];
         if (!light.shadowed) continue;
         if (plan.perView)
-            m_ownSheets[i].reset(new OwnSheets{{scene, group.sheets, light.raster, group.batchSheets, plan.voxel},
-                                               {light.raster, group.sheets, filter, group.batchSheets}});
-        else
-            m_shadows[i] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps, group.batchSheets);
+            m_ownSheets[i].reset(new OwnSheets{
+                {scene, m_rows, group.sheets, light.raster, group.batchSheets, plan.voxel, SheetsFor::light}, {}});
+        for (int r = 0; r < m_rows.count(); ++r) {
+            if (plan.perView)
+                m_ownSheets[i]->shadows.emplace_back(light.raster, group.sheets, filter, group.batchSheets);
+            else
+                m_shadows[row(i, r)] =
+                    std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps, group.batchSheets);
+        }
     }
 }
 
@@ -50,8 +55,11 @@ void BatchLights::enterBatch(int firstSheet, int count) {
             if (const auto light = atSheet(m_group.lights[i], firstSheet + p)) {
                 OnSheet& here = m_onSheets[static_cast<std::size_t>(p)];
                 here.lights.push_back(*light);
-                const ShadowLookup* own = m_ownSheets[i] ? &m_ownSheets[i]->shadow : nullptr;
-                here.shadows.push_back(own ? own : m_shadows[i].get());
+                for (int r = 0; r < m_rows.count(); ++r) {
+                    const ShadowLookup* shadow = m_shadows[row(i, r)].get();
+                    if (m_ownSheets[i]) shadow = &m_ownSheets[i]->shadows[static_cast<std::size_t>(r)];
+                    here.shadows.push_back(shadow);
+                }
             }
 }
 
@@ -61,36 +69,46 @@ BatchLights::Work BatchLights::attenuateOwn(int firstSheet, int count) {
     for (const auto& own : m_ownSheets) {
         if (!own) continue;
         work.footprints += own->fields.splat(firstSheet, count).footprints;
-        own->shadow.beginBatch(firstSheet, count);
-        std::vector<std::uint64_t> samples(static_cast<std::size_t>(own->shadow.taskCount()));
-        parallelFor(samples.size(), [&](std::size_t row) {
-            samples[row] = own->shadow.attenuate(static_cast<int>(row), own->fields.extinction());
-        });
-        for (const std::uint64_t n : samples) work.samples += n;
+        for (std::size_t r = 0; r < own->shadows.size(); ++r) {
+            ViewShadow& shadow = own->shadows[r];
+            shadow.beginBatch(firstSheet, count);
+            std::vector<std::uint64_t> samples(static_cast<std::size_t>(shadow.taskCount()));
+            parallelFor(samples.size(), [&](std::size_t task) {
+                samples[task] =
+                    shadow.attenuate(static_cast<int>(task), own->fields.extinction(static_cast<int>(r)));
+            });
+            for (const std::uint64_t n : samples) work.samples += n;
+        }
     }
     return work;
 }
 
-BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const PlaneStack& extinction) {
+BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const BatchFields& fields) {
     enterBatch(firstSheet, count);
-    std::vector<ShadowBuffer*> shadowed;
-    for (const auto& shadow : m_shadows)
-        if (shadow) shadowed.push_back(shadow.get());
-    parallelFor(shadowed.size(), [&](std::size_t i) { shadowed[i]->beginBatch(firstSheet, count, extinction); });
-
-    struct Task {
+    struct Shadowed {
         ShadowBuffer* shadow;
+        const PlaneStack* extinction;
+    };
+    std::vector<Shadowed> shadowed;
+    for (std::size_t i = 0; i < m_group.lights.size(); ++i)
+        for (int r = 0; r < m_rows.count(); ++r)
+            if (ShadowBuffer* shadow = m_shadows[row(i, r)].get()) {
+                shadow->beginBatch(firstSheet, count, fields.extinction(r));
+                shadowed.push_back({shadow, &fields.extinction(r)});
+            }
+    struct Task {
+        Shadowed of;
         int row;
         std::uint64_t samples;
     };
     std::vector<Task> tasks;
-    for (ShadowBuffer* shadow : shadowed)
-        for (int row = 0; row < shadow->taskCount(); ++row) tasks.push_back({shadow, row, 0});
+    for (const Shadowed& of : shadowed)
+        for (int row = 0; row < of.shadow->taskCount(); ++row) tasks.push_back({of, row, 0});
     parallelFor(tasks.size(),
-                [&](std::size_t i) { tasks[i].samples = tasks[i].shadow->attenuate(tasks[i].row, extinction); });
+                [&](std::size_t i) { tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction); });
     const auto sheets = static_cast<std::size_t>(count);
     parallelFor(shadowed.size() * sheets,
-                [&](std::size_t i) { shadowed[i / sheets]->sharpen(static_cast<int>(i % sheets)); });
+                [&](std::size_t i) { shadowed[i / sheets].shadow->sharpen(static_cast<int>(i % sheets)); });
     Work work = attenuateOwn(firstSheet, count);
     for (const Task& task : tasks) work.samples += task.samples;
     return work;
@@ -104,6 +122,8 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     const Sheets& sheets = m_group.sheets;
     SheetLight out;
     out.shadowed = plan.shadowed;
+    out.picture = plan.picture;
+    out.index = plan.light;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
     out.decay = light.decay;
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(part * plan.share * light.intensity[c]);
@@ -145,7 +165,10 @@ std::size_t BatchLights::bytes() const {
     for (const auto& shadow : m_shadows)
         if (shadow) sum += shadow->bytes();
     for (const auto& own : m_ownSheets)
-        if (own) sum += own->fields.bytes() + own->shadow.bytes();
+        if (own) {
+            sum += own->fields.bytes();
+            for (const ViewShadow& shadow : own->shadows) sum += shadow.bytes();
+        }
     return sum;
 }
 

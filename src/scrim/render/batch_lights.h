@@ -23,11 +23,12 @@ class BatchLights {
         std::uint64_t samples = 0;     ///< cells of shadow buffers walked
         std::uint64_t footprints = 0;  ///< splatted for lights alone
     };
-    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction`: of the shared
-    /// sheets; with per-view splatting every light splats its own instead.
-    Work attenuate(int firstSheet, int count, const PlaneStack& extinction);
+    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `fields`: the shared sheets; with
+    /// per-view splatting every light splats its own instead.
+    Work attenuate(int firstSheet, int count, const BatchFields& fields);
 
-    /// The lights that reach sheet `p` of the batch, and their shadow buffers (nullptr: unshadowed).
+    /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each row of extinction (nullptr:
+    /// unshadowed).
     struct OnSheet {
         std::vector<SheetLight> lights;
         std::vector<const ShadowLookup*> shadows;
@@ -39,14 +40,18 @@ class BatchLights {
     void enterBatch(int firstSheet, int count);
     Work attenuateOwn(int firstSheet, int count);
     std::optional<SheetLight> atSheet(const LightPlan& plan, int sheet) const;
+    std::size_t row(std::size_t light, int r) const {
+        return light * static_cast<std::size_t>(m_rows.count()) + static_cast<std::size_t>(r);
+    }
 
     const ViewScene& m_scene;
     const GroupPlan& m_group;
-    // One a light of the group, null where it is unshadowed; of the kind that the splatting needs.
+    const ExtinctionRows& m_rows;
+    // One a light of the group and row of extinction, null where it is unshadowed; or what the light splats for itself.
     std::vector<std::unique_ptr<ShadowBuffer>> m_shadows;
     struct OwnSheets {
         BatchFields fields;
-        ViewShadow shadow;
+        std::vector<ViewShadow> shadows;  // one a row
     };
     std::vector<std::unique_ptr<OwnSheets>> m_ownSheets;
     std::vector<OnSheet> m_onSheets;

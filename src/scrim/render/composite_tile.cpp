@@ -2,6 +2,7 @@
 #include <scrim/render/composite_tile.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -39,11 +40,15 @@ HWY_INLINE V4 times(V4 v, float by) {
 HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
     return each([&](int i) { return a.c[i] + t * (b.c[i] - a.c[i]); });
 }
-HWY_INLINE V4 before(V4 state, V4 texel) {
-    return each([&](int i) { return state.c[i] + (1 + state.c[3]) * texel.c[i]; });
+// b + (1 + hidden) * a, where `hidden` is an opacity below 0.
+HWY_INLINE V4 through(V4 hidden, V4 a, V4 b) {
+    return each([&](int i) { return b.c[i] + (1 + hidden.c[i]) * a.c[i]; });
 }
-HWY_INLINE V4 behind(V4 state, V4 texel) {
-    return each([&](int i) { return texel.c[i] + (1 + texel.c[3]) * state.c[i]; });
+HWY_INLINE V4 lastLane(V4 v) {
+    return each([&](int) { return v.c[3]; });
+}
+HWY_INLINE float lane3(V4 v) {
+    return v.c[3];
 }
 #else
 using D4 = hn::CappedTag<float, 4>;
@@ -61,13 +66,42 @@ HWY_ATTR HWY_INLINE V4 times(V4 v, float by) {
 HWY_ATTR HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
     return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b, a), a);
 }
-HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
-    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hn::Broadcast<3>(state)), texel, state);
+HWY_ATTR HWY_INLINE V4 through(V4 hidden, V4 a, V4 b) {
+    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hidden), a, b);
 }
-HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
-    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hn::Broadcast<3>(texel)), state, texel);
+HWY_ATTR HWY_INLINE V4 lastLane(V4 v) {
+    return hn::Broadcast<3>(v);
+}
+HWY_ATTR HWY_INLINE float lane3(V4 v) {
+    return hn::GetLane(hn::Broadcast<3>(v));
 }
 #endif
+
+HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
+    return through(lastLane(state), texel, state);
+}
+HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
+    return through(lastLane(texel), state, texel);
+}
+
+// One sample of the wide layout into a pixel's state. quad(q): the sample's quads, the last one its opacities.
+template <bool kFrontToBack, class Quad>
+HWY_ATTR HWY_INLINE V4 addWide(int quads, const Quad& quad, float* state) {
+    const int last = quads - 1;
+    const V4 hides = quad(last), hidden = load4(state + 4 * last);
+    for (int q = 0; q < last; ++q) {
+        const V4 own = quad(q), gathered = load4(state + 4 * q);
+        store4(kFrontToBack ? through(hidden, own, gathered) : through(hides, gathered, own), state + 4 * q);
+    }
+    store4(kFrontToBack ? through(hidden, hides, hidden) : through(hides, hidden, hides), state + 4 * last);
+    return hides;
+}
+
+// Front to back the first visible sheet counts, back to front the last one.
+template <bool kFrontToBack>
+HWY_ATTR HWY_INLINE void noteDepth(const FirstDepth& first, int k, float hides, float depth) {
+    if (-hides > FirstDepth::kVisible && !(kFrontToBack && first.depth[k] != 0)) first.depth[k] = depth;
+}
 
 // Where the rays of a tile meet one plane.
 struct Addresses {
@@ -85,7 +119,7 @@ HWY_ATTR HWY_INLINE void split(hn::Vec<DF> x, int size, hn::Vec<DI>& whole, hn::
     fraction = hn::Sub(x, floor);
 }
 
-HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, Addresses& at) {
+HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, int floats, Addresses& at) {
     const DF d;
     const DI di;
     const auto steps = hn::Set(d, step);
@@ -95,15 +129,15 @@ HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, Add
         split(hn::MulAdd(steps, hn::Load(d, rays.stepU + k), hn::Load(d, rays.u + k)), width, column, fu);
         split(hn::MulAdd(steps, hn::Load(d, rays.stepV + k), hn::Load(d, rays.v + k)), height, row, fv);
         const auto texel = hn::Add(hn::Mul(row, hn::Set(di, width)), column);
-        hn::Store(hn::ShiftLeft<2>(texel), di, at.texel + k);
+        hn::Store(hn::Mul(texel, hn::Set(di, floats)), di, at.texel + k);
         hn::Store(fu, d, at.u + k);
         hn::Store(fv, d, at.v + k);
     }
 }
 
-HWY_ATTR HWY_INLINE V4 bilinear(const float* texel, std::ptrdiff_t rowStride, float u, float v) {
+HWY_ATTR HWY_INLINE V4 bilinear(const float* texel, std::ptrdiff_t rowStride, int floats, float u, float v) {
     const float* below = texel + rowStride;
-    return lerp4(lerp4(load4(texel), load4(texel + 4), u), lerp4(load4(below), load4(below + 4), u), v);
+    return lerp4(lerp4(load4(texel), load4(texel + floats), u), lerp4(load4(below), load4(below + floats), u), v);
 }
 
 HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
@@ -125,66 +159,148 @@ HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
         store(slopeU, tile.stepU);
         store(slopeV, tile.stepV);
         store(hn::MulSub(hn::Set(d, row.near), directionN, away), tile.startN);
+        store(hn::Mul(away, inverse), tile.depth);
+        store(inverse, tile.stepDepth);
+    }
+}
+
+// The pixels of a tile that are not opaque yet.
+struct OpenPixels {
+    std::int32_t pixels[kTileSize];
+    int count = 0;
+};
+template <bool kFrontToBack>
+HWY_ATTR void findOpen(const float* states, int floats, float cutoff, OpenPixels& open) {
+    for (int k = 0; k < kTileSize; ++k) {
+        open.pixels[open.count] = k;
+        open.count += !kFrontToBack || 1 + states[floats * k + floats - 1] >= cutoff ? 1 : 0;
     }
 }
 
 // Plane by plane and pixel by pixel: neighbours do not wait for each other, as the sheets of one pixel do.
-template <bool kFrontToBack>
-HWY_ATTR void walk(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
-    const std::ptrdiff_t rowStride = std::ptrdiff_t{4} * sheets.width;
-    std::int32_t open[kTileSize];
-    int openCount = 0;
-    for (int k = 0; k < kTileSize; ++k) {
-        open[openCount] = k;
-        openCount += !kFrontToBack || 1 + states[4 * k + 3] >= cutoff ? 1 : 0;
-    }
-    if (openCount == 0) return;
+// add(k, texel, u, v, rowStride, s) composites pixel k over the texels behind address `texel`.
+template <bool kFrontToBack, class Add>
+HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, float cutoff, const float* states,
+                              const Add& add) {
+    const int floats = sheets.layout.floats();
+    const std::ptrdiff_t rowStride = static_cast<std::ptrdiff_t>(floats) * sheets.width;
+    OpenPixels open;
+    findOpen<kFrontToBack>(states, floats, cutoff, open);
+    if (open.count == 0) return;
     Addresses at;
     for (int s = 0; s < sheets.count; ++s) {
-        locate(rays, sheets.steps[s], sheets.width, sheets.height, at);
+        locate(rays, sheets.steps[s], sheets.width, sheets.height, floats, at);
         const float* plane = sheets.planes[s];
-        for (int i = 0; i < openCount; ++i) {
-            const int k = open[i];
-            const auto texel = bilinear(plane + at.texel[k], rowStride, at.u[k], at.v[k]);
-            const auto state = load4(states + 4 * k);
-            store4(kFrontToBack ? before(state, texel) : behind(state, texel), states + 4 * k);
+        for (int i = 0; i < open.count; ++i) {
+            const int k = open.pixels[i];
+            add(k, plane + at.texel[k], at.u[k], at.v[k], rowStride, s);
         }
     }
 }
 
-HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff,
-                                    float* state) {
-    if (frontToBack)
-        walk<true>(rays, sheets, cutoff, state);
-    else
-        walk<false>(rays, sheets, cutoff, state);
+template <bool kFrontToBack>
+HWY_ATTR void walkNarrow(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
+    walk<kFrontToBack>(rays, sheets, cutoff, states,
+                       [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, int) HWY_ATTR {
+                           const auto texel = bilinear(at, rowStride, 4, u, v);
+                           const auto state = load4(states + 4 * k);
+                           store4(kFrontToBack ? before(state, texel) : behind(state, texel), states + 4 * k);
+                       });
 }
 
-HWY_ATTR void sampleRgbaOnTarget(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                                 float* samples) {
+template <bool kFrontToBack, bool kDepth>
+HWY_ATTR void walkWide(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
+                       [[maybe_unused]] const FirstDepth* first) {
+    const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
+    walk<kFrontToBack>(
+        rays, sheets, cutoff, states,
+        [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
+            const auto quad = [&](int q) HWY_ATTR { return bilinear(at + 4 * q, rowStride, floats, u, v); };
+            [[maybe_unused]] const V4 hides = addWide<kFrontToBack>(quads, quad, states + floats * k);
+            if constexpr (kDepth)
+                noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
+        });
+}
+
+HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff,
+                                    float* state, const FirstDepth* first) {
+    if (!sheets.layout.wide) {
+        if (frontToBack)
+            walkNarrow<true>(rays, sheets, cutoff, state);
+        else
+            walkNarrow<false>(rays, sheets, cutoff, state);
+    } else if (frontToBack) {
+        if (first)
+            walkWide<true, true>(rays, sheets, cutoff, state, first);
+        else
+            walkWide<true, false>(rays, sheets, cutoff, state, first);
+    } else {
+        if (first)
+            walkWide<false, true>(rays, sheets, cutoff, state, first);
+        else
+            walkWide<false, false>(rays, sheets, cutoff, state, first);
+    }
+}
+
+HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const float* plane, int width, int height,
+                                  const SampleLayout& layout, float* samples) {
+    const int floats = layout.floats();
     for (int k = 0; k < kTileSize; ++k) {
         const float u = std::clamp(rays.u[k] + at[k] * rays.stepU[k], 0.0f, static_cast<float>(width - 2));
         const float v = std::clamp(rays.v[k] + at[k] * rays.stepV[k], 0.0f, static_cast<float>(height - 2));
         const float column = std::floor(u), row = std::floor(v);
         const float* texel =
-            plane + 4 * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
-        store4(bilinear(texel, std::ptrdiff_t{4} * width, u - column, v - row), samples + 4 * k);
+            plane + floats * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
+        for (int q = 0; q < layout.quads(); ++q)
+            store4(bilinear(texel + 4 * q, static_cast<std::ptrdiff_t>(floats) * width, floats, u - column, v - row),
+                   samples + floats * k + 4 * q);
     }
 }
 
-HWY_ATTR void compositeSamplesOnTarget(const float* samples, const float* part, bool frontToBack, float* states) {
-    for (int k = 0; k < kTileSize; ++k) {
-        auto sample = load4(samples + 4 * k);
-        if (part && part[k] < 1) {
-            // A part f of the sheet has tau f: opacity 1 - (1 - alpha)^f, and radiance in proportion to it.
-            const float alpha = std::clamp(-samples[4 * k + 3], 0.0f, 1.0f);
-            const float shown = alpha < 1 ? -std::expm1(part[k] * std::log1p(-alpha)) : (part[k] > 0 ? 1.0f : 0.0f);
-            const float ratio = alpha > 1e-20f ? shown / alpha : part[k];
-            sample = times(sample, ratio);
-        }
-        const auto state = load4(states + 4 * k);
-        store4(frontToBack ? before(state, sample) : behind(state, sample), states + 4 * k);
+// A part f of the sheet has tau f: opacity 1 - (1 - alpha)^f. What share of the opacity -hides that is.
+float shownShare(float hides, float part) {
+    const float alpha = std::clamp(-hides, 0.0f, 1.0f);
+    if (alpha <= 1e-20f) return part;
+    const float shown = alpha < 1 ? -std::expm1(part * std::log1p(-alpha)) : (part > 0 ? 1.0f : 0.0f);
+    return shown / alpha;
+}
+
+// Leaves the part of a sample that is seen: radiance in proportion to its opacity.
+void keepPart(const SampleLayout& layout, float part, const float* from, float* to) {
+    const int last = layout.floats() - 4;
+    for (int c = 0; c < 4; ++c) {
+        const float share = shownShare(from[last + (layout.wide ? c : 3)], part);
+        for (int q = 0; q <= last; q += 4) to[q + c] = from[q + c] * share;
     }
+}
+
+template <bool kFrontToBack>
+HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* states, const FirstDepth* first) {
+    const int floats = sheet.layout.floats(), quads = sheet.layout.quads();
+    std::array<float, 4 * 256> kept;
+    for (int k = 0; k < kTileSize; ++k) {
+        const float* sample = sheet.samples + floats * k;
+        if (sheet.part && sheet.part[k] < 1) {
+            keepPart(sheet.layout, sheet.part[k], sample, kept.data());
+            sample = kept.data();
+        }
+        float* state = states + floats * k;
+        if (sheet.layout.wide) {
+            const V4 hides = addWide<kFrontToBack>(quads, [&](int q) HWY_ATTR { return load4(sample + 4 * q); }, state);
+            if (first)
+                noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
+        } else {
+            store4(kFrontToBack ? before(load4(state), load4(sample)) : behind(load4(state), load4(sample)), state);
+        }
+    }
+}
+
+HWY_ATTR void compositeSamplesOnTarget(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* states,
+                                       const FirstDepth* first) {
+    if (frontToBack)
+        addSamples<true>(rays, sheet, states, first);
+    else
+        addSamples<false>(rays, sheet, states, first);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -196,23 +312,26 @@ namespace scrim {
 
 HWY_EXPORT(fillRaysOnTarget);
 HWY_EXPORT(compositeTileOnTarget);
-HWY_EXPORT(sampleRgbaOnTarget);
+HWY_EXPORT(samplePlaneOnTarget);
 HWY_EXPORT(compositeSamplesOnTarget);
 
 void fillRays(const RayRow& row, int j, RayTile& tile) {
     HWY_DYNAMIC_DISPATCH(fillRaysOnTarget)(row, j, tile);
 }
 
-void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state) {
-    HWY_DYNAMIC_DISPATCH(compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state);
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
+                   const FirstDepth* first) {
+    HWY_DYNAMIC_DISPATCH(compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
 }
 
-void sampleRgba(const RayTile& rays, const float* at, const float* plane, int width, int height, float* samples) {
-    HWY_DYNAMIC_DISPATCH(sampleRgbaOnTarget)(rays, at, plane, width, height, samples);
+void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
+                 const SampleLayout& layout, float* samples) {
+    HWY_DYNAMIC_DISPATCH(samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
 }
 
-void compositeSamples(const float* samples, const float* part, bool frontToBack, float* state) {
-    HWY_DYNAMIC_DISPATCH(compositeSamplesOnTarget)(samples, part, frontToBack, state);
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
+                      const FirstDepth* first) {
+    HWY_DYNAMIC_DISPATCH(compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
 }
 
 }  // namespace scrim

@@ -3,10 +3,12 @@
 //
 // A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is
 // state += (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
-// transmittance is what is kept: where a volume is thin, 1 - T would lose it.
+// transmittance is what is kept: where a volume is thin, 1 - T would lose it. In the wide layout (sample_layout.h) the
+// same holds of every quad under the quad of opacities; the arithmetic of a channel is the same.
 #pragma once
 
 #include <scrim/geometry/sheets.h>
+#include <scrim/shade/sample_layout.h>
 
 #include <cstddef>
 
@@ -19,6 +21,15 @@ struct RayTile {
     alignas(64) float stepU[kTileSize];
     alignas(64) float stepV[kTileSize];
     alignas(64) float startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
+    alignas(64) float depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
+    alignas(64) float stepDepth[kTileSize];
+};
+
+/// Looks for the first thing that a ray shows: the depth of its first sheet (the last to come, back to front) of more
+/// opacity than `kVisible`. In the wide layout only.
+struct FirstDepth {
+    static constexpr float kVisible = 1e-3f;
+    float* depth;  ///< of 256 pixels; 0: nothing yet
 };
 
 /// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
@@ -37,16 +48,27 @@ struct SheetList {
     const float* steps;          ///< its place in the batch: planes from the batch's first
     int count;
     int width, height;  ///< of the planes, texels
+    SampleLayout layout = {};
 };
 
-/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops.
-void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state);
+/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `first`: null
+/// where nobody asks.
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
+                   const FirstDepth* first = nullptr);
 
-/// Composites 256 shaded samples of one sheet (S, -alpha interleaved), each with the part in [0, 1] of the sheet
-/// that lies before the eye (nullptr: all of it).
-void compositeSamples(const float* samples, const float* part, bool frontToBack, float* state);
+/// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the part in [0, 1] of the sheet that
+/// lies before the eye (nullptr: all of it).
+struct SheetSamples {
+    const float* samples;
+    const float* part;
+    const float* at = nullptr;  ///< read where the first depth is looked for
+    SampleLayout layout = {};
+};
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
+                      const FirstDepth* first = nullptr);
 
-/// Samples one RGBA plane at the rays' positions `at[k]` planes from the batch's first.
-void sampleRgba(const RayTile& rays, const float* at, const float* plane, int width, int height, float* samples);
+/// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
+void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
+                 const SampleLayout& layout, float* samples);
 
 }  // namespace scrim

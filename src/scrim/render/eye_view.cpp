@@ -91,6 +91,13 @@ SampleSpacing EyeView::pixelSpacing(double middle) const {
     return spacing;
 }
 
+// The last row of the inverse tells how far along a ray, and so how deep, a point lies.
+void EyeView::setDepth(double middle, SampleTile& samples) const {
+    samples.depth = static_cast<float>((m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0)).z);
+    samples.depthU = static_cast<float>(m_rasterFromOffset[0].z);
+    samples.depthV = static_cast<float>(m_rasterFromOffset[1].z);
+}
+
 std::optional<EyeView::Box> EyeView::seenBy(double u0, double v0, double u1, double v1, double middle) const {
     Box box{1e30, 1e30, -1e30, -1e30};
     for (const double u : {u0, u1})

@@ -41,6 +41,9 @@ class EyeView {
     /// How far apart pixels are on the plane N = `middle`, by the position of a sample there.
     SampleSpacing pixelSpacing(double middle) const;
 
+    /// Writes to `samples` how deep positions on the plane N = `middle` lie.
+    void setDepth(double middle, SampleTile& samples) const;
+
     /// The pixels whose rays may pass through texels [u0, u1] x [v0, v1] of the plane N = `middle`: a closed
     /// box of raster positions, or nothing where no bound is known (next to the eye and behind it).
     struct Box {

@@ -19,6 +19,17 @@ int blockBegin(int sheet) {
     return sheet / kBlock * kBlock;
 }
 
+// Room for a tile's samples, kept by each thread.
+float* sampleScratch(const SampleLayout& layout) {
+    struct alignas(64) Line {
+        float values[16];
+    };
+    thread_local std::vector<Line> scratch;
+    const auto lines = static_cast<std::size_t>(layout.floats() * kTileSize / 16);
+    if (scratch.size() < lines) scratch.resize(lines);
+    return scratch.front().values;
+}
+
 }  // namespace
 
 // A tile's rays, and what they meet in a batch.
@@ -110,9 +121,12 @@ void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float
 
 }  // namespace
 
-std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
+EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
     float* states = m_tiles.states(tile);
+    const SampleLayout& layout = m_tiles.layout();
+    const auto depth = firstDepth(tile);
+    const FirstDepth* first = depth ? &*depth : nullptr;
     std::array<const float*, kBlock> planes;
     std::array<float, kBlock> steps{};
     int listed = 0;
@@ -120,8 +134,8 @@ std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const Plane
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
         if (listed == 0) return;
-        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height()}, m_frontToBack,
-                      mayStop ? m_cutoff : 0.0f, states);
+        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout},
+                      m_frontToBack, mayStop ? m_cutoff : 0.0f, states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
     };
@@ -137,25 +151,29 @@ std::uint64_t EyeWalk::compositeTexels(int tile, const Range& range, const Plane
                 break;
             case Before::part: {
                 flush();
-                alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
+                alignas(64) float part[kTileSize], at[kTileSize];
+                float* samples = sampleScratch(layout);
                 cutSlab(walk.rays, step, m_frontToBack, part, at);
-                sampleRgba(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), samples);
-                compositeSamples(samples, part, m_frontToBack, states);
+                samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples);
+                compositeSamples(walk.rays, {samples, part, at, layout}, m_frontToBack, states, first);
                 walked += kTileSize;
             }
         }
     }
     flush();
-    return walked;
+    return {walked, {}};
 }
 
 // Shades where the tile's rays meet each plane: shade(plane, points, samples).
 template <class Shade>
-std::uint64_t EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
+EyeWalk::Work EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
     float* states = m_tiles.states(tile);
-    std::uint64_t walked = 0;
+    const SampleLayout& layout = m_tiles.layout();
+    const auto depth = firstDepth(tile);
+    Work work;
     SampleTile points;
-    alignas(64) float part[kTileSize], at[kTileSize], samples[4 * kTileSize];
+    alignas(64) float part[kTileSize], at[kTileSize];
+    float* samples = sampleScratch(layout);
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[static_cast<std::size_t>(i)];
         const int step = p + walk.firstStep;
@@ -173,18 +191,26 @@ std::uint64_t EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetSha
             points.eyeA[k] = walk.rays.stepU[k] * toSlope;
             points.eyeB[k] = walk.rays.stepV[k] * toSlope;
         }
-        shade(p, points, samples);
-        compositeSamples(samples, seen == Before::part ? part : nullptr, m_frontToBack, states);
-        walked += kTileSize;
+        m_eye.setDepth(walk.block + step + 0.5, points);
+        work.shade += shade(p, points, samples);
+        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout}, m_frontToBack, states,
+                         depth ? &*depth : nullptr);
+        work.pixelSheets += kTileSize;
     }
-    return walked;
+    return work;
+}
+
+std::optional<FirstDepth> EyeWalk::firstDepth(int tile) {
+    if (!m_tiles.keepsDepth()) return std::nullopt;
+    return FirstDepth{m_tiles.depths(tile)};
 }
 
 void EyeWalk::markIfOpaque(int tile) {
     if (!m_frontToBack) return;
     const float* states = m_tiles.states(tile);
+    const int floats = m_tiles.layout().floats();  // the last of which is the least opacity
     for (int k = 0; k < kTileSize; ++k)
-        if (1 + states[4 * k + 3] >= m_cutoff) return;
+        if (1 + states[floats * k + floats - 1] >= m_cutoff) return;
     m_tiles.setOpaque(tile);
 }
 
@@ -205,7 +231,7 @@ ImageTiles::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& 
 }
 
 template <class BoxOf, class Walk>
-std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
+EyeWalk::Work EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
     struct Part {
         Range range;
         ImageTiles::TileBox box;
@@ -219,7 +245,7 @@ std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxO
         parts.push_back({range, boxOf(range), firstSheet + last == blockEnd});
         p = last;
     }
-    std::vector<std::uint64_t> walked(static_cast<std::size_t>(m_tiles.count()));
+    std::vector<Work> walked(static_cast<std::size_t>(m_tiles.tilesY()));
     parallelFor(static_cast<std::size_t>(m_tiles.tilesY()), [&](std::size_t row) {
         const int ty = static_cast<int>(row);
         for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
@@ -227,33 +253,33 @@ std::uint64_t EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxO
             for (const Part& part : parts) {
                 if (m_tiles.opaque(tile)) break;
                 if (tx >= part.box.x0 && tx <= part.box.x1 && ty >= part.box.y0 && ty <= part.box.y1)
-                    walked[static_cast<std::size_t>(tile)] += walk(tile, part.range);
+                    walked[row] += walk(tile, part.range);
                 if (part.endsBlock) markIfOpaque(tile);
             }
         }
     });
-    std::uint64_t sum = 0;
-    for (const std::uint64_t w : walked) sum += w;
+    Work sum;
+    for (const Work& w : walked) sum += w;
     return sum;
 }
 
-std::uint64_t EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
+EyeWalk::Work EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
     return forOpenTiles(
         firstSheet, count, [&](const Range& range) { return tilesThatSee(range, shaded); },
         [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
-std::uint64_t EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& extinction,
+EyeWalk::Work EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& covered,
                                      const SheetShader& shader) {
     return forOpenTiles(
-        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, extinction); },
+        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
         [&](int tile, const Range& range) {
-            return shadeAlong(enter(tile, range, extinction), tile, shader,
-                              [&](int p, const SampleTile& points, float* out) { shader.shadePoints(p, points, out); });
+            return shadeAlong(enter(tile, range, covered), tile, shader,
+                              [&](int p, const SampleTile& points, float* out) { return shader.shadePoints(p, points, out); });
         });
 }
 
-std::uint64_t EyeWalk::throughCells(int firstSheet, int count, const PlaneStack& extinction, int guardTiles,
+EyeWalk::Work EyeWalk::throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
                                     const SheetShader& shader) {
     return forOpenTiles(
         firstSheet, count,
@@ -263,8 +289,8 @@ std::uint64_t EyeWalk::throughCells(int firstSheet, int count, const PlaneStack&
         [&](int tile, const Range& range) {
             const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
             return shadeAlong(
-                enterCells(tile, range, extinction, guardTiles), tile, shader,
-                [&](int p, const SampleTile& points, float* out) { shader.shadeCells(p, points, tx, ty, out); });
+                enterCells(tile, range, covered, guardTiles), tile, shader,
+                [&](int p, const SampleTile& points, float* out) { return shader.shadeCells(p, points, tx, ty, out); });
         });
 }
 

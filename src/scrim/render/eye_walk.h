@@ -9,6 +9,7 @@
 #include <scrim/splat/plane_stack.h>
 
 #include <cstdint>
+#include <optional>
 
 namespace scrim {
 
@@ -17,17 +18,27 @@ class EyeWalk {
     EyeWalk(const EyeView& eye, ImageTiles& tiles, bool frontToBack, float cutoff)
         : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
 
-    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. Returns the number of
-    /// pixel and sheet pairs.
-    std::uint64_t throughTexels(int firstSheet, int count, const PlaneStack& shaded);
+    /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
+    struct Work {
+        std::uint64_t pixelSheets = 0;
+        ShadeWork shade;
 
-    /// Shades where the pixels' rays meet the sheets, and composites that. Returns the number of samples.
-    std::uint64_t throughPixels(int firstSheet, int count, const PlaneStack& extinction, const SheetShader& shader);
+        Work& operator+=(const Work& other) {
+            pixelSheets += other.pixelSheets;
+            shade += other.shade;
+            return *this;
+        }
+    };
 
-    /// The same where every pixel has cells of its own (per-view splatting): `extinction` is of the eye's raster, which
+    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p.
+    Work throughTexels(int firstSheet, int count, const PlaneStack& shaded);
+
+    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the tiles where anything is.
+    Work throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader);
+
+    /// The same where every pixel has cells of its own (per-view splatting): `covered` is of the eye's raster, which
     /// has `guardTiles` tiles around the picture.
-    std::uint64_t throughCells(int firstSheet, int count, const PlaneStack& extinction, int guardTiles,
-                               const SheetShader& shader);
+    Work throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles, const SheetShader& shader);
 
     /// Are all pixels opaque? Only ever so front to back.
     bool allOpaque() const;
@@ -40,14 +51,15 @@ class EyeWalk {
         int lastPlane;
     };
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
-    std::uint64_t compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
     template <class Shade>
-    std::uint64_t shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
+    Work shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const;
     template <class BoxOf, class Walk>
-    std::uint64_t forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
+    Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
     ImageTiles::TileBox tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void markIfOpaque(int tile);
+    std::optional<FirstDepth> firstDepth(int tile);
 
     const EyeView& m_eye;
     ImageTiles& m_tiles;

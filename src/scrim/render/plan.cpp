@@ -3,12 +3,12 @@
 
 #include <scrim/base/error.h>
 #include <scrim/light/view_shadow.h>
+#include <scrim/render/batch_fields.h>
 #include <scrim/render/eye_view.h>
 #include <scrim/render/light_raster.h>
 #include <scrim/render/shading_place.h>
 #include <scrim/render/view_rasters.h>
 #include <scrim/render/volume_planes.h>
-#include <scrim/splat/footprint_table.h>
 #include <scrim/splat/plane_stack.h>
 
 #include <algorithm>
@@ -55,37 +55,28 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
     return sheets;
 }
 
-// All volumes' sheets and tables in one raster.
-std::size_t fieldBytes(const ViewScene& scene, const Sheets& sheets, const ViewRaster& raster, int batch) {
-    const auto planes = [&](int count) { return PlaneStack::bytes(count, raster.width, raster.height, 1); };
-    std::size_t fields = 0, bytes = 0;
-    for (const ViewVolume& volume : scene.volumes) {
-        if (volume.field->empty()) continue;
-        ++fields;
-        const int halo = VolumePlanes::halo(volume, sheets);
-        bytes += planes(batch + 2 * halo) + (volume.classified ? planes(batch) : 0) + volume.field->blockCount() * 8;
-        if (!raster.parallel) continue;  // one small table
-        const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
-        const FootprintSteps steps = footprintSteps(rsFromIs, VolumePlanes::footprintStepsOf(volume, scene.dials));
-        bytes += FootprintTable::bytes(scene.dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintLookup::sloped);
-    }
-    return bytes + (fields > 1 ? planes(batch) : 0);
+SheetsFor eyeOf(const GroupPlan& group) {
+    return group.primary > 0 ? SheetsFor::primaryEye : SheetsFor::eye;
 }
 
-std::size_t groupBytes(const ViewScene& scene, const GroupPlan& group, bool perView, bool shadeAtPixels, int batch) {
+std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan& group, int batch) {
     const Sheets& s = group.sheets;
-    std::size_t bytes = fieldBytes(scene, s, perView ? group.eyeRaster : sharedRaster(s), batch) +
-                        (shadeAtPixels ? 0 : PlaneStack::bytes(batch, s.width, s.height, 4));
+    const ViewRaster raster = plan.perView ? group.eyeRaster : sharedRaster(s);
+    std::size_t bytes = BatchFields::bytes(scene, plan.extinction, s, raster, batch, eyeOf(group)) +
+                        (plan.shadeAtPixels ? 0 : PlaneStack::bytes(batch, s.width, s.height, group.layout.floats()));
+    const auto rows = static_cast<std::size_t>(plan.extinction.count());
     for (const LightPlan& light : group.lights)
-        if (light.shadowed)
-            bytes += perView ? ViewShadow::bytes(light.raster, batch) + fieldBytes(scene, s, light.raster, batch)
-                             : ShadowBuffer::bytes(light.view, s, batch);
+        if (light.shadowed && plan.perView)
+            bytes += rows * ViewShadow::bytes(light.raster, batch) +
+                     BatchFields::bytes(scene, plan.extinction, s, light.raster, batch, SheetsFor::light);
+        else if (light.shadowed)
+            bytes += rows * ShadowBuffer::bytes(light.view, s, batch);
     return bytes;
 }
 
 // Sheets a batch: enough for every thread to have some, few enough to stay in memory.
 void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, const Plan& plan, GroupPlan& group) {
-    const auto bytesFor = [&](int batch) { return groupBytes(scene, group, plan.perView, plan.shadeAtPixels, batch); };
+    const auto bytesFor = [&](int batch) { return groupBytes(scene, plan, group, batch); };
     const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
     const std::size_t budget = std::min(
         kComfortableBytes,
@@ -102,7 +93,11 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
 
 void estimateWork(const ViewScene& scene, Plan& plan) {
     double voxels = 0;
-    for (const ViewVolume& volume : scene.volumes) voxels += static_cast<double>(volume.field->activeVoxels);
+    for (const ViewVolume& volume : scene.volumes) {
+        voxels += static_cast<double>(volume.field->activeVoxels);
+        for (const ViewField& scatter : volume.scatter) voxels += static_cast<double>(scatter.field->activeVoxels);
+        for (const ViewEmission& e : volume.emission) voxels += static_cast<double>(e.field.field->activeVoxels);
+    }
     const double pixels = double(plan.region.width()) * plan.region.height();
     for (const GroupPlan& group : plan.groups) {
         const double texels = double(group.sheets.width) * group.sheets.height * group.sheets.count;
@@ -116,6 +111,37 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     }
 }
 
+bool wants(const ViewScene& scene, Layer layer) {
+    return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
+}
+
+// Which pictures a group composites: what it has no part in costs nothing.
+void choosePictures(const ViewScene& scene, const Plan& plan, GroupPlan& group) {
+    const auto add = [&](Layer layer, int light = -1) {
+        group.pictures.push_back({layer, light});
+        return static_cast<int>(group.pictures.size());
+    };
+    const bool primary = group.primary > 0;
+    if (wants(scene, Layer::light))
+        for (LightPlan& light : group.lights) {
+            const auto known = std::find_if(group.pictures.begin(), group.pictures.end(),
+                                            [&](const PicturePlan& p) { return p.light == light.light; });
+            light.picture = known == group.pictures.end() ? add(Layer::light, light.light)
+                                                          : static_cast<int>(known - group.pictures.begin()) + 1;
+        }
+    if (primary && wants(scene, Layer::ambient) && scene.ambient != Rgb(0)) group.targets.ambient = add(Layer::ambient);
+    if (primary && wants(scene, Layer::emission)) group.targets.emission = add(Layer::emission);
+    group.targets.addends = static_cast<int>(group.pictures.size()) + 1;
+    if (primary && wants(scene, Layer::albedo)) group.targets.albedo = add(Layer::albedo);
+    if (primary && wants(scene, Layer::depth)) group.targets.depth = add(Layer::depth);
+    group.layout.pictures = static_cast<int>(group.pictures.size()) + 1;
+    group.layout.wide = plan.extinction.coloured || group.layout.pictures > 1;
+    constexpr int kMostPictures = 250;
+    if (group.layout.pictures > kMostPictures)
+        throw Error(ErrorKind::usage, fmt::format("{} layers are asked for; at most {} can be rendered at once",
+                                                  group.layout.pictures - 1, kMostPictures - 1));
+}
+
 GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
                     LightGroup& group) {
     GroupPlan g;
@@ -126,6 +152,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
     g.sheets = sheetsAround(scene, corners, group, plan.voxel);
     for (LightPart& light : group.parts)
         g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
+    choosePictures(scene, plan, g);
     if (plan.perView) {
         const int n = scene.dials.antialias;
         const Camera camera = supersampled(scene.camera, n);
@@ -142,6 +169,7 @@ Plan makePlan(const ViewScene& scene, int threads) {
     plan.voxel = voxelUnit(scene);
     plan.region = supersampled(scene.region, scene.dials.antialias);
     plan.perView = scene.dials.splat == SplatMode::perView;
+    plan.extinction = extinctionRows(scene);
     const std::vector<Vec3> corners = wsCorners(scene);
     if (corners.empty()) return plan;
     for (const Light& light : scene.lights)
@@ -162,9 +190,15 @@ Plan makePlan(const ViewScene& scene, int threads) {
 
     const std::size_t pixels = static_cast<std::size_t>(roundUpToTile(plan.region.width())) *
                                static_cast<std::size_t>(roundUpToTile(plan.region.height()));
-    const std::size_t frameBytes = pixels * 4 * sizeof(float) * (plan.groups.size() > 1 ? 2 : 1) +
+    std::size_t floats = 4;
+    for (const GroupPlan& group : plan.groups)
+        floats = std::max(floats, static_cast<std::size_t>(group.layout.floats() + (group.targets.depth > 0 ? 1 : 0)));
+    const std::size_t layers =
+        scene.layers.size() + (wants(scene, Layer::light) ? scene.lights.size() : std::size_t{0});
+    const std::size_t frameBytes = pixels * floats * sizeof(float) +
                                    static_cast<std::size_t>(scene.region.width()) *
-                                       static_cast<std::size_t>(scene.region.height()) * 4 * sizeof(float);
+                                       static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
+                                       sizeof(float);
     plan.bytes = frameBytes;
     for (GroupPlan& group : plan.groups) {
         chooseBatch(scene, threads, frameBytes, plan, group);

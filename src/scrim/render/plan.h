@@ -6,8 +6,10 @@
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/view_raster.h>
 #include <scrim/light/light_view.h>
+#include <scrim/render/extinction_rows.h>
 #include <scrim/render/grouping.h>
 #include <scrim/render/view_scene.h>
+#include <scrim/shade/shade_tile.h>
 
 #include <cstddef>
 #include <string>
@@ -23,6 +25,13 @@ struct LightPlan {
     int window = 0;
     double share = 1;   ///< of the light's intensity
     ViewRaster raster;  ///< per-view splatting: of the light's own sheets
+    int picture = 0;    ///< of the group's: where its light goes
+};
+
+/// One of the pictures that a group composites.
+struct PicturePlan {
+    Layer layer;
+    int light = -1;  ///< of a light's: index into ViewScene::lights
 };
 
 struct GroupPlan {
@@ -33,6 +42,9 @@ struct GroupPlan {
     Sheets sheets;
     int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
+    std::vector<PicturePlan> pictures;  ///< beside the beauty: only what this group contributes to
+    SampleLayout layout;
+    PictureTargets targets;
     ViewRaster eyeRaster;   ///< per-view splatting: of the eye's own sheets
     int guardTiles = 0;     ///< of them around the picture
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
@@ -53,6 +65,7 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 
 struct Plan {
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
+    ExtinctionRows extinction;
     bool perView = false;           ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;

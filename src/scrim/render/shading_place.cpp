@@ -41,7 +41,7 @@ constexpr double kDenseSheet = 0.4;
 std::string denseMedium(const ViewScene& scene, const Plan& plan) {
     for (const ViewVolume& volume : scene.volumes) {
         const double tau =
-            volume.field->maxValue * volume.medium.densityScale * plan.groups.front().sheets.thickness;
+            volume.field->maxValue * volume.medium.mostExtinction() * plan.groups.front().sheets.thickness;
         if (!volume.classified && tau > kDenseSheet)
             return fmt::format("volume {} reaches an optical depth of {:.2g} a sheet, more than texels resolve",
                                volume.name, tau);

@@ -13,38 +13,50 @@ namespace scrim {
 
 class SheetShader {
   public:
-    SheetShader(const ViewScene& scene, const GroupPlan& group, const BatchFields& fields, const BatchLights& lights,
-                const EyeView& eye);
+    SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const BatchFields& fields,
+                const BatchLights& lights, const EyeView& eye);
 
-    /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`: 256 x (S, -alpha).
-    void shadeTexels(int p, int sheet, int tx, int ty, float* out) const;
+    /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the group's layout.
+    ShadeWork shadeTexels(int p, int sheet, int tx, int ty, float* out) const;
 
     /// Texels a sheet times this is a slope, du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
 
     /// Shades arbitrary positions on plane p; `samples` are filled in by the caller.
-    void shadePoints(int p, const SampleTile& samples, float* out) const;
+    ShadeWork shadePoints(int p, const SampleTile& samples, float* out) const;
 
     /// Shades the cells of tile (tx, ty) of the eye's own raster (per-view splatting); `samples` say where on the plane
     /// they are.
-    void shadeCells(int p, const SampleTile& samples, int tx, int ty, float* out) const;
+    ShadeWork shadeCells(int p, const SampleTile& samples, int tx, int ty, float* out) const;
 
   private:
-    struct Gathered;
-    void copyTile(const PlaneStack& planes, int p, int tx, int ty, float* to) const;
-    void lookUpShadows(int p, const SampleTile& samples, Gathered& rows) const;
-    bool classify(int p, const SampleTile& at, int tx, int ty, Gathered& rows) const;
-    void shade(int p, const SampleTile& samples, const Gathered& rows, float* out) const;
+    struct Medium {
+        int volume;    // of m_fields
+        bool grid;     // its albedo is one
+        SheetMedium look;
+    };
+    struct Surface {
+        int volume;
+        SheetSurface look;
+    };
+    struct Rows;
+    template <class Read>
+    void gather(const Read& read, Rows& rows) const;
+    void lookUpShadows(int p, const SampleTile& samples, Rows& rows) const;
+    bool classify(int p, const SampleTile& at, int tx, int ty, Rows& rows, ShadeWork& work) const;
+    ShadeWork shade(int p, const SampleTile& samples, Rows& rows, float* out) const;
 
+    const Plan& m_plan;
     const GroupPlan& m_group;
     const BatchFields& m_fields;
     const BatchLights& m_lights;
     const EyeView& m_eye;
+    bool m_alone;  // one medium has all the extinction there is
     float m_ambient[3];
-    // Of each kind of volume: which it is, and what it looks like, without what differs from sample to sample.
-    std::vector<int> m_mediumVolumes, m_surfaceVolumes;
-    std::vector<SheetMedium> m_media;
-    std::vector<SheetSurface> m_surfaces;
+    float m_emitting;  // the group's share of emission
+    // What volumes look like, without what differs from sample to sample.
+    std::vector<Medium> m_media;
+    std::vector<Surface> m_surfaces;
 };
 
 }  // namespace scrim

@@ -28,33 +28,33 @@ class Stopwatch {
 };
 
 // Stage 4 at texels: shades the active tiles of a batch that an open pixel may see.
-std::uint64_t shadeBatch(const SheetShader& shader, const EyeView& eye, const ImageTiles& tiles,
-                         const PlaneStack& extinction, int firstSheet, int count, PlaneStack& shaded) {
+ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const ImageTiles& tiles, const PlaneStack& covered,
+                     int firstSheet, int count, PlaneStack& shaded) {
     const int tilesY = shaded.tilesY();
+    const int floats = shaded.channels();
     for (int p = 0; p < count; ++p) shaded.begin(p);
-    std::vector<std::uint64_t> texels(static_cast<std::size_t>(count * tilesY));
-    parallelFor(texels.size(), [&](std::size_t task) {
+    std::vector<ShadeWork> work(static_cast<std::size_t>(count * tilesY));
+    parallelFor(work.size(), [&](std::size_t task) {
         const int p = static_cast<int>(task) / tilesY, ty = static_cast<int>(task) % tilesY;
         const int sheet = firstSheet + p;
-        alignas(64) float out[4 * kTileSize];
+        std::vector<float> out(static_cast<std::size_t>(floats * kTileSize));
         for (int tx = 0; tx < shaded.tilesX(); ++tx) {
-            if (!extinction.active(p, tx, ty)) continue;
+            if (!covered.active(p, tx, ty)) continue;
             // A texel serves bilinear look-ups up to one texel around it.
             const auto seen = eye.seenBy(tx * kTileEdge - 1, ty * kTileEdge - 1, (tx + 1) * kTileEdge,
                                          (ty + 1) * kTileEdge, sheet + 0.5);
             if (seen && !tiles.anyOpen(seen->x0, seen->y0, seen->x1, seen->y1)) continue;
-            shader.shadeTexels(p, sheet, tx, ty, out);
+            work[task] += shader.shadeTexels(p, sheet, tx, ty, out.data());
             shaded.replace(p, tx, ty);
-            float* row =
-                shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() + tx * kTileEdge * 4;
+            float* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
+                         tx * kTileEdge * floats;
             for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
-                std::copy_n(out + y * kTileEdge * 4, kTileEdge * 4, row);
-            texels[task] += kTileSize;
+                std::copy_n(out.data() + y * kTileEdge * floats, kTileEdge * floats, row);
         }
         shaded.finishRow(p, ty);
     });
-    std::uint64_t sum = 0;
-    for (const std::uint64_t t : texels) sum += t;
+    ShadeWork sum;
+    for (const ShadeWork& w : work) sum += w;
     return sum;
 }
 
@@ -76,18 +76,14 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
     Stopwatch watch;
     const Sheets& sheets = group.sheets;
     const EyeView eye(camera, sheets);
-    BatchFields fields(scene, sheets, plan.perView ? group.eyeRaster : sharedRaster(sheets), group.batchSheets,
-                       plan.voxel);
+    BatchFields fields(scene, plan.extinction, sheets, plan.perView ? group.eyeRaster : sharedRaster(sheets),
+                       group.batchSheets, plan.voxel, group.primary > 0 ? SheetsFor::primaryEye : SheetsFor::eye);
     BatchLights lights(scene, plan, group);
-    const SheetShader shader(scene, group, fields, lights, eye);
+    const SheetShader shader(scene, plan, group, fields, lights, eye);
     EyeWalk walk(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));
     std::optional<PlaneStack> shaded;
-    if (!plan.shadeAtPixels) shaded.emplace(group.batchSheets, sheets.width, sheets.height, 4);
+    if (!plan.shadeAtPixels) shaded.emplace(group.batchSheets, sheets.width, sheets.height, group.layout.floats());
     const TileCull cull = plan.perView && group.sameSide ? occlusionMap(tiles, group.guardTiles) : TileCull{};
-    const auto slides =
-        static_cast<std::uint64_t>(std::count_if(group.lights.begin(), group.lights.end(), [&](const LightPlan& light) {
-            return scene.lights[static_cast<std::size_t>(light.light)].slide.has_value();
-        }));
     work.voxelsFed += fields.voxels();
     times.prepare += watch.lap();
 
@@ -97,35 +93,38 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
         work.footprints += fields.splat(first, count, cull).footprints;
         times.splat += watch.lap();
 
-        const BatchLights::Work light = lights.attenuate(first, count, fields.extinction());
+        const BatchLights::Work light = lights.attenuate(first, count, fields);
         work.lightSamples += light.samples;
         work.footprints += light.footprints;
         times.attenuate += watch.lap();
 
+        EyeWalk::Work seen;
         if (shaded) {
-            const std::uint64_t texels = shadeBatch(shader, eye, tiles, fields.extinction(), first, count, *shaded);
-            work.texelsShaded += texels;
-            work.lightLookups += texels * group.lights.size();
-            work.slideLookups += texels * slides;
+            const ShadeWork texels = shadeBatch(shader, eye, tiles, fields.covered(), first, count, *shaded);
+            work.shade += texels;
+            work.texelsShaded += texels.samples;
             times.shade += watch.lap();
-            work.pixelSheets += walk.throughTexels(first, count, *shaded);
+            seen = walk.throughTexels(first, count, *shaded);
         } else {
-            const std::uint64_t samples =
-                plan.perView ? walk.throughCells(first, count, fields.extinction(), group.guardTiles, shader)
-                             : walk.throughPixels(first, count, fields.extinction(), shader);
-            work.lightLookups += samples * group.lights.size();
-            work.slideLookups += samples * slides;
-            work.pixelSheets += samples;
+            seen = plan.perView ? walk.throughCells(first, count, fields.covered(), group.guardTiles, shader)
+                                : walk.throughPixels(first, count, fields.covered(), shader);
         }
+        work.shade += seen.shade;
+        work.pixelSheets += seen.pixelSheets;
+        work.layerSamples += seen.pixelSheets * group.pictures.size();
         times.composite += watch.lap();
 
         progress(double(first + count) / sheets.count);
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && walk.allOpaque()) break;
     }
-    work.bufferBytes = std::max<std::uint64_t>(
-        work.bufferBytes, fields.bytes() + lights.bytes() +
-                              (shaded ? PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, 4) : 0));
+    const auto most = [](std::uint64_t& so, std::size_t bytes) { so = std::max<std::uint64_t>(so, bytes); };
+    most(work.bytes.fields, fields.bytes());
+    most(work.bytes.shadows, lights.bytes());
+    if (shaded)
+        most(work.bytes.shaded,
+             PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, group.layout.floats()));
+    most(work.bytes.picture, tiles.bytes());
 }
 
 }  // namespace scrim

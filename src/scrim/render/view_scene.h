@@ -24,10 +24,10 @@ struct ViewField {
     Mat4 wsFromIs{1.0};
 };
 
-/// Radiance per world unit = field value times `colour`.
+/// Radiance per world unit = field value times `color`.
 struct ViewEmission {
     ViewField field;
-    Rgb colour{1};
+    Rgb color{1};
 };
 
 struct ViewVolume {
@@ -55,7 +55,13 @@ struct ViewScene {
     std::size_t memoryLimit = 0;  ///< bytes that buffers may take; 0: no limit
 };
 
-/// World-space corners of all volumes' boxes, kernels included; eight a volume that is not empty.
+/// The fields of a volume that are not empty, each on a lattice of its own: density and emission.
+std::vector<ViewField> fieldsOf(const ViewVolume& volume);
+
+/// World-space corners of a volume's boxes, kernels included; eight a field that is not empty.
+std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
+
+/// World-space corners of all volumes' boxes, kernels included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);
 
 /// The smallest edge of the finest grid, world units: the unit of the dials. 1 where all volumes are empty.

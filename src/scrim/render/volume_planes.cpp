@@ -46,7 +46,7 @@ std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume
                                                         const Sheets& sheets, const ViewRaster& raster, double voxel) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
     const int steps = VolumePlanes::footprintStepsOf(volume, dials);
-    const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.densityScale);
+    const float scale = volume.classified ? 1.0f : static_cast<float>(volume.medium.mostExtinction());
     const float most = mostOf(volume, voxel);
     if (!raster.parallel) return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, steps, scale, most);
     return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, steps, scale, FootprintLookup::sloped,
@@ -171,6 +171,17 @@ std::size_t VolumePlanes::bytes() const {
     const auto planes = [](const PlaneStack& s) { return PlaneStack::bytes(s.planes(), s.width(), s.height(), 1); };
     const std::size_t table = std::visit([](const auto& splatter) { return splatter.table().bytes(); }, m_splatter);
     return table + planes(m_values) + (m_surface ? planes(m_surface->extinction) : 0);
+}
+
+std::size_t VolumePlanes::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets,
+                                const ViewRaster& raster, int batch) {
+    const auto planes = [&](int count) { return PlaneStack::bytes(count, raster.width, raster.height, 1); };
+    const std::size_t sum = planes(batch + 2 * halo(volume, sheets)) + (volume.classified ? planes(batch) : 0) +
+                            volume.field->blockCount() * 8;
+    if (!raster.parallel) return sum;  // one small table
+    const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
+    const FootprintSteps steps = footprintSteps(rsFromIs, footprintStepsOf(volume, dials));
+    return sum + FootprintTable::bytes(dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintLookup::sloped);
 }
 
 }  // namespace scrim

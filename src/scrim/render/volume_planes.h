@@ -47,6 +47,9 @@ class VolumePlanes {
     static int halo(const ViewVolume& volume, const Sheets& sheets);
     double vagueGradient() const { return m_surface->vagueGradient; }
     std::size_t bytes() const;
+    /// An upper estimate beforehand.
+    static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets,
+                             const ViewRaster& raster, int batchSheets);
 
   private:
     struct Surface {

@@ -6,6 +6,8 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/shade/phase.h>
 
+#include <algorithm>
+
 namespace scrim {
 
 /// The look of multiple scattering, after M. Wrenninge, "Oz: the great and volumetric" (2013): octave n adds single
@@ -22,6 +24,13 @@ struct Medium {
     Phase phase = {};
     Rgb extinctionTint{1};  ///< multiplies extinction, in each channel
     Octaves octaves = {};
+
+    /// Extinction per world unit and field value in the channel that has most, and what part of it each channel has.
+    double mostExtinction() const { return densityScale * mostTint(); }
+    Rgb relativeTint() const { return mostTint() > 0 ? extinctionTint / mostTint() : Rgb(1); }
+
+  private:
+    double mostTint() const { return std::max({extinctionTint.x, extinctionTint.y, extinctionTint.z}); }
 };
 
 }  // namespace scrim

@@ -3,12 +3,18 @@
 //
 // The samples may be texels (shared by all views, the default) or the points where pixels' rays meet the sheet.
 // Work is cut into passes over 256 samples that fit the first-level cache; what a light or a volume does not need
-// (distance, cone, slide, phase, shadow) is a pass that is not run, never a test per sample.
+// (distance, cone, slide, phase, shadow, octaves) is a pass that is not run, never a test per sample. Passes are
+// instantiated on the few things that change what a sample is: shadowed or not and from which side, with a slide or
+// not, one extinction or one for each channel, and the kinds of phase functions. They multiply only within a pass
+// (scattering: 2 x 2 x 4 loops), so that a new effect is a new pass and not twice as many of all the others.
 #pragma once
 
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/light/slide_tile.h>
+#include <scrim/shade/medium.h>
+#include <scrim/shade/sample_layout.h>
+#include <scrim/shade/shade_work.h>
 
 #include <vector>
 
@@ -21,6 +27,8 @@ struct SampleTile {
     alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
     alignas(64) float eyeB[kTileSize];
     SampleSpacing spacing;  ///< texels, unless said otherwise
+    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the picture of it.
+    float depth = 0, depthU = 0, depthV = 0;
 };
 
 /// Eye rays in texel space: parallel ones have constant slopes; those from a point meet at `tsEye`.
@@ -53,14 +61,26 @@ struct SheetLight {
     int window = 0;
     float windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
     float intensity[3] = {1, 1, 1};
+    int picture = 0;  ///< of SampleLayout: where what it lights goes; one that adds to the beauty, or the beauty
+    int index = 0;    ///< among the scene's lights
     SheetSlide slide;
 };
 
-/// A volume's part in a sheet.
+/// A medium's part in a sheet.
 struct SheetMedium {
-    const float* extinction;  ///< 256 values, per world unit
-    float albedo[3];
-    float g;  ///< Henyey-Greenstein; 0: isotropic
+    /// 256 values for each channel: scattering coefficient, per world unit, is this times `albedo`. All three are the
+    /// medium's extinction, unless its albedo is a grid.
+    const float* scatter[3];
+    float albedo[3];  ///< times extinction's tint
+    Phase phase;
+    Octaves octaves;
+    const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
+};
+
+/// A part of what a sheet sends out by itself: 256 coefficients times a colour are radiance per world unit.
+struct SheetEmission {
+    const float* coefficient;
+    float color[3];
 };
 
 /// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
@@ -71,25 +91,43 @@ struct SheetSurface {
     const float* weight;       ///< of the normal
     float ambient, diffuse, specular, exponent;
     bool twoSided;
+    const std::vector<bool>* lit = nullptr;  ///< as a medium's
 };
 
-/// Buffers of samples (`extinction`, of media too, and `tauIn`) must be aligned to 64 bytes.
+/// Where what is not a light's goes: pictures of SampleLayout; -1: nowhere, for what is not wanted.
+struct PictureTargets {
+    int ambient = 0, emission = 0;  ///< 0: into the beauty
+    int albedo = -1, depth = -1;
+    int addends = 1;  ///< pictures [1, addends) are parts of the beauty, which is added up from them in the end
+};
+
+/// Buffers of samples (all rows and `pictures`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
-    float texel, thickness;   ///< world units
-    bool sameSide;            ///< eye and light meet the same side of a sheet first (s = +1)
-    const float* extinction;  ///< 256 values: the sum over all volumes, per world unit
+    float texel, thickness;  ///< world units
+    bool sameSide;           ///< eye and light meet the same side of a sheet first (s = +1)
+    /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it is
+    /// the sum over `rows` of a row times its tint, and so is tau at entry.
+    const float* extinction[3];
+    bool coloured;
+    int rows;  ///< 1, where not coloured
+    float tints[3][3];
     const SheetMedium* media;
     int mediumCount;
     const SheetSurface* surfaces;
     int surfaceCount;
+    const SheetEmission* emissions;
+    int emissionCount;
     const SheetLight* lights;
     int lightCount;
-    const float* tauIn;  ///< 256 values a light: tau at entry (read for shadowed lights)
+    const float* tauIn;  ///< `rows` x 256 values a light: tau at entry (read for shadowed lights)
     float ambient[3];    ///< radiance of an unshadowed environment; all 0: none
+    SampleLayout layout;
+    PictureTargets targets;
+    float* pictures;  ///< scratch: 3 x 256 floats for each picture beyond the beauty
 };
 
-/// Writes, for each sample, (radiance S, -opacity) interleaved: 4 x 256 floats.
-void shadeTile(const ShadeInput& input, float* out);
+/// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns what it did.
+ShadeWork shadeTile(const ShadeInput& input, float* out);
 
 }  // namespace scrim

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -20,6 +21,13 @@ constexpr double kEmptyRadius = 4;
 constexpr double kSlidePixels = 0.5;
 constexpr double kMostSlideSteps = 64;
 
+double most(const Rgb& v) {
+    return std::max({v.x, v.y, v.z});
+}
+double least(const Rgb& v) {
+    return std::min({v.x, v.y, v.z});
+}
+
 }  // namespace
 
 Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
@@ -32,13 +40,20 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
     for (const Light& light : scene.lights)
         m_slides.push_back(light.slide ? std::optional(slideMap(light)) : std::nullopt);
     for (const ViewVolume& volume : scene.volumes) {
-        if (volume.field->empty()) continue;
-        const Mat4 isFromWs = glm::inverse(volume.wsFromIs);
-        double longest = 0;
-        for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
-        m_volumes.push_back(
-            {FieldProbe(*volume.field, scene.dials.kernel), isFromWs, &volume, longest * std::sqrt(3.0)});
+        Volume& own = m_volumes.emplace_back();
+        own.look = &volume;
+        if (!volume.field->empty()) own.density.emplace(probeOf({volume.field, volume.wsFromIs}));
+        for (const ViewField& field : volume.scatter) own.scatter.push_back(probeOf(field));
+        for (const ViewEmission& emission : volume.emission)
+            own.emission.push_back({probeOf(emission.field), emission.color});
     }
+}
+
+Reference::Probe Reference::probeOf(const ViewField& field) const {
+    const Mat4 isFromWs = glm::inverse(field.wsFromIs);
+    double longest = 0;
+    for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
+    return {FieldProbe(*field.field, m_scene.dials.kernel), isFromWs, longest * std::sqrt(3.0)};
 }
 
 // The part of a step that the pixels of slides allow: light that varies within a step would be missed.
@@ -55,35 +70,50 @@ double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) 
     return step / std::min(most, kMostSlideSteps);
 }
 
-double Reference::extinction(const Vec3& ws) const {
-    double sum = 0;
+Rgb Reference::extinction(const Vec3& ws) const {
+    Rgb sum(0);
     for (const Volume& v : m_volumes) sum += extinction(v, ws);
     return sum;
 }
 
-double Reference::extinction(const Volume& v, const Vec3& ws) const {
-    const double value = v.probe.value(transformPoint(v.isFromWs, ws));
-    return v.look->classified ? classify(*v.look->classified, value).extinction : v.look->medium.densityScale * value;
+Rgb Reference::extinction(const Volume& v, const Vec3& ws) const {
+    if (!v.density) return Rgb(0);
+    const double value = v.density->value(ws);
+    if (v.look->classified) return Rgb(classify(*v.look->classified, value).extinction);
+    return v.look->medium.densityScale * value * v.look->medium.extinctionTint;
+}
+
+// Scattering coefficient of a medium.
+Rgb Reference::scattering(const Volume& v, const Vec3& ws) const {
+    const Medium& medium = v.look->medium;
+    if (v.scatter.empty()) return extinction(v, ws) * medium.albedo;
+    const Rgb value(v.scatter[0].value(ws), v.scatter[1].value(ws), v.scatter[2].value(ws));
+    return medium.densityScale * value * medium.extinctionTint;
 }
 
 // Central differences over a voxel on either side, along the lattice's axes.
 Vec3 Reference::gradient(const Volume& v, const Vec3& ws) const {
-    const Vec3 is = transformPoint(v.isFromWs, ws);
+    const Vec3 is = transformPoint(v.density->isFromWs, ws);
     Vec3 difference;
     for (int axis = 0; axis < 3; ++axis) {
         Vec3 step(0);
         step[axis] = 1;
-        difference[axis] = v.probe.value(is + step) - v.probe.value(is - step);
+        difference[axis] = v.density->field.value(is + step) - v.density->field.value(is - step);
     }
-    return glm::transpose(Mat3(v.isFromWs)) * (0.5 * difference);
+    return glm::transpose(Mat3(v.density->isFromWs)) * (0.5 * difference);
 }
 
 // A distance within which all fields are 0; 0 where none is known.
 double Reference::emptyDistance(const Vec3& ws) const {
     double distance = kInfinity;
+    const auto isEmpty = [&](const Probe& probe) {
+        distance = std::min(distance, kEmptyRadius / probe.isPerWs);
+        return probe.field.emptyAround(transformPoint(probe.isFromWs, ws), kEmptyRadius);
+    };
     for (const Volume& v : m_volumes) {
-        if (!v.probe.emptyAround(transformPoint(v.isFromWs, ws), kEmptyRadius)) return 0;
-        distance = std::min(distance, kEmptyRadius / v.isPerWs);
+        if (v.density && !isEmpty(*v.density)) return 0;
+        for (const Volume::Emission& e : v.emission)
+            if (!isEmpty(e.probe)) return 0;
     }
     return distance;
 }
@@ -102,14 +132,14 @@ Reference::Span Reference::clip(const Vec3& o, const Vec3& d, double begin, doub
     return {begin, end};
 }
 
-double Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
+Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
     const double length = glm::distance(a, b);
-    if (length == 0 || m_volumes.empty()) return 0;
+    if (length == 0 || m_volumes.empty()) return Rgb(0);
     const Vec3 direction = (b - a) / length;
     const Span span = clip(a, direction, 0, length);
     // Steps of two-point Gauss quadrature, exact for the cubics of a trilinear field within a cell.
     const double gauss = 0.5 / std::sqrt(3.0);
-    double tau = 0;
+    Rgb tau(0);
     for (double t = span.begin; t < span.end;) {
         if (const double empty = emptyDistance(a + t * direction); empty > 0) {
             t += empty;
@@ -117,8 +147,8 @@ double Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
         }
         const double step = std::min(m_step, span.end - t);
         const Vec3 middle = a + (t + 0.5 * step) * direction;
-        const double lower = extinction(middle - gauss * step * direction);
-        const double upper = extinction(middle + gauss * step * direction);
+        const Rgb lower = extinction(middle - gauss * step * direction);
+        const Rgb upper = extinction(middle + gauss * step * direction);
         tau += 0.5 * step * (lower + upper);
         t += step;
     }
@@ -128,7 +158,7 @@ double Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
 // Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
 Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
     const Classified& look = *v.look->classified;
-    const ClassifiedValue value = classify(look, v.probe.value(transformPoint(v.isFromWs, ws)));
+    const ClassifiedValue value = classify(look, v.density->value(ws));
     if (value.extinction == 0) return Rgb(0);
     const Vec3 slope = gradient(v, ws);
     const double length = glm::length(slope);
@@ -138,7 +168,8 @@ Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, con
 }
 
 // Radiance per world unit that one light adds at `ws`.
-Rgb Reference::scatter(const Light& light, const Vec3& ws, const Vec3& eye) const {
+Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const {
+    const Light& light = m_scene.lights[index];
     Vec3 travel = light.wsDirection;
     double irradiance = 1, distance = 0;
     if (light.type != LightType::distant) {
@@ -154,39 +185,47 @@ Rgb Reference::scatter(const Light& light, const Vec3& ws, const Vec3& eye) cons
             irradiance *= t * t * (3 - 2 * t);
         }
     }
-    Rgb scattering(0);
+    Rgb arriving = light.intensity * irradiance;
+    if (light.slide) arriving *= slideValue(light, *m_slides[index], ws);
+    if (arriving == Rgb(0)) return arriving;
+    Rgb tau(0);
+    if (light.shadows)
+        tau = opticalDepth(light.type == LightType::distant
+                               ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel)
+                               : light.wsPosition,
+                           ws);
+    Rgb sum(0);
     for (const Volume& v : m_volumes) {
+        if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;
         if (v.look->classified) {
-            scattering += reflect(v, ws, -travel, -eye);
+            sum += reflect(v, ws, -travel, -eye) * glm::exp(-tau);
             continue;
         }
-        const double phase = phaseValue(v.look->medium.phase, -glm::dot(travel, eye));
-        scattering += extinction(v, ws) * phase * v.look->medium.albedo;
+        const Medium& medium = v.look->medium;
+        const Rgb coefficient = scattering(v, ws);
+        for (int n = 0; n < medium.octaves.count; ++n) {
+            const Phase phase = flattened(medium.phase, std::pow(medium.octaves.phase, n));
+            sum += std::pow(medium.octaves.contribution, n) * phaseValue(phase, -glm::dot(travel, eye)) * coefficient *
+                   glm::exp(-std::pow(medium.octaves.extinction, n) * tau);
+        }
     }
-    Rgb radiance = light.intensity * irradiance * scattering;
-    if (light.slide)
-        radiance *= slideValue(light, *m_slides[static_cast<std::size_t>(&light - m_scene.lights.data())], ws);
-    if (radiance == Rgb(0)) return radiance;
-    if (light.shadows) {
-        const Vec3 from = light.type == LightType::distant
-                              ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel)
-                              : light.wsPosition;
-        radiance *= std::exp(-opticalDepth(from, ws));
-    }
-    return radiance;
+    return arriving * sum;
 }
 
 Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     Sample out;
+    for (const Volume& v : m_volumes)
+        for (const Volume::Emission& e : v.emission) out.source += e.probe.value(ws) * e.color;
     out.extinction = extinction(ws);
-    if (out.extinction == 0) return out;
-    for (const Light& light : m_scene.lights) out.source += scatter(light, ws, eye);
+    if (most(out.extinction) == 0) return out;
+    for (std::size_t i = 0; i < m_scene.lights.size(); ++i) out.source += scatter(i, ws, eye);
     for (const Volume& v : m_volumes) {
+        if (!v.density) continue;
         if (v.look->classified) {
-            const ClassifiedValue value = classify(*v.look->classified, v.probe.value(transformPoint(v.isFromWs, ws)));
+            const ClassifiedValue value = classify(*v.look->classified, v.density->value(ws));
             out.source += value.extinction * v.look->classified->ambient * value.color * m_scene.ambient;
         } else {
-            out.source += extinction(v, ws) * v.look->medium.albedo * m_scene.ambient;
+            out.source += scattering(v, ws) * m_scene.ambient;
         }
     }
     return out;
@@ -203,8 +242,8 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     const Span span = clip(origin, direction, rays.near * depthScale, kInfinity);
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb radiance(0);
-    double tau = 0;
-    for (double t = span.begin; t < span.end && std::exp(-tau) > m_options.leastTransmittance;) {
+    Rgb tau(0);
+    for (double t = span.begin; t < span.end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
         if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
             t += empty;
             continue;
@@ -213,9 +252,9 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         double step = std::min(m_step, span.end - t);
         step = slideStep(origin + t * direction, direction, step);
         for (int halvings = 0; halvings < 40; ++halvings) {
-            const double densest =
-                std::max({extinction(origin + t * direction), extinction(origin + (t + 0.5 * step) * direction),
-                          extinction(origin + (t + step) * direction)});
+            const double densest = std::max({most(extinction(origin + t * direction)),
+                                             most(extinction(origin + (t + 0.5 * step) * direction)),
+                                             most(extinction(origin + (t + step) * direction))});
             if (densest * step <= m_options.mostTau) break;
             step = std::max(0.5 * step, m_options.mostTau / densest);
             if (step * densest <= m_options.mostTau * 1.0001) break;
@@ -224,15 +263,16 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         const double middle = t + 0.5 * step;
         const Sample near = sample(origin + (middle - gauss * step) * direction, direction);
         const Sample far = sample(origin + (middle + gauss * step) * direction, direction);
-        const double stepTau = 0.5 * step * (near.extinction + far.extinction);
+        const Rgb stepTau = 0.5 * step * (near.extinction + far.extinction);
         const double fraction = 0.5 - gauss;
         radiance += 0.5 * step *
-                    (near.source * std::exp(-tau - fraction * step * near.extinction) +
-                     far.source * std::exp(-tau - stepTau + fraction * step * far.extinction));
+                    (near.source * glm::exp(-tau - fraction * step * near.extinction) +
+                     far.source * glm::exp(-tau - stepTau + fraction * step * far.extinction));
         tau += stepTau;
         t += step;
     }
-    return {radiance.x, radiance.y, radiance.z, -std::expm1(-tau)};
+    const double alpha = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
+    return {radiance.x, radiance.y, radiance.z, alpha};
 }
 
 std::array<double, 4> Reference::pixel(int x, int y) const {

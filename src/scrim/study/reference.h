@@ -5,7 +5,7 @@
 
 #include <scrim/light/slide_map.h>
 #include <scrim/render/view_scene.h>
-#include <scrim/study/field_probe.h>
+#include <scrim/splat/field_probe.h>
 
 #include <array>
 #include <optional>
@@ -31,35 +31,48 @@ class Reference {
     /// Mean over the n x n rays of pixel (x, y), n = the scene's antialias dial.
     std::array<double, 4> pixel(int x, int y) const;
 
-    /// Optical depth from `a` to `b`, world space.
-    double opticalDepth(const Vec3& wsA, const Vec3& wsB) const;
+    /// Optical depth from `a` to `b`, world space, of each channel.
+    Rgb opticalDepth(const Vec3& wsA, const Vec3& wsB) const;
 
-    /// In-scattered radiance per world unit of path at `ws` for an eye ray of direction `wsDirection` (unit,
+    /// Radiance per world unit of path at `ws`, scattered and emitted, for an eye ray of direction `wsDirection` (unit,
     /// away from the eye), and the extinction there.
     struct Sample {
         Rgb source{0};
-        double extinction = 0;
+        Rgb extinction{0};
     };
     Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
 
   private:
-    struct Volume {
-        FieldProbe probe;
+    struct Probe {
+        FieldProbe field;
         Mat4 isFromWs;
-        const ViewVolume* look;
         double isPerWs;  // longest index-space length of a world unit
+
+        double value(const Vec3& ws) const { return field.value(transformPoint(isFromWs, ws)); }
+    };
+    struct Volume {
+        std::optional<Probe> density;  // none where it is empty
+        std::vector<Probe> scatter;    // of the three channels, where the albedo is a grid
+        struct Emission {
+            Probe probe;
+            Rgb color;
+        };
+        std::vector<Emission> emission;
+        const ViewVolume* look;
     };
     struct Span {
         double begin, end;
     };
-    double extinction(const Vec3& ws) const;
+    Probe probeOf(const ViewField& field) const;
+    Rgb extinction(const Vec3& ws) const;
     double emptyDistance(const Vec3& ws) const;
     Span clip(const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
-    double extinction(const Volume& volume, const Vec3& ws) const;
+    Rgb extinction(const Volume& volume, const Vec3& ws) const;
+    Rgb scattering(const Volume& volume, const Vec3& ws) const;
     Vec3 gradient(const Volume& volume, const Vec3& ws) const;
     Rgb reflect(const Volume& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
-    Rgb scatter(const Light& light, const Vec3& ws, const Vec3& wsDirection) const;
+    Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
 
     const ViewScene& m_scene;
     ReferenceOptions m_options;

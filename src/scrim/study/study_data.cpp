@@ -39,8 +39,8 @@ Json trialJson(const Trial& t) {
     out["median_seconds"] = t.time();
     out["on_front"] = t.onFront;
     out["work"] = {{"footprints", t.work.footprints},     {"texels_shaded", t.work.texelsShaded},
-                   {"light_samples", t.work.lightSamples}, {"light_lookups", t.work.lightLookups},
-                   {"pixel_sheets", t.work.pixelSheets},   {"buffer_bytes", t.work.bufferBytes}};
+                   {"light_samples", t.work.lightSamples}, {"light_lookups", t.work.shade.lightLookups},
+                   {"pixel_sheets", t.work.pixelSheets},   {"buffer_bytes", t.work.bytes.total()}};
     return out;
 }
 
@@ -66,7 +66,7 @@ std::string studyAsCsv(const Study& study) {
         else
             text += ",,,,,,,,,0";
         text += fmt::format(",{},{},{},{},{}", t.work.footprints, t.work.texelsShaded, t.work.lightSamples,
-                            t.work.pixelSheets, t.work.bufferBytes);
+                            t.work.pixelSheets, t.work.bytes.total());
         for (const DialInfo& dial : dialTable()) text += "," + dialText(t.dials, dial.name);
         text += "\n";
     }

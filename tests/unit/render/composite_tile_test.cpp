@@ -203,12 +203,12 @@ TEST(CompositeTile, LeavesPixelsAloneThatAreOpaqueAlready) {
     }
 }
 
-TEST(SampleRgba, IsBilinearAtTheRaysPlaceInTheBatch) {
+TEST(SamplePlane, IsBilinearAtTheRaysPlaceInTheBatch) {
     const Stack stack = randomStack(9, 0.5);
     RayTile rays = randomRays(10);
     alignas(64) float at[kTileSize], samples[4 * kTileSize];
     for (int k = 0; k < kTileSize; ++k) at[k] = static_cast<float>(k % 32) / 4;
-    sampleRgba(rays, at, stack.planes[0].data(), kWidth, kHeight, samples);
+    samplePlane(rays, at, stack.planes[0].data(), kWidth, kHeight, {}, samples);
     for (int k = 0; k < kTileSize; ++k) {
         const Rgba expected = sampled(stack.planes[0], rays.u[k] + double(at[k]) * rays.stepU[k],
                                       rays.v[k] + double(at[k]) * rays.stepV[k]);
@@ -233,7 +233,7 @@ TEST(CompositeSamples, WithoutPartsIsTheOverOperator) {
             states.values[4 * k] = 0.25f;
             states.values[4 * k + 3] = -0.75f;
         }
-        compositeSamples(samples, nullptr, frontToBack, states.values);
+        compositeSamples({}, {samples, nullptr}, frontToBack, states.values);
         for (int k = 0; k < kTileSize; ++k) {
             const double alpha = -samples[4 * k + 3], left = 1 - alpha;
             EXPECT_NEAR(states.values[4 * k], frontToBack ? 0.25 + 0.25 * 0.1 : 0.1 + left * 0.25, 1e-6);
@@ -250,7 +250,7 @@ TEST(CompositeSamples, OfAPartOfASheetHasThatPartOfItsOpticalDepth) {
         std::fill_n(part, kTileSize, f);
         for (const bool frontToBack : {true, false}) {
             States states;
-            compositeSamples(samples, part, frontToBack, states.values);
+            compositeSamples({}, {samples, part}, frontToBack, states.values);
             for (int k = 2; k < kTileSize; ++k) {
                 const double alpha = -double(samples[4 * k + 3]), shown = -std::expm1(f * std::log1p(-alpha));
                 EXPECT_NEAR(states.values[4 * k + 3], -shown, 1e-6 * shown) << "alpha " << alpha << " part " << f;
@@ -265,11 +265,11 @@ TEST(CompositeSamples, OfBothPartsIsTheWhole) {
     alignas(64) float samples[4 * kTileSize], part[kTileSize];
     fillSamples(samples);
     States whole, parts;
-    compositeSamples(samples, nullptr, true, whole.values);
+    compositeSamples({}, {samples, nullptr}, true, whole.values);
     std::fill_n(part, kTileSize, 0.3f);
-    compositeSamples(samples, part, true, parts.values);
+    compositeSamples({}, {samples, part}, true, parts.values);
     std::fill_n(part, kTileSize, 0.7f);
-    compositeSamples(samples, part, true, parts.values);
+    compositeSamples({}, {samples, part}, true, parts.values);
     for (int k = 1; k < kTileSize; ++k)
         for (int c = 0; c < 4; ++c)
             EXPECT_NEAR(parts.values[4 * k + c], whole.values[4 * k + c], 2e-6 * std::abs(whole.values[4 * k + c]))
@@ -282,7 +282,7 @@ TEST(CompositeSamples, OfNothingOrOfAWallStayFinite) {
     for (const float f : {0.0f, 0.5f, 1.0f}) {
         std::fill_n(part, kTileSize, f);
         States states;
-        compositeSamples(samples, part, true, states.values);
+        compositeSamples({}, {samples, part}, true, states.values);
         for (const float v : states.values) ASSERT_TRUE(std::isfinite(v)) << f;
         EXPECT_EQ(states.values[3], 0);                         // alpha 0
         EXPECT_EQ(states.values[4 + 3], f > 0 ? -1.0f : 0.0f);  // alpha 1: any part of it hides all

@@ -256,7 +256,7 @@ TEST(Memory, PlannedIsNoLessThanWhatBuffersTake) {
     const ViewScene scene = someScene();
     for (const int threads : {1, 4}) {
         const Plan plan = makePlan(scene, threads);
-        EXPECT_LE(render(scene, plan).work.bufferBytes, plan.bytes * 101 / 100) << threads;
+        EXPECT_LE(render(scene, plan).work.bytes.total(), plan.bytes * 101 / 100) << threads;
     }
 }
 

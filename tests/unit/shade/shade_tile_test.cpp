@@ -60,7 +60,9 @@ struct Tile {
         in.texel = 0.7f;
         in.thickness = 0.9f;
         in.sameSide = sameSide;
-        in.extinction = extinction.values;
+        in.extinction[0] = extinction.values;
+        in.rows = 1;
+        in.tints[0][0] = in.tints[0][1] = in.tints[0][2] = 1;
         in.media = media.data();
         in.mediumCount = static_cast<int>(media.size());
         in.lights = lights.data();
@@ -93,9 +95,10 @@ Tile randomTile(unsigned seed, int media, double mostTau) {
             extinction.values[k] = k % 17 == 3 ? 0.0f : static_cast<float>(some);
             tile.extinction.values[k] += extinction.values[k];
         }
-        tile.media.push_back({extinction.values,
+        tile.media.push_back({{extinction.values, extinction.values, extinction.values},
                               {random.floatIn(0, 1), random.floatIn(0, 1), random.floatIn(0, 1)},
-                              random.coin() ? 0.0f : random.floatIn(-0.85, 0.85)});
+                              {random.coin() ? 0.0 : random.in(-0.85, 0.85)},
+                              {}});
     }
     return tile;
 }
@@ -134,7 +137,7 @@ Plain plainShade(const ShadeInput& in, int k) {
     Plain out;
     const double a = in.samples->eyeA[k], b = in.samples->eyeB[k];
     const double slantEye = std::sqrt(1 + a * a + b * b), pathEye = slantEye * in.thickness;
-    const double sigma = in.extinction[k], tauEye = sigma * pathEye;
+    const double sigma = in.extinction[0][k], tauEye = sigma * pathEye;
     out.minusOpacity = std::expm1(-tauEye);
     // The eye's direction: along +w where it meets the light's side first, and against it otherwise.
     const Vec3 eye = (in.sameSide ? 1.0 : -1.0) * glm::normalize(Vec3(a, b, 1));
@@ -171,9 +174,9 @@ Plain plainShade(const ShadeInput& in, int k) {
         for (int m = 0; m < in.mediumCount; ++m) {
             const SheetMedium& medium = in.media[m];
             // Light leaves towards the eye, against its ray.
-            const double phase = phaseValue({medium.g}, -glm::dot(travel, eye));
+            const double phase = phaseValue(medium.phase, -glm::dot(travel, eye));
             for (int c = 0; c < 3; ++c) {
-                const double full = double(medium.extinction[k]) * pathEye * medium.albedo[c] * light.intensity[c] *
+                const double full = double(medium.scatter[0][k]) * pathEye * medium.albedo[c] * light.intensity[c] *
                                     irradiance * phase * transmit;
                 out.rgb[c] += share * full;
                 out.scale[c] += full;
@@ -183,7 +186,7 @@ Plain plainShade(const ShadeInput& in, int k) {
     for (int m = 0; m < in.mediumCount; ++m)
         for (int c = 0; c < 3; ++c) {
             const double full =
-                double(in.media[m].extinction[k]) * pathEye * in.media[m].albedo[c] * in.ambient[c] * psi(tauEye);
+                double(in.media[m].scatter[0][k]) * pathEye * in.media[m].albedo[c] * in.ambient[c] * psi(tauEye);
             out.rgb[c] += full;
             out.scale[c] += full;
         }
@@ -387,7 +390,7 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
         const Vec3 axis = glm::normalize(Vec3(random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)));
         const Mat3 ssFromWs = sweepRotation(axis, {0, 1, 0});
         Tile tile = randomTile(static_cast<unsigned>(i), 1, 1e-3);
-        tile.media[0].g = 0;
+        tile.media[0].phase = {};
         SheetLight light;
         light.distant = false;
         light.shadowed = light.decay = false;

@@ -7,7 +7,7 @@
 #include "support/fields.h"
 
 #include <scrim/splat/field_splatter.h>
-#include <scrim/study/field_probe.h>
+#include <scrim/splat/field_probe.h>
 
 #include <gtest/gtest.h>
 

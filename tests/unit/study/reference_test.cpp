@@ -116,12 +116,12 @@ TEST(OpticalDepth, ThroughAGaussianBallIsTheErrorFunction) {
     for (const Vec3& a : points)
         for (const Vec3& b : points) {
             if (a == b) {
-                EXPECT_EQ(reference.opticalDepth(a, b), 0);
+                EXPECT_EQ(reference.opticalDepth(a, b), Rgb(0));
                 continue;
             }
             const double expected = ball.depth(a, b);
-            EXPECT_NEAR(reference.opticalDepth(a, b), expected, 5e-5 * expected + 1e-6);
-            EXPECT_NEAR(reference.opticalDepth(a, b), reference.opticalDepth(b, a), 1e-5 * expected + 1e-9);
+            EXPECT_NEAR(reference.opticalDepth(a, b).x, expected, 5e-5 * expected + 1e-6);
+            EXPECT_NEAR(reference.opticalDepth(a, b).x, reference.opticalDepth(b, a).x, 1e-5 * expected + 1e-9);
         }
 }
 
@@ -134,7 +134,7 @@ TEST(Sample, IsLightTimesPhaseTimesExtinction) {
     const Vec3 at(1, 2, -1);
     for (const Vec3& eye : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0.6, 0.8)}) {
         const Reference::Sample sample = reference.sample(at, eye);
-        EXPECT_NEAR(sample.extinction, ball.sigma(at), 1e-5);
+        EXPECT_NEAR(sample.extinction.x, ball.sigma(at), 1e-5);
         // Light that goes on to the eye travels against the eye's ray: looking along the light, it is turned back.
         const double lit = 3 * std::exp(-ball.depth(at - Vec3(80, 0, 0), at));
         const double expected = lit * phaseValue({0.6}, -eye.x) * ball.sigma(at);
@@ -239,7 +239,7 @@ TEST(EmptyScene, IsBlackAndTransparent) {
     ViewScene scene = slab(1, {0, 0, -1});
     scene.volumes[0].field = std::make_shared<SparseField>();
     EXPECT_EQ(Reference(scene).pixel(16, 16), (std::array<double, 4>{0, 0, 0, 0}));
-    EXPECT_EQ(Reference(scene).opticalDepth(Vec3(0), Vec3(1)), 0);
+    EXPECT_EQ(Reference(scene).opticalDepth(Vec3(0), Vec3(1)), Rgb(0));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/study/field_probe.h>
+#include <scrim/splat/field_probe.h>
 
 #include <cmath>
 

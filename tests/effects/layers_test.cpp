@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures beside the beauty: they are parts of it, and cost it nothing.
+#include "scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+const std::vector<Layer> kAll{Layer::light,  Layer::ambient, Layer::emission,
+                              Layer::albedo, Layer::depth,   Layer::transmittance};
+
+const FrameLayer& layerOf(const Frame& frame, Layer layer, int light = -1) {
+    return *std::find_if(frame.layers.begin(), frame.layers.end(),
+                         [&](const FrameLayer& l) { return l.layer == layer && l.light == light; });
+}
+
+double largest(const Image& image) {
+    return *std::max_element(image.rgba.begin(), image.rgba.end());
+}
+
+void expectSame(const Image& a, const Image& b, double tolerance) {
+    ASSERT_EQ(a.rgba.size(), b.rgba.size());
+    const double scale = largest(b);
+    for (std::size_t i = 0; i < a.rgba.size(); ++i) ASSERT_NEAR(a.rgba[i], b.rgba[i], tolerance * scale) << i;
+}
+
+class Layers : public testing::TestWithParam<std::tuple<std::string, bool>> {
+  protected:
+    ViewScene scene() const {
+        ViewScene s = sceneWith(std::get<0>(GetParam()));
+        s.dials.shade = std::get<1>(GetParam()) ? ShadeMode::pixel : ShadeMode::texel;
+        return s;
+    }
+};
+
+TEST_P(Layers, AddUpToTheBeauty) {
+    ViewScene s = scene();
+    s.ambient = {0.05, 0.1, 0.1};
+    s.layers = kAll;
+    const Frame frame = renderScene(s);
+    Image sum = frame.image;
+    for (std::size_t i = 0; i < sum.rgba.size(); ++i) {
+        if (i % 4 == 3) continue;
+        sum.rgba[i] = 0;
+        for (const FrameLayer& layer : frame.layers)
+            if (layer.layer == Layer::light || layer.layer == Layer::ambient || layer.layer == Layer::emission)
+                sum.rgba[i] += layer.data[i / 4 * 3 + i % 4];
+    }
+    expectSame(sum, frame.image, 2e-6);
+}
+
+TEST_P(Layers, LeaveTheBeautyAsItIs) {
+    ViewScene s = scene();
+    const Frame without = renderScene(s);
+    s.layers = kAll;
+    expectSame(renderScene(s).image, without.image, 2e-6);
+}
+
+TEST_P(Layers, OfALightAreThePictureOfThatLightAlone) {
+    ViewScene s = scene();
+    s.ambient = Rgb(0);
+    for (ViewVolume& volume : s.volumes) volume.emission.clear();
+    s.layers = {Layer::light};
+    const Frame frame = renderScene(s);
+    for (int light : {0, 1}) {
+        ViewScene alone = s;
+        alone.layers.clear();
+        // The light stays where it is in the sweep, but is dark.
+        alone.lights[static_cast<std::size_t>(1 - light)].intensity = Rgb(0);
+        const Frame expected = renderScene(alone);
+        const FrameLayer& layer = layerOf(frame, Layer::light, light);
+        // Without the other light sheets may lie otherwise.
+        for (std::size_t i = 0; i < layer.data.size(); ++i)
+            ASSERT_NEAR(layer.data[i], expected.image.rgba[i / 3 * 4 + i % 3], 0.02 * largest(frame.image));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Layers,
+                         testing::Combine(testing::Values("ambient", "coloured extinction", "all at once"),
+                                          testing::Bool()));
+
+TEST(TransmittanceLayer, IsWhatAlphaLeaves) {
+    ViewScene scene = sceneWith("coloured extinction");
+    scene.layers = {Layer::transmittance};
+    const Frame frame = renderScene(scene);
+    const FrameLayer& layer = layerOf(frame, Layer::transmittance);
+    for (std::size_t i = 0; i < layer.data.size(); i += 3)
+        ASSERT_NEAR(1 - (layer.data[i] + layer.data[i + 1] + layer.data[i + 2]) / 3, frame.image.rgba[i / 3 * 4 + 3],
+                    2e-6);
+}
+
+TEST(AlbedoLayer, IsTheAlbedoTimesWhatItHides) {
+    ViewScene scene = plainScene();
+    scene.layers = {Layer::albedo};
+    const Frame frame = renderScene(scene);
+    const FrameLayer& layer = layerOf(frame, Layer::albedo);
+    for (std::size_t i = 0; i < layer.data.size(); ++i)
+        ASSERT_NEAR(layer.data[i],
+                    scene.volumes[0].medium.albedo[static_cast<int>(i % 3)] * frame.image.rgba[i / 3 * 4 + 3], 1e-5);
+}
+
+// A slab between z = -10.5 and 9.5 (voxels from -10 to 9), seen from z = 49.5.
+class DepthLayer : public testing::TestWithParam<std::tuple<bool, bool, bool>> {};
+
+TEST_P(DepthLayer, IsThatOfTheFrontAndOfTheMean) {
+    const auto [perspective, pixels, behind] = GetParam();
+    Medium medium;
+    medium.densityScale = 0.1;
+    ViewScene scene = orthographicScene(boxField({-60, -60, -10}, {59, 59, 9}), medium, 20, 9);
+    if (perspective) {
+        scene.camera.type = CameraType::perspective;
+        scene.camera.fov = 30;
+    }
+    scene.dials.shade = pixels ? ShadeMode::pixel : ShadeMode::texel;
+    scene.lights = {distantLight({0.1, 0.2, behind ? 1 : -1}, 1)};
+    scene.layers = {Layer::depth};
+    const Frame frame = renderScene(scene);
+    const double front = scene.camera.wsPosition.z - 9.5, tau = 2, length = 20;
+    const FrameLayer& layer = layerOf(frame, Layer::depth);
+    const float* depth = layer.data.data() + 2 * (4 * 9 + 4);
+    EXPECT_NEAR(depth[0], front, 1);  // to within a sheet
+    // Mean of x sigma e^(-sigma x) over the slab.
+    const double mean = length / tau * (1 - std::exp(-tau) * (1 + tau)) / (1 - std::exp(-tau));
+    EXPECT_NEAR(depth[1], front + mean, 0.1);
+    // Depth lies along the viewing axis, not along the ray.
+    const float* corner = layer.data.data();
+    EXPECT_NEAR(corner[0], front, 1);
+}
+INSTANTIATE_TEST_SUITE_P(Ways, DepthLayer, testing::Combine(testing::Bool(), testing::Bool(), testing::Bool()));
+
+TEST(DepthLayerOfNothing, IsZero) {
+    ViewScene scene = plainScene();
+    scene.layers = {Layer::depth, Layer::transmittance};
+    const Frame frame = renderScene(scene);
+    EXPECT_EQ(layerOf(frame, Layer::depth).data[0], 0);
+    EXPECT_EQ(layerOf(frame, Layer::depth).data[1], 0);
+    EXPECT_EQ(layerOf(frame, Layer::transmittance).data[0], 1);
+    scene.volumes.clear();
+    EXPECT_EQ(layerOf(renderScene(scene), Layer::transmittance).data[0], 1);
+}
+
+}  // namespace
+}  // namespace scrim::test

@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scenes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+constexpr int kRadius = 20;
+
+Medium& medium(ViewScene& scene) {
+    return scene.volumes.front().medium;
+}
+
+ViewField scaled(const ViewVolume& volume, const std::function<double(const Vec3&)>& factor) {
+    const auto& field = volume.field;
+    return {makeField(Int3(-kRadius), Int3(kRadius), 1,
+                      [&](const Vec3& is) {
+                          for (std::size_t b = 0; b < field->blockCount(); ++b) {
+                              const Int3 d = Int3(is) - field->blockOrigins[b];
+                              if (std::min({d.x, d.y, d.z}) >= 0 && std::max({d.x, d.y, d.z}) < kBlockEdge)
+                                  return factor(is) * double(field->block(b)[blockOffset(d.x, d.y, d.z)]);
+                          }
+                          return 0.0;
+                      }),
+            volume.wsFromIs};
+}
+
+}  // namespace
+
+ViewScene plainScene() {
+    Medium medium;
+    medium.densityScale = 0.12;
+    medium.albedo = Rgb(0.8, 0.7, 0.9);
+    ViewScene scene = orthographicScene(smokeField(kRadius), medium, 44, 48);
+    scene.lights = {distantLight({-1, -1, -0.5}, 5), distantLight({1, 0.2, 0.8}, 2)};
+    scene.lights[0].name = "key";
+    scene.lights[1].name = "fill";
+    return scene;
+}
+
+ViewField flameField() {
+    return {makeField(Int3(-12), Int3(12), 1,
+                      [](const Vec3& is) { return std::max(0.0, 1 - glm::length(is - Vec3(2, -3, 1)) / 11); }),
+            Mat4(1.0)};
+}
+
+std::vector<ViewField> colouredScatter(const ViewVolume& volume) {
+    std::vector<ViewField> channels;
+    for (int c = 0; c < 3; ++c)
+        channels.push_back(scaled(volume, [c](const Vec3& is) { return 0.5 + 0.4 * std::sin(0.2 * is[c] + c); }));
+    return channels;
+}
+
+const std::vector<EffectCase>& effectCases() {
+    static const std::vector<EffectCase> cases{
+        {"coloured extinction", [](ViewScene& s) { medium(s).extinctionTint = {1, 0.6, 0.3}; }},
+        {"two tints",
+         [](ViewScene& s) {
+             medium(s).extinctionTint = {1, 0.6, 0.3};
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().medium.extinctionTint = {0.2, 0.5, 1};
+             s.volumes.back().wsFromIs[3] = {9, 4, -6, 1};
+         }},
+        {"four tints",
+         [](ViewScene& s) {
+             medium(s).extinctionTint = {1, 0.6, 0.3};
+             for (int i = 1; i < 4; ++i) {
+                 s.volumes.push_back(s.volumes.front());
+                 s.volumes.back().medium.extinctionTint = {0.2 * i, 1 - 0.2 * i, 1};
+                 s.volumes.back().wsFromIs[3] = {4 * i, 3 - 2 * i, -3 * i, 1};
+             }
+         }},
+        {"albedo grid", [](ViewScene& s) { s.volumes.front().scatter = colouredScatter(s.volumes.front()); }},
+        {"emission", [](ViewScene& s) { s.volumes.front().emission = {{flameField(), {0.4, 0.2, 0.05}}}; }},
+        {"two-lobe phase",
+         [](ViewScene& s) { medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.4}; }},
+        {"rayleigh phase", [](ViewScene& s) { medium(s).phase.type = PhaseType::rayleigh; }},
+        {"octaves", [](ViewScene& s) {
+             medium(s).phase.g = 0.5;
+             medium(s).octaves.count = 5;
+         }},
+        {"light linking", [](ViewScene& s) {
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+             s.volumes.back().lights = {false, true};
+         }},
+        {"ambient", [](ViewScene& s) { s.ambient = {0.1, 0.2, 0.3}; }},
+        {"all at once", [](ViewScene& s) {
+             medium(s).extinctionTint = {1, 0.6, 0.3};
+             medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.4};
+             medium(s).octaves.count = 3;
+             s.volumes.front().scatter = colouredScatter(s.volumes.front());
+             s.volumes.front().emission = {{flameField(), {0.4, 0.2, 0.05}}};
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().medium.extinctionTint = Rgb(1);
+             s.volumes.back().emission.clear();
+             s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+             for (ViewField& f : s.volumes.back().scatter) f.wsFromIs = s.volumes.back().wsFromIs;
+             s.volumes.back().lights = {false, true};
+             s.ambient = {0.1, 0.2, 0.3};
+         }}};
+    return cases;
+}
+
+ViewScene sceneWith(const std::string& effect) {
+    for (const EffectCase& c : effectCases())
+        if (c.name == effect) {
+            ViewScene scene = plainScene();
+            c.add(scene);
+            return scene;
+        }
+    throw std::logic_error("no effect case '" + effect + "'");
+}
+
+}  // namespace scrim::test

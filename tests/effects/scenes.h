@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+// The scenes of the effects' tests: a plain one, and every effect put into it.
+#pragma once
+
+#include "support/fields.h"
+
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace scrim::test {
+
+/// Smoke with a shadowed key light from the side and a fill behind it: what every scene has.
+ViewScene plainScene();
+
+/// The same field with other values: flames in the middle of the smoke, or colours that change from place to place.
+ViewField flameField();
+std::vector<ViewField> colouredScatter(const ViewVolume& volume);
+
+/// An effect: what puts it into the plain scene.
+struct EffectCase {
+    std::string name;
+    std::function<void(ViewScene&)> add;
+};
+const std::vector<EffectCase>& effectCases();
+
+/// The plain scene with one of them.
+ViewScene sceneWith(const std::string& effect);
+
+}  // namespace scrim::test
