@@ -21,7 +21,7 @@ Rgb readBounded(const TomlValue& value, const ReadContext& context, double most)
     constexpr double kRounding = 1e-6;
     Rgb colour = value.colour(context.colour);
     for (int c = 0; c < 3; ++c) {
-        if (colour[c] < -kRounding || colour[c] > most + kRounding)
+        if (!(colour[c] >= -kRounding && colour[c] <= most + kRounding))  // NaN neither
             value.fail(fmt::format("'{}' is {}, {}, {} in the working space; expected numbers from 0 to {:g}",
                                    value.name(), colour.x, colour.y, colour.z, most));
         colour[c] = std::clamp(colour[c], 0.0, most);

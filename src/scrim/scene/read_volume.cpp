@@ -61,9 +61,9 @@ std::vector<std::string> readLightNames(const TomlValue& value, const ReadContex
         const std::string name = item.string();
         if (std::find(context.lights.begin(), context.lights.end(), name) == context.lights.end())
             item.fail(fmt::format("there is no light '{}'{}; expected {}", clipped(name, 60),
-                                  didYouMean(name, context.lights), choices(context.lights)));
+                                  didYouMean(name, context.lights), clipped(choices(context.lights))));
         if (std::find(names.begin(), names.end(), name) != names.end())
-            item.fail(fmt::format("'{}' is named twice; expected each light once", name));
+            item.fail(fmt::format("'{}' is named twice; expected each light once", clipped(name, 60)));
         names.push_back(name);
     }
     return names;

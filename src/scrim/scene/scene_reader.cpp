@@ -58,21 +58,26 @@ std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read&
     return items;
 }
 
+/// No key of a scene is longer, unless someone names a volume by a book; all keys in it would repeat that.
+constexpr std::size_t kLongestPath = 1000;
+
 /// Where each key of `table` and of the tables in it stands, as SceneLines names them. Tables in lists go by their names,
 /// as in overrides.
 void addLines(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& lines) {
     for (const auto& [key, node] : table) {
         const std::string path = prefix + std::string(key.str());
+        if (path.size() > kLongestPath) continue;
         lines.emplace(path, whereOf(node.source()));
         if (const toml::table* inner = node.as_table()) addLines(*inner, path + ".", lines);
         const toml::array* list = node.as_array();
         for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
             const toml::table* item = (*list)[i].as_table();
             if (item == nullptr) continue;
-            const std::string name =
-                (*item)["name"].value<std::string>().value_or(fmt::format("{}{}", key.str(), i + 1));
-            lines.emplace(path + "." + name, whereOf(item->source()));
-            addLines(*item, path + "." + name + ".", lines);
+            const std::string itemPath =
+                path + "." + (*item)["name"].value<std::string>().value_or(fmt::format("{}{}", key.str(), i + 1));
+            if (itemPath.size() > kLongestPath) continue;
+            lines.emplace(itemPath, whereOf(item->source()));
+            addLines(*item, itemPath + ".", lines);
         }
     }
 }

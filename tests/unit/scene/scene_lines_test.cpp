@@ -76,6 +76,13 @@ TEST(SceneLines, KnowOverrides) {
     EXPECT_EQ(lines->of("light.key.type"), "scene.toml:17:8");
 }
 
+TEST(SceneLines, LeaveOutNamesOfAnyLength) {
+    const std::string book(100000, 'x');
+    const auto lines = read(kScene, {"volume.plume.name=" + book}).lines;
+    EXPECT_EQ(lines->of("volume." + book + ".file"), "");
+    EXPECT_EQ(lines->of("volume.volume1.file"), "scene.toml:5:8");
+}
+
 TEST(SceneLines, SayNothingOfWhatTheTextDoesNotSay) {
     const auto lines = read(kScene).lines;
     EXPECT_EQ(lines->of("camera.fov"), "");

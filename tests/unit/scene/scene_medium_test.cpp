@@ -100,6 +100,11 @@ TEST(SceneTint, IsAColourOfAnyBrightness) {
               "1e+06");
 }
 
+TEST(SceneTint, BeyondSinglePrecisionIsRefused) {
+    const std::string text = errorIn("extinction_tint = { rgb = [1e300, 1, 1], colorspace = \"lin_rec709\" }");
+    EXPECT_EQ(text.substr(0, 34), "scene.toml:7:19: 'extinction_tint'") << text;
+}
+
 TEST(SceneOctaves, AreRead) {
     const Octaves o = volume("octaves = { count = 4, extinction = 0.4, contribution = 0.6, phase = 0 }").medium.octaves;
     EXPECT_EQ(o.count, 4);
