@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kFirstWavelength = 380, kWavelengthStep = 10;  // nm
 
-/// CIE 015:2018, table 6: the colour-matching functions of the CIE 1931 observer, every 10 nm. Spectra of black bodies are
-/// smooth: chromaticities are good to 1e-4. (The fit by Gaussians of Wyman, Sloan and Shirley, JCGT 2013, misses by 0.005
-/// at 1500 K, and by 0.011 at 1000 K, where fire glows.)
+/// The CIE's colour-matching functions of the 1931 observer (publication 15), every 10 nm. Spectra of black bodies
+/// are smooth: chromaticities are good to 1e-4. (The fit by Gaussians of Wyman, Sloan and Shirley, JCGT 2013, misses
+/// by 0.005 at 1500 K, and by 0.011 at 1000 K, where fire glows.)
 constexpr double kObserver[][3] = {
     {0.001368, 0.000039, 0.006450}, {0.004243, 0.000120, 0.020050}, {0.014310, 0.000396, 0.067850},
     {0.043510, 0.001210, 0.207400}, {0.134380, 0.004000, 0.645600}, {0.283900, 0.011600, 1.385600},
@@ -100,8 +100,8 @@ std::vector<std::pair<double, Rgb>> Blackbody::ramp(double scale, double offset,
     const auto add = [&](double kelvin) {
         points.emplace_back((kelvin - offset) / scale, colour(kelvin) * (normalize ? 1.0 : blackbodyRadiance(kelvin)));
     };
-    // Light of luminance 1 goes on within one Kelvin above 0, or before 0 where the smallest grid values lie there: they
-    // have their colour.
+    // Light of luminance 1 goes on within one Kelvin above 0, or before 0 where the smallest grid values lie there:
+    // they have their colour.
     const double dark = offset < 0 ? 0 : std::min(0.0, offset - 1);
     points.emplace_back((dark - offset) / scale, Rgb(0));
     add(dark + 1);

@@ -61,8 +61,8 @@ std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read&
 /// No key of a scene is longer, unless someone names a volume by a book; all keys in it would repeat that.
 constexpr std::size_t kLongestPath = 1000;
 
-/// Where each key of `table` and of the tables in it stands, as SceneLines names them. Tables in lists go by their names,
-/// as in overrides.
+/// Where each key of `table` and of the tables in it stands, as SceneLines names them. Tables in lists go by their
+/// names, as in overrides.
 void addLines(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& lines) {
     for (const auto& [key, node] : table) {
         const std::string path = prefix + std::string(key.str());

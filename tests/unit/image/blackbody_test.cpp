@@ -20,7 +20,7 @@
 namespace scrim {
 namespace {
 
-// Y of the primaries of AP1, SMPTE ST 2065-1's way (S-2014-004).
+// Y of the primaries of AP1, the ACES documents' digits.
 const Rgb kLuminanceOfAp1(0.2722287, 0.6740818, 0.0536895);
 
 const ColourConfig& ownConfig() {
@@ -53,7 +53,7 @@ void expectNear(const Rgb& a, const Rgb& b, double tolerance, const std::string&
 }
 
 TEST(Blackbody, ChromaticitiesAreOfThePlanckianLocus) {
-    // Wyszecki and Stiles, Color Science, and the CIE's illuminant A (2856 K); their digits are 4.
+    // Published to 4 digits; 2856 K is the CIE's illuminant A.
     struct Known {
         double kelvin, x, y;
     };
