@@ -36,6 +36,17 @@ bool isUnit(const Vec3& v) {
     return std::abs(glm::length(v) - 1) < 1e-6;
 }
 
+void checkEmission(const Emission& emission) {
+    require(!emission.grid.empty(), "emission without a grid");
+    require(std::isfinite(emission.scale) && emission.scale >= 0, "emission times {}", emission.scale);
+    for (std::size_t i = 0; i < emission.ramp.size(); ++i) {
+        const auto& [value, colour] = emission.ramp[i];
+        require(std::isfinite(value) && (i == 0 || emission.ramp[i - 1].first < value), "a ramp that does not ascend");
+        require(finite(colour) && colour.r >= 0 && colour.g >= 0 && colour.b >= 0, "emission of {}, {}, {}", colour.r,
+                colour.g, colour.b);
+    }
+}
+
 void checkVolume(const SceneVolume& volume) {
     require(volume.file.empty() != volume.source.empty(), "a volume with both or neither of file and source");
     require(std::isfinite(volume.densityScale) && volume.densityScale >= 0, "density {}", volume.densityScale);
@@ -45,7 +56,14 @@ void checkVolume(const SceneVolume& volume) {
     }
     const double volumeOfUnit = glm::determinant(volume.wsFromAsset);
     require(std::isfinite(volumeOfUnit) && volumeOfUnit != 0, "a transform of determinant {}", volumeOfUnit);
-    require(std::abs(volume.medium.phase.g) < 1, "g {}", volume.medium.phase.g);
+    const Phase& phase = volume.medium.phase;
+    require(std::abs(phase.g) < 1 && std::abs(phase.g2) < 1, "g {}, {}", phase.g, phase.g2);
+    require(phase.blend >= 0 && phase.blend <= 1, "blend {}", phase.blend);
+    require(finite(volume.medium.extinctionTint), "a tint that is not finite");
+    require(volume.medium.octaves.count >= 1, "{} octaves", volume.medium.octaves.count);
+    for (int c = 0; c < 3 && volume.albedoGrid; ++c)
+        require(finite(volume.albedoGrid->workingFromGrid[c]), "a matrix of colours that is not finite");
+    for (const Emission& emission : volume.emission) checkEmission(emission);
     for (std::size_t i = 0; i < volume.ramp.size(); ++i) {
         require(std::isfinite(volume.ramp[i].second) && volume.ramp[i].second >= 0, "ramp to {}",
                 volume.ramp[i].second);

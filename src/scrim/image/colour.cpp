@@ -161,6 +161,22 @@ Rgb ColourConfig::toWorking(const Rgb& colour, const std::string& space) const {
     return {rgb[0], rgb[1], rgb[2]};
 }
 
+Mat3 ColourConfig::workingFrom(const std::string& space) const {
+    const Mat3 matrix(toWorking({1, 0, 0}, space), toWorking({0, 1, 0}, space), toWorking({0, 0, 1}, space));
+    // Encodings often keep 0 and 1; what lies between and beyond tells. Single precision misses by far less.
+    constexpr double kRounding = 1e-4;
+    const Rgb probe(0.25, 0.5, 0.125);
+    for (const double scale : {1.0, 16.0}) {
+        const Rgb found = toWorking(scale * probe, space), expected = matrix * (scale * probe);
+        for (int c = 0; c < 3; ++c)
+            if (!(std::abs(found[c] - expected[c]) <= kRounding * scale))
+                throw Error(ErrorKind::input, fmt::format("the colour space '{}' is not linear; expected one that a "
+                                                          "matrix takes to '{}'",
+                                                          resolve(space), workingSpace()));
+    }
+    return matrix;
+}
+
 void ColourConfig::convert(Image& image, const std::string& fromSpace, const std::string& toSpace) const {
     const std::string from = resolve(fromSpace);
     const std::string to = resolve(toSpace);

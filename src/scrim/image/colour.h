@@ -51,6 +51,9 @@ class ColourConfig {
     /// `colour`, given in `space`, in the working space.
     Rgb toWorking(const Rgb& colour, const std::string& space) const;
 
+    /// The same for all colours at once, as a matrix. Throws where `space` is not linear.
+    Mat3 workingFrom(const std::string& space) const;
+
     /// Converts the colour of `image` in place and in parallel. Alpha is left alone, and so is
     /// premultiplication: a linear conversion commutes with it; one to or from an encoded space is applied to
     /// the premultiplied values as they are, that is, to the picture over black.

@@ -14,22 +14,30 @@
 namespace scrim {
 namespace {
 
-/// Runs `call`; an error of the colour config is located at `value`.
-template <typename Call>
-auto located(const TomlValue& value, const Call& call) {
-    try {
-        return call();
-    } catch (const Error& error) {
-        value.fail(fmt::format("'{}': {}", value.name(), error.what()));
-    }
-}
-
 /// Throws where `value` is none of `names`, letter case aside.
 std::string readOneOf(const TomlValue& value, const std::vector<std::string>& names) {
     const std::string text = value.string();
     for (const std::string& name : names)
         if (equalIgnoringCase(name, text)) return name;
     value.failExpecting(choices(names));
+}
+
+/// Each at most once, in the order of Layer.
+std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output, const ColourConfig& colour) {
+    static const std::vector<std::string> names{"light", "ambient", "emission", "albedo", "depth", "transmittance"};
+    std::vector<Layer> layers;
+    for (const TomlValue& item : value.items(0, "a list of layers: " + choices(names))) {
+        const auto layer = static_cast<Layer>(item.choice(names));
+        if (std::find(layers.begin(), layers.end(), layer) != layers.end())
+            item.fail(fmt::format("'{}' is '{}' again; expected each layer once", item.name(), item.string()));
+        layers.push_back(layer);
+    }
+    std::sort(layers.begin(), layers.end());
+    if (!layers.empty() && output.half && colour.isAces2065(output.colorspace))
+        value.fail(
+            "'layers' do not fit into an ACES container, which half floats in ACES2065-1 make; expected another "
+            "'colorspace', or type = \"float\"");
+    return layers;
 }
 
 ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
@@ -67,6 +75,7 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     if (const auto space = table.find("colorspace"))
         output.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
     output.half = table.choice("type", {"half", "float"}, 0) == 0;
+    if (const auto layers = table.find("layers")) output.layers = readLayers(*layers, output, context.colour);
     const std::vector<std::string>& compressions = exrCompressions();
     if (const auto compression = table.find("compression"))
         output.compression = compressions[compression->choice(compressions)];

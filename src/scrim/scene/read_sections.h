@@ -3,8 +3,11 @@
 // returns what the section says at the frame.
 #pragma once
 
+#include <scrim/base/error.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/toml_reader.h>
+
+#include <fmt/format.h>
 
 #include <string>
 #include <utility>
@@ -16,8 +19,9 @@ namespace scrim {
 struct ReadContext {
     double frame = 1;
     const ColourConfig& colour;
-    std::string folder;        ///< of the scene
-    VariableLookup variables;  ///< [variables], then the environment
+    std::string folder;                    ///< of the scene
+    VariableLookup variables;              ///< [variables], then the environment
+    std::vector<std::string> lights = {};  ///< names of all [[light]]
 
     /// The pattern in `value` with its variables expanded, relative to the scene.
     FramePath path(const TomlValue& value) const;
@@ -39,6 +43,8 @@ struct RenderSection {
 CameraSection readCamera(TomlTable table, const ReadContext& context);
 /// `defaultName` is the name of a volume or light that has none.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
+/// [volume.medium]: medium, albedoGrid and emission of `volume`.
+void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
 /// [volume.classified]: transfer function and Phong coefficients.
 Classified readClassified(TomlTable table, const ReadContext& context);
 /// The map of a volume's transform.
@@ -50,6 +56,16 @@ RenderSection readRender(TomlTable table);
 SceneOutput defaultOutput(const ReadContext& context);
 SceneOutput readOutput(TomlTable table, const ReadContext& context);
 std::vector<std::pair<std::string, std::string>> readVariables(TomlTable table);
+
+/// Runs `call`; an error of the colour config is located at `value`.
+template <typename Call>
+auto located(const TomlValue& value, const Call& call) {
+    try {
+        return call();
+    } catch (const Error& error) {
+        value.fail(fmt::format("'{}': {}", value.name(), error.what()));
+    }
+}
 
 /// The unit vector along the three numbers of `value`, which must not all be 0.
 Vec3 readDirection(const TomlValue& value, double frame);

@@ -2,11 +2,12 @@
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/base/error.h>
+#include <scrim/scene/nearest_name.h>
+#include <scrim/scene/read_ramp.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace scrim {
 namespace {
@@ -41,63 +42,31 @@ void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume)
     table.finish();
 }
 
-/// The field's remap: it must leave 0 alone, since space without voxels is 0 and is never looked at.
-std::vector<std::pair<double, double>> readRamp(const TomlValue& value) {
-    std::vector<std::pair<double, double>> ramp;
-    for (const TomlValue& point : value.items(0, "a list of [grid value, value]")) {
-        const auto pair = point.items(2, "[grid value, value]");
-        const double x = pair[0].number(), y = pair[1].number(Range::atLeast(0));
-        if (!ramp.empty() && x <= ramp.back().first)
-            pair[0].fail(
-                fmt::format("'ramp': {} does not come after {}; expected ascending grid values", x, ramp.back().first));
-        ramp.emplace_back(x, y);
-    }
-    if (ramp.size() < 2) value.failExpecting("at least two [grid value, value]");
-    const auto next = std::find_if(ramp.begin(), ramp.end(), [](const auto& point) { return point.first >= 0; });
-    const auto last = next == ramp.begin() ? next : next - 1;
-    const auto& a = *last;
-    const auto& b = next == ramp.end() ? *last : *next;
-    const bool zero = b.first == 0 ? b.second == 0 : a.second == 0 && b.second == 0;
-    if (!zero)
-        value.fail("'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at");
-    return ramp;
-}
-
 void readDensity(TomlTable table, SceneVolume& volume) {
     volume.densityGrid = table.string("grid", "");
     volume.densityScale = table.number("scale", 1, Range::fromTo(0, 1e30, "per world unit"));
-    if (const auto ramp = table.find("ramp")) volume.ramp = readRamp(*ramp);
-    table.finish();
-}
-
-Phase readPhase(TomlTable table) {
-    Phase phase;
-    table.require("type", "'isotropic' or 'hg'");
-    const bool isotropic = table.choice("type", {"isotropic", "hg"}, 0) == 0;
-    table.describe(fmt::format("{} of type '{}'", table.description(), isotropic ? "isotropic" : "hg"));
-    if (!isotropic) phase.g = table.require("g", "the mean cosine").number(Range::between(-1, 1));
-    table.finish();
-    return phase;
-}
-
-Medium readMedium(TomlTable table, const ReadContext& context) {
-    Medium medium;
-    if (const auto albedo = table.find("albedo")) {
-        medium.albedo = albedo->colour(context.colour);
-        // A conversion from another space may miss the limits by its rounding only.
-        constexpr double kRounding = 1e-6;
-        for (int c = 0; c < 3; ++c) {
-            double& value = medium.albedo[c];
-            if (value < -kRounding || value > 1 + kRounding)
-                albedo->fail(fmt::format("'albedo' is {}, {}, {} in the working space; expected numbers from 0 to 1",
-                                         medium.albedo.x, medium.albedo.y, medium.albedo.z));
-            value = std::clamp(value, 0.0, 1.0);
-        }
+    if (const auto ramp = table.find("ramp")) {
+        volume.ramp = readRamp<double>(*ramp, "[grid value, value]",
+                                       [](const TomlValue& y) { return y.number(Range::atLeast(0)); });
+        if (!keepsZero(volume.ramp))
+            ramp->fail("'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at");
     }
-    if (const auto phase = table.find("phase"))
-        medium.phase = readPhase(phase->table("'phase' of " + table.description()));
     table.finish();
-    return medium;
+}
+
+/// The lights that light it, by name.
+std::vector<std::string> readLightNames(const TomlValue& value, const ReadContext& context) {
+    std::vector<std::string> names;
+    for (const TomlValue& item : value.items(0, "a list of names of lights")) {
+        const std::string name = item.string();
+        if (std::find(context.lights.begin(), context.lights.end(), name) == context.lights.end())
+            item.fail(fmt::format("there is no light '{}'{}; expected {}", clipped(name, 60),
+                                  didYouMean(name, context.lights), clipped(choices(context.lights))));
+        if (std::find(names.begin(), names.end(), name) != names.end())
+            item.fail(fmt::format("'{}' is named twice; expected each light once", clipped(name, 60)));
+        names.push_back(name);
+    }
+    return names;
 }
 
 /// What the volume is made of: a file, or a source with its parameters.
@@ -133,6 +102,7 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     if (const auto transform = table.find("transform"))
         volume.wsFromAsset = readTransform(transform->table("'transform' of " + description), context);
     if (const auto density = table.find("density")) readDensity(density->table("'density' of " + description), volume);
+    if (const auto lights = table.find("lights")) volume.lights = readLightNames(*lights, context);
     const auto medium = table.find("medium"), classified = table.find("classified");
     if (classified) {
         Classified c = readClassified(classified->table("[volume.classified] of " + description), context);
@@ -141,7 +111,7 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         if (medium)
             classified->fail(fmt::format("{} has both 'medium' and 'classified'; expected one of them", description));
     }
-    if (medium) volume.medium = readMedium(medium->table("[volume.medium] of " + description), context);
+    if (medium) readMedium(medium->table("[volume.medium] of " + description), context, volume);
     volume.medium.densityScale = volume.densityScale;
     table.finish();
     return volume;

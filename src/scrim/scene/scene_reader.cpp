@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <sstream>
 #include <system_error>
 
@@ -56,6 +58,30 @@ std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read&
     return items;
 }
 
+/// No key of a scene is longer, unless someone names a volume by a book; all keys in it would repeat that.
+constexpr std::size_t kLongestPath = 1000;
+
+/// Where each key of `table` and of the tables in it stands, as SceneLines names them. Tables in lists go by their
+/// names, as in overrides.
+void addLines(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& lines) {
+    for (const auto& [key, node] : table) {
+        const std::string path = prefix + std::string(key.str());
+        if (path.size() > kLongestPath) continue;
+        lines.emplace(path, whereOf(node.source()));
+        if (const toml::table* inner = node.as_table()) addLines(*inner, path + ".", lines);
+        const toml::array* list = node.as_array();
+        for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
+            const toml::table* item = (*list)[i].as_table();
+            if (item == nullptr) continue;
+            const std::string itemPath =
+                path + "." + (*item)["name"].value<std::string>().value_or(fmt::format("{}{}", key.str(), i + 1));
+            if (itemPath.size() > kLongestPath) continue;
+            lines.emplace(itemPath, whereOf(item->source()));
+            addLines(*item, itemPath + ".", lines);
+        }
+    }
+}
+
 }  // namespace
 
 SceneText loadSceneText(const std::string& path) {
@@ -95,13 +121,14 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.camera = camera.camera;
     scene.overscan = camera.overscan;
     root.require("volume", "at least one [[volume]]");
+    scene.lights = readNamed<Light>(root, "light", [&](const TomlTable& table, const std::string& name) {
+        return readLight(table, name, context);
+    });
+    for (const Light& light : scene.lights) context.lights.push_back(light.name);
     scene.volumes = readNamed<SceneVolume>(root, "volume", [&](const TomlTable& table, const std::string& name) {
         return readVolume(table, name, context);
     });
     if (scene.volumes.empty()) root.require("volume", "").failExpecting("at least one [[volume]]");
-    scene.lights = readNamed<Light>(root, "light", [&](const TomlTable& table, const std::string& name) {
-        return readLight(table, name, context);
-    });
     if (const auto ambient = root.find("ambient")) scene.ambient = readAmbient(ambient->table("[ambient]"), context);
     RenderSection render{"standard", *presetDials("standard"), 0};
     if (const auto table = root.find("render")) render = readRender(table->table("[render]"));
@@ -111,6 +138,9 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     const auto output = root.find("output");
     scene.output = output ? readOutput(output->table("[output]"), context) : defaultOutput(context);
     root.finish();
+    std::map<std::string, std::string> lines;
+    addLines(tree, "", lines);
+    scene.lines = std::make_shared<const SceneLines>(std::move(lines));
     return scene;
 }
 

@@ -116,6 +116,21 @@ TEST(ColourConfig, Rec709RedHasThePublishedAcesCgValues) {
     EXPECT_NEAR(red.b, 0.020616, 2e-6);
 }
 
+TEST(ColourConfig, LinearSpacesAreMatrices) {
+    const ColourConfig colour = ownConfig();
+    EXPECT_EQ(colour.workingFrom("ACEScg"), Mat3(1.0));
+    EXPECT_EQ(colour.workingFrom("Raw"), Mat3(1.0)) << "data are taken as they are";
+    for (const char* space : {"lin_rec709", "ACES2065-1"}) {
+        const Rgb probe(0.3, 2, 0.01), found = colour.workingFrom(space) * probe;
+        for (int c = 0; c < 3; ++c) EXPECT_NEAR(found[c], colour.toWorking(probe, space)[c], 2e-6) << space;
+    }
+}
+
+TEST(ColourConfig, EncodedSpacesAreNoMatrices) {
+    EXPECT_EQ(errorOf([] { ownConfig().workingFrom("sRGB"); }),
+              "the colour space 'sRGB - Texture' is not linear; expected one that a matrix takes to 'ACEScg'");
+}
+
 TEST(ColourConfig, SrgbTexturesDecodeByTheStandardsCurve) {
     const ColourConfig colour = ownConfig();
     for (const double encoded : {0.0, 0.02, 0.04045, 0.5, 0.9}) {

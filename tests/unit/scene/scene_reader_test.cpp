@@ -67,9 +67,6 @@ TEST(SceneOutput, IsChecked) {
     EXPECT_EQ(outputError("fps = 0\n"),
               "scene.toml:7:7: 'fps' is 0; expected a number greater than 0 and of at most 1000000 frames a "
               "second");
-    EXPECT_EQ(outputError("layers = [\"depth\"]\n"),
-              "scene.toml:7:1: 'layers' is not known here ([output]); allowed: 'file', 'colorspace', 'type', "
-              "'compression', 'fps' or 'preview'");
     EXPECT_EQ(outputError("colorspace = \"none such\"\n").substr(0, 31), "scene.toml:7:14: 'colorspace': ");
     EXPECT_EQ(outputError("file = \"\"\n"),
               "scene.toml:7:8: 'file' is the string \"\"; expected a string that is not empty");
@@ -78,6 +75,42 @@ TEST(SceneOutput, IsChecked) {
               "'display' and 'view'");
     EXPECT_EQ(outputError("preview = { file = \"a.png\", view = \"film\" }\n").substr(0, 59),
               "scene.toml:7:36: 'view' is the string \"film\"; expected 'ACE");
+}
+
+TEST(SceneOutput, LayersAreInTheOrderOfTheEnumeration) {
+    const auto layers = [](const std::string& list) {
+        return read(kScene + "[output]\nlayers = " + list).output.layers;
+    };
+    EXPECT_TRUE(read(kScene).output.layers.empty());
+    EXPECT_TRUE(layers("[]").empty());
+    EXPECT_EQ(layers("[\"depth\", \"light\"]"), (std::vector<Layer>{Layer::light, Layer::depth}));
+    EXPECT_EQ(layers("[\"transmittance\", \"depth\", \"albedo\", \"emission\", \"ambient\", \"light\"]"),
+              (std::vector<Layer>{Layer::light, Layer::ambient, Layer::emission, Layer::albedo, Layer::depth,
+                                  Layer::transmittance}));
+}
+
+TEST(SceneOutput, LayersAreChecked) {
+    const auto layersError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[output]\n" + lines); };
+    EXPECT_EQ(
+        layersError("layers = [\"depth\", \"normals\"]\n"),
+        "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'ambient', 'emission', 'albedo', "
+        "'depth' or 'transmittance'");
+    EXPECT_EQ(layersError("layers = [\"depth\", \"depth\"]\n"),
+              "scene.toml:7:20: 'layers[1]' is 'depth' again; expected each layer once");
+    EXPECT_EQ(layersError("layers = \"depth\"\n"),
+              "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'ambient', "
+              "'emission', 'albedo', 'depth' or 'transmittance'");
+}
+
+TEST(SceneOutput, AcesContainersTakeNoLayers) {
+    const auto containerError = [](const std::string& lines) {
+        return errorOf(kCamera + kVolume + "[output]\ncolorspace = \"lin_ap0\"\n" + lines);
+    };
+    EXPECT_EQ(containerError("layers = [\"depth\"]\n"),
+              "scene.toml:8:10: 'layers' do not fit into an ACES container, which half floats in ACES2065-1 make; "
+              "expected another 'colorspace', or type = \"float\"");
+    EXPECT_EQ(containerError("layers = []\n"), "no error");
+    EXPECT_EQ(containerError("type = \"float\"\nlayers = [\"depth\"]\n"), "no error");
 }
 
 TEST(SceneRender, DialsOverrideTheQuality) {

@@ -116,11 +116,11 @@ TEST(SceneVolume, IsAFileOrASource) {
               "scene.toml:6:10: [[volume]] 'volume1' has both 'file' and 'source'; expected one of them");
     EXPECT_EQ(volumeError("parameters = {}\n"),
               "scene.toml:6:1: 'parameters' is not known here ([[volume]] 'volume1' with a file); allowed: 'name', "
-              "'file', 'source', 'frame', 'transform', 'density', 'medium' or 'classified'");
+              "'file', 'source', 'frame', 'transform', 'density', 'lights', 'medium' or 'classified'");
     EXPECT_EQ(errorOf(sceneWith("source = \"noise\"\nframe = {}\n")),
               "scene.toml:6:1: 'frame' is not known here ([[volume]] 'volume1' with a source); allowed: "
               "'name', 'file', "
-              "'source', 'parameters', 'transform', 'density', 'medium' or 'classified'");
+              "'source', 'parameters', 'transform', 'density', 'lights', 'medium' or 'classified'");
 }
 
 TEST(SceneVolume, NamesAreUnique) {
@@ -129,18 +129,26 @@ TEST(SceneVolume, NamesAreUnique) {
               "different names");
 }
 
-TEST(SceneVolume, KeysOfLaterVersionsAreNotSilentlyIgnored) {
-    const std::string allowed =
-        "; allowed: 'name', 'file', 'source', 'frame', 'transform', 'density', 'medium' or 'classified'";
-    EXPECT_EQ(volumeError("lights = [\"key\"]\n"),
-              "scene.toml:6:1: 'lights' is not known here ([[volume]] 'volume1' with a file)" + allowed);
-    EXPECT_EQ(volumeError("[volume.medium]\nemission = { grid = \"flame\" }\n"),
-              "scene.toml:7:1: 'emission' is not known here ([volume.medium] of [[volume]] 'volume1'); allowed: "
-              "'albedo' or 'phase'");
-    EXPECT_EQ(volumeError("[volume.medium]\nalbedo = { grid = \"Cd\" }\n"),
-              "scene.toml:7:12: 'grid' is not known here (the colour 'albedo'); allowed: 'rgb' or 'colorspace'");
-    EXPECT_EQ(volumeError("[volume.medium]\nphase = { type = \"rayleigh\" }\n"),
-              "scene.toml:7:18: 'type' is the string \"rayleigh\"; expected 'isotropic' or 'hg'");
+TEST(SceneVolume, NamesTheLightsThatLightIt) {
+    const std::string lights =
+        "[[light]]\nname = \"key\"\ntype = \"point\"\nposition = [0, 0, 5]\n"
+        "[[light]]\ntype = \"point\"\nposition = [0, 5, 5]\n";
+    const auto named = [&](const std::string& names) {
+        return read(sceneWith("file = \"a.vdb\"\nlights = " + names + "\n" + lights)).volumes.at(0).lights;
+    };
+    EXPECT_EQ(volume("file = \"a.vdb\"\n").lights, std::nullopt) << "all";
+    EXPECT_EQ(named("[\"light2\", \"key\"]"), (std::vector<std::string>{"light2", "key"}));
+    EXPECT_EQ(named("[]"), std::vector<std::string>{}) << "none";
+    const auto namedError = [&](const std::string& names) { return volumeError("lights = " + names + "\n" + lights); };
+    EXPECT_EQ(namedError("[\"key\", \"kye\"]"),
+              "scene.toml:6:18: there is no light 'kye'; did you mean 'key'?; expected 'key' or 'light2'");
+    EXPECT_EQ(namedError("[\"rim\"]"), "scene.toml:6:11: there is no light 'rim'; expected 'key' or 'light2'");
+    EXPECT_EQ(namedError("[\"key\", \"key\"]"), "scene.toml:6:18: 'key' is named twice; expected each light once");
+    EXPECT_EQ(namedError("[1]"), "scene.toml:6:11: 'lights[0]' is 1; expected a string that is not empty");
+    EXPECT_EQ(namedError("\"key\""),
+              "scene.toml:6:10: 'lights' is the string \"key\"; expected a list of names of "
+              "lights");
+    EXPECT_EQ(volumeError("lights = [\"key\"]\n"), "scene.toml:6:11: there is no light 'key'; expected none");
 }
 
 TEST(SceneVolume, TranslateComesAfterRotateAfterScale) {

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: ramps, which map a grid's values to numbers or colours.
+#pragma once
+
+#include <scrim/scene/toml_reader.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scrim {
+
+/// A list of at least two [grid value, y], ascending; `read(value)` reads y, `point` is what a point looks like.
+template <typename T, typename Read>
+std::vector<std::pair<double, T>> readRamp(const TomlValue& value, const std::string& point, const Read& read) {
+    std::vector<std::pair<double, T>> ramp;
+    for (const TomlValue& item : value.items(0, "a list of " + point)) {
+        const auto pair = item.items(2, point);
+        const double x = pair[0].number();
+        const T y = read(pair[1]);
+        if (!ramp.empty() && x <= ramp.back().first)
+            pair[0].fail(
+                fmt::format("'ramp': {} does not come after {}; expected ascending grid values", x, ramp.back().first));
+        ramp.emplace_back(x, y);
+    }
+    if (ramp.size() < 2) value.failExpecting("at least two " + point);
+    return ramp;
+}
+
+/// Whether the ramp, whose y are not negative, maps 0 to nothing: space without voxels is 0, and never looked at.
+template <typename T>
+bool keepsZero(const std::vector<std::pair<double, T>>& ramp) {
+    const auto next = std::find_if(ramp.begin(), ramp.end(), [](const auto& point) { return point.first >= 0; });
+    const auto last = next == ramp.begin() ? next : next - 1;
+    const auto& a = *last;
+    const auto& b = next == ramp.end() ? *last : *next;
+    return b.first == 0 ? b.second == T(0) : a.second == T(0) && b.second == T(0);
+}
+
+}  // namespace scrim
