@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace scrim::cli {
 namespace {
@@ -41,10 +43,48 @@ ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, con
     return attributes;
 }
 
+std::string layerName(const Scene& scene, const FrameLayer& layer) {
+    switch (layer.layer) {
+        case Layer::light:
+            return "light." + scene.lights[static_cast<std::size_t>(layer.light)].name;
+        case Layer::ambient:
+            return "ambient";
+        case Layer::emission:
+            return "emission";
+        case Layer::albedo:
+            return "albedo";
+        case Layer::depth:
+            return "depth";
+        default:
+            return "transmittance";
+    }
+}
+
+/// The RGB of a layer in the output's space, by way of a picture.
+std::vector<float> converted(const FrameLayer& layer, const PixelWindow& window, const ColourConfig& colour,
+                             const std::string& space) {
+    Image image = emptyImage(window);
+    for (std::size_t i = 0; i < layer.data.size(); ++i) image.rgba[i / 3 * 4 + i % 3] = layer.data[i];
+    colour.convert(image, colour.workingSpace(), space);
+    std::vector<float> data(layer.data.size());
+    for (std::size_t i = 0; i < data.size(); ++i) data[i] = image.rgba[i / 3 * 4 + i % 3];
+    return data;
+}
+
+/// Depth is no colour, and transmittance is what each of the working space's channels leaves of what lies behind.
+ExrLayer exrLayer(const Scene& scene, FrameLayer& layer, const PixelWindow& window, const ColourConfig& colour) {
+    const std::string name = layerName(scene, layer);
+    if (layer.layer == Layer::depth) return {{"Z", name + ".mean"}, std::move(layer.data), true};
+    const std::vector<std::string> channels{name + ".R", name + ".G", name + ".B"};
+    if (layer.layer == Layer::transmittance) return {channels, std::move(layer.data)};
+    return {channels, converted(layer, window, colour, scene.output.colorspace)};
+}
+
 }  // namespace
 
-void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour, Image image,
+void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour, Frame frame,
                 const FrameReport& report, Console& console) {
+    Image& image = frame.image;
     const SceneOutput& output = scene.output;
     const bool withPreview = !output.preview.file.empty();
     // The preview starts from the working space, and is written last: the picture is what matters.
@@ -57,8 +97,15 @@ void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourCo
     options.pixelAspect = scene.camera.pixelAspect;
     options.colorInteropId = colour.interopId(output.colorspace);
     options.acesContainer = output.half && colour.isAces2065(output.colorspace);
+    std::vector<ExrLayer> layers;
+    for (FrameLayer& layer : frame.layers) {
+        layers.push_back(exrLayer(scene, layer, image.window, colour));
+        // Where nothing is everything comes through: readers take what lies beyond the data window for 0.
+        options.wholeWindow = options.wholeWindow || layer.layer == Layer::transmittance;
+    }
     colour.convert(image, colour.workingSpace(), output.colorspace);
-    const std::size_t clamped = writeExr(output.file, image, options, attributesOf(scene, sceneToml, colour, report));
+    const std::size_t clamped =
+        writeExr(output.file, image, options, attributesOf(scene, sceneToml, colour, report), layers);
     if (clamped > 0)
         console.warning(
             fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" "

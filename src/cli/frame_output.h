@@ -13,9 +13,9 @@
 
 namespace scrim::cli {
 
-/// Writes `image` (in the working space), and converts it in doing so. `sceneToml` goes into the metadata.
+/// Writes `frame` (in the working space), and converts it in doing so. `sceneToml` goes into the metadata.
 /// Throws Error.
-void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour, Image image,
+void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour, Frame frame,
                 const FrameReport& report, Console& console);
 
 }  // namespace scrim::cli

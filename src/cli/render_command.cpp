@@ -55,9 +55,9 @@ class RenderRun {
   private:
     bool mayRender(int frame, std::vector<VolumeFile>& files);
     void renderFrame(SceneInput& input, int frame);
-    Image renderOnce(const ViewScene& view, FrameReport& report, double from, double to);
-    Image renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report);
-    Image renderWithin(double tolerance, ViewScene view, const ViewScene& truth, FrameReport& report);
+    Frame renderOnce(const ViewScene& view, FrameReport& report, double from, double to);
+    Frame renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report);
+    Frame renderWithin(double tolerance, ViewScene view, const ViewScene& truth, FrameReport& report);
     void warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& files, const Fields& fields);
 
     const SceneOptions& m_options;
@@ -116,29 +116,29 @@ void RenderRun::warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& f
     }
 }
 
-Image RenderRun::renderOnce(const ViewScene& view, FrameReport& report, double from, double to) {
+Frame RenderRun::renderOnce(const ViewScene& view, FrameReport& report, double from, double to) {
     const Plan plan = timed(report.plan, [&] { return makePlan(view, threadCount()); });
     report.planJson = planAsJson(view, plan);
     if (m_options.verbose) m_console.detail(planAsTable(view, plan));
     Frame frame = timed(report.render, [&] { return render(view, plan, m_progress.stage(from, to)); });
     report.stages = frame.times;
     report.work = frame.work;
-    return std::move(frame.image);
+    return frame;
 }
 
-Image RenderRun::renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report) {
-    Image image = renderOnce(view, report, 0, m_options.verify > 0 ? kRenderedOfVerified : 1);
+Frame RenderRun::renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report) {
+    Frame frame = renderOnce(view, report, 0, m_options.verify > 0 ? kRenderedOfVerified : 1);
     if (m_options.verify > 0)
         report.verification = timed(report.verify, [&] {
             return summarise(
-                samplePixels(truth, image, m_options.verify, kVerifySeed, m_progress.stage(kRenderedOfVerified, 1)));
+                samplePixels(truth, frame.image, m_options.verify, kVerifySeed, m_progress.stage(kRenderedOfVerified, 1)));
         });
-    return image;
+    return frame;
 }
 
 // Pilots, the setting that they recommend, and, where it misses after all, one better one: what was measured says by how
 // much the pilots were wrong.
-Image RenderRun::renderWithin(double tolerance, ViewScene view, const ViewScene& truth, FrameReport& report) {
+Frame RenderRun::renderWithin(double tolerance, ViewScene view, const ViewScene& truth, FrameReport& report) {
     constexpr double kPiloted = 0.3, kRendered = 0.6, kVerified = 0.9;
     std::array<Pilot, 2> pilots = pilotsFor(tolerance);
     timed(report.plan, [&] { runPilots(pilots, view, truth, kPilotPixels, m_progress.stage(0, kPiloted)); });
@@ -153,24 +153,24 @@ Image RenderRun::renderWithin(double tolerance, ViewScene view, const ViewScene&
         out.sheetThickness = choice.dials.sheetThickness;
         return renderOnce(view, report, from, to);
     };
-    Image image = renderChoice(kPiloted, kRendered);
+    Frame frame = renderChoice(kPiloted, kRendered);
     std::vector<VerifiedPixel> pixels = timed(report.verify, [&] {
-        return samplePixels(truth, image, m_options.verify > 0 ? m_options.verify : kTolerancePixels, kVerifySeed,
+        return samplePixels(truth, frame.image, m_options.verify > 0 ? m_options.verify : kTolerancePixels, kVerifySeed,
                             m_progress.stage(kRendered, kVerified));
     });
     report.verification = summarise(pixels);
     if (report.verification->error > tolerance) {
         model = scaled(model, report.verification->error / std::max(out.predicted, 1e-9));
         out.refined = true;
-        image = renderChoice(kVerified, 1);
-        setRendered(pixels, image);
+        frame = renderChoice(kVerified, 1);
+        setRendered(pixels, frame.image);
         report.verification = summarise(pixels);
     }
     out.met = report.verification->error <= tolerance;
     if (!out.met)
         m_console.warning(fmt::format("frame {}: the error is {:.3g}, more than the tolerance of {:.3g}", report.frame,
                                       report.verification->error, tolerance));
-    return image;
+    return frame;
 }
 
 void RenderRun::renderFrame(SceneInput& input, int frame) {
@@ -205,10 +205,10 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     // Coarser levels are an approximation like any other: what is true are the voxels of the file.
     const bool coarser = scene.dials.lod > 0 && (m_options.verify > 0 || scene.tolerance > 0);
     const ViewScene truth = coarser ? viewWith(0) : view;
-    Image image = scene.tolerance > 0 ? renderWithin(scene.tolerance, view, truth, report)
-                                      : renderVerified(view, truth, report);
+    Frame rendered = scene.tolerance > 0 ? renderWithin(scene.tolerance, view, truth, report)
+                                         : renderVerified(view, truth, report);
     throwIfInterrupted();
-    timed(report.write, [&] { writeFrame(scene, input.toml(), m_colour, std::move(image), report, m_console); });
+    timed(report.write, [&] { writeFrame(scene, input.toml(), m_colour, std::move(rendered), report, m_console); });
     report.peakBytes = peakResidentBytes();
     m_console.line(summaryLine(report));
     m_console.detail(detailLines(report));

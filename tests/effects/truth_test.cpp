@@ -38,7 +38,11 @@ TEST_P(Effects, AgreeWithBruteForce) {
     ViewScene scene = sceneWith(GetParam().effect);
     scene.dials.texel = scene.dials.sheetThickness = 0.7;
     scene.dials.shade = GetParam().way == Way::pixels ? ShadeMode::pixel : ShadeMode::texel;
-    if (GetParam().way == Way::perView) scene.dials.splat = SplatMode::perView;
+    if (GetParam().way == Way::perView) {
+        scene.dials.splat = SplatMode::perView;
+        scene.camera.resolution = {80, 80};  // the raster of its sheets
+        scene.region = {0, 0, 80, 80};
+    }
     if (GetParam().way == Way::backToFront)
         for (Light& light : scene.lights) light.wsDirection.z = std::abs(light.wsDirection.z);
     if (GetParam().way == Way::perspective) {

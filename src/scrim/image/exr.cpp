@@ -235,7 +235,7 @@ void setExrThreads(int threads) {
 std::size_t writeExr(const std::string& path, const Image& image, const ExrOptions& options,
                      const ExrAttributes& attributes, const std::vector<ExrLayer>& layers) {
     checkArguments(path, image, options, layers);
-    const PixelWindow dataWindow = nonEmptyWindow(image);
+    const PixelWindow dataWindow = options.wholeWindow ? image.window : nonEmptyWindow(image);
     AtomicFile file(path);
     try {
         Imf::Header header = makeHeader(dataWindow, options, attributes);

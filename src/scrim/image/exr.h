@@ -25,6 +25,8 @@ struct ExrOptions {
     /// `compression` says, with acesImageContainerFlag and the chromaticities of AP0. It takes no layers.
     /// No other file gets chromaticities.
     bool acesContainer = false;
+    /// The data window is the whole image, empty or not: for layers that are not 0 where nothing is.
+    bool wholeWindow = false;
 };
 
 /// A rational number of frames a second.

@@ -22,7 +22,7 @@ struct RenderWork {
     std::uint64_t sheets = 0;
     ShadeWork shade;
 
-    /// Address space of buffers: of the sweep in which each kind is largest.
+    /// Address space of buffers, of the sweep that takes most.
     struct Bytes {
         std::uint64_t fields = 0;   ///< sheets of fields, with the tables of footprints
         std::uint64_t shadows = 0;  ///< shadow buffers, with what lights splat for themselves

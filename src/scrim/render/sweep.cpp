@@ -118,13 +118,10 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && walk.allOpaque()) break;
     }
-    const auto most = [](std::uint64_t& so, std::size_t bytes) { so = std::max<std::uint64_t>(so, bytes); };
-    most(work.bytes.fields, fields.bytes());
-    most(work.bytes.shadows, lights.bytes());
+    RenderWork::Bytes bytes{fields.bytes(), lights.bytes(), 0, tiles.bytes()};
     if (shaded)
-        most(work.bytes.shaded,
-             PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, group.layout.floats()));
-    most(work.bytes.picture, tiles.bytes());
+        bytes.shaded = PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, group.layout.floats());
+    if (bytes.total() > work.bytes.total()) work.bytes = bytes;
 }
 
 }  // namespace scrim

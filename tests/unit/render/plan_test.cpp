@@ -266,7 +266,7 @@ TEST(Memory, LimitBelowOneSheetIsAnError) {
     scene.region = {0, 0, 400, 200};
     const std::string text = errorOf(ErrorKind::memory, [&] { makePlan(scene, 2); });
     EXPECT_TRUE(text.starts_with("one sheet at a time needs ")) << text;
-    EXPECT_NE(text.find(" MB of buffers and 4 MB for the picture, more than the limit of 1 MB allows"),
+    EXPECT_NE(text.find(" MB of buffers and 3 MB for the picture, more than the limit of 1 MB allows"),
               std::string::npos)
         << text;
 }
