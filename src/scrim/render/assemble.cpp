@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/render/derived_fields.h>
+#include <scrim/render/light_use.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
@@ -32,6 +33,11 @@ std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, doubl
     while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1)
         field = std::make_shared<SparseField>(coarser(*field));
     return field;
+}
+
+PixelWindow pictureOf(const Scene& scene) {
+    const Int2 size = scene.camera.resolution;
+    return {-scene.overscan, -scene.overscan, size.x + scene.overscan, size.y + scene.overscan};
 }
 
 // For each light of the scene: does it light the volume? Empty: all do.
@@ -80,8 +86,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
                    const std::optional<PixelWindow>& crop, std::size_t memoryLimit) {
     ViewScene out;
     out.camera = scene.camera;
-    out.region = {-scene.overscan, -scene.overscan, scene.camera.resolution.x + scene.overscan,
-                  scene.camera.resolution.y + scene.overscan};
+    out.region = out.picture = pictureOf(scene);
     if (crop) {
         const PixelWindow part = intersection(out.region, *crop);
         if (part.empty())
@@ -97,9 +102,30 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
     out.layers = scene.output.layers;
     out.lines = scene.lines;
     out.memoryLimit = memoryLimit;
-    for (std::size_t i = 0; i < scene.volumes.size(); ++i)
-        if (auto volume = viewOf(scene, scene.volumes[i], fields[i])) out.volumes.push_back(std::move(*volume));
+    std::vector<std::vector<Vec3>> corners(scene.volumes.size());
+    std::vector<std::optional<ViewVolume>> volumes;
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+        volumes.push_back(viewOf(scene, scene.volumes[i], fields[i]));
+        if (volumes[i]) corners[i] = wsCorners(*volumes[i], scene.dials.kernel);
+        // What shows nothing has a place, of no size, where nobody looks.
+        if (!volumes[i]) corners[i].assign(8, scene.camera.wsPosition + scene.camera.wsFromCamera[2]);
+    }
+    const std::vector<std::string> reasons = unseenVolumes(scene, corners);
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+        const std::string& reason = fields[i].unseen.empty() ? reasons[i] : fields[i].unseen;
+        if (volumes[i] && reason.empty())
+            out.volumes.push_back(std::move(*volumes[i]));
+        else if (volumes[i] || !fields[i].unseen.empty())
+            out.unseen.emplace_back(scene.volumes[i].name, reason);
+    }
     return out;
+}
+
+std::vector<std::string> unseenVolumes(const Scene& scene, const std::vector<std::vector<Vec3>>& wsCorners) {
+    std::vector<VolumeBox> boxes;
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i)
+        boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});
+    return uselessVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
 }
 
 }  // namespace scrim

@@ -18,10 +18,16 @@ struct VolumeFields {
     std::shared_ptr<const SparseField> density;
     std::array<std::shared_ptr<const SparseField>, 3> albedo;      ///< red, green and blue, where the albedo is a grid
     std::vector<std::shared_ptr<const SparseField>> emission = {};  ///< one each of SceneVolume::emission
+    std::string unseen = {};  ///< why the volume was not loaded, where the picture has no use for it
 };
+
+/// For each volume of `scene`, of which `wsCorners` tells the place (eight corners a box; none: unknown), why the picture
+/// has no use for it; empty where it may have.
+std::vector<std::string> unseenVolumes(const Scene& scene, const std::vector<std::vector<Vec3>>& wsCorners);
 
 /// `fields[i]` belongs to `scene.volumes[i]`. `crop` limits the region to pixels of it (display window coordinates). Ramps are applied, and
 /// coarser levels built where the dial `lod` asks for them.
+/// Volumes that the picture has no use for are left out.
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
                    const std::optional<PixelWindow>& crop, std::size_t memoryLimit);
 

@@ -80,7 +80,7 @@ BatchFields::BatchFields(const ViewScene& scene, const ExtinctionRows& rows, con
     for (int r = 0; r < rows.count(); ++r) m_totals.emplace_back(batchSheets, raster.width, raster.height, 1);
 }
 
-SplatWork BatchFields::splat(int firstSheet, int count, const TileCull& cull) {
+SplatWork BatchFields::splat(int firstSheet, int count, const NeededTiles* needed, const TileCull& cull) {
     struct Task {
         VolumePlanes* volume;
         int part;
@@ -91,7 +91,7 @@ SplatWork BatchFields::splat(int firstSheet, int count, const TileCull& cull) {
         const int parts = volume->beginBatch(firstSheet, count);
         for (int i = 0; i < parts; ++i) tasks.push_back({volume, i, {}});
     }
-    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part, cull); });
+    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part, needed, cull); });
     parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) {
         for (VolumePlanes* volume : m_all) volume->classify(static_cast<int>(p));
         if (!m_totals.empty()) addUp(static_cast<int>(p));

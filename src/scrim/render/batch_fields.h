@@ -23,7 +23,8 @@ class BatchFields {
                 int batchSheets, double voxel, SheetsFor who);
 
     /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count).
-    SplatWork splat(int firstSheet, int count, const TileCull& cull = {});
+    /// See VolumePlanes::splat.
+    SplatWork splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
 
     /// A row of total extinction, per world unit. Where there is one volume these are its own planes.
     const PlaneStack& extinction(int row) const {

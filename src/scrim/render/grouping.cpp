@@ -3,7 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/geometry/enclosing_cone.h>
-#include <scrim/light/slide_map.h>
+#include <scrim/render/light_beam.h>
 
 #include <algorithm>
 #include <cmath>
@@ -47,50 +47,6 @@ const std::vector<Vec3>& windowAxes() {
     return axes;
 }
 
-// Directions around the rim of a cone: their enclosing cone is that cone.
-std::vector<Vec3> rim(const Vec3& axis, double angle) {
-    const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-    const Vec3 x = glm::normalize(glm::cross(axis, other)), y = glm::cross(axis, x);
-    std::vector<Vec3> directions;
-    constexpr int kPoints = 16;
-    for (int i = 0; i < kPoints; ++i) {
-        const double t = 2 * std::acos(-1.0) * i / kPoints;
-        directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * x + std::sin(t) * y));
-    }
-    return directions;
-}
-
-// The cone of directions from a point light to the volume; wider than 90 degrees (cosAngle <= 0) where the light
-// stands inside.
-Cone coneToVolume(const Vec3& wsLight, const std::vector<Vec3>& corners, std::vector<Vec3>& directions) {
-    for (const Vec3& corner : corners)
-        if (glm::distance(corner, wsLight) > 0) directions.push_back(glm::normalize(corner - wsLight));
-    return enclosingCone(directions);
-}
-
-// What a light shines into by itself: directions whose cone holds it, and half that cone's angle. All around: none, 180
-// degrees.
-struct Beam {
-    std::vector<Vec3> directions;
-    double angle = std::acos(-1.0);
-};
-
-Beam beamOf(const Light& light) {
-    const double pi = std::acos(-1.0);
-    Beam beam;
-    if (light.type == LightType::spot) {
-        beam.angle = 0.5 * light.coneAngle * pi / 180;
-        beam.directions = rim(light.wsDirection, beam.angle);
-    }
-    if (!light.slide) return beam;
-    if (light.slide->outside == SlideOutside::black) {
-        const double angle = slideHalfAngle(light);
-        if (angle < beam.angle) beam = {slideCorners(light), angle};
-    }
-    beam.angle = std::min(beam.angle, 0.5 * pi);  // nothing behind a slide is lit
-    return beam;
-}
-
 // Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and its own beam.
 void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<LightPart>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
@@ -100,7 +56,7 @@ void addWindows(int index, const Light& light, const Beam& beam, const Cone& con
         if (angleOf(glm::dot(axis, light.wsDirection)) > beam.angle + kWindowAngle) continue;
         LightPart part;
         part.light = index;
-        part.wsDirections = rim(axis, kWindowAngle);
+        part.wsDirections = rimOfCone(axis, kWindowAngle);
         for (const Vec3& other : axes) {
             if (angleOf(glm::dot(axis, other)) >= 2 * kWindowAngle) continue;
             if (other == axis) part.window = static_cast<int>(part.wsWindows.size());
@@ -116,12 +72,11 @@ void addParts(int index, const Light& light, const std::vector<Vec3>& corners, s
         return;
     }
     std::vector<Vec3> directions;
-    const Cone cone = coneToVolume(light.wsPosition, corners, directions);
+    const Cone cone = coneToCorners(light.wsPosition, corners, directions);
     const Beam beam = beamOf(light);
     const double volumeAngle = angleOf(cone.cosAngle);
     // A picture that passes the volume by is no work at all, and one that is narrower leaves most of it alone.
-    if (light.slide && cone.cosAngle > 0 && angleOf(glm::dot(light.wsDirection, cone.axis)) > beam.angle + volumeAngle)
-        return;
+    if (passesBy(light, beam, cone)) return;
     if (light.slide && beam.angle < std::min(volumeAngle, kWidestView)) {
         parts.push_back({index, beam.directions, {}, 0});
         return;
@@ -172,10 +127,11 @@ double shareOfSameSide(double cosine, double crossFade) {
 }
 
 // Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
-std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye) {
+std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
+                               const std::vector<std::string>& useless) {
     std::vector<LightPart> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
-        addParts(static_cast<int>(i), scene.lights[i], corners, parts);
+        if (useless[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
 
     const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
@@ -229,13 +185,14 @@ void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& group
 
 }  // namespace
 
-std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part) {
+std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
+                                    const std::vector<std::string>& useless) {
     const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
 
     // Each part joins the group in which it costs the least slant, or opens its own.
     std::vector<LightGroup> groups;
-    const std::vector<Item> items = orderedParts(scene, corners, part);
+    const std::vector<Item> items = orderedParts(scene, corners, part, useless);
     for (const Item& item : items) {
         LightGroup* best = nullptr;
         double bestSlant = limit;

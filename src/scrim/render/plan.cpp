@@ -6,6 +6,7 @@
 #include <scrim/render/batch_fields.h>
 #include <scrim/render/eye_view.h>
 #include <scrim/render/light_raster.h>
+#include <scrim/render/light_use.h>
 #include <scrim/render/shading_place.h>
 #include <scrim/render/view_rasters.h>
 #include <scrim/render/volume_planes.h>
@@ -100,14 +101,16 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     }
     const double pixels = double(plan.region.width()) * plan.region.height();
     for (const GroupPlan& group : plan.groups) {
-        const double texels = double(group.sheets.width) * group.sheets.height * group.sheets.count;
+        const double share = group.needed.share(group.sheets);
+        const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
         // A voxel reaches all sheets within its kernel's extent: about one and its own width.
         const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
-        plan.work.footprints += voxels * reach;
+        plan.work.footprints += share * voxels * reach;
         plan.work.texels += texels;
-        plan.work.pixelSheets += pixels * group.sheets.count;
+        plan.work.pixelSheets += pixels * (group.needed.last - group.needed.first);
         for (const LightPlan& light : group.lights)
-            if (light.shadowed) plan.work.lightSamples += texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
+            if (light.shadowed) plan.work.lightSamples +=
+                    plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
     }
 }
 
@@ -153,6 +156,10 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
     for (LightPart& light : group.parts)
         g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
     choosePictures(scene, plan, g);
+    std::vector<const Light*> shadowed;
+    for (const LightPlan& light : g.lights)
+        if (light.shadowed) shadowed.push_back(&scene.lights[static_cast<std::size_t>(light.light)]);
+    g.needed = neededTiles(scene, part.window, g.sheets, shadowed);
     if (plan.perView) {
         const int n = scene.dials.antialias;
         const Camera camera = supersampled(scene.camera, n);
@@ -172,6 +179,7 @@ Plan makePlan(const ViewScene& scene, int threads) {
     plan.extinction = extinctionRows(scene);
     const std::vector<Vec3> corners = wsCorners(scene);
     if (corners.empty()) return plan;
+    plan.uselessLights = uselessLights(scene);
     for (const Light& light : scene.lights)
         if (light.slide && !light.slide->image)
             throw Error(ErrorKind::usage,
@@ -180,7 +188,7 @@ Plan makePlan(const ViewScene& scene, int threads) {
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
-        for (LightGroup& group : groupLights(scene, corners, part))
+        for (LightGroup& group : groupLights(scene, corners, part, plan.uselessLights))
             plan.groups.push_back(planGroup(scene, corners, plan, part, group));
         plan.eyeParts.push_back(std::move(part));
     }

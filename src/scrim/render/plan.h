@@ -8,6 +8,7 @@
 #include <scrim/light/light_view.h>
 #include <scrim/render/extinction_rows.h>
 #include <scrim/render/grouping.h>
+#include <scrim/render/needed_tiles.h>
 #include <scrim/render/view_scene.h>
 #include <scrim/shade/shade_tile.h>
 
@@ -45,6 +46,7 @@ struct GroupPlan {
     std::vector<PicturePlan> pictures;  ///< beside the beauty: only what this group contributes to
     SampleLayout layout;
     PictureTargets targets;
+    NeededTiles needed;                 ///< of the sheets
     ViewRaster eyeRaster;   ///< per-view splatting: of the eye's own sheets
     int guardTiles = 0;     ///< of them around the picture
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
@@ -71,6 +73,7 @@ struct Plan {
     std::string shadeReason;
     double voxel = 1;               ///< the unit of the dials, world units
     PixelWindow region;             ///< in pixels of the antialiasing raster
+    std::vector<std::string> uselessLights;  ///< for each light of the scene why it is left out; empty: it is not
     std::vector<EyePart> eyeParts;  ///< in pixels of the picture; windows cut to the region
     std::size_t bytes = 0;          ///< buffers at their largest, frame included; without the fields
     ExpectedWork work;

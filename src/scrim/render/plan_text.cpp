@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/plan_text.h>
 
+#include <scrim/render/effects.h>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <glm/geometric.hpp>
@@ -14,82 +16,6 @@ namespace scrim {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// Something a scene may need or not, and why.
-struct Effect {
-    std::string name;
-    bool on = false;
-    std::string reason;
-};
-
-std::string quotedNames(const std::vector<std::string>& names) {
-    return names.empty() ? "" : fmt::format("'{}'", fmt::join(names, "', '"));
-}
-
-Effect shadowEffect(const ViewScene& scene) {
-    std::vector<std::string> with;
-    for (const Light& light : scene.lights)
-        if (light.shadows) with.push_back(light.name);
-    if (scene.lights.empty()) return {"shadows", false, "there are no lights"};
-    if (with.empty()) return {"shadows", false, "every light has shadows = false"};
-    return {"shadows", true, fmt::format("of {}", quotedNames(with))};
-}
-
-Effect slideEffect(const ViewScene& scene) {
-    std::vector<std::string> with;
-    for (const Light& light : scene.lights)
-        if (light.slide) with.push_back(light.name);
-    if (with.empty()) return {"slides", false, "no light has a slide"};
-    return {"slides", true, fmt::format("of {}", quotedNames(with))};
-}
-
-Effect classifiedEffect(const ViewScene& scene) {
-    std::vector<std::string> names;
-    for (const ViewVolume& volume : scene.volumes)
-        if (volume.classified) names.push_back(volume.name);
-    if (names.empty()) return {"surfaces", false, "no volume is classified: no gradients, no transfer function"};
-    return {"surfaces", true, fmt::format("{} classified", quotedNames(names))};
-}
-
-Effect crossFadeEffect(const ViewScene& scene, const Plan& plan) {
-    for (const GroupPlan& group : plan.groups)
-        for (const LightPlan& light : group.lights)
-            if (light.share < 1)
-                return {"cross-fade", true,
-                        fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
-                                    "sides",
-                                    scene.lights[static_cast<std::size_t>(light.light)].name, scene.dials.crossFade)};
-    return {"cross-fade", false, "no light is perpendicular to the eye"};
-}
-
-Effect phaseEffect(const ViewScene& scene) {
-    std::vector<std::string> names;
-    for (const ViewVolume& volume : scene.volumes)
-        if (volume.medium.phase.g != 0) names.push_back(volume.name);
-    if (names.empty()) return {"directional scattering", false, "every phase function is isotropic"};
-    return {"directional scattering", true, fmt::format("of {}", quotedNames(names))};
-}
-
-std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
-    std::vector<Effect> effects{shadowEffect(scene), slideEffect(scene), classifiedEffect(scene), phaseEffect(scene),
-                                crossFadeEffect(scene, plan)};
-    const bool ambient = scene.ambient != Rgb(0);
-    effects.push_back({"ambient light", ambient, ambient ? "[ambient] has a color" : "[ambient] is black"});
-    const int n = scene.dials.antialias;
-    effects.push_back({"antialiasing", n > 1, fmt::format("{0} x {0} rays a pixel", n)});
-    effects.push_back(
-        {"level of detail", scene.dials.lod > 0,
-         scene.dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", scene.dials.lod) : "lod is 0"});
-    effects.push_back({"wide eye", plan.eyeParts.size() > 1,
-                       plan.eyeParts.size() > 1 ? fmt::format("its rays are swept in {} parts", plan.eyeParts.size())
-                                                : "one sweep holds all of its rays"});
-    effects.push_back({"per-view splatting", plan.perView,
-                       plan.perView ? "the scene says so: a splat for the eye and one for every shadow"
-                                    : "all views share one splat"});
-    effects.push_back({"shading at pixels", plan.shadeAtPixels,
-                       plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason});
-    return effects;
-}
 
 Json vector(const Vec3& v) {
     return Json::array({v.x, v.y, v.z});
@@ -130,6 +56,7 @@ Json groupJson(const ViewScene& scene, const GroupPlan& group) {
             {"s", group.sameSide ? 1 : -1},
             {"slant", glm::degrees(group.slant)},
             {"sheets", group.sheets.count},
+            {"needed_sheets", {group.needed.first, group.needed.last}},
             {"sheet_thickness", group.sheets.thickness},
             {"raster", {group.sheets.width, group.sheets.height}},
             {"texel", group.sheets.texel},
@@ -171,7 +98,7 @@ std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size
 std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     Json effects = Json::array();
     for (const Effect& e : effectsOf(scene, plan))
-        effects.push_back({{"name", e.name}, {"on", e.on}, {"reason", e.reason}});
+        effects.push_back({{"name", e.name}, {"on", e.on}, {"reason", e.reason}, {"where", e.where}});
     Json groups = Json::array();
     for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, group));
     const PixelWindow& r = plan.region;
@@ -194,7 +121,8 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
 std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     std::string text;
     for (const Effect& e : effectsOf(scene, plan))
-        text += fmt::format("{:<23} {:<4} {}\n", e.name, e.on ? "on" : "off", e.reason);
+        text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason,
+                            e.where.empty() ? "" : fmt::format(" ({})", fmt::join(e.where, ", ")));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
     text += fmt::format("{:<23} {} x {} rays\n", "picture", plan.region.width(), plan.region.height());
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);

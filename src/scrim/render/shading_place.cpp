@@ -19,10 +19,11 @@ Bounds wsBounds(const ViewScene& scene) {
 // Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels as
 // large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where none
 // does.
-std::string fineSlide(const ViewScene& scene, double texel) {
+std::string fineSlide(const ViewScene& scene, const Plan& plan, double texel) {
     const Vec3 center = wsBounds(scene).center();
-    for (const Light& light : scene.lights) {
-        if (!light.slide) continue;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        if (!light.slide || !plan.uselessLights[i].empty()) continue;
         const std::optional<double> pixel = slidePixel(light, center);
         if (pixel && *pixel < 2 * texel)
             return fmt::format(
@@ -73,7 +74,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan) {
                 return fmt::format("light {} is so near that its light changes between texels",
                                    scene.lights[static_cast<std::size_t>(light.light)].name);
     if (eyeAmong(scene, texel)) return "the eye stands so near that what it sees of a sheet changes between texels";
-    if (const std::string reason = fineSlide(scene, texel); !reason.empty()) return reason;
+    if (const std::string reason = fineSlide(scene, plan, texel); !reason.empty()) return reason;
     return denseMedium(scene, plan);
 }
 

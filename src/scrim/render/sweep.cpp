@@ -87,10 +87,12 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
     work.voxelsFed += fields.voxels();
     times.prepare += watch.lap();
 
-    for (int first = 0; first < sheets.count; first += group.batchSheets) {
-        const int count = std::min(group.batchSheets, sheets.count - first);
+    // Rasters of views hold what they need and no more.
+    const NeededTiles* needed = plan.perView ? nullptr : &group.needed;
+    for (int first = group.needed.first; first < group.needed.last; first += group.batchSheets) {
+        const int count = std::min(group.batchSheets, group.needed.last - first);
         work.sheets += static_cast<std::uint64_t>(count);
-        work.footprints += fields.splat(first, count, cull).footprints;
+        work.footprints += fields.splat(first, count, needed, cull).footprints;
         times.splat += watch.lap();
 
         const BatchLights::Work light = lights.attenuate(first, count, fields);
@@ -114,7 +116,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
         work.layerSamples += seen.pixelSheets * group.pictures.size();
         times.composite += watch.lap();
 
-        progress(double(first + count) / sheets.count);
+        progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first));
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && walk.allOpaque()) break;
     }

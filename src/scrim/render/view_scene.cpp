@@ -36,6 +36,13 @@ std::vector<Vec3> wsCorners(const ViewScene& scene) {
     return corners;
 }
 
+PixelWindow wholePicture(const ViewScene& scene) {
+    if (!scene.picture.empty()) return scene.picture;
+    const PixelWindow& r = scene.region;
+    return {std::min(r.x0, 0), std::min(r.y0, 0), std::max(r.x1, scene.camera.resolution.x),
+            std::max(r.y1, scene.camera.resolution.y)};
+}
+
 double voxelUnit(const ViewScene& scene) {
     double unit = std::numeric_limits<double>::infinity();
     for (const ViewVolume& volume : scene.volumes)

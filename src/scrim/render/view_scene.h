@@ -14,6 +14,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -46,10 +47,13 @@ struct ViewVolume {
 struct ViewScene {
     Camera camera;
     PixelWindow region;  ///< the pixels to render, within the display window or beyond it (overscan)
+    PixelWindow picture;  ///< the whole picture that `region` is a crop of; empty: region and display window
     std::vector<ViewVolume> volumes;
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
+    /// Volumes that are left out, and why: names and reasons, for the plan.
+    std::vector<std::pair<std::string, std::string>> unseen;
     std::vector<Layer> layers;  ///< to render beside the beauty
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;  ///< bytes that buffers may take; 0: no limit
@@ -63,6 +67,9 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
 
 /// World-space corners of all volumes' boxes, kernels included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);
+
+/// The pixels of the whole picture, overscan included.
+PixelWindow wholePicture(const ViewScene& scene);
 
 /// The smallest edge of the finest grid, world units: the unit of the dials. 1 where all volumes are empty.
 double voxelUnit(const ViewScene& scene);

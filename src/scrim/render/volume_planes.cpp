@@ -84,6 +84,7 @@ int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {
 
 int VolumePlanes::beginBatch(int firstSheet, int count) {
     m_firstSheet = firstSheet;
+    m_readySheet = std::max(m_readySheet, firstSheet - m_halo);
     m_runs.clear();
     const int end = firstSheet + count + m_halo;
     while (m_readySheet < end) {
@@ -95,12 +96,17 @@ int VolumePlanes::beginBatch(int firstSheet, int count) {
     return static_cast<int>(m_runs.size());
 }
 
-SplatWork VolumePlanes::splat(int task, const TileCull& cull) {
+SplatWork VolumePlanes::splat(int task, const NeededTiles* needed, const TileCull& cull) {
     const Run& run = m_runs[static_cast<std::size_t>(task)];
     const int first = planeOf(run.sheet);
+    TileCull leaveOut = cull;
+    if (needed)
+        leaveOut = [box = needed->over(run.sheet, run.sheet + run.count), &cull](int x0, int y0, int x1, int y1) {
+            return x1 < box.x0 || y1 < box.y0 || x0 > box.x1 || y0 > box.y1 || (cull && cull(x0, y0, x1, y1));
+        };
     for (int p = first; p < first + run.count; ++p) m_values.begin(p);
     const SplatWork work = std::visit(
-        [&](const auto& splatter) { return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, cull); },
+        [&](const auto& splatter) { return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, leaveOut); },
         m_splatter);
     for (int p = first; p < first + run.count; ++p) {
         m_values.finish(p);

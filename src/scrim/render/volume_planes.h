@@ -28,7 +28,8 @@ class VolumePlanes {
 
     /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
     int beginBatch(int firstSheet, int count);
-    SplatWork splat(int task, const TileCull& cull);
+    /// Blocks that touch none of the tiles of `needed` are left out, and so are those that `cull` does without.
+    SplatWork splat(int task, const NeededTiles* needed, const TileCull& cull);
     /// Classifies sheet firstSheet + p; after all splatting. Nothing to do for a medium.
     void classify(int p);
 
