@@ -25,11 +25,16 @@ class Crops : public testing::TestWithParam<bool> {};
 TEST_P(Crops, SplatAndShadeLessAndShowTheSame) {
     ViewScene scene = plainScene();
     scene.dials.shade = GetParam() ? ShadeMode::pixel : ShadeMode::texel;
-    scene.dials.texel = scene.dials.sheetThickness = 0.3;
-    scene.lights = {distantLight({0.2, -0.1, -1}), lamp({5, 10, 90}, 3000)};
+    scene.dials.texel = 0.5;  // tiles of 8 voxels, as blocks are
+    scene.volumes[0].field = smokeField(48);
+    scene.camera.height = 100;
+    scene.camera.resolution = {96, 96};
+    scene.camera.wsPosition.z = 150;
+    scene.region = {0, 0, 96, 96};
+    scene.lights = {distantLight({0.2, -0.1, -1}), lamp({5, 10, 190}, 3000)};
     const Frame whole = renderScene(scene);
     scene.picture = scene.region;
-    scene.region = {30, 8, 38, 16};
+    scene.region = {44, 30, 52, 38};
     const Frame crop = renderScene(scene);
     EXPECT_EQ(crop.image.rgba, reframed(whole.image, scene.region).rgba);
     EXPECT_LT(crop.work.footprints, 0.6 * static_cast<double>(whole.work.footprints));
