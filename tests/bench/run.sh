@@ -6,4 +6,5 @@ set -euo pipefail
 bin="${SCRIM_BUILD:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/build}/bin"
 "$bin/scrim_stages" --benchmark_counters_tabular=true
 "$bin/scrim_costs" noise:350 "$@"
+"$bin/scrim_effects" --pixels 200 noise:350 "$@"
 "$bin/scrim_compare" noise:350 "$@"
