@@ -2,6 +2,8 @@
 // Which numbers of a file become a field.
 #pragma once
 
+#include <scrim/base/error.h>
+
 #include <string>
 #include <tuple>
 
@@ -19,6 +21,20 @@ struct GridRequest {
     bool operator<(const GridRequest& other) const {
         return std::tie(grid, component) < std::tie(other.grid, other.component);
     }
+};
+
+/// One word between processes: "scalar:density", "0:Cd". Back again; throws Error(usage) for anything else.
+std::string toText(const GridRequest& request);
+GridRequest gridRequestFrom(const std::string& text);
+
+/// A file cannot give what was requested of it. Whoever requested it may know where that was written.
+class GridError : public Error {
+  public:
+    GridError(const std::string& message, GridRequest request);
+    const GridRequest& request() const noexcept { return m_request; }
+
+  private:
+    GridRequest m_request;
 };
 
 }  // namespace scrim
