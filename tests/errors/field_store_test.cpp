@@ -16,6 +16,20 @@ namespace {
 using test::box;
 using test::errorOf;
 
+ColourGrid colour(const std::string& grid, const std::string& where = "") {
+    ColourGrid albedo;
+    albedo.grid = grid;
+    albedo.where = where;
+    return albedo;
+}
+
+Emission glow(const std::string& grid, const std::string& where = "") {
+    Emission emission;
+    emission.grid = grid;
+    emission.where = where;
+    return emission;
+}
+
 class FieldStoreTest : public ::testing::Test {
   protected:
     void SetUp() override {
@@ -44,8 +58,8 @@ class FieldStoreTest : public ::testing::Test {
 };
 
 TEST_F(FieldStoreTest, GivesAllGridsOfAVolume) {
-    volume().albedoGrid = ColourGrid{.grid = "Cd"};
-    volume().emission = {{.grid = "heat"}, {.grid = "density"}};
+    volume().albedoGrid = colour("Cd");
+    volume().emission = {glow("heat"), glow("density")};
     const Fields all = fields();
     ASSERT_EQ(all.size(), 1u);
     EXPECT_EQ(all[0].density->name, "density");
@@ -62,8 +76,8 @@ TEST_F(FieldStoreTest, GivesAllGridsOfAVolume) {
 TEST_F(FieldStoreTest, LeavesGridsThatNothingIsMadeOf) {
     volume().densityScale = 0;
     volume().densityGrid = "missing";
-    volume().albedoGrid = ColourGrid{.grid = "missing"};
-    volume().emission = {{.grid = "heat"}};
+    volume().albedoGrid = colour("missing");
+    volume().emission = {glow("heat")};
     const Fields all = fields();
     EXPECT_FALSE(all[0].density);
     EXPECT_FALSE(all[0].albedo[0]);
@@ -75,8 +89,8 @@ TEST_F(FieldStoreTest, LeavesGridsThatNothingIsMadeOf) {
 }
 
 TEST_F(FieldStoreTest, HasNothingOfAVolumeThatIsNotThere) {
-    volume().albedoGrid = ColourGrid{.grid = "Cd"};
-    volume().emission = {{.grid = "heat"}};
+    volume().albedoGrid = colour("Cd");
+    volume().emission = {glow("heat")};
     std::vector<VolumeFile> files = findFiles(scene);
     files[0].state = FileState::black;
     const Fields all = store.fieldsOf(scene, files);
@@ -88,10 +102,10 @@ TEST_F(FieldStoreTest, HasNothingOfAVolumeThatIsNotThere) {
 
 TEST_F(FieldStoreTest, SaysWhereAGridIsAskedForThatIsNotThere) {
     const std::string list = "'density' (float), 'Cd' (vec3s), 'heat' (float), 'ids' (int32)";
-    volume().emission = {{.grid = "heat", .where = "s.toml:7:1"}, {.grid = "flames", .where = "s.toml:9:1"}};
+    volume().emission = {glow("heat", "s.toml:7:1"), glow("flames", "s.toml:9:1")};
     EXPECT_EQ(failure(), "s.toml:9:1: " + path() + ": no grid 'flames'; it holds " + list);
     volume().emission.clear();
-    volume().albedoGrid = ColourGrid{.grid = "color", .where = "s.toml:5:20"};
+    volume().albedoGrid = colour("color", "s.toml:5:20");
     EXPECT_EQ(failure(), "s.toml:5:20: " + path() + ": no grid 'color'; it holds " + list);
     volume().albedoGrid->grid = "ids";
     EXPECT_TRUE(failure().starts_with("s.toml:5:20: " + path() + ": grid 'ids' holds int32 values, where a colour is "))
@@ -103,7 +117,7 @@ TEST_F(FieldStoreTest, SaysWhereAGridIsAskedForThatIsNotThere) {
 TEST_F(FieldStoreTest, SaysOnceWhatIsWrongWithAGreyColour) {
     test::makeVdb(path(), {{.name = "density", .voxels = {{{0, 0, 0}, 1}}},
                            {.name = "grey", .voxels = {{{0, 0, 0}, -1}, {{1, 0, 0}, 1}}}});
-    volume().albedoGrid = ColourGrid{.grid = "grey"};
+    volume().albedoGrid = colour("grey");
     const Fields all = fields();
     for (const auto& component : all[0].albedo) EXPECT_EQ(component->maxValue, 1);
     EXPECT_EQ(heard,
@@ -122,8 +136,8 @@ class SourceStoreTest : public FieldStoreTest {
 };
 
 TEST_F(SourceStoreTest, RunsASourceOnceForAllItsGrids) {
-    volume().albedoGrid = ColourGrid{.grid = "density"};
-    volume().emission = {{.grid = "density"}};
+    volume().albedoGrid = colour("density");
+    volume().emission = {glow("density")};
     const Fields all = fields();
     ASSERT_TRUE(all[0].density);
     for (const auto& component : all[0].albedo) EXPECT_EQ(component, all[0].density);
@@ -131,9 +145,9 @@ TEST_F(SourceStoreTest, RunsASourceOnceForAllItsGrids) {
 }
 
 TEST_F(SourceStoreTest, SaysWhereAGridIsAskedForThatTheSourceDoesNotMake) {
-    volume().emission = {{.grid = "flames", .where = "s.toml:9:1"}};
+    volume().emission = {glow("flames", "s.toml:9:1")};
     EXPECT_EQ(failure(), "s.toml:9:1: source 'noise' makes no grid 'flames'; there is 'density'");
-    volume().albedoGrid = ColourGrid{.grid = "Cd", .where = "s.toml:5:20"};
+    volume().albedoGrid = colour("Cd", "s.toml:5:20");
     EXPECT_EQ(failure(),
               "s.toml:5:20: source 'noise' makes no grid 'Cd' (nor 'Cd.r', 'Cd.g', 'Cd.b'); there is 'density'");
     volume().densityGrid = "rho";

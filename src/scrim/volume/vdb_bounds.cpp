@@ -2,11 +2,13 @@
 #include <scrim/volume/vdb_bounds.h>
 
 #include <scrim/volume/grid_choice.h>
-#include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_layout.h>
 
 #include <cmath>
 #include <exception>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 namespace scrim {
 
@@ -48,7 +50,11 @@ bool isAffine(const Mat4& m) {
     for (int i = 0; i < 4; ++i)
         for (int j = 0; j < 4; ++j)
             if (!std::isfinite(m[i][j])) return false;
-    return m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1;
+    return m[0][3] == 0 && m[1][3] == 0 && m[2][3] == 0 && m[3][3] == 1 && glm::determinant(m) != 0;
+}
+
+bool isFinite(const Bounds& b) {
+    return std::isfinite(glm::length(b.lower)) && std::isfinite(glm::length(b.upper));
 }
 
 std::optional<Bounds> boundsOf(const VdbBytes& file, const VdbLayout::Grid& grid) {
@@ -60,14 +66,23 @@ std::optional<Bounds> boundsOf(const VdbBytes& file, const VdbLayout::Grid& grid
     if (is.empty()) return Bounds{};  // as OpenVDB notes it of an empty grid
     is.lower -= kPadding;
     is.upper += kPadding;
-    return transformed(*wsFromIs, is);
+    const Bounds ws = transformed(*wsFromIs, is);
+    if (!isFinite(ws)) return {};
+    return ws;
 }
 
 }  // namespace
 
 std::optional<Bounds> vdbBounds(const std::string& path, const std::vector<GridRequest>& requests) {
     try {
-        const VdbBytes file(path);
+        return vdbBounds(VdbBytes(path), requests);
+    } catch (const Error&) {
+        return {};
+    }
+}
+
+std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequest>& requests) {
+    try {
         const VdbLayout layout = checkVdbLayout(file);
         const std::vector<GridOffer> offers = offersOf(layout);
         Bounds all;

@@ -5,6 +5,7 @@
 
 #include <scrim/geometry/bounds.h>
 #include <scrim/volume/grid_request.h>
+#include <scrim/volume/vdb_bytes.h>
 
 #include <optional>
 #include <string>
@@ -19,5 +20,6 @@ namespace scrim {
 /// such grid, or one without bounds or with a transform that is not affine. Never throws. What a file
 /// claims is believed: its writer may have been wrong.
 std::optional<Bounds> vdbBounds(const std::string& path, const std::vector<GridRequest>& requests);
+std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequest>& requests);
 
 }  // namespace scrim

@@ -164,7 +164,13 @@ std::unique_ptr<VdbFile::Content> read(const std::string& path, const std::vecto
     if (grids.size() != places->size())
         fail(path, fmt::format("truncated or damaged: it holds {} grids, expected {}", grids.size(), places->size()));
     content->grids.resize(content->offers.size());
-    for (std::size_t i = 0; i < grids.size(); ++i) content->grids[(*places)[i]] = grids[i];
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+        const std::size_t place = (*places)[i];
+        // Whoever uses a grid goes by the type that was chosen, and the file may have changed since.
+        if (grids[i]->type() != content->offers[place].type)
+            fail(path, "truncated or damaged: it changed while it was read");
+        content->grids[place] = grids[i];
+    }
     return content;
 }
 
