@@ -11,8 +11,8 @@ namespace scrim {
 
 /// A scalar grid as it is, or one component of a colour.
 struct GridRequest {
-    /// Of a grid, as VdbFile::field takes it. A colour is a vec3 grid of this name, or three scalar grids with .x, .y, .z
-    /// (or .r, .g, .b) behind it, or a scalar one, which is grey.
+    /// Of a scalar grid, as chooseGrid (grid_choice.h) understands it. A colour is a vec3 grid of this name, or three
+    /// scalar grids with .x, .y, .z (or .r, .g, .b) behind it, or a scalar one, which is grey.
     std::string grid;
     int component = kScalar;  ///< or 0, 1, 2: red, green, blue
 
