@@ -4,83 +4,170 @@
 #include "interrupt.h"
 
 #include <scrim/base/error.h>
+#include <scrim/volume/grid_choice.h>
 #include <scrim/volume/source.h>
+#include <scrim/volume/vdb_bounds.h>
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 
 namespace scrim::cli {
 namespace {
 
-std::vector<std::string> keyOf(const SceneVolume& volume, const VolumeFile& file) {
-    if (volume.source.empty()) return {"file", file.path, volume.densityGrid};
-    std::vector<std::string> key{"source", volume.source, volume.densityGrid};
-    for (const auto& [name, value] : volume.parameters) {
-        key.push_back(name);
-        key.push_back(value);
-    }
-    return key;
+constexpr const char* kFile = "file";
+
+/// Whether anything is made of a volume's densities. Where nothing is made of a volume at all, they are read as ever.
+bool usesDensity(const SceneVolume& volume) {
+    return volume.densityScale != 0 || volume.classified || volume.emission.empty();
 }
 
-/// The grid of a source that `volume` asks for: the named one, else "density", else the first.
-SparseField pick(std::vector<SparseField> fields, const SceneVolume& volume) {
+GridRequest albedoRequest(const SceneVolume& volume, int component) {
+    return {volume.albedoGrid->grid, component};
+}
+
+/// The grid of a source that is meant, by its place.
+std::size_t chooseOfSource(const std::vector<std::shared_ptr<const SparseField>>& fields, const GridRequest& request,
+                           const std::string& where, const std::string& source) {
+    std::vector<GridOffer> offers;
     std::vector<std::string> names;
-    for (const SparseField& field : fields) names.push_back(field.name);
-    auto found = std::find(names.begin(), names.end(), volume.densityGrid.empty() ? "density" : volume.densityGrid);
-    if (found == names.end() && volume.densityGrid.empty()) found = names.begin();
-    if (found == names.end())
-        throw Error(ErrorKind::input, fmt::format("{}: source '{}' makes no grid '{}'; there is {}", volume.where,
-                                                  volume.source, volume.densityGrid, choices(names)));
-    return std::move(fields[static_cast<std::size_t>(found - names.begin())]);
+    for (const auto& field : fields) {
+        offers.push_back({field->name});
+        names.push_back(field->name);
+    }
+    if (const auto choice = chooseGrid(offers, request)) return choice->grid;
+    const std::string parts =
+        request.component == GridRequest::kScalar ? "" : fmt::format(" (nor '{0}.r', '{0}.g', '{0}.b')", request.grid);
+    throw Error(ErrorKind::input, fmt::format("{}: source '{}' makes no grid '{}'{}; there is {}", where, source,
+                                              request.grid, parts, choices(names)));
 }
 
 }  // namespace
 
-void FieldStore::loadMissing(const std::string& path, const std::vector<std::string>& grids) {
-    std::vector<SparseField> fields = loadFields(path, grids, m_limits, m_messages);
-    for (std::size_t i = 0; i < grids.size(); ++i)
-        m_fields[{"file", path, grids[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
+FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) {
+    if (volume.source.empty()) return {kFile, file.path};
+    Origin origin{"source", volume.source};
+    for (const auto& [name, value] : volume.parameters) {
+        origin.push_back(name);
+        origin.push_back(value);
+    }
+    return origin;
 }
 
-void FieldStore::makeMissing(const SceneVolume& volume) {
-    std::vector<SparseField> fields;
+std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume) {
+    std::vector<Use> uses;
+    const auto add = [&](const GridRequest& request, const std::string& where) {
+        Use& use = uses.emplace_back();
+        use.volume = &volume;
+        use.request = request;
+        use.where = where;
+    };
+    if (usesDensity(volume)) {
+        add({volume.densityGrid}, "");
+        for (int c = 0; volume.albedoGrid && c < 3; ++c) add(albedoRequest(volume, c), volume.albedoGrid->where);
+    }
+    for (const Emission& emission : volume.emission) add({emission.grid}, emission.where);
+    return uses;
+}
+
+void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
+    std::vector<GridRequest> requests;
+    for (const Use& use : missing) requests.push_back(use.request);
     try {
-        fields = generate(volume.source, volume.parameters, m_messages, [](double) { return interruptSignal() == 0; });
+        std::vector<SparseField> fields = loadFields(origin[1], requests, m_limits, m_messages);
+        for (std::size_t i = 0; i < requests.size(); ++i)
+            m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
+    } catch (const GridError& error) {
+        for (const Use& use : missing)
+            if (use.request == error.request() && !use.where.empty())
+                throw Error(error.kind(), fmt::format("{}: {}", use.where, error.what()));
+        throw;
+    }
+}
+
+void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
+    const SceneVolume& volume = *missing.front().volume;
+    std::vector<std::shared_ptr<const SparseField>> fields;
+    try {
+        for (SparseField& field :
+             generate(volume.source, volume.parameters, m_messages, [](double) { return interruptSignal() == 0; }))
+            fields.push_back(std::make_shared<SparseField>(std::move(field)));
     } catch (const Error& error) {
         throw Error(error.kind(), fmt::format("{}: {}", volume.where, error.what()));
     }
-    m_fields[keyOf(volume, {})] = std::make_shared<SparseField>(pick(std::move(fields), volume));
+    for (const Use& use : missing) {
+        const std::string& where = use.where.empty() ? use.volume->where : use.where;
+        m_fields[{origin, use.request}] = fields[chooseOfSource(fields, use.request, where, volume.source)];
+    }
+}
+
+/// For each volume why the picture has no use for it, as far as the heads of files tell where they are.
+std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) {
+    std::vector<std::vector<Vec3>> corners(scene.volumes.size());
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+        const SceneVolume& volume = scene.volumes[i];
+        if (!volume.source.empty()) continue;
+        // What shows nothing has a place, of no size, where nobody looks.
+        if (files[i].state != FileState::present) {
+            corners[i].assign(8, scene.camera.wsPosition + scene.camera.wsFromCamera[2]);
+            continue;
+        }
+        std::vector<GridRequest> requests;
+        for (const Use& use : usesOf(volume)) requests.push_back(use.request);
+        if (const auto bounds = vdbBounds(files[i].path, requests))
+            for (const Vec3& corner : bounds->corners()) corners[i].push_back(transformPoint(volume.wsFromAsset, corner));
+    }
+    return unseenVolumes(scene, corners);
 }
 
 Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files) {
+    const std::vector<std::string> unseen = unseenOf(scene, files);
+    const auto shows = [&](std::size_t i) {
+        return unseen[i].empty() && (!scene.volumes[i].source.empty() || files[i].state == FileState::present);
+    };
+    std::map<Origin, std::vector<Use>> uses;  // of each origin, to be read in one go; every request once
     std::set<Key> used;
-    for (std::size_t i = 0; i < scene.volumes.size(); ++i)
-        if (!scene.volumes[i].source.empty() || files[i].state == FileState::present)
-            used.insert(keyOf(scene.volumes[i], files[i]));
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+        if (!shows(i)) continue;
+        const Origin origin = originOf(scene.volumes[i], files[i]);
+        for (Use& use : usesOf(scene.volumes[i]))
+            if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
+    }
     // First let go, then load: two frames' fields together may be more than there is memory for.
     std::erase_if(m_fields, [&](const auto& entry) { return !used.contains(entry.first); });
+    for (auto& [origin, missing] : uses) {
+        std::erase_if(missing, [&](const Use& use) { return m_fields.contains({origin, use.request}); });
+        if (missing.empty()) continue;
+        if (origin[0] == kFile)
+            load(origin, missing);
+        else
+            make(origin, missing);
+    }
 
-    std::map<std::string, std::vector<std::string>> grids;  // of each file, to be read in one go
-    for (const Key& key : used)
-        if (key[0] == "file" && !m_fields.contains(key)) grids[key[1]].push_back(key[2]);
-    for (const auto& [path, names] : grids) loadMissing(path, names);
-
-    Fields fields;
+    Fields all;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
-        const Key key = keyOf(volume, files[i]);
-        if (!volume.source.empty() && !m_fields.contains(key)) makeMissing(volume);
-        fields.push_back({used.contains(key) ? m_fields.at(key) : nullptr, {}, {}});
+        VolumeFields& fields = all.emplace_back();
+        fields.emission.resize(volume.emission.size());
+        if (scene.volumes[i].source.empty() && files[i].state == FileState::present) fields.unseen = unseen[i];
+        if (!shows(i)) continue;
+        const Origin origin = originOf(volume, files[i]);
+        const auto fieldOf = [&](const GridRequest& request) { return m_fields.at({origin, request}); };
+        if (usesDensity(volume)) {
+            fields.density = fieldOf({volume.densityGrid});
+            for (int c = 0; volume.albedoGrid && c < 3; ++c)
+                fields.albedo[static_cast<std::size_t>(c)] = fieldOf(albedoRequest(volume, c));
+        }
+        for (std::size_t k = 0; k < volume.emission.size(); ++k)
+            fields.emission[k] = fieldOf({volume.emission[k].grid});
     }
-    return fields;
+    return all;
 }
 
-std::shared_ptr<const SparseField> FieldStore::fieldOf(const std::string& path, const std::string& grid) {
-    const Key key{"file", path, grid};
-    if (!m_fields.contains(key)) loadMissing(path, {grid});
-    return m_fields.at(key);
+std::shared_ptr<const SparseField> FieldStore::fieldOf(const std::string& path, const GridRequest& request) {
+    const Origin origin{kFile, path};
+    if (!m_fields.contains({origin, request})) load(origin, {{nullptr, request, ""}});
+    return m_fields.at({origin, request});
 }
 
 std::vector<VolumeFile> findFiles(const Scene& scene) {

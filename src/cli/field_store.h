@@ -12,6 +12,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace scrim::cli {
@@ -22,19 +23,30 @@ class FieldStore {
   public:
     FieldStore(LoadLimits limits, MessageSink messages) : m_limits(limits), m_messages(std::move(messages)) {}
 
-    /// One field a volume of `scene`, null where `files` has none; forgets those of the frame before that
-    /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Throws
-    /// Error.
+    /// What each volume of `scene` needs, all null where `files` has none; forgets the fields of the frame before that
+    /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Grids that
+    /// nothing is made of are not read: of a volume whose densities count for nothing only what it emits, of one that the
+    /// picture has no use for (`unseen`) none. Throws Error.
     Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files);
 
     /// One field of a file, kept for the next `fieldsOf`.
-    std::shared_ptr<const SparseField> fieldOf(const std::string& path, const std::string& grid);
+    std::shared_ptr<const SparseField> fieldOf(const std::string& path, const GridRequest& request);
 
   private:
-    using Key = std::vector<std::string>;
+    /// A file, or a source with its parameters.
+    using Origin = std::vector<std::string>;
+    using Key = std::pair<Origin, GridRequest>;
+    struct Use {
+        const SceneVolume* volume = nullptr;
+        GridRequest request;
+        std::string where;  ///< of the request in the scene; "": nothing is said about it
+    };
 
-    void loadMissing(const std::string& path, const std::vector<std::string>& grids);
-    void makeMissing(const SceneVolume& volume);
+    static Origin originOf(const SceneVolume& volume, const VolumeFile& file);
+    static std::vector<Use> usesOf(const SceneVolume& volume);
+    static std::vector<std::string> unseenOf(const Scene& scene, const std::vector<VolumeFile>& files);
+    void load(const Origin& origin, const std::vector<Use>& missing);
+    void make(const Origin& origin, const std::vector<Use>& missing);
 
     LoadLimits m_limits;
     MessageSink m_messages;

@@ -137,7 +137,7 @@ void checkStatus(int status, const std::string& path) {
 }
 
 /// Runs a child that sends `what` of `path` into `transfer`.
-void run(const std::string& what, const std::string& path, const std::vector<std::string>& grids,
+void run(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
          const LoadLimits& limits, int transfer) {
     throwIfInterrupted();
     const int threads = limits.threads > 0 ? std::min(limits.threads, kMostThreads) : kMostThreads;
@@ -149,7 +149,7 @@ void run(const std::string& what, const std::string& path, const std::vector<std
                                        std::to_string(memoryFor(path, limits)),
                                        std::to_string(threads),
                                        path};
-    arguments.insert(arguments.end(), grids.begin(), grids.end());
+    for (const GridRequest& request : requests) arguments.push_back(toText(request));
     Child child(arguments, transfer, limits.showStderr);
     const std::chrono::duration<double> slowest(static_cast<double>(sizeOf(path)) / kSlowestBytesPerSecond);
     checkStatus(child.wait(kPatience + slowest, path), path);
@@ -160,6 +160,8 @@ template <typename Receive>
 auto received(const std::string& path, const Receive& receive) {
     try {
         return receive();
+    } catch (const GridError&) {
+        throw;
     } catch (const Error& error) {
         const std::string text = error.what();
         if (text.rfind("what was read is incomplete", 0) == 0)
@@ -170,14 +172,14 @@ auto received(const std::string& path, const Receive& receive) {
 
 }  // namespace
 
-std::vector<SparseField> loadFields(const std::string& path, const std::vector<std::string>& grids,
+std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
                                     const LoadLimits& limits, const MessageSink& messages) {
     const Descriptor transfer(createTransfer());
-    run("fields", path, grids, limits, transfer.fd());
+    run("fields", path, requests, limits, transfer.fd());
     ReceivedFields result = received(path, [&] { return receiveFields(transfer.fd()); });
-    if (result.fields.size() != grids.size())
+    if (result.fields.size() != requests.size())
         throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were read, expected {}", path,
-                                                  result.fields.size(), grids.size()));
+                                                  result.fields.size(), requests.size()));
     for (const TransferMessage& message : result.messages) say(messages, message.severity, message.text);
     return std::move(result.fields);
 }

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/grid_request.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
 
@@ -20,9 +21,9 @@ struct LoadLimits {
     bool showStderr = false;  ///< the child's, for those who look for its reason
 };
 
-/// The fields of `grids` (as VdbFile::field takes them) of one file, in that order. Throws Error: input,
-/// memory, interrupted.
-std::vector<SparseField> loadFields(const std::string& path, const std::vector<std::string>& grids,
+/// The fields that `requests` mean in one file, in that order. Throws GridError where the file does not have one of
+/// them, else Error: input, memory, interrupted.
+std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
                                     const LoadLimits& limits, const MessageSink& messages);
 
 /// What the file says about itself. Throws as `loadFields`.

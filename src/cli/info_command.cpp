@@ -42,7 +42,8 @@ std::string gridText(const GridInfo& g) {
         row("negative", fmt::format("{}", g.negative));
     }
     row("codec", g.codec.empty() ? "unknown" : g.codec);
-    if (!g.usable) row("usable", "no: not float, half or double");
+    if (g.colour) row("usable", "as a colour");
+    if (!g.usable && !g.colour) row("usable", "no: not float, half or double");
     return text;
 }
 

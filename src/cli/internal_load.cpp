@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The child's side of a guarded load: `scrim internal-load --fd FD fields|info MEMORY THREADS PATH GRID...`.
+// The child's side of a guarded load: `scrim internal-load --fd FD fields|info MEMORY THREADS PATH REQUEST...`.
 #include "guarded_load.h"
 
 #include <scrim/base/error.h>
@@ -52,22 +52,26 @@ void limitSelf([[maybe_unused]] std::size_t memory) {
 #endif
 }
 
-void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
-    const VdbFile file = VdbFile::open(path);
-    if (what == "info") return sendInfo(fd, file.info());
+void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<GridRequest>& requests) {
+    if (what == "info") return sendInfo(fd, VdbFile::open(path).info());
+    const VdbFile file = VdbFile::open(path, requests);
     std::vector<TransferMessage> messages;
     std::vector<SparseField> fields;
-    for (const std::string& grid : grids)
-        fields.push_back(file.field(grid, [&](Severity severity, const std::string& text) {
-            messages.push_back({severity, text});
-        }));
+    const auto hear = [&](Severity severity, const std::string& text) {
+        // A grey grid is read once a component, and says the same each time.
+        for (const TransferMessage& before : messages)
+            if (before.text == text) return;
+        messages.push_back({severity, text});
+    };
+    for (const GridRequest& request : requests) fields.push_back(file.field(request, hear));
     sendFields(fd, fields, messages);
 }
 
 /// Sends what `sendAll` throws in place of its result.
-void sendAllOrError(int fd, const std::string& what, const std::string& path, const std::vector<std::string>& grids) {
+void sendAllOrError(int fd, const std::string& what, const std::string& path,
+                    const std::vector<GridRequest>& requests) {
     try {
-        sendAll(fd, what, path, grids);
+        sendAll(fd, what, path, requests);
     } catch (const Error& error) {
         sendError(fd, error);
     } catch (const std::bad_alloc&) {
@@ -85,7 +89,9 @@ int internalLoad(const std::vector<std::string>& arguments) {
     const std::string& what = arguments[2];
     limitSelf(std::stoull(arguments[3]));
     const ThreadLimit threads(std::stoi(arguments[4]));
-    sendAllOrError(fd, what, arguments[5], {arguments.begin() + 6, arguments.end()});
+    std::vector<GridRequest> requests;
+    for (std::size_t i = 6; i < arguments.size(); ++i) requests.push_back(gridRequestFrom(arguments[i]));
+    sendAllOrError(fd, what, arguments[5], requests);
     // What a damaged file left of the heap is better not taken apart.
     ::_exit(0);
 }

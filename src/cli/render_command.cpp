@@ -21,6 +21,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <system_error>
@@ -107,12 +108,21 @@ bool RenderRun::mayRender(int frame, std::vector<VolumeFile>& files) {
 }
 
 void RenderRun::warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& files, const Fields& fields) {
+    const auto empty = [](const std::shared_ptr<const SparseField>& field) { return field && field->empty(); };
     for (std::size_t i = 0; i < fields.size(); ++i) {
-        if (!fields[i].density || !fields[i].density->empty()) continue;
         const SceneVolume& volume = scene.volumes[i];
-        m_console.warning(fmt::format("{}: nothing to render: grid '{}' has no active voxels",
-                                      volume.source.empty() ? files[i].path : "source '" + volume.source + "'",
-                                      fields[i].density->name));
+        const auto warn = [&](const char* what, const std::string& grid) {
+            m_console.warning(fmt::format("{}: {}: grid '{}' has no active voxels",
+                                          volume.source.empty() ? files[i].path : "source '" + volume.source + "'",
+                                          what, grid));
+        };
+        if (empty(fields[i].density))
+            warn(volume.emission.empty() ? "nothing to render" : "no density", fields[i].density->name);
+        // A colour without any red is one, too.
+        if (std::all_of(fields[i].albedo.begin(), fields[i].albedo.end(), empty))
+            warn("the albedo is black", volume.albedoGrid->grid);
+        for (const auto& emission : fields[i].emission)
+            if (empty(emission)) warn("no emission", emission->name);
     }
 }
 

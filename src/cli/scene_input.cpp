@@ -156,7 +156,7 @@ void SceneInput::frameAsset() {
     m_framed = true;
     std::shared_ptr<const SparseField> largest;
     for (const std::string& file : filesToFrame({"", m_assetPattern}, m_path)) {
-        const auto field = m_store.fieldOf(file, "");
+        const auto field = m_store.fieldOf(file, {});
         if (!largest || sizeOf(*field) > sizeOf(*largest)) largest = field;
     }
     m_text.text = framedText(*largest);

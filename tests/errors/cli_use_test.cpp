@@ -225,6 +225,19 @@ TEST_F(CliUse, InfoIsJsonOrATable) {
         EXPECT_NE(table.find(text), std::string::npos) << text << "\n" << table;
 }
 
+TEST_F(CliUse, InfoTellsColoursFromWhatCannotBeUsed) {
+    makeVdb(file("c.vdb"),
+            {{.name = "Cd", .type = "vec3half", .voxels = {{{0, 0, 0}, 1}}}, {.name = "i", .type = "vec3i"}});
+    const auto json = nlohmann::json::parse(runWell({"info", "c.vdb", "--json"}).out);
+    EXPECT_EQ(json.at("grids").at(0).at("colour"), true);
+    EXPECT_EQ(json.at("grids").at(0).at("usable"), false);
+    EXPECT_EQ(json.at("grids").at(1).at("colour"), false);
+    const std::string table = runWell({"info", "c.vdb"}).out;
+    const std::size_t second = table.find("grid 'i'");
+    EXPECT_LT(table.find("usable         as a colour"), second) << table;
+    EXPECT_NE(table.find("usable         no: not float, half or double", second), std::string::npos) << table;
+}
+
 TEST_F(CliUse, MakeWritesAnAssetAndExplainsSources) {
     runWell({"make", "noise", "resolution=16", "-o", "n.vdb"});
     runWell({"info", "n.vdb"});

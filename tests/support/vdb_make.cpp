@@ -20,24 +20,32 @@ openvdb::Coord coord(const Int3& p) {
     return {p.x, p.y, p.z};
 }
 
+openvdb::Index levelOf(const MadeTile& tile) {
+    return tile.edge == 8 ? 1 : tile.edge == 128 ? 2 : 3;
+}
+
 template <typename Grid>
 openvdb::GridBase::Ptr scalarGrid(const MadeGrid& made) {
     using Value = typename Grid::ValueType;
     typename Grid::Ptr grid = Grid::create(static_cast<Value>(made.background));
     for (const MadeTile& tile : made.tiles)
-        grid->tree().addTile(tile.edge == 8     ? 1
-                             : tile.edge == 128 ? 2
-                                                : 3,
-                             coord(tile.at), static_cast<Value>(tile.value), true);
+        grid->tree().addTile(levelOf(tile), coord(tile.at), static_cast<Value>(tile.value), true);
     for (const MadeVoxel& v : made.voxels) grid->tree().setValue(coord(v.at), static_cast<Value>(v.value));
     for (const MadeVoxel& v : made.inactive) grid->tree().setValueOff(coord(v.at), static_cast<Value>(v.value));
     return grid;
 }
 
+template <typename Grid>
 openvdb::GridBase::Ptr vectorGrid(const MadeGrid& made) {
-    openvdb::Vec3SGrid::Ptr grid = openvdb::Vec3SGrid::create();
-    for (const MadeVoxel& v : made.voxels)
-        grid->tree().setValue(coord(v.at), openvdb::Vec3s(static_cast<float>(v.value)));
+    using Vector = typename Grid::ValueType;
+    using Value = typename Vector::value_type;
+    typename Grid::Ptr grid = Grid::create();
+    for (const MadeTile& tile : made.tiles)
+        grid->tree().addTile(levelOf(tile), coord(tile.at), Vector(static_cast<Value>(tile.value)), true);
+    for (const MadeVoxel& v : made.voxels) grid->tree().setValue(coord(v.at), Vector(static_cast<Value>(v.value)));
+    for (const MadeColour& c : made.colours)
+        grid->tree().setValue(coord(c.at), Vector(static_cast<Value>(c.value.x), static_cast<Value>(c.value.y),
+                                                  static_cast<Value>(c.value.z)));
     return grid;
 }
 
@@ -54,7 +62,9 @@ openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
     if (made.type == "double") return scalarGrid<openvdb::DoubleGrid>(made);
     if (made.type == "int32") return scalarGrid<openvdb::Int32Grid>(made);
     if (made.type == "bool") return scalarGrid<openvdb::BoolGrid>(made);
-    if (made.type == "vec3s") return vectorGrid(made);
+    if (made.type == "vec3s" || made.type == "vec3half") return vectorGrid<openvdb::Vec3SGrid>(made);
+    if (made.type == "vec3d") return vectorGrid<openvdb::Vec3DGrid>(made);
+    if (made.type == "vec3i") return vectorGrid<openvdb::Vec3IGrid>(made);
     if (made.type == "points") return pointGrid(made);
     if (made.type == "sphere")
         return openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
@@ -62,7 +72,28 @@ openvdb::GridBase::Ptr typedGrid(const MadeGrid& made) {
     throw std::runtime_error("vdb_make: unknown type " + made.type);
 }
 
+openvdb::math::MapBase::Ptr mapOf(const std::string& name) {
+    using namespace openvdb::math;
+    const openvdb::Vec3d scale(0.5, 0.25, 2), shift(3, -4, 5), axis(1, 2, 3);
+    if (name == "UniformScaleMap") return std::make_shared<UniformScaleMap>(0.3);
+    if (name == "ScaleMap") return std::make_shared<ScaleMap>(scale);
+    if (name == "TranslationMap") return std::make_shared<TranslationMap>(shift);
+    if (name == "ScaleTranslateMap") return std::make_shared<ScaleTranslateMap>(scale, shift);
+    if (name == "UniformScaleTranslateMap") return std::make_shared<UniformScaleTranslateMap>(0.3, shift);
+    if (name == "UnitaryMap") return std::make_shared<UnitaryMap>(axis, 0.7);
+    if (name == "AffineMap") {
+        auto map = std::make_shared<AffineMap>();
+        map->accumPreRotation(X_AXIS, 0.4);
+        map->accumPreScale(scale);
+        map->accumPostRotation(Z_AXIS, 1.1);
+        map->accumPostTranslation(shift);
+        return map;
+    }
+    throw std::runtime_error("vdb_make: unknown map " + name);
+}
+
 openvdb::math::Transform::Ptr transformOf(const MadeGrid& made) {
+    if (!made.map.empty()) return std::make_shared<openvdb::math::Transform>(mapOf(made.map));
     if (made.frustum)
         return openvdb::math::Transform::createFrustumTransform(openvdb::BBoxd(openvdb::Vec3d(0), openvdb::Vec3d(16)),
                                                                 /*taper=*/0.5, /*depth=*/1.0,
@@ -75,7 +106,7 @@ openvdb::math::Transform::Ptr transformOf(const MadeGrid& made) {
 openvdb::GridBase::Ptr make(const MadeGrid& made) {
     openvdb::GridBase::Ptr grid = typedGrid(made);
     grid->setName(made.name);
-    grid->setSaveFloatAsHalf(made.type == "half");
+    grid->setSaveFloatAsHalf(made.type == "half" || made.type == "vec3half");
     if (made.type != "sphere") grid->setGridClass(openvdb::GridBase::stringToGridClass(made.gridClass));
     if (made.type != "sphere" && made.type != "points") grid->setTransform(transformOf(made));
     return grid;
@@ -117,6 +148,15 @@ void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Contai
     }
     openvdb::io::File file(path);
     file.write(made, metadata);
+}
+
+void makeVdbWithInstance(const std::string& path, const MadeGrid& density) {
+    openvdb::initialize();
+    const openvdb::GridBase::Ptr original = make(density);
+    const openvdb::GridBase::Ptr copy = original->copyGrid();  // shares the tree
+    copy->setName("copy");
+    copy->setTransform(openvdb::math::Transform::createLinearTransform(2 * density.voxelSize));
+    openvdb::io::File(path).write(openvdb::GridCPtrVec{original, copy});
 }
 
 std::string readBytes(const std::string& path) {

@@ -21,18 +21,26 @@ struct MadeTile {
     double value = 1;
 };
 
+struct MadeColour {
+    Int3 at{0};
+    Vec3 value{1};
+};
+
 struct MadeGrid {
     std::string name = "density";
-    /// float, half, double, int32, bool, vec3s, points, or sphere: a level set of radius 10 voxels
+    /// float, half, double, int32, bool, vec3s, vec3d, vec3half, vec3i, points, or sphere: a level set of radius 10
+    /// voxels
     std::string type = "float";
     std::string gridClass = "fog volume";  ///< as OpenVDB spells it; "" for unknown
     std::vector<MadeVoxel> voxels{};
-    std::vector<MadeTile> tiles{};      ///< of float and double grids
+    std::vector<MadeColour> colours{};  ///< more voxels, of vec3 grids
+    std::vector<MadeTile> tiles{};      ///< of float and double grids, and of vec3 ones
     std::vector<MadeVoxel> inactive{};  ///< values stored in voxels that are not active; float and double
     double background = 0;
     double voxelSize = 1;
     Vec3 translate{0};     ///< world position of voxel (0, 0, 0)
     bool frustum = false;  ///< instead: the transform of a camera's frustum over voxels 0 .. 16
+    std::string map{};     ///< instead: some transform that OpenVDB keeps as a map of this kind, "AffineMap", ...
 };
 
 /// World volume that voxels `lower` to `upper` of a frustum grid fill, with the half voxel around them.
@@ -44,6 +52,9 @@ std::vector<MadeVoxel> box(const Int3& lower, const Int3& upper, double value);
 enum class Container { file, stream };  ///< a stream has no offsets: the outer structure cannot be checked
 
 void makeVdb(const std::string& path, const std::vector<MadeGrid>& grids, Container container = Container::file);
+
+/// Two grids, "density" and "copy", that share one tree, the second at another place: a file says so with an instance.
+void makeVdbWithInstance(const std::string& path, const MadeGrid& density);
 
 /// A file's bytes; throws std::runtime_error.
 std::string readBytes(const std::string& path);

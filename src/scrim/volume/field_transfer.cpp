@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/volume/field_builder.h>
+#include <scrim/volume/grid_request.h>
 #include <scrim/volume/vdb_info_text.h>
 
 #include <algorithm>
@@ -23,7 +24,8 @@ namespace scrim {
 namespace {
 
 /// Layout: Header, then `kind`'s content. Fields: per field a FieldHeader, its name, origins, tiles, and the
-/// values of its blocks, which begin at a multiple of kAlignment. Numbers are those of this machine: both
+/// values of its blocks, which begin at a multiple of kAlignment. Error: its text and, of a GridError (which counts
+/// as one field), the text of its request. Numbers are those of this machine: both
 /// ends are on it.
 constexpr std::uint64_t kMagic = 0x3152464d49524353;  // "SCRIMFR1"
 constexpr std::uint64_t kAlignment = 64;              // a cache line, and more than any float needs
@@ -171,6 +173,14 @@ class Reader {
     std::uint64_t m_at = 0;
 };
 
+GridRequest requestFrom(const std::string& text) {
+    try {
+        return gridRequestFrom(text);
+    } catch (const Error& error) {
+        incomplete(error.what());
+    }
+}
+
 Header readHeader(Reader& reader, const Mapping& mapping, Kind expected) {
     const auto header = reader.value<Header>();
     if (header.magic != kMagic) incomplete("the process that read it stopped before it was done");
@@ -180,7 +190,9 @@ Header readHeader(Reader& reader, const Mapping& mapping, Kind expected) {
         const auto kind = header.code <= static_cast<std::uint32_t>(ErrorKind::interrupted)
                               ? static_cast<ErrorKind>(header.code)
                               : ErrorKind::input;
-        throw Error(kind, clipped(reader.text(), 2000));
+        const std::string text = clipped(reader.text(), 2000);
+        if (header.fields == 0) throw Error(kind, text);
+        throw GridError(text, requestFrom(reader.text()));
     }
     if (header.kind != static_cast<std::uint32_t>(expected)) incomplete("it holds something else");
     return header;
@@ -307,6 +319,10 @@ void sendError(int fd, const Error& error) {
     writer.text(error.what());
     Header header;
     header.kind = static_cast<std::uint32_t>(Kind::error);
+    if (const auto* ofGrid = dynamic_cast<const GridError*>(&error)) {
+        writer.text(toText(ofGrid->request()));
+        header.fields = 1;
+    }
     header.code = static_cast<std::uint32_t>(error.kind());
     writer.finish(header);
 }

@@ -42,7 +42,8 @@ void sendFields(int fd, const std::vector<SparseField>& fields, const std::vecto
 void sendInfo(int fd, const VdbFileInfo& info);
 void sendError(int fd, const Error& error);
 
-/// Each takes over what was sent, and throws the Error that was sent instead, if one was. Throws Error(input)
+/// Each takes over what was sent, and throws the Error (a GridError again, if it was one) that was sent instead, if
+/// one was. Throws Error(input)
 /// "what was read is incomplete: ..." where the sender did not finish or sent nonsense. The memory of the
 /// fields lives as long as one of them does; `fd` may be closed at once.
 ReceivedFields receiveFields(int fd);

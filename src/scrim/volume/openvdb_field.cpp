@@ -6,6 +6,7 @@
 #include <scrim/volume/field_builder.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -35,7 +36,7 @@ Int3 fromOpenVdb(const openvdb::Coord& c) {
     return {c.x(), c.y(), c.z()};
 }
 
-/// Runs `task` with the grid in its own type.
+/// Runs `task` with the scalar grid in its own type.
 template <typename Task>
 auto withScalarGrid(const openvdb::GridBase& grid, const Task& task) {
     if (grid.isType<openvdb::FloatGrid>()) return task(static_cast<const openvdb::FloatGrid&>(grid));
@@ -90,23 +91,68 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
     return out;
 }
 
-template <typename Grid>
-SparseField convert(const Grid& grid) {
+/// The active voxels of a grid, each as the number that `numberOf` makes of its value.
+template <typename Grid, typename NumberOf>
+SparseField convert(const Grid& grid, const std::string& name, const NumberOf& numberOf) {
     const auto list = leaves(grid);
     FieldPieces pieces;
-    pieces.name = grid.getName();
+    pieces.name = name;
     pieces.wsFromIs = fromOpenVdb(grid.transform());
     pieces.blockOrigins.reserve(list.size());
     for (const auto* leaf : list) pieces.blockOrigins.push_back(fromOpenVdb(leaf->origin()));
-    visitTiles(grid, [&](const openvdb::Coord& origin, int edge, auto value) {
-        pieces.tiles.push_back({fromOpenVdb(origin), edge, static_cast<float>(value)});
+    visitTiles(grid, [&](const openvdb::Coord& origin, int edge, const auto& value) {
+        pieces.tiles.push_back({fromOpenVdb(origin), edge, numberOf(value)});
     });
     pieces.fill = [&](std::size_t i, float* values) {
         const auto& mask = list[i]->valueMask();
         const auto* from = list[i]->buffer().data();
-        for (openvdb::Index n = 0; n < kBlockVoxels; ++n) values[n] = mask.isOn(n) ? static_cast<float>(from[n]) : 0.0f;
+        for (openvdb::Index n = 0; n < kBlockVoxels; ++n) values[n] = mask.isOn(n) ? numberOf(from[n]) : 0.0f;
     };
     return buildField(std::move(pieces));
+}
+
+/// `convert`, with the file in errors and a warning of what was cleaned.
+template <typename Grid, typename NumberOf>
+SparseField reportedField(const Grid& grid, const std::string& name, const NumberOf& numberOf, const std::string& where,
+                          const MessageSink& messages) {
+    SparseField field;
+    try {
+        field = convert(grid, name, numberOf);
+    } catch (const Error& error) {
+        throw Error(error.kind(), where + ": " + error.what());
+    }
+    reportCleaning(field, where, messages);
+    return field;
+}
+
+template <typename Grid>
+SparseField scalarField(const Grid& grid, const std::string& where, const MessageSink& messages) {
+    const auto number = [](auto value) { return static_cast<float>(value); };
+    if (grid.transform().isLinear()) return reportedField(grid, grid.getName(), number, where, messages);
+    return reportedField(*resampled(grid, where, messages), grid.getName(), number, where, messages);
+}
+
+/// One component as a grid of its own.
+template <typename Grid>
+openvdb::FloatGrid::Ptr componentOf(const Grid& grid, int component, const std::string& name) {
+    const auto out =
+        openvdb::FloatGrid::create(std::make_shared<openvdb::FloatTree>(grid.tree(), 0.0f, openvdb::TopologyCopy()));
+    out->setName(name);
+    out->setTransform(grid.transform().copy());
+    // Both trees have the same nodes, so values come in the same order.
+    auto to = out->tree().beginValueOn();
+    for (auto from = grid.tree().cbeginValueOn(); from; ++from, ++to)
+        to.setValue(static_cast<float>((*from)[component]));
+    return out;
+}
+
+template <typename Grid>
+SparseField componentField(const Grid& grid, int component, const std::string& where, const MessageSink& messages) {
+    constexpr std::array<const char*, 3> kComponents{".r", ".g", ".b"};
+    const std::string name = grid.getName() + kComponents.at(static_cast<std::size_t>(component));
+    if (!grid.transform().isLinear()) return scalarField(*componentOf(grid, component, name), where, messages);
+    const auto number = [component](const auto& value) { return static_cast<float>(value[component]); };
+    return reportedField(grid, name, number, where, messages);
 }
 
 /// Range and oddities of one part of a grid.
@@ -154,32 +200,29 @@ Statistics statistics(const Grid& grid) {
 
 }  // namespace
 
-bool isScalarGrid(const openvdb::GridBase& grid) {
-    return grid.isType<openvdb::FloatGrid>() || grid.isType<openvdb::DoubleGrid>();
+GridOffer offerOf(const openvdb::GridBase& grid) {
+    return {grid.getName(), grid.type(), openvdb::GridBase::gridClassToString(grid.getGridClass())};
 }
 
 SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
     return withScalarGrid(grid, [&](const auto& original) {
-        using Grid = std::decay_t<decltype(original)>;
-        typename Grid::ConstPtr current = openvdb::gridConstPtrCast<Grid>(original.copyGrid());
-        if (current->getGridClass() == openvdb::GRID_LEVEL_SET) {
-            typename Grid::Ptr fog = current->deepCopy();
-            openvdb::tools::sdfToFogVolume(*fog);
-            current = fog;
-            say(messages, Severity::info,
-                fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
-                            clipped(original.getName(), 80)));
-        }
-        if (!current->transform().isLinear()) current = resampled(*current, where, messages);
-        SparseField field;
-        try {
-            field = convert(*current);
-        } catch (const Error& error) {
-            throw Error(error.kind(), where + ": " + error.what());
-        }
-        reportCleaning(field, where, messages);
-        return field;
+        if (original.getGridClass() != openvdb::GRID_LEVEL_SET) return scalarField(original, where, messages);
+        const auto fog = original.deepCopy();
+        openvdb::tools::sdfToFogVolume(*fog);
+        say(messages, Severity::info,
+            fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
+                        clipped(original.getName(), 80)));
+        return scalarField(*fog, where, messages);
     });
+}
+
+SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,
+                           const MessageSink& messages) {
+    if (component == GridRequest::kScalar)
+        return withScalarGrid(grid, [&](const auto& typed) { return scalarField(typed, where, messages); });
+    if (grid.isType<openvdb::Vec3SGrid>())
+        return componentField(static_cast<const openvdb::Vec3SGrid&>(grid), component, where, messages);
+    return componentField(static_cast<const openvdb::Vec3DGrid&>(grid), component, where, messages);
 }
 
 GridInfo describeGrid(const openvdb::GridBase& grid) {
@@ -206,7 +249,8 @@ GridInfo describeGrid(const openvdb::GridBase& grid) {
     info.voxelSize = {size.x(), size.y(), size.z()};
     if (info.affine) info.wsFromIs = fromOpenVdb(grid.transform());
 
-    info.usable = isScalarGrid(grid);
+    info.usable = offerOf(grid).isScalar();
+    info.colour = offerOf(grid).isVector();
     if (!info.usable) return info;
     const Statistics values = withScalarGrid(grid, [](const auto& typed) { return statistics(typed); });
     info.nonFinite = values.nonFinite;

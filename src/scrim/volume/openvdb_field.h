@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/grid_choice.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
 
@@ -12,11 +13,16 @@
 
 namespace scrim {
 
-/// Whether `fieldFromGrid` accepts it: a float grid (also one saved as half) or a double grid.
-bool isScalarGrid(const openvdb::GridBase& grid);
+/// What a request can choose of a grid.
+GridOffer offerOf(const openvdb::GridBase& grid);
 
 /// The field of a scalar grid; `where` (the file) starts every message and error.
 SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
+
+/// The field of a colour: of one component (0, 1, 2) of a vec3 grid, whose name gets ".r", ".g" or ".b" behind it, or
+/// of a scalar grid (kScalar), of which it does not matter that it may call itself a level set.
+SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,
+                           const MessageSink& messages);
 
 /// Describes any grid; values of scalar ones.
 GridInfo describeGrid(const openvdb::GridBase& grid);

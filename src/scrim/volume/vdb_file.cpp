@@ -2,21 +2,20 @@
 #include <scrim/volume/vdb_file.h>
 
 #include <scrim/base/error.h>
+#include <scrim/volume/grid_choice.h>
 #include <scrim/volume/openvdb_field.h>
 #include <scrim/volume/vdb_layout.h>
 
-#include <algorithm>
-#include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <istream>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <span>
 #include <streambuf>
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <openvdb/io/Stream.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace scrim {
 
@@ -25,7 +24,8 @@ struct VdbFile::Content {
     VdbLayout layout;
     std::uint64_t bytes = 0;
     std::vector<std::pair<std::string, std::string>> metadata;
-    openvdb::GridPtrVec grids;
+    std::vector<GridOffer> offers;  ///< all grids of the file
+    openvdb::GridPtrVec grids;      ///< one each of `offers`, null where it was not read
 };
 
 namespace {
@@ -61,44 +61,55 @@ class MemoryBuffer : public std::streambuf {
     }
 };
 
-/// Closes a file descriptor.
-struct Descriptor {
-    int fd;
-    ~Descriptor() {
-        if (fd >= 0) ::close(fd);
-    }
-};
+/// The places of the grids that `requests` need, in the file's order; none where all of the file must be read: it does
+/// not say where its grids are, or one of them has its voxels in another one.
+std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests) {
+    if (!layout.hasOffsets) return {};
+    const std::vector<GridOffer> offers = offersOf(layout);
+    std::set<std::size_t> needed;
+    for (const GridRequest& request : requests)
+        if (const auto choice = chooseGrid(offers, request)) needed.insert(choice->grid);
+    for (const std::size_t i : needed)
+        if (layout.grids[i].instance) return {};
+    return std::vector<std::size_t>(needed.begin(), needed.end());
+}
 
-std::vector<char> readBytes(const std::string& path) {
-    // Without O_NONBLOCK opening a FIFO would wait for a writer.
-    const Descriptor file{::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)};
-    if (file.fd < 0) fail(path, errno == ENOENT ? "no such file" : std::strerror(errno));
-    struct stat status {};
-    if (::fstat(file.fd, &status) != 0) fail(path, std::strerror(errno));
-    if (S_ISDIR(status.st_mode)) fail(path, "is a folder, not a VDB file");
-    if (!S_ISREG(status.st_mode)) fail(path, "is not a regular file");
-
-    std::vector<char> bytes(static_cast<std::size_t>(status.st_size));
-    std::size_t filled = 0;
-    while (filled < bytes.size()) {
-        const ssize_t got = ::read(file.fd, bytes.data() + filled, bytes.size() - filled);
-        if (got < 0 && errno == EINTR) continue;
-        if (got < 0) fail(path, std::strerror(errno));
-        if (got == 0) break;
-        filled += static_cast<std::size_t>(got);
+/// A file that holds, of those of `file`, only the grids at `places`. OpenVDB's stream does not go to the offsets that
+/// the descriptors state, which are those of the original.
+std::vector<char> partOfFile(const VdbBytes& file, const VdbLayout& layout, const std::vector<std::size_t>& places) {
+    const auto count = static_cast<std::int32_t>(places.size());
+    std::uint64_t size = layout.gridsBegin + sizeof count;
+    for (const std::size_t i : places) size += layout.grids[i].end - layout.grids[i].begin;
+    std::vector<char> bytes(size);
+    file.copy(0, layout.gridsBegin, bytes.data());
+    std::memcpy(bytes.data() + layout.gridsBegin, &count, sizeof count);
+    std::uint64_t at = layout.gridsBegin + sizeof count;
+    for (const std::size_t i : places) {
+        const std::uint64_t length = layout.grids[i].end - layout.grids[i].begin;
+        file.copy(layout.grids[i].begin, length, bytes.data() + at);
+        at += length;
     }
-    if (filled != bytes.size()) fail(path, "truncated or damaged: it shrank while it was read");
     return bytes;
 }
 
-/// Has OpenVDB parse `bytes`; everything it can throw becomes an Error.
-void parse(VdbFile::Content& content, std::span<char> bytes) {
+std::vector<char> allOfFile(const VdbBytes& file) {
+    std::vector<char> bytes(file.size());
+    file.copy(0, file.size(), bytes.data());
+    return bytes;
+}
+
+void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, const std::vector<std::size_t>& places) {
+    for (const std::size_t i : places)
+        if (!openvdb::GridBase::isRegistered(offers[i].type))
+            fail(path,
+                 fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read", clipped(offers[i].name, 80),
+                             clipped(offers[i].type, 80), openvdb::getLibraryVersionString()));
+}
+
+/// Has OpenVDB parse `bytes`, and returns the grids; everything it can throw becomes an Error.
+openvdb::GridPtrVec parse(VdbFile::Content& content, std::span<char> bytes) {
     const std::string damaged = "truncated or damaged: ";
-    for (const VdbLayout::Grid& grid : content.layout.grids)
-        if (!openvdb::GridBase::isRegistered(grid.type))
-            fail(content.path,
-                 fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read", clipped(grid.name, 80),
-                             clipped(grid.type, 80), openvdb::getLibraryVersionString()));
+    openvdb::GridPtrVec grids;
     try {
         MemoryBuffer buffer(bytes);
         std::istream stream(&buffer);
@@ -106,7 +117,7 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
         openvdb::io::Stream reader(stream, /*delayLoad=*/false);
         if (buffer.remaining() > 0)
             fail(content.path, fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
-        content.grids = *reader.getGrids();
+        grids = *reader.getGrids();
         const openvdb::MetaMap::Ptr metadata = reader.getMetadata();
         for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
             content.metadata.emplace_back(clipped(entry->first, kMetadataLimit),
@@ -121,101 +132,65 @@ void parse(VdbFile::Content& content, std::span<char> bytes) {
     } catch (const std::exception& error) {
         fail(content.path, damaged + clipped(error.what(), 200));
     }
-    for (const openvdb::GridBase::Ptr& grid : content.grids)
+    for (const openvdb::GridBase::Ptr& grid : grids)
         if (!grid || !grid->baseTreePtr()) fail(content.path, damaged + "a grid has no tree");
+    return grids;
 }
 
-/// How many grids before `i`, and in all, have the name of grid i.
-std::pair<std::size_t, std::size_t> placeAmongEqual(const openvdb::GridPtrVec& grids, std::size_t i) {
-    const std::string name = grids[i]->getName();
-    std::size_t before = 0;
-    std::size_t all = 0;
-    for (std::size_t j = 0; j < grids.size(); ++j) {
-        if (grids[j]->getName() != name) continue;
-        ++all;
-        if (j < i) ++before;
+/// Opens the file for `requests`, or for all there is.
+std::unique_ptr<VdbFile::Content> read(const std::string& path, const std::vector<GridRequest>* requests) {
+    const VdbBytes file(path);
+    auto content = std::make_unique<VdbFile::Content>();
+    content->path = path;
+    content->bytes = file.size();
+    content->layout = checkVdbLayout(file);
+    content->offers = offersOf(content->layout);
+    std::optional<std::vector<std::size_t>> places;
+    if (requests) places = neededGrids(content->layout, *requests);
+    std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
+
+    openvdb::initialize();
+    if (!places) {
+        places.emplace(content->offers.size());
+        std::iota(places->begin(), places->end(), std::size_t{0});
     }
-    return {before, all};
+    checkTypes(path, content->offers, *places);
+    const openvdb::GridPtrVec grids = parse(*content, bytes);
+    if (!content->layout.hasOffsets) {
+        for (const openvdb::GridBase::Ptr& grid : grids) content->offers.push_back(offerOf(*grid));
+        content->grids = grids;
+        return content;
+    }
+    if (grids.size() != places->size())
+        fail(path, fmt::format("truncated or damaged: it holds {} grids, expected {}", grids.size(), places->size()));
+    content->grids.resize(content->offers.size());
+    for (std::size_t i = 0; i < grids.size(); ++i) {
+        const std::size_t place = (*places)[i];
+        // Whoever uses a grid goes by the type that was chosen, and the file may have changed since.
+        if (grids[i]->type() != content->offers[place].type)
+            fail(path, "truncated or damaged: it changed while it was read");
+        content->grids[place] = grids[i];
+    }
+    return content;
 }
 
-/// The name by which `VdbFile::field` finds grid i.
-std::string callName(const openvdb::GridPtrVec& grids, std::size_t i) {
-    const std::string name = grids[i]->getName();
-    const auto [before, all] = placeAmongEqual(grids, i);
-    return all == 1 && !name.empty() ? name : fmt::format("{}[{}]", name, before);
-}
-
-std::vector<std::string> usableNames(const openvdb::GridPtrVec& grids) {
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < grids.size(); ++i)
-        if (isScalarGrid(*grids[i])) names.push_back(callName(grids, i));
-    return names;
-}
-
-openvdb::GridBase::Ptr defaultGrid(const VdbFile::Content& content) {
-    const auto first = [&](auto&& wanted) -> openvdb::GridBase::Ptr {
-        for (const auto& grid : content.grids)
-            if (isScalarGrid(*grid) && wanted(*grid)) return grid;
-        return nullptr;
-    };
-    using Grid = openvdb::GridBase;
-    if (auto grid = first([](const Grid& g) { return g.getName() == "density"; })) return grid;
-    if (auto grid = first([](const Grid& g) { return g.getGridClass() == openvdb::GRID_FOG_VOLUME; })) return grid;
-    if (auto grid = first([](const Grid& g) { return g.getGridClass() != openvdb::GRID_LEVEL_SET; })) return grid;
-    if (auto grid = first([](const Grid&) { return true; })) return grid;
-    std::string types;
-    for (std::size_t i = 0; i < content.grids.size(); ++i)
-        types += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(content.grids, i), 80),
-                             content.grids[i]->valueType());
-    fail(content.path,
-         content.grids.empty() ? std::string("holds no grids") : "holds no float, half or double grid, only " + types);
-}
-
-/// "name[i]" → name and i, where it has that form.
-bool splitIndex(const std::string& text, std::string& name, std::size_t& index) {
-    const std::size_t open = text.rfind('[');
-    if (open == std::string::npos || text.back() != ']') return false;
-    const char* begin = text.data() + open + 1;
-    const char* end = text.data() + text.size() - 1;
-    const auto [stop, error] = std::from_chars(begin, end, index);
-    if (error != std::errc() || stop != end) return false;
-    name = text.substr(0, open);
-    return true;
-}
-
-openvdb::GridBase::Ptr findGrid(const VdbFile::Content& content, const std::string& wanted) {
-    if (wanted.empty()) return defaultGrid(content);
-    for (const auto& grid : content.grids)
-        if (grid->getName() == wanted) return grid;
-    std::string name;
-    std::size_t index = 0;
-    if (splitIndex(wanted, name, index))
-        for (std::size_t i = 0; i < content.grids.size(); ++i)
-            if (content.grids[i]->getName() == name && placeAmongEqual(content.grids, i).first == index)
-                return content.grids[i];
-    std::string list;
-    for (std::size_t i = 0; i < content.grids.size(); ++i)
-        list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(content.grids, i), 80),
-                            content.grids[i]->valueType());
-    fail(content.path, fmt::format("no grid '{}'; it holds {}", clipped(wanted, 80), list.empty() ? "none" : list));
+/// `read`, with a file that is too large as the reason of what is thrown.
+std::unique_ptr<VdbFile::Content> readOrSayWhy(const std::string& path, const std::vector<GridRequest>* requests) {
+    try {
+        return read(path, requests);
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorKind::memory, clipped(path + ": not enough memory to read this file", kMessageLimit));
+    }
 }
 
 }  // namespace
 
 VdbFile VdbFile::open(const std::string& path) {
-    std::vector<char> bytes;
-    try {
-        bytes = readBytes(path);
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, clipped(path + ": not enough memory to read this file", kMessageLimit));
-    }
-    auto content = std::make_unique<Content>();
-    content->path = path;
-    content->bytes = bytes.size();
-    content->layout = checkVdbLayout(path, bytes);
-    openvdb::initialize();
-    parse(*content, bytes);
-    return VdbFile(std::move(content));
+    return VdbFile(readOrSayWhy(path, nullptr));
+}
+
+VdbFile VdbFile::open(const std::string& path, const std::vector<GridRequest>& requests) {
+    return VdbFile(readOrSayWhy(path, &requests));
 }
 
 VdbFileInfo VdbFile::info() const {
@@ -226,25 +201,36 @@ VdbFileInfo VdbFile::info() const {
     info.libraryMinor = m_content->layout.libraryMinor;
     info.fileBytes = m_content->bytes;
     info.metadata = m_content->metadata;
-    for (const auto& grid : m_content->grids) info.grids.push_back(describeGrid(*grid));
-    // Without offsets in the file there is only what its writer noted in each grid's metadata, if anything.
     const std::vector<VdbLayout::Grid>& layout = m_content->layout.grids;
-    for (std::size_t i = 0; i < std::min(layout.size(), info.grids.size()); ++i) info.grids[i].codec = layout[i].codec;
+    for (std::size_t i = 0; i < m_content->grids.size(); ++i) {
+        if (!m_content->grids[i]) continue;
+        info.grids.push_back(describeGrid(*m_content->grids[i]));
+        // Without offsets in the file there is only what its writer noted in each grid's metadata, if anything.
+        if (i < layout.size()) info.grids.back().codec = layout[i].codec;
+    }
     return info;
 }
 
 std::vector<std::string> VdbFile::usableGrids() const {
-    return usableNames(m_content->grids);
+    return scalarNames(m_content->offers);
 }
 
-SparseField VdbFile::field(const std::string& grid, const MessageSink& messages) const {
-    const openvdb::GridBase::Ptr found = findGrid(*m_content, grid);
-    if (!isScalarGrid(*found))
-        fail(m_content->path,
-             fmt::format("grid '{}' holds {} values, where a float, half or double grid is expected; of those "
-                         "there is {}",
-                         clipped(grid, 80), found->valueType(), choices(usableGrids())));
-    return fieldFromGrid(*found, m_content->path, messages);
+SparseField VdbFile::field(const GridRequest& request, const MessageSink& messages) const {
+    const std::string& path = m_content->path;
+    const auto choice = chooseGrid(m_content->offers, request);
+    const auto refuse = [&](const std::string& reason) {
+        throw GridError(clipped(path + ": " + reason, kMessageLimit), request);
+    };
+    if (!choice) refuse(whyNoGrid(m_content->offers, request));
+    const openvdb::GridBase::Ptr& grid = m_content->grids[choice->grid];
+    if (!grid) refuse(fmt::format("grid '{}' was not asked for when the file was opened", clipped(request.grid, 80)));
+    try {
+        return request.component == GridRequest::kScalar ? fieldFromGrid(*grid, path, messages)
+                                                         : colourFromGrid(*grid, choice->component, path, messages);
+    } catch (const Error& error) {
+        if (error.kind() == ErrorKind::input) throw GridError(error.what(), request);
+        throw;
+    }
 }
 
 VdbFile::VdbFile(std::unique_ptr<Content> content) : m_content(std::move(content)) {}

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/volume/grid_request.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>
 
@@ -21,22 +22,27 @@ class VdbFile {
   public:
     /// Reads all of `path`, a regular file. Throws Error(input) with one line "path: reason".
     static VdbFile open(const std::string& path);
+    /// Reads no more of it than `field` needs for these requests, where the file says where its grids are. A request
+    /// that the file cannot serve is `field`'s concern.
+    static VdbFile open(const std::string& path, const std::vector<GridRequest>& requests);
 
-    /// Describes all grids; looks at every active voxel of the scalar ones.
+    /// Describes all grids that were read; looks at every active voxel of the scalar ones.
     VdbFileInfo info() const;
 
     /// Grids that `field` accepts, as it accepts them: "density", or "density[0]", "density[1]" where a name
     /// is not unique, or "[0]" for one without a name. In the file's order.
     std::vector<std::string> usableGrids() const;
 
-    /// The field of one grid. `grid` is its name, or "name[i]" for the i-th (from 0) of that name; "" stands
-    /// for the one called "density", else the first fog volume, else the first that is not a level set, else
-    /// the first.
+    /// The field of one grid, or of one component of a colour; chooseGrid says what a request means.
     ///
-    /// Level sets become fog, and grids whose transform is not affine are resampled; both are said in an info
-    /// message. Values that are not finite or negative count as 0 and are reported in one warning. Throws
-    /// Error(input) where there is no such grid or it does not hold floating-point scalars.
-    SparseField field(const std::string& grid, const MessageSink& messages) const;
+    /// Level sets become fog (as colours they stay what they are), and grids whose transform is not affine are
+    /// resampled; both are said in an info message. Values that are not finite or negative count as 0 and are reported
+    /// in one warning; the field of a component is called "Cd.r". Throws GridError where there is no such grid, it
+    /// was not read, or it does not hold floating-point numbers.
+    SparseField field(const GridRequest& request, const MessageSink& messages) const;
+    SparseField field(const std::string& grid, const MessageSink& messages) const {
+        return field(GridRequest{grid}, messages);
+    }
 
     VdbFile(VdbFile&&) noexcept;
     VdbFile& operator=(VdbFile&&) noexcept;

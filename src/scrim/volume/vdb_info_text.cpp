@@ -56,7 +56,8 @@ json grid(const GridInfo& g) {
             {"max_value", g.maxValue},
             {"non_finite", g.nonFinite},
             {"negative", g.negative},
-            {"usable", g.usable}};
+            {"usable", g.usable},
+            {"colour", g.colour}};
 }
 
 GridInfo gridFrom(const json& j) {
@@ -78,6 +79,7 @@ GridInfo gridFrom(const json& j) {
     j.at("non_finite").get_to(g.nonFinite);
     j.at("negative").get_to(g.negative);
     j.at("usable").get_to(g.usable);
+    j.at("colour").get_to(g.colour);
     return g;
 }
 

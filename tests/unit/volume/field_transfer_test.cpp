@@ -2,6 +2,7 @@
 #include <scrim/volume/field_transfer.h>
 
 #include <scrim/volume/field_builder.h>
+#include <scrim/volume/grid_request.h>
 
 #include "support/expect_error.h"
 #include "support/temp_folder.h"
@@ -168,6 +169,25 @@ TEST(FieldTransfer, RefusesValuesThatNoFieldMayHold) {
     }
 }
 
+TEST(FieldTransfer, HandsOverWhichRequestAFileCannotServe) {
+    const Transfer transfer;
+    sendError(transfer.fd, GridError("a.vdb: no grid 'Cd'", {"Cd", 1}));
+    try {
+        receiveFields(transfer.fd);
+        ADD_FAILURE() << "nothing was thrown";
+    } catch (const GridError& error) {
+        EXPECT_STREQ(error.what(), "a.vdb: no grid 'Cd'");
+        EXPECT_EQ(error.request(), (GridRequest{"Cd", 1}));
+    }
+    std::string bytes = transfer.bytes();
+    bytes.replace(bytes.rfind("1:Cd"), 4, "7:Cd");
+    const Transfer damaged;
+    damaged.replace(bytes);
+    EXPECT_EQ(incompleteReason(damaged.fd),
+              "what was read is incomplete: '7:Cd' requests no grid; expected "
+              "scalar:NAME, 0:NAME, 1:NAME or 2:NAME");
+}
+
 TEST(FieldTransfer, HandsFileDescriptionsOver) {
     VdbFileInfo info;
     info.path = "/a/\xff.vdb";  // not UTF-8
@@ -185,6 +205,7 @@ TEST(FieldTransfer, HandsFileDescriptionsOver) {
     grid.isUpper = {5, 6, 7};
     grid.maxValue = 1.0 / 3;
     grid.usable = true;
+    grid.colour = true;
     info.grids = {grid};
     const Transfer transfer;
     sendInfo(transfer.fd, info);
@@ -198,6 +219,7 @@ TEST(FieldTransfer, HandsFileDescriptionsOver) {
     EXPECT_EQ(got.grids[0].voxelSize, grid.voxelSize);
     EXPECT_EQ(got.grids[0].maxValue, grid.maxValue);
     EXPECT_TRUE(got.grids[0].usable);
+    EXPECT_TRUE(got.grids[0].colour);
     EXPECT_EQ(incompleteReason(transfer.fd), "what was read is incomplete: it holds something else");
 }
 

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/volume/grid_choice.h>
+
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace scrim {
+
+namespace {
+
+constexpr std::size_t kNameLimit = 80;  ///< bytes of a name in a message
+
+/// How many grids before `i`, and in all, have the name of grid i.
+std::pair<std::size_t, std::size_t> placeAmongEqual(const std::vector<GridOffer>& offers, std::size_t i) {
+    std::size_t before = 0;
+    std::size_t all = 0;
+    for (std::size_t j = 0; j < offers.size(); ++j) {
+        if (offers[j].name != offers[i].name) continue;
+        ++all;
+        if (j < i) ++before;
+    }
+    return {before, all};
+}
+
+/// The name by which a request finds grid i.
+std::string callName(const std::vector<GridOffer>& offers, std::size_t i) {
+    const std::string& name = offers[i].name;
+    const auto [before, all] = placeAmongEqual(offers, i);
+    return all == 1 && !name.empty() ? name : fmt::format("{}[{}]", name, before);
+}
+
+std::string listOf(const std::vector<GridOffer>& offers) {
+    std::string list;
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(offers, i), kNameLimit),
+                            clipped(offers[i].valueType(), kNameLimit));
+    return list;
+}
+
+/// "name[i]" → name and i, where it has that form.
+bool splitIndex(const std::string& text, std::string& name, std::size_t& index) {
+    const std::size_t open = text.rfind('[');
+    if (open == std::string::npos || text.back() != ']') return false;
+    const char* begin = text.data() + open + 1;
+    const char* end = text.data() + text.size() - 1;
+    const auto [stop, error] = std::from_chars(begin, end, index);
+    if (error != std::errc() || stop != end) return false;
+    name = text.substr(0, open);
+    return true;
+}
+
+/// The grid of that name, or "name[i]", for which `fits` holds.
+template <typename Fits>
+std::optional<std::size_t> named(const std::vector<GridOffer>& offers, const std::string& wanted, const Fits& fits) {
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        if (offers[i].name == wanted && fits(offers[i])) return i;
+    std::string name;
+    std::size_t index = 0;
+    if (!splitIndex(wanted, name, index)) return {};
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        if (offers[i].name == name && placeAmongEqual(offers, i).first == index && fits(offers[i])) return i;
+    return {};
+}
+
+bool anyGrid(const GridOffer&) {
+    return true;
+}
+bool scalar(const GridOffer& offer) {
+    return offer.isScalar();
+}
+bool vector(const GridOffer& offer) {
+    return offer.isVector();
+}
+
+std::optional<std::size_t> defaultGrid(const std::vector<GridOffer>& offers) {
+    const auto first = [&](auto&& wanted) -> std::optional<std::size_t> {
+        for (std::size_t i = 0; i < offers.size(); ++i)
+            if (offers[i].isScalar() && wanted(offers[i])) return i;
+        return {};
+    };
+    if (const auto i = first([](const GridOffer& g) { return g.name == "density"; })) return i;
+    if (const auto i = first([](const GridOffer& g) { return g.gridClass == "fog volume"; })) return i;
+    if (const auto i = first([](const GridOffer& g) { return g.gridClass != "level set"; })) return i;
+    return first(anyGrid);
+}
+
+std::optional<GridChoice> chooseColour(const std::vector<GridOffer>& offers, const GridRequest& request) {
+    if (const auto i = named(offers, request.grid, vector)) return GridChoice{*i, request.component};
+    for (const std::string_view letters : {"xyz", "rgb"}) {
+        std::array<std::optional<std::size_t>, 3> parts;
+        for (std::size_t c = 0; c < 3; ++c) parts[c] = named(offers, request.grid + "." + letters[c], scalar);
+        if (parts[0] && parts[1] && parts[2]) return GridChoice{*parts[static_cast<std::size_t>(request.component)]};
+    }
+    if (const auto i = named(offers, request.grid, scalar)) return GridChoice{*i};
+    return {};
+}
+
+}  // namespace
+
+bool GridOffer::isScalar() const {
+    return type == kFloat || type == "Tree_double_5_4_3";
+}
+
+bool GridOffer::isVector() const {
+    return type == "Tree_vec3s_5_4_3" || type == "Tree_vec3d_5_4_3";
+}
+
+std::string GridOffer::valueType() const {
+    // Between "Tree_" and the logarithms of the nodes' sizes.
+    constexpr std::string_view kPrefix = "Tree_";
+    if (!type.starts_with(kPrefix)) return type;
+    std::string word = type.substr(kPrefix.size());
+    const std::size_t end = word.find_last_not_of("_0123456789");
+    // Digits of the word itself stand before the first of the separators.
+    if (end != std::string::npos) word.resize(std::min(word.size(), word.find('_', end)));
+    return word;
+}
+
+std::vector<GridOffer> offersOf(const VdbLayout& layout) {
+    std::vector<GridOffer> offers;
+    for (const VdbLayout::Grid& grid : layout.grids) offers.push_back({grid.name, grid.type, grid.gridClass});
+    return offers;
+}
+
+std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {
+    if (request.component != GridRequest::kScalar) return chooseColour(offers, request);
+    const auto i = request.grid.empty() ? defaultGrid(offers) : named(offers, request.grid, anyGrid);
+    if (!i || !offers[*i].isScalar()) return {};
+    return GridChoice{*i};
+}
+
+std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {
+    const bool colour = request.component != GridRequest::kScalar;
+    const std::string name = clipped(request.grid, kNameLimit);
+    if (!colour && request.grid.empty())
+        return offers.empty() ? "holds no grids" : "holds no float, half or double grid, only " + listOf(offers);
+    const auto found = named(offers, request.grid, anyGrid);
+    if (!found) return fmt::format("no grid '{}'; it holds {}", name, offers.empty() ? "none" : listOf(offers));
+    const std::string held = clipped(offers[*found].valueType(), kNameLimit);
+    if (colour)
+        return fmt::format(
+            "grid '{0}' holds {1} values, where a colour is expected: a vec3 grid, three scalar ones "
+            "called '{0}.x', '{0}.y', '{0}.z' or '{0}.r', '{0}.g', '{0}.b', or a scalar one, which is grey; "
+            "there is {2}",
+            name, held, listOf(offers));
+    return fmt::format(
+        "grid '{}' holds {} values, where a float, half or double grid is expected; of those there is {}", name, held,
+        choices(scalarNames(offers)));
+}
+
+std::vector<std::string> scalarNames(const std::vector<GridOffer>& offers) {
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < offers.size(); ++i)
+        if (offers[i].isScalar()) names.push_back(callName(offers, i));
+    return names;
+}
+
+}  // namespace scrim

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: the bytes of a .vdb file by their place, in memory or still on disk, and a reader that walks along
+// them and never past their end. On disk only what is asked for is read; the file is not mapped, since a file
+// that shrinks under a mapping kills the process.
+#pragma once
+
+#include <scrim/base/error.h>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+
+namespace scrim {
+
+/// Not for use from several threads at once.
+class VdbBytes {
+  public:
+    /// Opens `path`, which must be a regular file. Throws Error(input) "path: reason".
+    explicit VdbBytes(const std::string& path);
+    /// Bytes in memory, which must outlive this; `path` is for messages.
+    VdbBytes(const std::string& path, std::span<const char> bytes);
+    ~VdbBytes();
+    VdbBytes(const VdbBytes&) = delete;
+    VdbBytes& operator=(const VdbBytes&) = delete;
+
+    const std::string& path() const { return m_path; }
+    std::uint64_t size() const { return m_size; }
+
+    /// Copies `count` bytes, all within the size, from place `at`. Throws Error(input) where the disk fails.
+    void copy(std::uint64_t at, std::uint64_t count, char* to) const;
+
+  private:
+    void read(std::uint64_t at, std::uint64_t count, char* to) const;
+
+    std::string m_path;
+    int m_file = -1;
+    const char* m_memory = nullptr;
+    std::uint64_t m_size = 0;
+    // Of a file: what was read last, since a walk asks for a few bytes at a time.
+    mutable std::array<char, 4096> m_window;
+    mutable std::uint64_t m_windowAt = 0;
+    mutable std::uint64_t m_windowSize = 0;
+};
+
+/// Reads one thing after the other; `what` says in errors what was to be read.
+class VdbWalker {
+  public:
+    explicit VdbWalker(const VdbBytes& bytes, std::uint64_t at = 0) : m_bytes(bytes), m_at(at) {}
+
+    template <typename T>
+    T number(const char* what) {
+        need(sizeof(T), what);
+        T value;
+        m_bytes.copy(m_at, sizeof(T), reinterpret_cast<char*>(&value));
+        m_at += sizeof(T);
+        return value;
+    }
+
+    /// A length and as many bytes.
+    std::string text(const char* what);
+    void skip(std::uint64_t size, const char* what);
+
+    /// A map of metadata: names, types and values of a stated size. Calls `visit(name, type, size)` with this at
+    /// each value; wherever that leaves it, it goes on behind the value.
+    template <typename Visit>
+    void metadata(const Visit& visit) {
+        for (std::uint32_t left = metadataCount(); left > 0; --left) {
+            const std::string name = text("a metadata name");
+            const std::string type = text("a metadata type");
+            const auto size = number<std::uint32_t>("a metadata value");
+            need(size, "a metadata value");
+            const std::uint64_t end = m_at + size;
+            visit(name, type, size);
+            m_at = end;
+        }
+    }
+
+    std::uint64_t at() const { return m_at; }
+    void goTo(std::uint64_t at) { m_at = at; }
+    std::uint64_t left() const { return m_bytes.size() - m_at; }
+
+    [[noreturn]] void damaged(const std::string& reason) const;
+
+  private:
+    void need(std::uint64_t size, const char* what) const;
+    std::uint32_t metadataCount();
+
+    const VdbBytes& m_bytes;
+    std::uint64_t m_at = 0;
+};
+
+}  // namespace scrim

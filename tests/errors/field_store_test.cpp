@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: Apache-2.0
+// Which grids of a volume are read, and what is said where they cannot be.
+#include <cli/field_store.h>
+
+#include <scrim/base/error.h>
+
+#include "support/expect_error.h"
+#include "support/temp_folder.h"
+#include "support/vdb_make.h"
+
+#include <gtest/gtest.h>
+
+namespace scrim::cli {
+namespace {
+
+using test::box;
+using test::errorOf;
+
+ColourGrid colour(const std::string& grid, const std::string& where = "") {
+    ColourGrid albedo;
+    albedo.grid = grid;
+    albedo.where = where;
+    return albedo;
+}
+
+Emission glow(const std::string& grid, const std::string& where = "") {
+    Emission emission;
+    emission.grid = grid;
+    emission.where = where;
+    return emission;
+}
+
+class FieldStoreTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        test::makeVdb(path(), {{.name = "density", .voxels = box({0, 0, 0}, {9, 9, 9}, 0.5)},
+                               {.name = "Cd", .type = "vec3s", .colours = {{{0, 0, 0}, {1, 2, 3}}}},
+                               {.name = "heat", .voxels = box({0, 0, 0}, {3, 3, 3}, 7)},
+                               {.name = "ids", .type = "int32"}});
+        scene.volumes.resize(1);
+        volume().file = path();
+        volume().where = "s.toml:2:8";
+    }
+
+    std::string path() const { return m_folder.file("a.vdb"); }
+    SceneVolume& volume() { return scene.volumes.front(); }
+    Fields fields() { return store.fieldsOf(scene, findFiles(scene)); }
+    std::string failure() {
+        return errorOf(ErrorKind::input, [&] { fields(); });
+    }
+
+    Scene scene;
+    std::vector<std::string> heard;
+    FieldStore store{{}, [this](Severity, const std::string& text) { heard.push_back(text); }};
+
+  private:
+    test::TempFolder m_folder;
+};
+
+TEST_F(FieldStoreTest, GivesAllGridsOfAVolume) {
+    volume().albedoGrid = colour("Cd");
+    volume().emission = {glow("heat"), glow("density")};
+    const Fields all = fields();
+    ASSERT_EQ(all.size(), 1u);
+    EXPECT_EQ(all[0].density->name, "density");
+    EXPECT_EQ(all[0].albedo[0]->name, "Cd.r");
+    EXPECT_EQ(all[0].albedo[2]->maxValue, 3);
+    ASSERT_EQ(all[0].emission.size(), 2u);
+    EXPECT_EQ(all[0].emission[0]->maxValue, 7);
+    EXPECT_EQ(all[0].emission[1]->maxValue, 0.5f);
+    const Fields again = fields();
+    EXPECT_EQ(again[0].albedo[1], all[0].albedo[1]) << "read twice";
+    EXPECT_GT(bytesOf(all), 6 * 512 * sizeof(float));
+}
+
+TEST_F(FieldStoreTest, LeavesGridsThatNothingIsMadeOf) {
+    volume().densityScale = 0;
+    volume().densityGrid = "missing";
+    volume().albedoGrid = colour("missing");
+    volume().emission = {glow("heat")};
+    const Fields all = fields();
+    EXPECT_FALSE(all[0].density);
+    EXPECT_FALSE(all[0].albedo[0]);
+    EXPECT_EQ(all[0].emission.at(0)->name, "heat");
+    volume().densityGrid = "";
+    volume().albedoGrid.reset();
+    volume().emission.clear();
+    EXPECT_EQ(fields()[0].density->name, "density") << "of a volume without anything, as ever";
+}
+
+TEST_F(FieldStoreTest, HasNothingOfAVolumeThatIsNotThere) {
+    volume().albedoGrid = colour("Cd");
+    volume().emission = {glow("heat")};
+    std::vector<VolumeFile> files = findFiles(scene);
+    files[0].state = FileState::black;
+    const Fields all = store.fieldsOf(scene, files);
+    EXPECT_FALSE(all[0].density);
+    EXPECT_FALSE(all[0].albedo[2]);
+    ASSERT_EQ(all[0].emission.size(), 1u);
+    EXPECT_FALSE(all[0].emission[0]);
+}
+
+TEST_F(FieldStoreTest, SaysWhereAGridIsAskedForThatIsNotThere) {
+    const std::string list = "'density' (float), 'Cd' (vec3s), 'heat' (float), 'ids' (int32)";
+    volume().emission = {glow("heat", "s.toml:7:1"), glow("flames", "s.toml:9:1")};
+    EXPECT_EQ(failure(), "s.toml:9:1: " + path() + ": no grid 'flames'; it holds " + list);
+    volume().emission.clear();
+    volume().albedoGrid = colour("color", "s.toml:5:20");
+    EXPECT_EQ(failure(), "s.toml:5:20: " + path() + ": no grid 'color'; it holds " + list);
+    volume().albedoGrid->grid = "ids";
+    EXPECT_TRUE(failure().starts_with("s.toml:5:20: " + path() + ": grid 'ids' holds int32 values, where a colour is "))
+        << failure();
+    volume().densityGrid = "rho";
+    EXPECT_EQ(failure(), path() + ": no grid 'rho'; it holds " + list);
+}
+
+TEST_F(FieldStoreTest, SaysOnceWhatIsWrongWithAGreyColour) {
+    test::makeVdb(path(), {{.name = "density", .voxels = {{{0, 0, 0}, 1}}},
+                           {.name = "grey", .voxels = {{{0, 0, 0}, -1}, {{1, 0, 0}, 1}}}});
+    volume().albedoGrid = colour("grey");
+    const Fields all = fields();
+    for (const auto& component : all[0].albedo) EXPECT_EQ(component->maxValue, 1);
+    EXPECT_EQ(heard,
+              (std::vector{path() + ": grid 'grey': active voxels that are 1 below 0 count as 0 (1 above 0 remain)"}));
+}
+
+class SourceStoreTest : public FieldStoreTest {
+  protected:
+    void SetUp() override {
+        FieldStoreTest::SetUp();
+        volume().file.clear();
+        volume().source = "noise";
+        ::setenv("SCRIM_PLUGIN_PATH", SCRIM_BUILT_SOURCES, 1);
+    }
+    void TearDown() override { ::unsetenv("SCRIM_PLUGIN_PATH"); }
+};
+
+TEST_F(SourceStoreTest, RunsASourceOnceForAllItsGrids) {
+    volume().albedoGrid = colour("density");
+    volume().emission = {glow("density")};
+    const Fields all = fields();
+    ASSERT_TRUE(all[0].density);
+    for (const auto& component : all[0].albedo) EXPECT_EQ(component, all[0].density);
+    EXPECT_EQ(all[0].emission.at(0), all[0].density);
+}
+
+TEST_F(SourceStoreTest, SaysWhereAGridIsAskedForThatTheSourceDoesNotMake) {
+    volume().emission = {glow("flames", "s.toml:9:1")};
+    EXPECT_EQ(failure(), "s.toml:9:1: source 'noise' makes no grid 'flames'; there is 'density'");
+    volume().albedoGrid = colour("Cd", "s.toml:5:20");
+    EXPECT_EQ(failure(),
+              "s.toml:5:20: source 'noise' makes no grid 'Cd' (nor 'Cd.r', 'Cd.g', 'Cd.b'); there is 'density'");
+    volume().densityGrid = "rho";
+    EXPECT_EQ(failure(), "s.toml:2:8: source 'noise' makes no grid 'rho'; there is 'density'");
+}
+
+}  // namespace
+}  // namespace scrim::cli
