@@ -103,19 +103,20 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
 
 /// For each volume why the picture has no use for it, as far as the heads of files tell where they are.
 std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) {
-    std::vector<std::vector<Vec3>> corners(scene.volumes.size());
+    std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         if (!volume.source.empty()) continue;
-        // What shows nothing has a place, of no size, where nobody looks.
         if (files[i].state != FileState::present) {
-            corners[i].assign(8, scene.camera.wsPosition + scene.camera.wsFromCamera[2]);
+            corners[i].emplace();
             continue;
         }
         std::vector<GridRequest> requests;
         for (const Use& use : usesOf(volume)) requests.push_back(use.request);
-        if (const auto bounds = vdbBounds(files[i].path, requests))
-            for (const Vec3& corner : bounds->corners()) corners[i].push_back(transformPoint(volume.wsFromAsset, corner));
+        const std::optional<Bounds> bounds = vdbBounds(files[i].path, requests);
+        if (!bounds) continue;
+        corners[i].emplace();
+        for (const Vec3& corner : bounds->corners()) corners[i]->push_back(transformPoint(volume.wsFromAsset, corner));
     }
     return unseenVolumes(scene, corners);
 }

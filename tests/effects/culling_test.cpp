@@ -100,7 +100,7 @@ TEST(ViewFrustums, ShowNothingOfWhatLiesBehindThem) {
 
 VolumeBox boxAt(const Vec3& center) {
     const auto corners = Bounds{center - 1.0, center + 1.0}.corners();
-    return {{corners.begin(), corners.end()}, {}};
+    return {std::vector<Vec3>(corners.begin(), corners.end()), {}};
 }
 
 TEST(UselessVolumes, AreOutOfViewAndThrowNoShadowIntoIt) {

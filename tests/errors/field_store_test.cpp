@@ -38,6 +38,7 @@ class FieldStoreTest : public ::testing::Test {
                                {.name = "heat", .voxels = box({0, 0, 0}, {3, 3, 3}, 7)},
                                {.name = "ids", .type = "int32"}});
         scene.volumes.resize(1);
+        scene.camera.wsPosition = {5, 5, 60};  // sees it
         volume().file = path();
         volume().where = "s.toml:2:8";
     }

@@ -78,9 +78,10 @@ TEST_P(Energy, OfOneLightIsNoMoreThanAllOfItScatteredOnce) {
 TEST_P(Energy, OfABlackMediumIsNone) {
     if (GetParam().classified) GTEST_SKIP() << "surfaces have colours of their own";
     for (const ViewScene& scene : scenes(3, Rgb(0))) {
-        const Image image = renderScene(scene).image;
-        for (std::size_t i = 0; i < image.rgba.size(); ++i) ASSERT_EQ(i % 4 == 3 ? 0 : image.rgba[i], 0);
-        EXPECT_EQ(pixelOf({image, {}, {}}, 0, 0)[3], 0);
+        const Frame frame = renderScene(scene);
+        const std::vector<float>& rgba = frame.image.rgba;
+        for (std::size_t i = 0; i < rgba.size(); ++i) ASSERT_EQ(i % 4 == 3 ? 0 : rgba[i], 0);
+        EXPECT_EQ(pixelOf(frame, 0, 0)[3], 0);
     }
 }
 

@@ -102,13 +102,11 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
     out.layers = scene.output.layers;
     out.lines = scene.lines;
     out.memoryLimit = memoryLimit;
-    std::vector<std::vector<Vec3>> corners(scene.volumes.size());
+    std::vector<std::optional<std::vector<Vec3>>> corners;
     std::vector<std::optional<ViewVolume>> volumes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         volumes.push_back(viewOf(scene, scene.volumes[i], fields[i]));
-        if (volumes[i]) corners[i] = wsCorners(*volumes[i], scene.dials.kernel);
-        // What shows nothing has a place, of no size, where nobody looks.
-        if (!volumes[i]) corners[i].assign(8, scene.camera.wsPosition + scene.camera.wsFromCamera[2]);
+        corners.push_back(volumes[i] ? wsCorners(*volumes[i], scene.dials.kernel) : std::vector<Vec3>{});
     }
     const std::vector<std::string> reasons = unseenVolumes(scene, corners);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
@@ -121,7 +119,8 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
     return out;
 }
 
-std::vector<std::string> unseenVolumes(const Scene& scene, const std::vector<std::vector<Vec3>>& wsCorners) {
+std::vector<std::string> unseenVolumes(const Scene& scene,
+                                       const std::vector<std::optional<std::vector<Vec3>>>& wsCorners) {
     std::vector<VolumeBox> boxes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i)
         boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});

@@ -21,9 +21,10 @@ struct VolumeFields {
     std::string unseen = {};  ///< why the volume was not loaded, where the picture has no use for it
 };
 
-/// For each volume of `scene`, of which `wsCorners` tells the place (eight corners a box; none: unknown), why the picture
-/// has no use for it; empty where it may have.
-std::vector<std::string> unseenVolumes(const Scene& scene, const std::vector<std::vector<Vec3>>& wsCorners);
+/// For each volume of `scene`, of which `wsCorners` tells the place (see VolumeBox), why the picture has no use for it;
+/// empty where it may have.
+std::vector<std::string> unseenVolumes(const Scene& scene,
+                                       const std::vector<std::optional<std::vector<Vec3>>>& wsCorners);
 
 /// `fields[i]` belongs to `scene.volumes[i]`. `crop` limits the region to pixels of it (display window coordinates). Ramps are applied, and
 /// coarser levels built where the dial `lod` asks for them.

@@ -131,7 +131,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
                                const std::vector<std::string>& useless) {
     std::vector<LightPart> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
-        if (useless[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
+        if (useless.empty() || useless[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
 
     const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;

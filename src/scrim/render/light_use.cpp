@@ -109,23 +109,23 @@ std::vector<std::string> uselessVolumes(const Camera& camera, const PixelWindow&
     std::vector<std::vector<Vec3>> visible;
     bool allKnown = true;
     for (const VolumeBox& volume : volumes) {
-        visible.push_back(visibleOf(frustum, volume.wsCorners));
-        allKnown = allKnown && !volume.wsCorners.empty();
+        visible.push_back(visibleOf(frustum, volume.wsCorners.value_or(std::vector<Vec3>{})));
+        allKnown = allKnown && volume.wsCorners;
     }
     const auto shades = [&](std::size_t v) {
         for (std::size_t i = 0; i < lights.size(); ++i)
             for (std::size_t w = 0; w < volumes.size(); ++w)
                 if (lights[i].shadows && lights[i].intensity != Rgb(0) && litBy(volumes[w].lights, i) &&
-                    !visible[w].empty() && shadowReaches(lights[i], volumes[v].wsCorners, visible[w]))
+                    !visible[w].empty() && shadowReaches(lights[i], *volumes[v].wsCorners, visible[w]))
                     return true;
         return false;
     };
     std::vector<std::string> reasons(volumes.size());
     for (std::size_t v = 0; v < volumes.size(); ++v) {
-        if (volumes[v].wsCorners.empty() || !visible[v].empty()) continue;
+        if (!volumes[v].wsCorners || !visible[v].empty()) continue;
         // Of a volume that nobody knows the place of, it may be that this one shades it.
         const bool shadowed = std::any_of(lights.begin(), lights.end(), [](const Light& l) { return l.shadows; });
-        if ((!allKnown && shadowed) || shades(v)) continue;
+        if (!volumes[v].wsCorners->empty() && ((!allKnown && shadowed) || shades(v))) continue;
         reasons[v] = "it is out of view and throws no shadow into view";
     }
     return reasons;

@@ -5,6 +5,7 @@
 
 #include <scrim/render/view_scene.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ std::vector<std::string> uselessLights(const ViewScene& scene);
 
 /// A volume that is perhaps not loaded yet.
 struct VolumeBox {
-    std::vector<Vec3> wsCorners;  ///< eight a field, in the order of Bounds::corners(); none: nobody knows
-    std::vector<bool> lights;     ///< as ViewVolume has them
+    /// Eight a field, in the order of Bounds::corners(); none: nothing is there; no vector: nobody knows.
+    std::optional<std::vector<Vec3>> wsCorners;
+    std::vector<bool> lights;  ///< as ViewVolume has them
 };
 
 /// For each volume why it does not matter: out of view, and throwing no shadow on what is in view. Empty where it may.
