@@ -138,7 +138,7 @@ TEST_F(CliEffects, LightsThatLightNothingAreNamedInThePlan) {
     const auto effect = effectOf("s.toml", "lights left out");
     EXPECT_EQ(effect["reason"], "'rim': no volume is linked to it");
     EXPECT_EQ(effect["where"][0], "s.toml:13:1");
-    EXPECT_EQ(effectOf("s.toml", "light linking")["where"][0], "s.toml:8:1");
+    EXPECT_EQ(effectOf("s.toml", "light linking")["where"][0], "s.toml:8:10");
 }
 
 TEST_F(CliEffects, PlanInThePictureIsThatOfThePlanCommand) {
