@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // What neither eye nor light needs is left out, and the picture does not change.
 #include "scenes.h"
+#include "support/verified.h"
 
 #include <scrim/render/effects.h>
 #include <scrim/render/light_use.h>
@@ -56,6 +57,22 @@ TEST(Sheets, BehindTheLastThingSeenAreNotSplatted) {
     const GroupPlan& group = plan.groups.front();
     EXPECT_LT(group.needed.last - group.needed.first, 0.8 * group.sheets.count);
     EXPECT_LT(group.needed.share(group.sheets), 0.5);
+    EXPECT_GT(group.needed.first + group.sheets.count - group.needed.last, 0);
+    EXPECT_LT(errorOf(scene, 40), 0.02);
+}
+
+// A part of a slab in the middle of a long row of them: sheets begin in the middle of what would be a batch.
+TEST(Sheets, BeforeTheFirstThingSeenAreNotSplatted) {
+    ViewScene scene = plainScene();
+    scene.camera.wsFromCamera = lookAt({0, 0, 0}, {-1, 0.2, -0.1}, {0, 1, 0});
+    scene.camera.type = CameraType::perspective;
+    scene.camera.fov = 30;
+    scene.camera.wsPosition = {-5, 0, 0};
+    scene.lights.clear();
+    scene.ambient = Rgb(1);
+    const Plan plan = makePlan(scene, 2);
+    ASSERT_GT(plan.groups.front().needed.first, 8);
+    EXPECT_LT(errorOf(scene, 40), 0.02);
 }
 
 TEST(ViewFrustums, HoldEveryPointThatAPixelSees) {

@@ -63,8 +63,7 @@ VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const S
       m_shared(raster.rsFromTs == Mat4(1.0)),
       m_halo(halo(volume, sheets)),
       m_splatter(splatterFor(volume, dials, sheets, raster, voxel)),
-      m_values(batchSheets + 2 * m_halo, raster.width, raster.height, 1),
-      m_readySheet(-m_halo) {
+      m_values(batchSheets + 2 * m_halo, raster.width, raster.height, 1) {
     if (!volume.classified) return;
     m_surface.emplace(Surface{TransferTable(*volume.classified),
                               stepFor(raster.rsFromTs),
@@ -84,7 +83,10 @@ int VolumePlanes::halo(const ViewVolume& volume, const Sheets& sheets) {
 
 int VolumePlanes::beginBatch(int firstSheet, int count) {
     m_firstSheet = firstSheet;
-    m_readySheet = std::max(m_readySheet, firstSheet - m_halo);
+    if (m_origin < 0) {
+        m_origin = firstSheet;
+        m_readySheet = firstSheet - m_halo;
+    }
     m_runs.clear();
     const int end = firstSheet + count + m_halo;
     while (m_readySheet < end) {

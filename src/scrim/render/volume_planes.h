@@ -63,7 +63,7 @@ class VolumePlanes {
         int sheet, count;
     };
     GradientStep stepFor(const Mat4& rsFromTs) const;
-    int planeOf(int sheet) const { return (sheet + m_halo) % m_values.planes(); }
+    int planeOf(int sheet) const { return (sheet - m_origin + m_halo) % m_values.planes(); }
 
     const ViewVolume& m_volume;
     const Sheets& m_sheets;
@@ -73,7 +73,8 @@ class VolumePlanes {
     std::variant<FieldSplatter, WarpedSplatter> m_splatter;
     PlaneStack m_values;
     std::optional<Surface> m_surface;  // classified volumes
-    int m_firstSheet = 0, m_readySheet;
+    int m_origin = -1;  // the first sheet of the first batch, whose planes lie as it wants them
+    int m_firstSheet = 0, m_readySheet = 0;
     std::vector<Run> m_runs;
 };
 
