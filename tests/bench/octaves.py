@@ -14,7 +14,7 @@ twice with different seeds. The mean of the two is what counts, half of what the
 Prints a table: relative RMSE (RMS of the difference over mean of the reference, as `scrim render --verify` has it) of
 8 x 8 blocks of those pixels whose alpha exceeds 1e-3, since blocks have less noise than pixels, and brightness, the
 ratio of means. --fit searches the octaves' three factors, with contribution <= extinction, so that the error on one view
-is least, and tells the error on the other; then on both. Pictures of Cycles that lie in DIR are not rendered anew.
+is least, and tells the error on the other; then on both, and on both with any contribution. Pictures of Cycles that lie in DIR are not rendered anew.
 """
 import argparse
 import array
@@ -32,7 +32,8 @@ BIN = Path(os.environ.get("SCRIM_BUILD", HERE.parent.parent / "build")) / "bin"
 BLOCK = 8          # pixels
 OPAQUE = 1e-3      # least alpha of a pixel that counts
 BACK_HEIGHT = 25   # degrees of the sun behind the volume above the line of sight: it lights the edge, not the lens
-DEFAULTS = (0.5, 0.5, 0.5)  # of the octaves' extinction, contribution and phase
+DEFAULTS = (8, 0.5, 0.5, 0.5)  # octaves, their extinction, contribution and phase
+COUNTS = (8, 16)   # of octaves that are fitted
 SEEDS = (1, 2)
 WHITE = 0.995      # part of the reference's pixels that no picture clips
 
@@ -92,6 +93,12 @@ def blocks(picture, alpha):
     return [(count, total / count) for _, (count, total) in sorted(sums.items())]
 
 
+def block_centres(alpha, width):
+    """Where these blocks are, from -1 to 1, y up."""
+    keys = {(i % width // BLOCK, i // width // BLOCK) for i, a in enumerate(alpha) if a > OPAQUE}
+    return [((2 * x + 1) * BLOCK / width - 1, 1 - (2 * y + 1) * BLOCK / width) for x, y in sorted(keys)]
+
+
 def error(picture, reference, alpha):
     """Relative RMSE of blocks, and the ratio of means."""
     pairs = list(zip(blocks(picture, alpha), blocks(reference, alpha)))
@@ -107,6 +114,13 @@ def unit(v):
     return [c / math.hypot(*v) for c in v]
 
 
+def camera_axes(look):
+    """To the right and up in the picture, where y is up in the world."""
+    right = unit([-look[2], 0, look[0]])
+    return right, [right[1] * look[2] - right[2] * look[1], right[2] * look[0] - right[0] * look[2],
+                   right[0] * look[1] - right[1] * look[0]]
+
+
 def frame(options):
     """What both render, as numbers: those of peers.py, and `views`, the sun's direction of travel in each."""
     def scrim(*arguments):
@@ -116,9 +130,7 @@ def frame(options):
     grid = json.loads(scrim("info", "--json", options.asset))["grids"][0]
     camera, key = scene["camera"], scene["light"][0]
     look = unit([t - p for t, p in zip(camera["target"], camera["position"])])
-    right = unit([-look[2], 0, look[0]])  # look x up
-    up = [right[1] * look[2] - right[2] * look[1], right[2] * look[0] - right[0] * look[2],
-          right[0] * look[1] - right[1] * look[0]]
+    _, up = camera_axes(look)
     height = math.radians(BACK_HEIGHT)
     back = [-math.cos(height) * l - math.sin(height) * u for l, u in zip(look, up)]
     return {"asset": str(Path(options.asset).resolve()), "grid": grid["name"], "eye": camera["position"], "look": look,
@@ -135,24 +147,26 @@ class Scrim:
         self.numbers, self.work, self.cache = numbers, options.work, {}
         self.options = ["--threads", str(options.threads), "--quality", options.quality, "-q"]
 
-    def render(self, view, factors, count=8):
-        """The picture and the seconds it took; no factors: single scattering."""
-        if (view, factors, count) in self.cache:
-            return self.cache[view, factors, count]
+    def render(self, view, octaves, g=None):
+        """The picture and the seconds it took; no octaves: single scattering; no g: that of the scene."""
+        key = view, octaves, g
+        if key in self.cache:
+            return self.cache[key]
         n = self.numbers
-        octaves = "" if factors is None else (
-            "octaves = {{ count = {}, extinction = {}, contribution = {}, phase = {} }}\n".format(count, *factors))
+        g = n["g"] if g is None else g
+        octaves = "" if octaves is None else (
+            "octaves = {{ count = {}, extinction = {}, contribution = {}, phase = {} }}\n".format(*octaves))
         scene, picture, stats = (self.work / name for name in ("scene.toml", "scrim.exr", "stats.json"))
         scene.write_text(
             f"[camera]\nposition = {n['eye']}\ntarget = {n['target']}\nfov = {n['fov']}\nresolution = {n['resolution']}\n"
             f"[[volume]]\nfile = \"{n['asset']}\"\ndensity = {{ scale = {n['scale']} }}\n"
-            f"[volume.medium]\nalbedo = {3 * [n['albedo']]}\nphase = {{ type = \"hg\", g = {n['g']} }}\n{octaves}"
+            f"[volume.medium]\nalbedo = {3 * [n['albedo']]}\nphase = {{ type = \"hg\", g = {g} }}\n{octaves}"
             f"[[light]]\nname = \"sun\"\ntype = \"distant\"\ndirection = {n['views'][view]}\n"
             f"intensity = {n['irradiance']}\n[output]\ntype = \"float\"\ncompression = \"none\"\n")
         subprocess.run([BIN / "scrim", "render", scene, "-o", picture, "--stats", stats, *self.options], check=True)
         seconds = json.loads(stats.read_text())[0]["seconds"]
         result = read_exr(picture), seconds["plan"] + seconds["render"]
-        self.cache[view, factors, count] = result
+        self.cache[key] = result
         return result
 
 
@@ -191,52 +205,59 @@ class PathTraced:
 
 # ---- the search
 
-def nelder_mead(cost, start, size, evaluations):
-    """Where `cost` is least, by a simplex of edge `size` that begins at `start`."""
-    def shifted(i):
-        return [c + (size if i == k else 0) for k, c in enumerate(start)]
+class Octaves:
+    """Blocks of a view for any octaves without rendering them, since a picture is linear in them: one octave is the
+    isotropic picture with its extinction towards the light, times its phase function, which under a distant light is a
+    number for each pixel. Tabulated over the square root of extinction."""
 
-    simplex = sorted((cost(p), p) for p in [list(start)] + [shifted(i) for i in range(len(start))])
-    used = len(simplex)
-    while used < evaluations and simplex[-1][0] - simplex[0][0] > 1e-4:
-        centre = [sum(c) / (len(simplex) - 1) for c in zip(*(p for _, p in simplex[:-1]))]
+    STEPS = 24
 
-        def along(t):
-            nonlocal used
-            used += 1
-            point = [m + t * (w - m) for m, w in zip(centre, simplex[-1][1])]
-            return cost(point), point
+    def __init__(self, scrim, view, alpha):
+        n = scrim.numbers
+        self.table = []
+        for k in range(self.STEPS + 1):
+            # Two octaves are single scattering and the one that is wanted.
+            both, single = (scrim.render(view, (2, *factors), g=0)[0]
+                            for factors in (((k / self.STEPS)**2, 1, 1), (1, 0, 1)))
+            self.table.append([b - s for (_, b), (_, s) in zip(blocks(both, alpha), blocks(single, alpha))])
+        self.cosines, self.g = [], n["g"]
+        half = math.tan(math.radians(n["fov"] / 2))
+        right, up = camera_axes(n["look"])
+        for x, y in block_centres(alpha, n["resolution"][0]):
+            ray = unit([l + half * (x * r + y * u) for l, r, u in zip(n["look"], right, up)])
+            self.cosines.append(-sum(a * b for a, b in zip(n["views"][view], ray)))
 
-        best = along(-1)
-        if best[0] < simplex[0][0]:
-            best = min(best, along(-2))
-        elif best[0] >= simplex[-2][0]:
-            best = min(best, along(0.5 if best[0] >= simplex[-1][0] else -0.5))
-        if best[0] < simplex[-1][0]:
-            simplex[-1] = best
-        else:
-            used += len(simplex) - 1
-            points = [[(a + b) / 2 for a, b in zip(simplex[0][1], p)] for _, p in simplex[1:]]
-            simplex[1:] = [(cost(p), p) for p in points]
-        simplex.sort()
-    return simplex[0][1]
-
-
-def factors_of(point):
-    """(extinction, contribution, phase) from a point of the search, whose second coordinate is their ratio."""
-    extinction, ratio, phase = (min(max(c, 0.0), 1.0) for c in point)
-    return round(extinction, 3), round(min(extinction * ratio, extinction), 3), round(phase, 3)
+    def __call__(self, count, extinction, contribution, phase):
+        sums = [0.0] * len(self.cosines)
+        for n in range(count):
+            at = math.sqrt(extinction**n) * self.STEPS
+            k = min(int(at), self.STEPS - 1)
+            g = self.g * phase**n
+            weight = contribution**n * (1 - g * g)
+            for i, (low, high, c) in enumerate(zip(self.table[k], self.table[k + 1], self.cosines)):
+                sums[i] += weight * (low + (at - k) * (high - low)) * (1 + g * g - 2 * g * c)**-1.5
+        return sums
 
 
-def fit(scrim, references, alphas, views, evaluations):
+def fit(views, references, count, most_ratio=1.0):
+    """The `count` octaves of least error (root of the mean square) to the blocks of `references`: a grid, refined about
+    its best. Contribution is searched as its ratio to extinction, which is at most `most_ratio`."""
+    def factors(extinction, ratio, phase):
+        return extinction, min(extinction * ratio * most_ratio, 1), phase
+
     def cost(point):
-        factors = factors_of(point)
-        errors = [error(scrim.render(view, factors)[0], references[view], alphas[view])[0] for view in views]
-        # Beyond the allowed range the picture is that of its edge: the way back must lead downhill.
-        outside = sum(max(-c, c - 1, 0) for c in point)
-        return math.sqrt(sum(e * e for e in errors) / len(errors)) + outside
+        square = 0
+        for octaves, reference in zip(views, references):
+            pixels, total = sum(n for n, _ in reference), sum(n * r for n, r in reference)
+            square += pixels * sum(n * (p - r)**2 for p, (n, r) in zip(octaves(count, *factors(*point)), reference)) / total**2
+        return square
 
-    return factors_of(nelder_mead(cost, [0.5, 0.9, 0.5], 0.15, evaluations))
+    best, step, reach = (0.5, 0.5, 0.5), 0.125, 4
+    while step > 0.004:
+        lines = [[c + k * step for k in range(-reach, reach + 1) if 0 <= c + k * step <= 1] for c in best]
+        best = min(((e, r, p) for e in lines[0] for r in lines[1] for p in lines[2]), key=cost)
+        step, reach = step / 2, 2
+    return count, *(round(c, 2) for c in factors(*best))
 
 
 # ---- what is shown
@@ -276,9 +297,8 @@ def main():
     parser.add_argument("--samples", type=int, default=64, help="of Cycles, for each of two seeds")
     parser.add_argument("--quality", default="high", help="of Scrim")
     parser.add_argument("--bounces", type=int, action="append", help="of Cycles; default: 0, 16, 32 and 64")
-    parser.add_argument("--octaves", action="append", default=[], metavar="E,C,P", help="further factors to compare")
+    parser.add_argument("--octaves", action="append", default=[], metavar="N,E,C,P", help="further octaves to compare")
     parser.add_argument("--fit", action="store_true", help="search the factors")
-    parser.add_argument("--evaluations", type=int, default=120, help="of the search, for each fit")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--jpg", help="all pictures side by side")
     options = parser.parse_args()
@@ -307,32 +327,36 @@ def main():
     references = {view: traced[view, most].picture for view in views}
     settings = {}
     if options.fit:
-        for chosen in ([views[0]], [views[1]], views):
-            name = "fitted to " + " and ".join(chosen)
-            settings[name] = fit(scrim, references, alphas, chosen, options.evaluations)
-    for text in options.octaves:
-        settings["as given"] = tuple(float(c) for c in text.split(","))
+        octaves = [Octaves(scrim, view, alphas[view]) for view in views]
+        wanted = [blocks(references[view], alphas[view]) for view in views]
+        for count in COUNTS:
+            for i, view in enumerate(views):
+                settings[f"{count} fitted to {view}"] = fit(octaves[i:i + 1], wanted[i:i + 1], count)
+            settings[f"{count} fitted to both"] = fit(octaves, wanted, count)
+            settings[f"{count} fitted freely"] = fit(octaves, wanted, count, most_ratio=2)
+    for i, text in enumerate(options.octaves):
+        settings[f"given, {i + 1}"] = (int(text.split(",")[0]), *map(float, text.split(",")[1:]))
     settings = {"default": DEFAULTS} | settings | {"single scattering": None}
 
     def row(name, setting, bounces):
-        line = f"  {name:<44}"
+        line = f"  {name:<50}"
         for view in views:
             picture, seconds = scrim.render(view, setting)
             e, ratio = error(picture, traced[view, bounces].picture, alphas[view])
             line += f"{view + ':':>8}{100 * e:>9.2f}{ratio:>8.3f}{seconds:>8.3f}"
         print(line, flush=True)
 
-    print(f"\n  {'Scrim: extinction, contribution, phase':<44}" + (8 * " " + f"{'error %':>9}{'mean':>8}{'s':>8}") * 2)
+    print(f"\n  {'Scrim (octaves: extinction, contribution, phase)':<50}" + (8 * " " + f"{'error %':>9}{'mean':>8}{'s':>8}") * 2)
     if (views[0], 0) in traced:
         row("single scattering, beside 0 bounces", None, 0)
     print(f"  beside {most} bounces")
     for name, setting in settings.items():
-        row(name + ("" if setting is None else " ({:g}, {:g}, {:g})".format(*setting)), setting, most)
+        row(name + ("" if setting is None else " ({}: {:g}, {:g}, {:g})".format(*setting)), setting, most)
 
     if options.jpg:
-        shown = settings.get("fitted to " + " and ".join(views)) or settings.get("as given") or DEFAULTS
+        shown = settings.get("8 fitted to both") or settings.get("given, 1") or DEFAULTS
         columns = [DEFAULTS, shown, None]
-        names = ["Scrim, octaves as by default", "Scrim, octaves {:g} {:g} {:g}".format(*shown), "Scrim, single scattering"]
+        names = ["Scrim, octaves as by default", "Scrim, {} octaves {:g} {:g} {:g}".format(*shown), "Scrim, single scattering"]
         rows = [[(f"Cycles, {most} bounces, sun in {v}", references[v])]
                 + [(name, scrim.render(v, c)[0]) for name, c in zip(names, columns)] for v in views]
         brightest = sorted(red for v in views for red in references[v].red)
