@@ -3,18 +3,22 @@
 """The look of multiple scattering: Scrim's octaves beside a path tracer with many bounces.
 
     tests/bench/octaves.py ASSET.vdb --work DIR [--density X] [--g G] [--albedo A] [--samples N] [--bounces N]...
-                           [--fit] [--jpg FILE]
+                           [--fit] [--octaves COUNT,EXTINCTION,CONTRIBUTION,PHASE]... [--jpg FILE]
 
 Needs a build (SCRIM_BUILD names it), Blender for Cycles, and ImageMagick for --jpg. The scene is the asset as
-`scrim render ASSET` frames it, --density times as dense, in a black world under one sun, from two sides: `front`, as the
-framing's key light stands, and `back`, behind the volume. Cycles renders each view with every number of --bounces after
-the first scattering (0 is single scattering: there Scrim must agree, or the two do not render the same scene), each
-twice with different seeds. The mean of the two is what counts, half of what they differ by is its noise.
+`scrim render ASSET` frames it, --density times as dense, in a black world under one sun, from two sides: `front`, as
+the framing's key light stands, and `back`, behind the volume. Cycles renders each view with every number of --bounces
+after the first scattering (0 is single scattering: there Scrim must agree, or the two do not render the same scene),
+each twice with different seeds. The mean of the two is what counts, half of what they differ by is its noise. Pictures
+of Cycles that lie in DIR are not rendered anew.
 
 Prints a table: relative RMSE (RMS of the difference over mean of the reference, as `scrim render --verify` has it) of
-8 x 8 blocks of those pixels whose alpha exceeds 1e-3, since blocks have less noise than pixels, and brightness, the
-ratio of means. --fit searches the octaves' three factors, with contribution <= extinction, so that the error on one view
-is least, and tells the error on the other; then on both, and on both with any contribution. Pictures of Cycles that lie in DIR are not rendered anew.
+8 x 8 blocks of those pixels whose alpha exceeds 1e-3, since blocks have less noise than pixels, the ratio of mean
+brightness to that of the reference, and the seconds of rendering alone. --fit searches the octaves' three factors, with
+contribution <= extinction, so that the error on one view is least, and tells the error on the other; then on both; and
+`freely`, on both without that limit. octaves.jpg among the examples is that of
+
+    tests/bench/octaves.py wdas_cloud_sixteenth.vdb --work DIR --samples 192 --bounces 0 --bounces 128 --fit --jpg FILE
 """
 import argparse
 import array
@@ -35,6 +39,8 @@ BACK_HEIGHT = 25   # degrees of the sun behind the volume above the line of sigh
 DEFAULTS = (8, 0.5, 0.5, 0.5)  # octaves, their extinction, contribution and phase
 COUNTS = (8, 16)   # of octaves that are fitted
 SEEDS = (1, 2)
+MARGIN, TILE = 5, 320  # pixels about what is shown, and across it when it is shown
+SHOWN = ("16 fitted to both", "8 fitted freely")  # beside the default
 WHITE = 0.995      # part of the reference's pixels that no picture clips
 
 
@@ -158,7 +164,8 @@ class Scrim:
             "octaves = {{ count = {}, extinction = {}, contribution = {}, phase = {} }}\n".format(*octaves))
         scene, picture, stats = (self.work / name for name in ("scene.toml", "scrim.exr", "stats.json"))
         scene.write_text(
-            f"[camera]\nposition = {n['eye']}\ntarget = {n['target']}\nfov = {n['fov']}\nresolution = {n['resolution']}\n"
+            f"[camera]\nposition = {n['eye']}\ntarget = {n['target']}\nfov = {n['fov']}\n"
+            f"resolution = {n['resolution']}\n"
             f"[[volume]]\nfile = \"{n['asset']}\"\ndensity = {{ scale = {n['scale']} }}\n"
             f"[volume.medium]\nalbedo = {3 * [n['albedo']]}\nphase = {{ type = \"hg\", g = {g} }}\n{octaves}"
             f"[[light]]\nname = \"sun\"\ntype = \"distant\"\ndirection = {n['views'][view]}\n"
@@ -249,7 +256,8 @@ def fit(views, references, count, most_ratio=1.0):
         square = 0
         for octaves, reference in zip(views, references):
             pixels, total = sum(n for n, _ in reference), sum(n * r for n, r in reference)
-            square += pixels * sum(n * (p - r)**2 for p, (n, r) in zip(octaves(count, *factors(*point)), reference)) / total**2
+            picture = octaves(count, *factors(*point))
+            square += pixels * sum(n * (p - r)**2 for p, (n, r) in zip(picture, reference)) / total**2
         return square
 
     best, step, reach = (0.5, 0.5, 0.5), 0.125, 4
@@ -271,16 +279,20 @@ def write_pgm(picture, exposure, path):
     path.write_bytes(f"P5\n{picture.width} {picture.height}\n255\n".encode() + bytes(map(encode, picture.red)))
 
 
-def side_by_side(rows, work, exposure, out):
-    """`rows` of (title, picture)."""
+def side_by_side(rows, alpha, work, exposure, out):
+    """`rows` of (title, picture), cut to what `alpha` covers."""
+    width = rows[0][0][1].width
+    covered = [(i % width, i // width) for i, a in enumerate(alpha) if a > OPAQUE]
+    (x0, x1), (y0, y1) = ((min(c) - MARGIN, max(c) + 1 + MARGIN) for c in zip(*covered))
     tiles = []
     for row in rows:
         for title, picture in row:
             grey, tile = work / "grey.pgm", work / f"tile_{len(tiles)}.png"
             write_pgm(picture, exposure, grey)
-            subprocess.run(["convert", grey, "-filter", "Mitchell", "-resize", "320x320", "-background", "#202020",
-                            "-gravity", "South", "-splice", "0x24", "-fill", "white", "-font", "DejaVu-Sans", "-pointsize",
-                            "14", "-annotate", "+0+4", title, tile], check=True)
+            subprocess.run(["convert", grey, "-crop", f"{x1 - x0}x{y1 - y0}+{max(x0, 0)}+{max(y0, 0)}", "+repage",
+                            "-filter", "Mitchell", "-resize", f"{TILE}x{TILE}", "-background", "#202020",
+                            "-gravity", "South", "-splice", "0x24", "-fill", "white", "-font", "DejaVu-Sans",
+                            "-pointsize", "14", "-annotate", "+0+4", title, tile], check=True)
             tiles.append(tile)
     subprocess.run(["montage", *tiles, "-tile", f"{len(rows[0])}x", "-geometry", "+2+2", "-background", "#202020",
                     "-quality", "85", out], check=True)
@@ -296,7 +308,7 @@ def main():
     parser.add_argument("--pixels", type=int, default=192, help="edge of the picture")
     parser.add_argument("--samples", type=int, default=64, help="of Cycles, for each of two seeds")
     parser.add_argument("--quality", default="high", help="of Scrim")
-    parser.add_argument("--bounces", type=int, action="append", help="of Cycles; default: 0, 16, 32 and 64")
+    parser.add_argument("--bounces", type=int, action="append", help="of Cycles; default: 0, 32, 64 and 128")
     parser.add_argument("--octaves", action="append", default=[], metavar="N,E,C,P", help="further octaves to compare")
     parser.add_argument("--fit", action="store_true", help="search the factors")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
@@ -314,7 +326,7 @@ def main():
     print(f"\n  {'Cycles, ' + str(len(SEEDS) * options.samples) + ' samples':<34}"
           + "".join(f"{view + ': mean':>14}{'noise %':>9}{'s':>8}" for view in views))
     traced = {}
-    for bounces in options.bounces or [0, 16, 32, 64]:
+    for bounces in options.bounces or [0, 32, 64, 128]:
         line = f"  {str(bounces) + ' bounces':<34}"
         for view in views:
             t = traced[view, bounces] = PathTraced(numbers, view, bounces, options)
@@ -346,7 +358,8 @@ def main():
             line += f"{view + ':':>8}{100 * e:>9.2f}{ratio:>8.3f}{seconds:>8.3f}"
         print(line, flush=True)
 
-    print(f"\n  {'Scrim (octaves: extinction, contribution, phase)':<50}" + (8 * " " + f"{'error %':>9}{'mean':>8}{'s':>8}") * 2)
+    columns = 8 * " " + f"{'error %':>9}{'mean':>8}{'s':>8}"
+    print(f"\n  {'Scrim (octaves: extinction, contribution, phase)':<50}" + 2 * columns)
     if (views[0], 0) in traced:
         row("single scattering, beside 0 bounces", None, 0)
     print(f"  beside {most} bounces")
@@ -354,13 +367,12 @@ def main():
         row(name + ("" if setting is None else " ({}: {:g}, {:g}, {:g})".format(*setting)), setting, most)
 
     if options.jpg:
-        shown = settings.get("8 fitted to both") or settings.get("given, 1") or DEFAULTS
-        columns = [DEFAULTS, shown, None]
-        names = ["Scrim, octaves as by default", "Scrim, {} octaves {:g} {:g} {:g}".format(*shown), "Scrim, single scattering"]
-        rows = [[(f"Cycles, {most} bounces, sun in {v}", references[v])]
-                + [(name, scrim.render(v, c)[0]) for name, c in zip(names, columns)] for v in views]
+        columns = [DEFAULTS, *(settings[name] for name in SHOWN if name in settings), None]
+        names = ["Scrim, " + ("{} octaves {:g} {:g} {:g}".format(*c) if c else "single scattering") for c in columns]
+        rows = [[(f"Cycles, {most} bounces, sun in {view}", references[view])]
+                + [(name, scrim.render(view, c)[0]) for name, c in zip(names, columns)] for view in views]
         brightest = sorted(red for v in views for red in references[v].red)
-        side_by_side(rows, options.work, 1 / brightest[int(WHITE * len(brightest))], options.jpg)
+        side_by_side(rows, alphas[views[0]], options.work, 1 / brightest[int(WHITE * len(brightest))], options.jpg)
 
 
 if __name__ == "__main__":

@@ -95,8 +95,9 @@ scene.cycles.use_adaptive_sampling = False
 scene.cycles.use_denoising = False
 scene.cycles.seed = numbers.get("seed", 0)
 scene.cycles.volume_bounces = numbers.get("bounces", 0)
-scene.cycles.max_bounces = max(scene.cycles.max_bounces, scene.cycles.volume_bounces)
-scene.cycles.light_sampling_threshold = 0
+if scene.cycles.volume_bounces > 0:
+    scene.cycles.max_bounces = scene.cycles.volume_bounces
+    scene.cycles.light_sampling_threshold = 0  # or weak light is left to chance, at every bounce
 scene.cycles.volume_step_rate = float(step_rate)
 scene.cycles.volume_max_steps = 65536
 scene.cycles.sample_clamp_indirect = 0
