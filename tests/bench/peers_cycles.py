@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# The scene of peers.py in Cycles. Blender runs this, not Python:
+# The scene of peers.py or octaves.py in Cycles. Blender runs this, not Python:
 #     blender -b --factory-startup -t THREADS -P peers_cycles.py -- NUMBERS.json OUT.exr SAMPLES STEP_RATE
-# As little as possible is asked of Cycles: one bounce, a sun without a size, no denoiser, and a pixel filter so narrow
-# that all samples go through the middle of the pixel, as everybody else's do.
+# As little as possible is asked of Cycles: a sun without a size, no clamping, no denoiser, and a pixel filter so narrow
+# that all samples go through the middle of the pixel, as everybody else's do. NUMBERS may hold three more than those of
+# peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering) and "seed" (0).
 import json
 import math
 import sys
@@ -60,6 +61,8 @@ for i, (kind, colour, part) in enumerate(parts):
     tree.links.new(grid.outputs["Fac"], scale.inputs[0])
     tree.links.new(scale.outputs[0], node.inputs["Density"])
     tree.links.new(node.outputs[0], both.inputs[i])
+    if "Anisotropy" in node.inputs:
+        node.inputs["Anisotropy"].default_value = numbers.get("g", 0)
 output = tree.nodes.new("ShaderNodeOutputMaterial")
 tree.links.new(both.outputs[0], output.inputs["Volume"])
 volume.materials.append(material)
@@ -83,13 +86,18 @@ render.resolution_percentage = 100
 render.film_transparent = True
 render.image_settings.file_format = "OPEN_EXR"
 render.image_settings.color_depth = "32"
+render.image_settings.exr_codec = "NONE"
 render.filepath = picture
 scene.view_settings.view_transform = "Raw"
 scene.cycles.device = "CPU"
 scene.cycles.samples = int(samples)
 scene.cycles.use_adaptive_sampling = False
 scene.cycles.use_denoising = False
-scene.cycles.volume_bounces = 0
+scene.cycles.seed = numbers.get("seed", 0)
+scene.cycles.volume_bounces = numbers.get("bounces", 0)
+if scene.cycles.volume_bounces > 0:
+    scene.cycles.max_bounces = scene.cycles.volume_bounces
+    scene.cycles.light_sampling_threshold = 0  # or weak light is left to chance, at every bounce
 scene.cycles.volume_step_rate = float(step_rate)
 scene.cycles.volume_max_steps = 65536
 scene.cycles.sample_clamp_indirect = 0
