@@ -156,15 +156,20 @@ TEST(Octaves, AddSingleScatteringInThinnerMedia) {
     EXPECT_EQ(renderScene(scene).image.rgba, renderScene(single).image.rgba);
 }
 
-TEST(Octaves, GainNoEnergyWhereContributionIsAtMostExtinction) {
-    // Isotropic, white and thick: what is reflected cannot exceed what arrives, pi L < E.
-    Medium medium;
-    medium.densityScale = 2;
-    medium.albedo = Rgb(1);
-    medium.octaves = {12, 0.5, 0.5, 0.5};
-    ViewScene scene = slab(medium);
-    scene.lights = {distantLight({0, 0, -1}, 1)};
-    EXPECT_LT(kPi * pixelOf(renderScene(scene), 4, 4)[0], 1);
+// A thick white slab, lit and seen head-on: pi L / E is the sum over octaves of b^n / (4 (1 + a^n)).
+TEST(Octaves, OfAThickSlabAddUpToTheirSeries) {
+    for (const auto& [a, b] : {std::pair{0.5, 0.5}, {0.66, 0.66}, {0.9, 0.5}}) {
+        Medium medium;
+        medium.densityScale = 2;
+        medium.albedo = Rgb(1);
+        medium.octaves = {6, a, b, 0.5};
+        ViewScene scene = slab(medium);
+        scene.lights = {distantLight({0, 0, -1}, 1)};
+        double expected = 0;
+        for (int n = 0; n < 6; ++n) expected += std::pow(b, n) / (4 * (1 + std::pow(a, n)));
+        EXPECT_NEAR(kPi * pixelOf(renderScene(scene), 4, 4)[0], expected, 2e-3 * expected);
+        EXPECT_LT(expected, 1);
+    }
 }
 
 TEST(LightLinking, LeavesALightWithoutAVolumeItsShadow) {

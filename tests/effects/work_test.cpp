@@ -10,6 +10,8 @@
 #include <map>
 #include <set>
 
+#include <glm/geometric.hpp>
+
 namespace scrim::test {
 namespace {
 
@@ -125,7 +127,9 @@ TEST_P(PresentEffects, AddTheirOwnWorkAndNoOther) {
 INSTANTIATE_TEST_SUITE_P(
     Each, PresentEffects,
     testing::Values(
-        Added{"coloured extinction", {"exponentials", "bytes of shaded sheets", "bytes of the picture"}, {}},
+        Added{"coloured extinction",
+              {"exponentials", "layer samples", "bytes of shaded sheets", "bytes of the picture"},
+              {}},
         Added{"albedo grid", {"voxels fed", "footprints", "bytes of fields"}, {}},
         Added{"emission", {"voxels fed", "footprints", "bytes of fields", "emissions", "exponentials"},
               // It may show where there is no density, and the sweep with it then is the one that takes most.
@@ -158,13 +162,25 @@ TEST(ColouredExtinctionWork, IsARowOfShadowsATint) {
 TEST(LayerWork, IsCompositingOnly) {
     ViewScene scene = plainScene();
     scene.dials.shade = ShadeMode::texel;
+    scene.lights[1].wsDirection = glm::normalize(Vec3(-0.8, -1, -0.7));  // shares the key's sweep
     const RenderWork plain = renderScene(scene).work;
     scene.layers = {Layer::light};
     const RenderWork work = renderScene(scene).work;
     EXPECT_EQ(differing(plain, work),
               (std::set<std::string>{"layer samples", "bytes of shaded sheets", "bytes of the picture"}));
-    EXPECT_EQ(work.layerSamples, work.pixelSheets);  // two lights, each in a sweep of its own
+    EXPECT_EQ(work.layerSamples, work.pixelSheets);  // two pictures instead of one: the beauty is their sum
+    scene.layers = {Layer::light, Layer::albedo};
+    EXPECT_EQ(renderScene(scene).work.layerSamples, 2 * work.pixelSheets);
     scene.layers = {Layer::ambient, Layer::transmittance};  // there is no ambient light, and opacity is there anyway
+    EXPECT_EQ(renderScene(scene).work, plain);
+}
+
+// The layer of a light that is alone in its sweep is that sweep's beauty: it costs nothing at all.
+TEST(LayerWork, OfLightsOnTheirOwnIsNone) {
+    ViewScene scene = plainScene();
+    ASSERT_EQ(makePlan(scene, 2).groups.size(), 2u);
+    const RenderWork plain = renderScene(scene).work;
+    scene.layers = {Layer::light};
     EXPECT_EQ(renderScene(scene).work, plain);
 }
 

@@ -84,16 +84,25 @@ HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
     return through(lastLane(texel), state, texel);
 }
 
-// One sample of the wide layout into a pixel's state. quad(q): the sample's quads, the last one its opacities.
-template <bool kFrontToBack, class Quad>
-HWY_ATTR HWY_INLINE V4 addWide(int quads, const Quad& quad, float* state) {
+// One sample into a pixel's state, whatever pictures there are. quad(q): the sample's quads. Returns what tells how much
+// the sample hides, in its last lane.
+template <bool kFrontToBack, bool kColoured, class Quad>
+HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, float* state) {
     const int last = quads - 1;
-    const V4 hides = quad(last), hidden = load4(state + 4 * last);
-    for (int q = 0; q < last; ++q) {
-        const V4 own = quad(q), gathered = load4(state + 4 * q);
-        store4(kFrontToBack ? through(hidden, own, gathered) : through(hides, gathered, own), state + 4 * q);
+    const V4 hides = quad(last);
+    if constexpr (kColoured) {
+        const V4 hidden = load4(state + 4 * last);
+        for (int q = 0; q < last; ++q) {
+            const V4 own = quad(q), gathered = load4(state + 4 * q);
+            store4(kFrontToBack ? through(hidden, own, gathered) : through(hides, gathered, own), state + 4 * q);
+        }
+        store4(kFrontToBack ? through(hidden, hides, hidden) : through(hides, hidden, hides), state + 4 * last);
+    } else {
+        for (int q = 0; q <= last; ++q) {
+            const V4 own = quad(q), gathered = load4(state + 4 * q);
+            store4(kFrontToBack ? before(gathered, own) : behind(gathered, own), state + 4 * q);
+        }
     }
-    store4(kFrontToBack ? through(hidden, hides, hidden) : through(hides, hidden, hides), state + 4 * last);
     return hides;
 }
 
@@ -198,8 +207,9 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, floa
     }
 }
 
+// Nothing but the beauty under grey extinction.
 template <bool kFrontToBack>
-HWY_ATTR void walkNarrow(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
+HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
     walk<kFrontToBack>(rays, sheets, cutoff, states,
                        [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, int) HWY_ATTR {
                            const auto texel = bilinear(at, rowStride, 4, u, v);
@@ -208,38 +218,42 @@ HWY_ATTR void walkNarrow(const RayTile& rays, const SheetList& sheets, float cut
                        });
 }
 
-template <bool kFrontToBack, bool kDepth>
-HWY_ATTR void walkWide(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
-                       [[maybe_unused]] const FirstDepth* first) {
+template <bool kFrontToBack, bool kColoured, bool kDepth>
+HWY_ATTR void walkPictures(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
+                           [[maybe_unused]] const FirstDepth* first) {
     const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
     walk<kFrontToBack>(
         rays, sheets, cutoff, states,
         [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
             const auto quad = [&](int q) HWY_ATTR { return bilinear(at + 4 * q, rowStride, floats, u, v); };
-            [[maybe_unused]] const V4 hides = addWide<kFrontToBack>(quads, quad, states + floats * k);
+            [[maybe_unused]] const V4 hides =
+                addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
             if constexpr (kDepth)
                 noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
         });
 }
 
+template <bool kFrontToBack>
+HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, float cutoff, float* state,
+                      const FirstDepth* first) {
+    if (sheets.layout == SampleLayout{})
+        walkBeauty<kFrontToBack>(rays, sheets, cutoff, state);
+    else if (sheets.layout.coloured && first)
+        walkPictures<kFrontToBack, true, true>(rays, sheets, cutoff, state, first);
+    else if (sheets.layout.coloured)
+        walkPictures<kFrontToBack, true, false>(rays, sheets, cutoff, state, first);
+    else if (first)
+        walkPictures<kFrontToBack, false, true>(rays, sheets, cutoff, state, first);
+    else
+        walkPictures<kFrontToBack, false, false>(rays, sheets, cutoff, state, first);
+}
+
 HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff,
                                     float* state, const FirstDepth* first) {
-    if (!sheets.layout.wide) {
-        if (frontToBack)
-            walkNarrow<true>(rays, sheets, cutoff, state);
-        else
-            walkNarrow<false>(rays, sheets, cutoff, state);
-    } else if (frontToBack) {
-        if (first)
-            walkWide<true, true>(rays, sheets, cutoff, state, first);
-        else
-            walkWide<true, false>(rays, sheets, cutoff, state, first);
-    } else {
-        if (first)
-            walkWide<false, true>(rays, sheets, cutoff, state, first);
-        else
-            walkWide<false, false>(rays, sheets, cutoff, state, first);
-    }
+    if (frontToBack)
+        walkAny<true>(rays, sheets, cutoff, state, first);
+    else
+        walkAny<false>(rays, sheets, cutoff, state, first);
 }
 
 HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const float* plane, int width, int height,
@@ -269,7 +283,7 @@ float shownShare(float hides, float part) {
 void keepPart(const SampleLayout& layout, float part, const float* from, float* to) {
     const int last = layout.floats() - 4;
     for (int c = 0; c < 4; ++c) {
-        const float share = shownShare(from[last + (layout.wide ? c : 3)], part);
+        const float share = shownShare(from[last + (layout.coloured ? c : 3)], part);
         for (int q = 0; q <= last; q += 4) to[q + c] = from[q + c] * share;
     }
 }
@@ -285,13 +299,10 @@ HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* 
             sample = kept.data();
         }
         float* state = states + floats * k;
-        if (sheet.layout.wide) {
-            const V4 hides = addWide<kFrontToBack>(quads, [&](int q) HWY_ATTR { return load4(sample + 4 * q); }, state);
-            if (first)
-                noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
-        } else {
-            store4(kFrontToBack ? before(load4(state), load4(sample)) : behind(load4(state), load4(sample)), state);
-        }
+        const auto quad = [&](int q) HWY_ATTR { return load4(sample + 4 * q); };
+        const V4 hides = sheet.layout.coloured ? addSample<kFrontToBack, true>(quads, quad, state)
+                                               : addSample<kFrontToBack, false>(quads, quad, state);
+        if (first) noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
     }
 }
 

@@ -3,8 +3,8 @@
 //
 // A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is
 // state += (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
-// transmittance is what is kept: where a volume is thin, 1 - T would lose it. In the wide layout (sample_layout.h) the
-// same holds of every quad under the quad of opacities; the arithmetic of a channel is the same.
+// transmittance is what is kept: where a volume is thin, 1 - T would lose it. So it is for each quad of a sample's
+// layout (sample_layout.h), under its own opacity or, where extinction is coloured, channel by channel under that of all.
 #pragma once
 
 #include <scrim/geometry/sheets.h>
@@ -26,7 +26,7 @@ struct RayTile {
 };
 
 /// Looks for the first thing that a ray shows: the depth of its first sheet (the last to come, back to front) of more
-/// opacity than `kVisible`. In the wide layout only.
+/// opacity than `kVisible`. Not where there is nothing but the beauty.
 struct FirstDepth {
     static constexpr float kVisible = 1e-3f;
     float* depth;  ///< of 256 pixels; 0: nothing yet

@@ -10,8 +10,8 @@
 //                          the shutter, with shares that sum to 1, and is fed like any other (derived_fields.h); or a
 //                          footprint gets a length (footprint_table.h). Nothing behind the splat changes.
 //   deep output            is a consumer of the walk: EyeWalk hands each pixel's samples, sheet by sheet and in either
-//                          order, to one place (addWide in composite_tile.cpp); a third SampleLayout keeps them instead
-//                          of adding them up.
+//                          order, to one place (addSample in composite_tile.cpp), which keeps them instead of adding
+//                          them up.
 //   holdouts               are volumes whose opacity counts and whose radiance does not: rows of extinction like any
 //                          other (extinction_rows.h), without a medium in SheetShader's list. A depth picture to stop at
 //                          is the rays' end, as the near plane is their start (cutSlab in eye_walk.cpp).

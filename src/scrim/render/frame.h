@@ -18,7 +18,7 @@ struct RenderWork {
     std::uint64_t texelsShaded = 0;  ///< samples of `shade` that are texels, and not where pixels' rays meet sheets
     std::uint64_t lightSamples = 0;  ///< cells of shadow buffers walked
     std::uint64_t pixelSheets = 0;   ///< pixel and sheet pairs composited
-    std::uint64_t layerSamples = 0;  ///< the same of pictures beside the beauty
+    std::uint64_t layerSamples = 0;  ///< the same of quads beyond the first: more pictures, coloured opacities
     std::uint64_t sheets = 0;
     ShadeWork shade;
 

@@ -16,7 +16,7 @@ FrameLayer* find(Frame& frame, Layer layer, int light = -1) {
 
 // Where the pictures of a group go, and how much of each.
 struct Target {
-    int picture;
+    int quad;
     FrameLayer* layer;
     double share;
 };
@@ -27,7 +27,7 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
         const PicturePlan& picture = group.pictures[p];
         // Lights have their share in them already, and so have ambient light and emission.
         const bool seen = picture.layer == Layer::albedo || picture.layer == Layer::depth;
-        targets.push_back({static_cast<int>(p) + 1, find(frame, picture.layer, picture.light),
+        targets.push_back({group.layout.quadOf(static_cast<int>(p) + 1), find(frame, picture.layer, picture.light),
                            seen ? group.primary : 1.0});
     }
     return targets;
@@ -82,6 +82,7 @@ void gather(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     FrameLayer* const transmittance = group.primary > 0 ? find(frame, Layer::transmittance) : nullptr;
     const SampleLayout& layout = tiles.layout();
     const std::size_t opacities = static_cast<std::size_t>(layout.floats() - 4);
+    const auto beauties = static_cast<std::size_t>(layout.beauty ? 1 : layout.quadOf(group.targets.addends));
     parallelFor(static_cast<std::size_t>(part.window.height()), [&](std::size_t row) {
         PixelSum sum{std::vector<float>(static_cast<std::size_t>(layout.floats())), 0};
         const int y = part.window.y0 + static_cast<int>(row);
@@ -94,16 +95,18 @@ void gather(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
                 return static_cast<float>(weight * share) * std::max(sum.floats[f], 0.0f);
             };
             float* pixel = frame.image.rgba.data() + at;
-            for (std::size_t c = 0; c < 3; ++c) pixel[c] += radiance(c, 1);
+            // The beauty's quad, or those that add up to it: they come first either way.
+            for (std::size_t q = 0; q < beauties; ++q)
+                for (std::size_t c = 0; c < 3; ++c) pixel[c] += radiance(4 * q + c, 1);
             float hidden[3];
             for (std::size_t c = 0; c < 3; ++c)
                 hidden[c] = static_cast<float>(weight * group.primary) *
-                            -sum.floats[layout.wide ? opacities + c : opacities + 3];
-            const float alpha = layout.wide ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
+                            -sum.floats[layout.coloured ? opacities + c : opacities + 3];
+            const float alpha = layout.coloured ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
             pixel[3] = std::clamp(pixel[3] + alpha, 0.0f, 1.0f);
 
             for (const Target& target : targets) {
-                const auto quad = static_cast<std::size_t>(4 * target.picture);
+                const auto quad = static_cast<std::size_t>(4 * target.quad);
                 if (target.layer->layer == Layer::depth) {
                     float* depth = target.layer->data.data() + at / 4 * 2;
                     if (sum.first > 0 && (depth[0] == 0 || sum.first < depth[0])) depth[0] = sum.first;

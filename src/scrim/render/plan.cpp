@@ -138,7 +138,14 @@ void choosePictures(const ViewScene& scene, const Plan& plan, GroupPlan& group) 
     if (primary && wants(scene, Layer::albedo)) group.targets.albedo = add(Layer::albedo);
     if (primary && wants(scene, Layer::depth)) group.targets.depth = add(Layer::depth);
     group.layout.pictures = static_cast<int>(group.pictures.size()) + 1;
-    group.layout.wide = plan.extinction.coloured || group.layout.pictures > 1;
+    group.layout.coloured = plan.extinction.coloured;
+    // What consists of pictures that are there anyway needs none of its own.
+    const bool emits = std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                   [](const ViewVolume& volume) { return !volume.emission.empty(); });
+    const bool ambientLeft = primary && scene.ambient != Rgb(0) && group.targets.ambient == 0;
+    const bool emissionLeft = primary && emits && group.targets.emission == 0;
+    const bool lightsLeft = !group.lights.empty() && !wants(scene, Layer::light);
+    group.layout.beauty = group.targets.addends == 1 || ambientLeft || emissionLeft || lightsLeft;
     constexpr int kMostPictures = 250;
     if (group.layout.pictures > kMostPictures)
         throw Error(ErrorKind::usage, fmt::format("{} layers are asked for; at most {} can be rendered at once",

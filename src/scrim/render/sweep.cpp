@@ -113,7 +113,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
         }
         work.shade += seen.shade;
         work.pixelSheets += seen.pixelSheets;
-        work.layerSamples += seen.pixelSheets * group.pictures.size();
+        work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(group.layout.quads() - 1);
         times.composite += watch.lap();
 
         progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first));

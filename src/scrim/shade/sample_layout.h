@@ -4,16 +4,22 @@
 
 namespace scrim {
 
-/// One picture, the beauty, or several, and how much a sample hides of what lies behind it.
+/// Quads of floats, one for each picture, and how much the sample hides of what lies behind it. Where extinction is grey
+/// every quad is (S.rgb, -alpha). Where it is `coloured` quads are (S.rgb, 0), and one quad of opacities that all share
+/// follows: (-alpha.rgb, -the least of the three). Compositing comes in these two kinds, whatever pictures there are and
+/// whatever later effects will make of them.
 ///
-/// Narrow: 4 floats, (S.rgb, -alpha), one picture under one opacity. Wide: a quad (S.rgb, 0) for each picture, then the
-/// quad of opacities (-alpha.rgb, -the least of the three), which all pictures share. Loops are instantiated on the
-/// two, not on what the pictures are of: however many effects there will be, compositing comes in two kinds.
+/// Picture 0 is the beauty, and the others are numbered from 1 on. Without `beauty` it has no quad of its own: all that it
+/// consists of has one, and it is added up once the pixels are done.
 struct SampleLayout {
     int pictures = 1;
-    bool wide = false;
+    bool coloured = false;
+    bool beauty = true;
 
-    int quads() const { return wide ? pictures + 1 : 1; }
+    /// Which quad holds a picture.
+    int quadOf(int picture) const { return beauty ? picture : picture - 1; }
+    int pictureQuads() const { return quadOf(pictures); }
+    int quads() const { return pictureQuads() + (coloured ? 1 : 0); }
     int floats() const { return 4 * quads(); }
     bool operator==(const SampleLayout&) const = default;
 };

@@ -242,7 +242,8 @@ HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
     w.done.samples = kTileSize;
 }
 
-HWY_ATTR void writeNarrow(Work& w, float* out) {
+// The usual case: grey extinction and nothing but the beauty.
+HWY_ATTR void writeBeauty(Work& w, float* out) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
         hn::StoreInterleaved4(load(w.beauty.values[0], k), load(w.beauty.values[1], k), load(w.beauty.values[2], k),
@@ -250,38 +251,55 @@ HWY_ATTR void writeNarrow(Work& w, float* out) {
     });
 }
 
-// Opacities of the three channels, and pictures that are made of them.
-HWY_ATTR void writeWide(const ShadeInput& input, Work& w, float* out) {
+// Depth of the samples times their opacities.
+HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const DF d;
-    const int quads = input.layout.quads();
-    Rows& opacity = w.light;  // no longer needed
+    const SampleTile& s = *input.samples;
     for (int c = 0; c < 3; ++c) {
-        const float* tau = w.tauEye.values[input.coloured ? c : 0];
-        forSamples([&](int k) HWY_ATTR { hn::Store(oneMinusExp(load(tau, k)), d, opacity.values[c] + k); });
+        const float* hides = opacity.values[input.coloured ? c : 0];
+        float* to = pictureRow(input, w, input.targets.depth, c);
+        forSamples([&](int k) HWY_ATTR {
+            const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
+                                          hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
+            hn::Store(hn::Mul(depth, load(hides, k)), d, to + k);
+        });
     }
+}
+
+// The beauty's parts into the beauty.
+HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
+    const DF d;
     for (int p = 1; p < input.targets.addends; ++p)
         for (int c = 0; c < 3; ++c) {
             const float* from = pictureRow(input, w, p, c);
             float* to = w.beauty.values[c];
             forSamples([&](int k) HWY_ATTR { hn::Store(hn::Add(load(to, k), load(from, k)), d, to + k); });
         }
-    if (input.targets.depth >= 0) {
-        const SampleTile& s = *input.samples;
-        for (int c = 0; c < 3; ++c) {
-            float* to = pictureRow(input, w, input.targets.depth, c);
-            forSamples([&](int k) HWY_ATTR {
-                const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
-                                              hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
-                hn::Store(hn::Mul(depth, load(opacity.values[c], k)), d, to + k);
-            });
+}
+
+HWY_ATTR void writePictures(const ShadeInput& input, Work& w, float* out) {
+    const DF d;
+    const SampleLayout& layout = input.layout;
+    Rows& opacity = w.light;  // no longer needed
+    for (int c = 0; c < (input.coloured ? 3 : 1); ++c)
+        forSamples([&](int k) HWY_ATTR {
+            hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k);
+        });
+    if (layout.beauty) addUp(input, w);
+    if (input.targets.depth >= 0) fillDepth(input, opacity, w);
+    const int stride = layout.floats();
+    for (int p = layout.beauty ? 0 : 1; p < layout.pictures; ++p) {
+        float* quad = out + 4 * layout.quadOf(p);
+        const float* const rows[3] = {pictureRow(input, w, p, 0), pictureRow(input, w, p, 1),
+                                      pictureRow(input, w, p, 2)};
+        for (int k = 0; k < kTileSize; ++k, quad += stride) {
+            for (int c = 0; c < 3; ++c) quad[c] = rows[c][k];
+            quad[3] = input.coloured ? 0 : -opacity.values[0][k];
         }
     }
-    for (int k = 0; k < kTileSize; ++k) {
-        float* quad = out + k * 4 * quads;
-        for (int p = 0; p < input.layout.pictures; ++p, quad += 4) {
-            for (int c = 0; c < 3; ++c) quad[c] = pictureRow(input, w, p, c)[k];
-            quad[3] = 0;
-        }
+    if (!layout.coloured) return;
+    float* quad = out + 4 * layout.pictureQuads();
+    for (int k = 0; k < kTileSize; ++k, quad += stride) {
         const float alpha[3] = {opacity.values[0][k], opacity.values[1][k], opacity.values[2][k]};
         for (int c = 0; c < 3; ++c) quad[c] = -alpha[c];
         quad[3] = -std::min({alpha[0], alpha[1], alpha[2]});
@@ -293,10 +311,10 @@ HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, float* out) {
     enterSheet(input, w);
     for (int i = 0; i < input.lightCount; ++i) addLight(input, i, w);
     addSources(input, w);
-    if (input.layout.wide)
-        writeWide(input, w, out);
+    if (input.layout == SampleLayout{})
+        writeBeauty(w, out);
     else
-        writeNarrow(w, out);
+        writePictures(input, w, out);
     w.done.exponentials += static_cast<std::uint64_t>((input.coloured ? 3 : 1) * kTileSize);
     return w.done;
 }
