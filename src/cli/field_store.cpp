@@ -187,9 +187,7 @@ std::size_t bytesOf(const Fields& fields) {
         all.insert(of.emission.begin(), of.emission.end());
     }
     for (const auto& field : all)
-        if (field)
-            bytes += field->blockCount() * (kBlockVoxels * sizeof(float) + sizeof(Int3)) +
-                     field->tiles.size() * sizeof(ConstantTile);
+        if (field) bytes += field->bytes();
     return bytes;
 }
 

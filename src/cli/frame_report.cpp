@@ -70,12 +70,9 @@ Json reportJson(const FrameReport& r) {
              {"plan", Json::parse(r.planJson)}};
     if (r.verification) out["verification"] = verificationJson(*r.verification);
     if (const auto& t = r.tolerance)
-        out["tolerance"] = {{"wanted", t->wanted},
-                            {"predicted", t->predicted},
-                            {"texel", t->texel},
-                            {"sheet_thickness", t->sheetThickness},
-                            {"refined", t->refined},
-                            {"met", t->met}};
+        out["tolerance"] = {{"wanted", t->wanted},   {"predicted", t->predicted},
+                            {"texel", t->texel},     {"sheet_thickness", t->sheetThickness},
+                            {"refined", t->refined}, {"met", t->met}};
     return out;
 }
 
@@ -95,9 +92,9 @@ std::string summaryLine(const FrameReport& r) {
         text += fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
                             100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
     if (r.tolerance)
-        text += fmt::format("; predicted {:.2f} % with texel {} and sheet_thickness {}{}", 100 * r.tolerance->predicted,
-                            r.tolerance->texel, r.tolerance->sheetThickness,
-                            r.tolerance->refined ? ", refined once" : "");
+        text +=
+            fmt::format("; predicted {:.2f} % with texel {} and sheet_thickness {}{}", 100 * r.tolerance->predicted,
+                        r.tolerance->texel, r.tolerance->sheetThickness, r.tolerance->refined ? ", refined once" : "");
     return text;
 }
 

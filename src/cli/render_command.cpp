@@ -140,8 +140,8 @@ Frame RenderRun::renderVerified(const ViewScene& view, const ViewScene& truth, F
     Frame frame = renderOnce(view, report, 0, m_options.verify > 0 ? kRenderedOfVerified : 1);
     if (m_options.verify > 0)
         report.verification = timed(report.verify, [&] {
-            return summarise(
-                samplePixels(truth, frame.image, m_options.verify, kVerifySeed, m_progress.stage(kRenderedOfVerified, 1)));
+            return summarise(samplePixels(truth, frame.image, m_options.verify, kVerifySeed,
+                                          m_progress.stage(kRenderedOfVerified, 1)));
         });
     return frame;
 }
@@ -215,8 +215,8 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     // Coarser levels are an approximation like any other: what is true are the voxels of the file.
     const bool coarser = scene.dials.lod > 0 && (m_options.verify > 0 || scene.tolerance > 0);
     const ViewScene truth = coarser ? viewWith(0) : view;
-    Frame rendered = scene.tolerance > 0 ? renderWithin(scene.tolerance, view, truth, report)
-                                         : renderVerified(view, truth, report);
+    Frame rendered =
+        scene.tolerance > 0 ? renderWithin(scene.tolerance, view, truth, report) : renderVerified(view, truth, report);
     throwIfInterrupted();
     timed(report.write, [&] { writeFrame(scene, input.toml(), m_colour, std::move(rendered), report, m_console); });
     report.peakBytes = peakResidentBytes();

@@ -101,6 +101,7 @@ void studyCommand(const SceneOptions& options) {
         }
         ViewScene turned = found->second;
         turned.dials = dials;
+        turned.layers.clear();  // what is studied is the beauty
         return turned;
     };
     const Dials base = scene.dials;

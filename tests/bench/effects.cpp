@@ -39,7 +39,10 @@ ViewField remapped(const ViewVolume& volume, const std::vector<std::pair<double,
 }
 
 std::vector<BenchEffect> effects() {
-    return {{"coloured extinction", [](ViewScene& s) { medium(s).extinctionTint = {1, 0.7, 0.4}; }},
+    return {{"coloured extinction",
+             [](ViewScene& s) {
+                 medium(s).extinctionTint = {1, 0.7, 0.4};
+             }},
             {"albedo grid",
              [](ViewScene& s) {
                  ViewVolume& v = s.volumes.front();
@@ -62,11 +65,20 @@ std::vector<BenchEffect> effects() {
              }},
             {"phase, one lobe", [](ViewScene& s) { medium(s).phase.g = 0.6; }, false},
             {"phase, two lobes",
-             [](ViewScene& s) { medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.3}; }},
+             [](ViewScene& s) {
+                 medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.3};
+             }},
             {"phase, Rayleigh", [](ViewScene& s) { medium(s).phase.type = PhaseType::rayleigh; }, false},
             {"octaves, 8", [](ViewScene& s) { medium(s).octaves.count = 8; }},
-            {"light linking", [](ViewScene& s) { s.volumes.front().lights = {true, false}; }, false},
-            {"ambient", [](ViewScene& s) { s.ambient = {0.1, 0.1, 0.2}; }},
+            {"light linking",
+             [](ViewScene& s) {
+                 s.volumes.front().lights = {true, false};
+             },
+             false},
+            {"ambient",
+             [](ViewScene& s) {
+                 s.ambient = {0.1, 0.1, 0.2};
+             }},
             {"layers, two lights", [](ViewScene& s) { s.layers = {Layer::light}; }, false},
             {"layers, all six kinds", [](ViewScene& s) {
                  s.layers = {Layer::light,  Layer::ambient, Layer::emission,
@@ -127,10 +139,10 @@ void report(const std::string& asset, int rounds, int pixels) {
     for (std::size_t i = 0; i < all.size(); ++i) {
         Setting &with = settings[2 + 2 * i], &without = settings[3 + 2 * i];
         const std::string company =
-            all[i].inAll ? fmt::format("{:+.2f}", (settings[1].median() - without.median()) / settings[0].median()) : "";
-        fmt::print("  {:<24}{:>+8.2f}{:>16}{:>9.0f}{:>14}\n", all[i].name,
-                   with.median() / settings[0].median() - 1, company,
-                   static_cast<double>(with.frame.work.bytes.total()) / 1e6, error(with));
+            all[i].inAll ? fmt::format("{:+.2f}", (settings[1].median() - without.median()) / settings[0].median())
+                         : "";
+        fmt::print("  {:<24}{:>+8.2f}{:>16}{:>9.0f}{:>14}\n", all[i].name, with.median() / settings[0].median() - 1,
+                   company, static_cast<double>(with.frame.work.bytes.total()) / 1e6, error(with));
     }
     fmt::print("  (costs in plain pictures: +0.10 is a tenth of the plain one's time)\n");
 }

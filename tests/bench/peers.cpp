@@ -41,7 +41,8 @@ ViewScene load(const std::string& file) {
     const ColourConfig colour = ColourConfig::open("");
     const Scene scene = readScene(loadSceneText(file), 1, {}, colour);
     const SceneVolume& volume = scene.volumes.front();
-    return assemble(scene, {{std::make_shared<SparseField>(VdbFile::open(volume.file).field(volume.densityGrid, {})), {}, {}}},
+    return assemble(scene,
+                    {{std::make_shared<SparseField>(VdbFile::open(volume.file).field(volume.densityGrid, {})), {}, {}}},
                     {}, 0);
 }
 

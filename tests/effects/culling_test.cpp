@@ -129,7 +129,8 @@ TEST(UselessVolumes, AreOutOfViewAndThrowNoShadowIntoIt) {
     const std::vector<VolumeBox> volumes{boxAt({0, 0, 0}), boxAt({0, 20, 0}), boxAt({20, 0, 0}), boxAt({0, 0, 30})};
     const auto useless = [&](const std::vector<Light>& lights) {
         std::vector<bool> out;
-        for (const std::string& reason : uselessVolumes(camera, picture, lights, volumes)) out.push_back(!reason.empty());
+        for (const std::string& reason : uselessVolumes(camera, picture, lights, volumes))
+            out.push_back(!reason.empty());
         return out;
     };
     EXPECT_EQ(useless({}), (std::vector<bool>{false, true, true, true}));
@@ -179,11 +180,13 @@ TEST(UselessLights, AreNamedWithTheirReasons) {
 
 // Every effect of the list can be on, and then says so; and off, and then says why.
 TEST(Effects, AreOnAndOffWithReasons) {
-    const std::vector<std::pair<std::string, std::string>> cases{
-        {"coloured extinction", "coloured extinction"}, {"albedo grid", "albedo grids"},
-        {"emission", "emission"},                       {"two-lobe phase", "directional scattering"},
-        {"octaves", "octaves"},                         {"light linking", "light linking"},
-        {"ambient", "ambient light"}};
+    const std::vector<std::pair<std::string, std::string>> cases{{"coloured extinction", "coloured extinction"},
+                                                                 {"albedo grid", "albedo grids"},
+                                                                 {"emission", "emission"},
+                                                                 {"two-lobe phase", "directional scattering"},
+                                                                 {"octaves", "octaves"},
+                                                                 {"light linking", "light linking"},
+                                                                 {"ambient", "ambient light"}};
     ViewScene plain = plainScene();
     const std::vector<Effect> without = effectsOf(plain, makePlan(plain, 2));
     for (const auto& [effect, name] : cases) {

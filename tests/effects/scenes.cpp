@@ -58,7 +58,10 @@ std::vector<ViewField> colouredScatter(const ViewVolume& volume) {
 
 const std::vector<EffectCase>& effectCases() {
     static const std::vector<EffectCase> cases{
-        {"coloured extinction", [](ViewScene& s) { medium(s).extinctionTint = {1, 0.6, 0.3}; }},
+        {"coloured extinction",
+         [](ViewScene& s) {
+             medium(s).extinctionTint = {1, 0.6, 0.3};
+         }},
         {"two tints",
          [](ViewScene& s) {
              medium(s).extinctionTint = {1, 0.6, 0.3};
@@ -76,20 +79,30 @@ const std::vector<EffectCase>& effectCases() {
              }
          }},
         {"albedo grid", [](ViewScene& s) { s.volumes.front().scatter = colouredScatter(s.volumes.front()); }},
-        {"emission", [](ViewScene& s) { s.volumes.front().emission = {{flameField(), {0.4, 0.2, 0.05}}}; }},
+        {"emission",
+         [](ViewScene& s) {
+             s.volumes.front().emission = {{flameField(), {0.4, 0.2, 0.05}}};
+         }},
         {"two-lobe phase",
-         [](ViewScene& s) { medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.4}; }},
+         [](ViewScene& s) {
+             medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.4};
+         }},
         {"rayleigh phase", [](ViewScene& s) { medium(s).phase.type = PhaseType::rayleigh; }},
-        {"octaves", [](ViewScene& s) {
+        {"octaves",
+         [](ViewScene& s) {
              medium(s).phase.g = 0.5;
              medium(s).octaves.count = 5;
          }},
-        {"light linking", [](ViewScene& s) {
+        {"light linking",
+         [](ViewScene& s) {
              s.volumes.push_back(s.volumes.front());
              s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
              s.volumes.back().lights = {false, true};
          }},
-        {"ambient", [](ViewScene& s) { s.ambient = {0.1, 0.2, 0.3}; }},
+        {"ambient",
+         [](ViewScene& s) {
+             s.ambient = {0.1, 0.2, 0.3};
+         }},
         {"all at once", [](ViewScene& s) {
              medium(s).extinctionTint = {1, 0.6, 0.3};
              medium(s).phase = {0.7, PhaseType::twoLobe, -0.3, 0.4};

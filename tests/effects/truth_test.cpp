@@ -60,7 +60,8 @@ std::vector<Case> allCases() {
     for (const EffectCase& effect : effectCases()) {
         for (const Way way : {Way::texels, Way::pixels}) cases.push_back({effect.name, way});
         if (effect.name == "all at once")
-            for (const Way way : {Way::perView, Way::backToFront, Way::perspective}) cases.push_back({effect.name, way});
+            for (const Way way : {Way::perView, Way::backToFront, Way::perspective})
+                cases.push_back({effect.name, way});
     }
     return cases;
 }
@@ -126,8 +127,8 @@ TEST(Emission, ShowsWhereThereIsNoDensity) {
 }
 
 TEST(Phases, IntegrateToOne) {
-    for (const Phase& phase : {Phase{0.3}, Phase{0.7, PhaseType::twoLobe, -0.4, 0.3},
-                               Phase{0, PhaseType::rayleigh}, flattened({0, PhaseType::rayleigh}, 0.5)}) {
+    for (const Phase& phase : {Phase{0.3}, Phase{0.7, PhaseType::twoLobe, -0.4, 0.3}, Phase{0, PhaseType::rayleigh},
+                               flattened({0, PhaseType::rayleigh}, 0.5)}) {
         double sum = 0;
         constexpr int kSteps = 20000;
         for (int i = 0; i < kSteps; ++i) sum += 2 * kPi * phaseValue(phase, -1 + 2 * (i + 0.5) / kSteps) * 2 / kSteps;
@@ -147,8 +148,7 @@ TEST(Octaves, AddSingleScatteringInThinnerMedia) {
     scene.lights = {distantLight({0, 0, -1}, 1)};
     // Eye and light from the same side: the integral over x of e^-x (e^-x + b e^-ax), x to tau = 2.
     const double tau = 2, a = 0.5, b = 0.25;
-    const double expected =
-        ((1 - std::exp(-2 * tau)) / 2 + b * (1 - std::exp(-(1 + a) * tau)) / (1 + a)) / (4 * kPi);
+    const double expected = ((1 - std::exp(-2 * tau)) / 2 + b * (1 - std::exp(-(1 + a) * tau)) / (1 + a)) / (4 * kPi);
     EXPECT_NEAR(pixelOf(renderScene(scene), 4, 4)[0], expected, 2e-3 * expected);
     scene.volumes[0].medium.octaves.contribution = 0;
     ViewScene single = scene;

@@ -55,14 +55,26 @@ struct Off {
 const std::vector<Off>& offs() {
     static const std::vector<Off> all{
         {"white tint", [](ViewScene& s) { s.volumes[0].medium.extinctionTint = Rgb(1); }},
-        {"one octave", [](ViewScene& s) { s.volumes[0].medium.octaves = {1, 0.3, 0.2, 0.1}; }},
+        {"one octave",
+         [](ViewScene& s) {
+             s.volumes[0].medium.octaves = {1, 0.3, 0.2, 0.1};
+         }},
         {"two lobes of none",
-         [](ViewScene& s) { s.volumes[0].medium.phase = {0, PhaseType::twoLobe, 0, 0.3}; }},
+         [](ViewScene& s) {
+             s.volumes[0].medium.phase = {0, PhaseType::twoLobe, 0, 0.3};
+         }},
         {"rayleigh of nothing",
-         [](ViewScene& s) { s.volumes[0].medium.phase = {0, PhaseType::rayleigh, 0, 0.5, 0}; }},
+         [](ViewScene& s) {
+             s.volumes[0].medium.phase = {0, PhaseType::rayleigh, 0, 0.5, 0};
+         }},
         {"empty emission",
-         [](ViewScene& s) { s.volumes[0].emission = {{{std::make_shared<SparseField>(), Mat4(1.0)}, Rgb(1)}}; }},
-        {"all lights linked", [](ViewScene& s) { s.volumes[0].lights = {true, true}; }},
+         [](ViewScene& s) {
+             s.volumes[0].emission = {{{std::make_shared<SparseField>(), Mat4(1.0)}, Rgb(1)}};
+         }},
+        {"all lights linked",
+         [](ViewScene& s) {
+             s.volumes[0].lights = {true, true};
+         }},
         {"black ambient", [](ViewScene& s) { s.ambient = Rgb(0); }},
         {"black light",
          [](ViewScene& s) {
@@ -103,7 +115,8 @@ TEST_P(AbsentEffects, AreNotCounted) {
     ViewScene plain = plainScene();
     plain.dials.shade = GetParam() ? ShadeMode::pixel : ShadeMode::texel;
     const auto work = counters(renderScene(plain).work);
-    for (const char* name : {"layer samples", "slide lookups", "phases", "octaves", "gradients", "emissions", "ambients"})
+    for (const char* name :
+         {"layer samples", "slide lookups", "phases", "octaves", "gradients", "emissions", "ambients"})
         EXPECT_EQ(work.at(name), 0u) << name;
 }
 INSTANTIATE_TEST_SUITE_P(TexelsAndPixels, AbsentEffects, testing::Bool());
@@ -126,22 +139,23 @@ TEST_P(PresentEffects, AddTheirOwnWorkAndNoOther) {
 }
 INSTANTIATE_TEST_SUITE_P(
     Each, PresentEffects,
-    testing::Values(
-        Added{"coloured extinction",
-              {"exponentials", "layer samples", "bytes of shaded sheets", "bytes of the picture"},
-              {}},
-        Added{"albedo grid", {"voxels fed", "footprints", "bytes of fields"}, {}},
-        Added{"emission", {"voxels fed", "footprints", "bytes of fields", "emissions", "exponentials"},
-              // It may show where there is no density, and the sweep with it then is the one that takes most.
-              {"texels", "samples", "light samples", "light lookups", "pixel sheets", "bytes of shaded sheets",
-               "bytes of shadows"}},
-        Added{"two-lobe phase", {"phases"}, {}},
-        Added{"rayleigh phase", {"phases"}, {}},
-        Added{"octaves", {"phases", "octaves", "exponentials"}, {}},
-        Added{"ambient", {"ambients", "exponentials"}, {}}),
+    testing::Values(Added{"coloured extinction",
+                          {"exponentials", "layer samples", "bytes of shaded sheets", "bytes of the picture"},
+                          {}},
+                    Added{"albedo grid", {"voxels fed", "footprints", "bytes of fields"}, {}},
+                    Added{
+                        "emission",
+                        {"voxels fed", "footprints", "bytes of fields", "emissions", "exponentials"},
+                        // It may show where there is no density, and the sweep with it then is the one that takes most.
+                        {"texels", "samples", "light samples", "light lookups", "pixel sheets",
+                         "bytes of shaded sheets", "bytes of shadows"}},
+                    Added{"two-lobe phase", {"phases"}, {}}, Added{"rayleigh phase", {"phases"}, {}},
+                    Added{"octaves", {"phases", "octaves", "exponentials"}, {}},
+                    Added{"ambient", {"ambients", "exponentials"}, {}}),
     [](const auto& test) {
         std::string name = test.param.effect;
-        std::replace_if(name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+        std::replace_if(
+            name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
         return name;
     });
 

@@ -67,7 +67,8 @@ TEST_F(CliEffects, ScalarGridIsAGreyAlbedoAndMissingOnesAreLocated) {
 }
 
 TEST_F(CliEffects, EmissionGlowsWithoutLights) {
-    write("s.toml", kCamera + kFire + "emission = { grid = \"heat\", ramp = [[0,[0,0,0]],[1,[1,0.5,0]]], scale = 0.1 }\n");
+    write("s.toml",
+          kCamera + kFire + "emission = { grid = \"heat\", ramp = [[0,[0,0,0]],[1,[1,0.5,0]]], scale = 0.1 }\n");
     const auto work = workOf("s.toml");
     EXPECT_NEAR(centre("G"), 0.5 * centre("R"), 1e-3);
     EXPECT_GT(centre("R"), 0.1);
@@ -86,10 +87,12 @@ TEST_F(CliEffects, BlackBodiesAreRedderWhereTheyAreCooler) {
 }
 
 TEST_F(CliEffects, LayersAreInTheFileAndAddUp) {
-    write("s.toml", kCamera + kFire + "emission = { grid = \"heat\", scale = 0.02 }\n" + kLight +
-                        "[[light]]\nname = \"rim\"\ntype = \"distant\"\ndirection = [1, 0, 1]\n[ambient]\ncolor = [0.1, 0.2, 0.3]\n"
-                        "[output]\nlayers = [\"light\", \"ambient\", \"emission\", \"albedo\", \"depth\", \"transmittance\"]\n"
-                        "type = \"float\"\n");
+    write(
+        "s.toml",
+        kCamera + kFire + "emission = { grid = \"heat\", scale = 0.02 }\n" + kLight +
+            "[[light]]\nname = \"rim\"\ntype = \"distant\"\ndirection = [1, 0, 1]\n[ambient]\ncolor = [0.1, 0.2, 0.3]\n"
+            "[output]\nlayers = [\"light\", \"ambient\", \"emission\", \"albedo\", \"depth\", \"transmittance\"]\n"
+            "type = \"float\"\n");
     runWell({"render", "s.toml", "-o", "x.exr"});
     EXPECT_EQ(readExrAttributes(file("x.exr")).at("channels"),
               "A:float B:float G:float R:float Z:float albedo.B:float albedo.G:float albedo.R:float ambient.B:float "
@@ -97,9 +100,10 @@ TEST_F(CliEffects, LayersAreInTheFileAndAddUp) {
               "light.key.B:float light.key.G:float light.key.R:float light.rim.B:float light.rim.G:float "
               "light.rim.R:float transmittance.B:float transmittance.G:float transmittance.R:float");
     for (const std::string c : {"R", "G", "B"})
-        EXPECT_NEAR(centre(c),
-                    centre("light.key." + c) + centre("light.rim." + c) + centre("ambient." + c) + centre("emission." + c),
-                    1e-5);
+        EXPECT_NEAR(
+            centre(c),
+            centre("light.key." + c) + centre("light.rim." + c) + centre("ambient." + c) + centre("emission." + c),
+            1e-5);
     EXPECT_NEAR(centre("transmittance.G"), 1 - centre("A"), 1e-5);
     EXPECT_NEAR(centre("Z"), 40 - 6.5, 1.5);
     EXPECT_GT(centre("depth.mean"), centre("Z"));
@@ -150,10 +154,11 @@ TEST_F(CliEffects, PlanInThePictureIsThatOfThePlanCommand) {
 
 // With and without the mention of effects that are off: the same counts, to the last one.
 TEST_F(CliEffects, WhatIsOffDoesNoWork) {
-    write("off.toml", kCamera + kVolume +
-                          "lights = [\"key\"]\n[volume.medium]\nextinction_tint = [1, 1, 1]\nphase = { type = \"two-lobe\", "
-                          "g1 = 0, g2 = 0 }\noctaves = { count = 1 }\n" +
-                          kLight + "[ambient]\ncolor = [0, 0, 0]\n[output]\nlayers = []\n");
+    write("off.toml",
+          kCamera + kVolume +
+              "lights = [\"key\"]\n[volume.medium]\nextinction_tint = [1, 1, 1]\nphase = { type = \"two-lobe\", "
+              "g1 = 0, g2 = 0 }\noctaves = { count = 1 }\n" +
+              kLight + "[ambient]\ncolor = [0, 0, 0]\n[output]\nlayers = []\n");
     EXPECT_EQ(workOf("off.toml"), workOf("scene.toml"));
 }
 

@@ -39,10 +39,23 @@ double brightest(const ViewScene& scene, const ViewVolume& volume, int c) {
         for (const Light& l : scene.lights) light += mostOf(l, c) / std::numbers::pi;
         return colour * (look->ambient * scene.ambient[c] + look->diffuse * light) + look->specular * light;
     }
-    const Phase& phase = volume.medium.phase;
-    const double phaseMost = phaseValue(phase, phase.g >= 0 ? 1 : -1);
+    if (!volume.emission.empty()) return std::numeric_limits<double>::infinity();
+    // Every phase function is convex in the cosine: it is largest straight on or straight back.
+    double phaseMost = 0;
+    for (int n = 0; n < volume.medium.octaves.count; ++n) {
+        const Phase phase = flattened(volume.medium.phase, std::pow(volume.medium.octaves.phase, n));
+        phaseMost +=
+            std::pow(volume.medium.octaves.contribution, n) * std::max(phaseValue(phase, 1), phaseValue(phase, -1));
+    }
     for (const Light& light : scene.lights) most += mostOf(light, c) * phaseMost;
-    return volume.medium.albedo[c] * (most + scene.ambient[c]);
+    return (volume.scatter.empty() ? volume.medium.albedo[c] : 1.0) * (most + scene.ambient[c]);
+}
+
+// Alpha is the mean over the channels: one of them may hide three times as much.
+double channelAlpha(const ViewScene& scene, double alpha) {
+    for (const ViewVolume& volume : scene.volumes)
+        if (volume.medium.relativeTint() != Rgb(1)) return std::min(1.0, 3 * alpha);
+    return alpha;
 }
 
 /// Tables of footprints, one a view and sweep, are work that plans do not count.
@@ -61,7 +74,7 @@ void checkPicture(const ByteScene& scene, const Plan& plan, const Image& image) 
         const float* rgba = image.rgba.data() + i;
         require(rgba[3] >= 0 && rgba[3] <= 1, "alpha {} at {}\n{}", rgba[3], i / 4, scene.toml);
         // Each sweep has its own sheets, and an alpha that differs a little from the picture's.
-        const double alpha = plan.groups.size() > 1 ? 1 : rgba[3] + kRounding;
+        const double alpha = plan.groups.size() > 1 ? 1 : channelAlpha(scene.view, rgba[3] + kRounding);
         for (int c = 0; c < 3; ++c) {
             if (!(most[c] <= kLargest)) continue;
             require(std::isfinite(rgba[c]) && rgba[c] >= 0, "radiance {} at {}\n{}", rgba[c], i / 4, scene.toml);

@@ -98,6 +98,20 @@ void addClassified(Lines& out, Choices& c) {
     out.add("two_sided", c.once(2));
 }
 
+void addPhase(Lines& out, Choices& c) {
+    switch (c.below(5)) {
+        case 0:
+            return out.add("phase", fmt::format("{{ type = \"hg\", g = {} }}", c.between(-0.95, 0.95)));
+        case 1:
+            return out.add("phase", fmt::format("{{ type = \"two-lobe\", g1 = {}, g2 = {}, blend = {} }}",
+                                                c.between(-0.95, 0.95), c.between(-0.95, 0.95), c.unit()));
+        case 2:
+            return out.add("phase", "{ type = \"rayleigh\" }");
+        default:
+            return;  // isotropic
+    }
+}
+
 void addVolume(Lines& out, Choices& c) {
     out.line("[[volume]]\nfile = \"made.vdb\"");
     const double scale = c.once(5) ? c.logBetween(1e-30, 1e30) : c.logBetween(0.1, 20);
@@ -112,8 +126,14 @@ void addVolume(Lines& out, Choices& c) {
     }
     if (c.once(3)) return addClassified(out, c);
     out.line("[volume.medium]");
-    out.add("albedo", c.colour());
-    if (c.once(2)) out.add("phase", fmt::format("{{ type = \"hg\", g = {} }}", c.between(-0.95, 0.95)));
+    const bool grid = c.once(6);
+    out.add("albedo", grid ? std::string("{ grid = \"Cd\" }") : c.colour());
+    addPhase(out, c);
+    if (c.once(4)) out.add("extinction_tint", c.colour());
+    if (c.once(4))
+        out.add("octaves", fmt::format("{{ count = {}, extinction = {}, contribution = {}, phase = {} }}",
+                                       1 + c.below(4), c.unit(), c.unit(), c.unit()));
+    if (c.once(5)) out.add("emission", fmt::format("{{ grid = \"glow\", scale = {} }}", c.logBetween(0.1, 10)));
 }
 
 void addLight(Lines& out, Choices& c, int number) {
@@ -221,11 +241,21 @@ ByteScene sceneOfBytes(const std::uint8_t* data, std::size_t size) {
         lines.add("color", c.colour());
     }
     addDials(lines, c);
+    if (c.once(3)) {
+        lines.line("[output]\ntype = \"float\"");
+        lines.add("layers", c.once(2) ? "[\"light\", \"depth\", \"transmittance\"]"
+                                      : "[\"light\", \"ambient\", \"emission\", \"albedo\"]");
+    }
     out.toml = lines.text();
 
     const Scene scene = readScene({"fuzz.toml", "", out.toml}, 1, {}, colour);
     std::vector<VolumeFields> fields;
-    for (std::size_t i = 0; i < scene.volumes.size(); ++i) fields.push_back({madeField(c), {}, {}});
+    for (const SceneVolume& volume : scene.volumes) {
+        VolumeFields& of = fields.emplace_back();
+        of.density = madeField(c);
+        if (volume.albedoGrid) of.albedo = {madeField(c), of.density, of.density};
+        for (std::size_t i = 0; i < volume.emission.size(); ++i) of.emission.push_back(madeField(c));
+    }
     out.view = assemble(scene, fields, {}, kMemoryLimit);
     for (Light& light : out.view.lights)
         if (light.slide) light.slide->image = madePicture(c);

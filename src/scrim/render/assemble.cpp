@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -49,6 +50,32 @@ std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
     return lit;
 }
 
+// What is left of a limit (0: none) beside the fields that were made of those of `fields`.
+std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vector<VolumeFields>& fields,
+                        std::size_t limit) {
+    if (limit == 0) return 0;
+    std::set<FieldPointer> given, made;
+    for (const VolumeFields& of : fields) {
+        given.insert(of.density);
+        given.insert(of.emission.begin(), of.emission.end());
+    }
+    std::size_t bytes = 0;
+    const auto add = [&](const FieldPointer& field) {
+        if (!given.contains(field) && made.insert(field).second) bytes += field->bytes();
+    };
+    for (const ViewVolume& volume : volumes) {
+        add(volume.field);
+        for (const ViewField& scatter : volume.scatter) add(scatter.field);
+        for (const ViewEmission& emission : volume.emission) add(emission.field.field);
+    }
+    if (bytes >= limit)
+        throw Error(ErrorKind::memory,
+                    fmt::format("what is made of the volumes' grids takes {} MB, more than the {} MB "
+                                "that the memory limit leaves",
+                                (bytes >> 20) + 1, limit >> 20));
+    return limit - bytes;
+}
+
 // A volume with what its grids make of it; nothing where all of it is empty.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields) {
     const auto placed = [&](FieldPointer field) {
@@ -82,8 +109,8 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
 
 }  // namespace
 
-ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
-                   const std::optional<PixelWindow>& crop, std::size_t memoryLimit) {
+ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
+                   std::size_t memoryLimit) {
     ViewScene out;
     out.camera = scene.camera;
     out.region = out.picture = pictureOf(scene);
@@ -101,7 +128,6 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
     out.dials = scene.dials;
     out.layers = scene.output.layers;
     out.lines = scene.lines;
-    out.memoryLimit = memoryLimit;
     std::vector<std::optional<std::vector<Vec3>>> corners;
     std::vector<std::optional<ViewVolume>> volumes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
@@ -116,6 +142,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields,
         else if (volumes[i] || !fields[i].unseen.empty())
             out.unseen.emplace_back(scene.volumes[i].name, reason);
     }
+    out.memoryLimit = limitBeside(out.volumes, fields, memoryLimit);
     return out;
 }
 

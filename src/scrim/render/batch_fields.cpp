@@ -74,7 +74,8 @@ BatchFields::BatchFields(const ViewScene& scene, const ExtinctionRows& rows, con
         }
         if (who != SheetsFor::primaryEye) continue;
         for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty()) m_emissions.push_back({further(volume, emission.field, 1), emission.color});
+            if (!emission.field.field->empty())
+                m_emissions.push_back({further(volume, emission.field, 1), emission.color});
     }
     if (!needsTotals(scene, rows, who)) return;
     for (int r = 0; r < rows.count(); ++r) m_totals.emplace_back(batchSheets, raster.width, raster.height, 1);
@@ -91,7 +92,8 @@ SplatWork BatchFields::splat(int firstSheet, int count, const NeededTiles* neede
         const int parts = volume->beginBatch(firstSheet, count);
         for (int i = 0; i < parts; ++i) tasks.push_back({volume, i, {}});
     }
-    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part, needed, cull); });
+    parallelFor(tasks.size(),
+                [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part, needed, cull); });
     parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) {
         for (VolumePlanes* volume : m_all) volume->classify(static_cast<int>(p));
         if (!m_totals.empty()) addUp(static_cast<int>(p));

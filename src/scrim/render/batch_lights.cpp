@@ -74,8 +74,7 @@ BatchLights::Work BatchLights::attenuateOwn(int firstSheet, int count) {
             shadow.beginBatch(firstSheet, count);
             std::vector<std::uint64_t> samples(static_cast<std::size_t>(shadow.taskCount()));
             parallelFor(samples.size(), [&](std::size_t task) {
-                samples[task] =
-                    shadow.attenuate(static_cast<int>(task), own->fields.extinction(static_cast<int>(r)));
+                samples[task] = shadow.attenuate(static_cast<int>(task), own->fields.extinction(static_cast<int>(r)));
             });
             for (const std::uint64_t n : samples) work.samples += n;
         }
@@ -104,8 +103,9 @@ BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const BatchF
     std::vector<Task> tasks;
     for (const Shadowed& of : shadowed)
         for (int row = 0; row < of.shadow->taskCount(); ++row) tasks.push_back({of, row, 0});
-    parallelFor(tasks.size(),
-                [&](std::size_t i) { tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction); });
+    parallelFor(tasks.size(), [&](std::size_t i) {
+        tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction);
+    });
     const auto sheets = static_cast<std::size_t>(count);
     parallelFor(shadowed.size() * sheets,
                 [&](std::size_t i) { shadowed[i / sheets].shadow->sharpen(static_cast<int>(i % sheets)); });

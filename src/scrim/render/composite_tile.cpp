@@ -226,8 +226,7 @@ HWY_ATTR void walkPictures(const RayTile& rays, const SheetList& sheets, float c
         rays, sheets, cutoff, states,
         [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
             const auto quad = [&](int q) HWY_ATTR { return bilinear(at + 4 * q, rowStride, floats, u, v); };
-            [[maybe_unused]] const V4 hides =
-                addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
+            [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
             if constexpr (kDepth)
                 noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
         });

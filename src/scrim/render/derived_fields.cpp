@@ -17,8 +17,8 @@ namespace {
 using Ramp = std::vector<std::pair<double, double>>;
 
 float ramped(const Ramp& ramp, double value) {
-    const auto next = std::upper_bound(ramp.begin(), ramp.end(), value,
-                                       [](double v, const auto& point) { return v < point.first; });
+    const auto next =
+        std::upper_bound(ramp.begin(), ramp.end(), value, [](double v, const auto& point) { return v < point.first; });
     if (next == ramp.begin()) return static_cast<float>(next->second);
     const auto& before = *(next - 1);
     if (next == ramp.end()) return static_cast<float>(before.second);

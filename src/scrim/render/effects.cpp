@@ -63,11 +63,12 @@ Finder volumesThat(const ViewScene& scene, const std::string& key, const Say& sa
 
 Effect shadows(const ViewScene& scene, const Plan& plan) {
     if (scene.lights.empty()) return {"shadows", false, "there are no lights", {}};
-    const Finder with = lightsThat(scene, plan, "",
-                                   [](const Light& l) { return l.shadows ? quoted(l.name) : std::string(); });
-    const Finder without = lightsThat(scene, plan, ".shadows",
-                                      [](const Light& l) { return l.shadows ? std::string() : quoted(l.name); });
-    Effect effect = with.effect("shadows", "of ", without.any() ? "every light has shadows = false" : "no light is used");
+    const Finder with =
+        lightsThat(scene, plan, "", [](const Light& l) { return l.shadows ? quoted(l.name) : std::string(); });
+    const Finder without =
+        lightsThat(scene, plan, ".shadows", [](const Light& l) { return l.shadows ? std::string() : quoted(l.name); });
+    Effect effect =
+        with.effect("shadows", "of ", without.any() ? "every light has shadows = false" : "no light is used");
     if (without.any()) {
         if (effect.on) effect.reason += fmt::format("; none of {}: shadows = false", without.texts());
         effect.where = without.where();
@@ -76,8 +77,7 @@ Effect shadows(const ViewScene& scene, const Plan& plan) {
 }
 
 Effect slides(const ViewScene& scene, const Plan& plan) {
-    return lightsThat(scene, plan, ".slide",
-                      [](const Light& l) { return l.slide ? quoted(l.name) : std::string(); })
+    return lightsThat(scene, plan, ".slide", [](const Light& l) { return l.slide ? quoted(l.name) : std::string(); })
         .effect("slides", "of ", "no light has a slide");
 }
 
@@ -92,7 +92,8 @@ Effect droppedLights(const ViewScene& scene, const Plan& plan) {
 
 Effect unseenVolumes(const ViewScene& scene) {
     Finder found(scene);
-    for (const auto& [name, reason] : scene.unseen) found.add(fmt::format("{}: {}", quoted(name), reason), "volume." + name);
+    for (const auto& [name, reason] : scene.unseen)
+        found.add(fmt::format("{}: {}", quoted(name), reason), "volume." + name);
     return found.effect("volumes left out", "", "every volume is in view or throws a shadow into it");
 }
 
@@ -137,8 +138,8 @@ void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effe
         [](const ViewVolume& v) { return v.medium.relativeTint() == Rgb(1) ? "" : quoted(v.name); },
         "coloured extinction", "of ", "every extinction_tint is grey: one tau for all channels");
     if (coloured.on)
-        coloured.reason += fmt::format("; {} row{} of extinction", plan.extinction.count(),
-                                       plan.extinction.count() > 1 ? "s" : "");
+        coloured.reason +=
+            fmt::format("; {} row{} of extinction", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");
     effects.push_back(coloured);
     effects.push_back(ofMedia(
         scene, ".medium.albedo.grid",
@@ -165,9 +166,9 @@ Effect lightLinking(const ViewScene& scene) {
     return volumesThat(scene, ".lights",
                        [](const ViewVolume& v) {
                            const auto lit = std::count(v.lights.begin(), v.lights.end(), true);
-                           return v.lights.empty() ? std::string()
-                                                   : fmt::format("{} by {} of {} lights", quoted(v.name), lit,
-                                                                 v.lights.size());
+                           return v.lights.empty()
+                                      ? std::string()
+                                      : fmt::format("{} by {} of {} lights", quoted(v.name), lit, v.lights.size());
                        })
         .effect("light linking", "", "all lights light all volumes");
 }
@@ -176,7 +177,8 @@ Effect crossFade(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups)
         for (const LightPlan& light : group.lights)
             if (light.share < 1)
-                return {"cross-fade", true,
+                return {"cross-fade",
+                        true,
                         fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
                                     "sides",
                                     scene.lights[static_cast<std::size_t>(light.light)].name, scene.dials.crossFade),
@@ -210,7 +212,8 @@ Effect culledTiles(const Plan& plan) {
     }
     if (all == 0 || plan.perView) return {"tiles left out", false, "every sheet is the view's own", {}};
     const bool some = needed < 0.999 * all;
-    return {"tiles left out", some,
+    return {"tiles left out",
+            some,
             some ? fmt::format("{:.0f} % of all: neither eye nor light passes them", 100 * (1 - needed / all))
                  : "eye or light may pass all of them",
             {}};
@@ -231,7 +234,8 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
                              fmt::format("{0} x {0} rays a pixel", dials.antialias)));
     effects.push_back(ofDial(scene, "level of detail", "render.lod", dials.lod > 0,
                              dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", dials.lod) : "lod is 0"));
-    effects.push_back({"wide eye", plan.eyeParts.size() > 1,
+    effects.push_back({"wide eye",
+                       plan.eyeParts.size() > 1,
                        plan.eyeParts.size() > 1 ? fmt::format("its rays are swept in {} parts", plan.eyeParts.size())
                                                 : "one sweep holds all of its rays",
                        {}});

@@ -28,8 +28,8 @@ namespace scrim {
 struct Effect {
     std::string name;
     bool on = false;
-    std::string reason;               ///< one line, without the places
-    std::vector<std::string> where;   ///< of the scene's text that decided it: "scene.toml:12:3"; none: it is silent
+    std::string reason;              ///< one line, without the places
+    std::vector<std::string> where;  ///< of the scene's text that decided it: "scene.toml:12:3"; none: it is silent
 };
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan);

@@ -269,13 +269,13 @@ EyeWalk::Work EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack
         [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
-EyeWalk::Work EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& covered,
-                                     const SheetShader& shader) {
+EyeWalk::Work EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader) {
     return forOpenTiles(
         firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
         [&](int tile, const Range& range) {
-            return shadeAlong(enter(tile, range, covered), tile, shader,
-                              [&](int p, const SampleTile& points, float* out) { return shader.shadePoints(p, points, out); });
+            return shadeAlong(
+                enter(tile, range, covered), tile, shader,
+                [&](int p, const SampleTile& points, float* out) { return shader.shadePoints(p, points, out); });
         });
 }
 

@@ -54,7 +54,7 @@ struct FrameLayer {
 };
 
 struct Frame {
-    Image image;  ///< premultiplied, scene-linear, working space
+    Image image;                     ///< premultiplied, scene-linear, working space
     std::vector<FrameLayer> layers;  ///< as ViewScene::layers has them; of lights one each, in the scene's order
     RenderWork work;
     StageTimes times;

@@ -23,7 +23,8 @@ void includeSlice(const Points& hull, double lower, double upper, Bounds& box) {
             const Vec3 &a = hull[i], &b = hull[j];
             if (std::max(a.z, b.z) < lower || std::min(a.z, b.z) > upper) continue;
             for (const double n : {lower, upper, a.z, b.z}) {
-                const double at = std::clamp(n, std::max(lower, std::min(a.z, b.z)), std::min(upper, std::max(a.z, b.z)));
+                const double at =
+                    std::clamp(n, std::max(lower, std::min(a.z, b.z)), std::min(upper, std::max(a.z, b.z)));
                 const double t = a.z == b.z ? 0 : (at - a.z) / (b.z - a.z);
                 box.include(a + std::clamp(t, 0.0, 1.0) * (b - a));
             }
@@ -98,8 +99,7 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
 
     // A sheet's neighbours count where something is made of their values, too.
     double reach = 1;
-    for (const ViewVolume& volume : scene.volumes)
-        reach = std::max(reach, 1.0 + VolumePlanes::halo(volume, sheets));
+    for (const ViewVolume& volume : scene.volumes) reach = std::max(reach, 1.0 + VolumePlanes::halo(volume, sheets));
     const std::array<Vec3, 8> box = seen.corners();
     const Points eye(box.begin(), box.end());
     std::vector<Points> hulls{eye};

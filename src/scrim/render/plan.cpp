@@ -109,7 +109,8 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         plan.work.texels += texels;
         plan.work.pixelSheets += pixels * (group.needed.last - group.needed.first);
         for (const LightPlan& light : group.lights)
-            if (light.shadowed) plan.work.lightSamples +=
+            if (light.shadowed)
+                plan.work.lightSamples +=
                     plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
     }
 }
@@ -210,10 +211,10 @@ Plan makePlan(const ViewScene& scene, int threads) {
         floats = std::max(floats, static_cast<std::size_t>(group.layout.floats() + (group.targets.depth > 0 ? 1 : 0)));
     const std::size_t layers =
         scene.layers.size() + (wants(scene, Layer::light) ? scene.lights.size() : std::size_t{0});
-    const std::size_t frameBytes = pixels * floats * sizeof(float) +
-                                   static_cast<std::size_t>(scene.region.width()) *
-                                       static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
-                                       sizeof(float);
+    const std::size_t frameBytes =
+        pixels * floats * sizeof(float) + static_cast<std::size_t>(scene.region.width()) *
+                                              static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
+                                              sizeof(float);
     plan.bytes = frameBytes;
     for (GroupPlan& group : plan.groups) {
         chooseBatch(scene, threads, frameBytes, plan, group);

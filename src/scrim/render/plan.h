@@ -46,7 +46,7 @@ struct GroupPlan {
     std::vector<PicturePlan> pictures;  ///< beside the beauty: only what this group contributes to
     SampleLayout layout;
     PictureTargets targets;
-    NeededTiles needed;                 ///< of the sheets
+    NeededTiles needed;     ///< of the sheets
     ViewRaster eyeRaster;   ///< per-view splatting: of the eye's own sheets
     int guardTiles = 0;     ///< of them around the picture
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
@@ -68,14 +68,14 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 struct Plan {
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
     ExtinctionRows extinction;
-    bool perView = false;           ///< footprints go into every view's own sheets, not into shared ones
+    bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;
-    double voxel = 1;               ///< the unit of the dials, world units
-    PixelWindow region;             ///< in pixels of the antialiasing raster
+    double voxel = 1;                        ///< the unit of the dials, world units
+    PixelWindow region;                      ///< in pixels of the antialiasing raster
     std::vector<std::string> uselessLights;  ///< for each light of the scene why it is left out; empty: it is not
-    std::vector<EyePart> eyeParts;  ///< in pixels of the picture; windows cut to the region
-    std::size_t bytes = 0;          ///< buffers at their largest, frame included; without the fields
+    std::vector<EyePart> eyeParts;           ///< in pixels of the picture; windows cut to the region
+    std::size_t bytes = 0;                   ///< buffers at their largest, frame included; without the fields
     ExpectedWork work;
 };
 

@@ -83,8 +83,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan) {
 ShadingPlace shadingPlace(const ViewScene& scene, const Plan& plan) {
     if (plan.groups.empty()) return {};
     if (plan.perView) return {true, "per-view splatting knows no other place"};
-    if (scene.dials.shade != ShadeMode::automatic)
-        return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
+    if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
     if (const std::string need = needOfPixels(scene, plan); !need.empty()) return {true, need};
 
     // Shading at texels costs by texel, shading at pixels by pixel; for a thin medium both are equally exact. Counted are

@@ -31,8 +31,8 @@ class SheetShader {
 
   private:
     struct Medium {
-        int volume;    // of m_fields
-        bool grid;     // its albedo is one
+        int volume;  // of m_fields
+        bool grid;   // its albedo is one
         SheetMedium look;
     };
     struct Surface {

@@ -121,8 +121,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
         if (group.sameSide && walk.allOpaque()) break;
     }
     RenderWork::Bytes bytes{fields.bytes(), lights.bytes(), 0, tiles.bytes()};
-    if (shaded)
-        bytes.shaded = PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, group.layout.floats());
+    if (shaded) bytes.shaded = PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, group.layout.floats());
     if (bytes.total() > work.bytes.total()) work.bytes = bytes;
 }
 

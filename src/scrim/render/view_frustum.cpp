@@ -32,7 +32,9 @@ ViewFrustum::ViewFrustum(const Camera& camera, const PixelWindow& window) {
     const RayFamily rays = wsRays(camera);
     const double x[2] = {window.x0 - kAround, window.x1 + kAround}, y[2] = {window.y0 - kAround, window.y1 + kAround};
     const Vec3 forward = viewingAxis(camera);
-    const auto pointOn = [&](int i, int j, double t) { return rays.origin(x[i], y[j]) + t * rays.direction(x[i], y[j]); };
+    const auto pointOn = [&](int i, int j, double t) {
+        return rays.origin(x[i], y[j]) + t * rays.direction(x[i], y[j]);
+    };
     const Vec3 inside = rays.origin(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])) +
                         (rays.near + 1) * rays.direction(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]));
     const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {

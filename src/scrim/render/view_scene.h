@@ -41,12 +41,12 @@ struct ViewVolume {
     /// scattered is this times medium.densityScale; medium.albedo does not count.
     std::vector<ViewField> scatter = {};
     std::vector<ViewEmission> emission = {};  ///< they add up
-    std::vector<bool> lights = {};  ///< for each light of the scene: does it light this volume? Empty: all do
+    std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
 };
 
 struct ViewScene {
     Camera camera;
-    PixelWindow region;  ///< the pixels to render, within the display window or beyond it (overscan)
+    PixelWindow region;   ///< the pixels to render, within the display window or beyond it (overscan)
     PixelWindow picture;  ///< the whole picture that `region` is a crop of; empty: region and display window
     std::vector<ViewVolume> volumes;
     std::vector<Light> lights;
@@ -54,9 +54,9 @@ struct ViewScene {
     Dials dials;
     /// Volumes that are left out, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> unseen;
-    std::vector<Layer> layers;  ///< to render beside the beauty
+    std::vector<Layer> layers;                ///< to render beside the beauty
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
-    std::size_t memoryLimit = 0;  ///< bytes that buffers may take; 0: no limit
+    std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
 };
 
 /// The fields of a volume that are not empty, each on a lattice of its own: density and emission.

@@ -108,7 +108,9 @@ SplatWork VolumePlanes::splat(int task, const NeededTiles* needed, const TileCul
         };
     for (int p = first; p < first + run.count; ++p) m_values.begin(p);
     const SplatWork work = std::visit(
-        [&](const auto& splatter) { return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, leaveOut); },
+        [&](const auto& splatter) {
+            return splatter.splat(run.sheet, run.sheet + run.count, m_values, first, leaveOut);
+        },
         m_splatter);
     for (int p = first; p < first + run.count; ++p) {
         m_values.finish(p);

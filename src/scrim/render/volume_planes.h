@@ -73,7 +73,7 @@ class VolumePlanes {
     std::variant<FieldSplatter, WarpedSplatter> m_splatter;
     PlaneStack m_values;
     std::optional<Surface> m_surface;  // classified volumes
-    int m_origin = -1;  // the first sheet of the first batch, whose planes lie as it wants them
+    int m_origin = -1;                 // the first sheet of the first batch, whose planes lie as it wants them
     int m_firstSheet = 0, m_readySheet = 0;
     std::vector<Run> m_runs;
 };

@@ -32,10 +32,10 @@ enum class OutsidePolicy {
 
 /// A colour that grids give from place to place.
 struct ColourGrid {
-    std::string grid;          ///< as GridRequest names colours
-    double scale = 1;          ///< times this
+    std::string grid;           ///< as GridRequest names colours
+    double scale = 1;           ///< times this
     Mat3 workingFromGrid{1.0};  ///< from the grid's colour space to the working space
-    std::string where;         ///< of the grid's name in the scene
+    std::string where;          ///< of the grid's name in the scene
 };
 
 /// Light that a medium sends out by itself. It does not light the volume: nothing scatters it.
@@ -44,9 +44,9 @@ struct Emission {
     /// Grid value to radiance per world unit, ascending and linear between; constant outside, but 0 where the grid is.
     /// Empty: the value itself, in white. A blackbody is a ramp, too, with a point every few Kelvin.
     std::vector<std::pair<double, Rgb>> ramp;
-    double scale = 1;       ///< times this
+    double scale = 1;        ///< times this
     bool blackbody = false;  ///< for what is said about it
-    std::string where;      ///< of the grid's name in the scene
+    std::string where;       ///< of the grid's name in the scene
 };
 
 struct SceneVolume {
@@ -59,11 +59,11 @@ struct SceneVolume {
     std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text; `file`: as above
     Mat4 wsFromAsset{1.0};                                        ///< takes the asset's own world space to the scene's
     std::string densityGrid;                                      ///< as VdbFile::field takes it; "": choose
-    double densityScale = 1;                      ///< extinction per world unit = ramp(grid value) * densityScale
-    std::vector<std::pair<double, double>> ramp;  ///< grid value to value, ascending; constant outside; empty: none
-    Medium medium;                                ///< its densityScale is the one above
-    std::optional<ColourGrid> albedoGrid;         ///< instead of medium.albedo
-    std::vector<Emission> emission;               ///< of a medium; they add up
+    double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale
+    std::vector<std::pair<double, double>> ramp;     ///< grid value to value, ascending; constant outside; empty: none
+    Medium medium;                                   ///< its densityScale is the one above
+    std::optional<ColourGrid> albedoGrid;            ///< instead of medium.albedo
+    std::vector<Emission> emission;                  ///< of a medium; they add up
     std::optional<std::vector<std::string>> lights;  ///< names of those that light it; none: all
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
     std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
@@ -97,7 +97,7 @@ struct Scene {
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
     std::string quality = "standard";  ///< the preset that `dials` started from
-    double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
+    double tolerance = 0;              ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
     SceneOutput output;
     /// Where the scene's text says what: "light.key.shadows" is at "scene.toml:12:3". Null for one built in code.
     std::shared_ptr<const SceneLines> lines = nullptr;

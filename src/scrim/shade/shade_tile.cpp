@@ -66,8 +66,7 @@ HWY_ATTR void mix(const ShadeInput& input, const float* const* rows, Rows& out) 
     for (int c = 0; c < 3; ++c)
         forSamples([&](int k) HWY_ATTR {
             auto sum = hn::Mul(load(rows[0], k), constant(input.tints[0][c]));
-            for (int r = 1; r < input.rows; ++r)
-                sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
+            for (int r = 1; r < input.rows; ++r) sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
             hn::Store(sum, d, out.values[c] + k);
         });
 }
@@ -206,7 +205,8 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     if (!ambient && input.emissionCount == 0 && input.targets.albedo < 0) return;
     fillThrough(input, w);
     if (ambient) {
-        addEnvironment(input, input.ambient, input.targets.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
+        addEnvironment(
+            input, input.ambient, input.targets.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
         w.done.ambients += kTileSize;
     }
     for (int e = 0; e < input.emissionCount; ++e) {
@@ -217,7 +217,8 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     }
     constexpr float kWhite[3] = {1, 1, 1};
     if (input.targets.albedo >= 0)
-        addEnvironment(input, kWhite, input.targets.albedo, [](const SheetSurface&) { return 1.0f; }, w);
+        addEnvironment(
+            input, kWhite, input.targets.albedo, [](const SheetSurface&) { return 1.0f; }, w);
 }
 
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
@@ -236,8 +237,7 @@ HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
             hn::Store(hn::Mul(load(w.pathEye, k), load(extinction, k)), d, w.tauEye.values[c] + k);
         });
     }
-    for (auto& channel : w.beauty.values)
-        forSamples([&](int k) HWY_ATTR { hn::Store(constant(0), d, channel + k); });
+    for (auto& channel : w.beauty.values) forSamples([&](int k) HWY_ATTR { hn::Store(constant(0), d, channel + k); });
     std::fill(input.pictures, input.pictures + (input.layout.pictures - 1) * 3 * kTileSize, 0.0f);
     w.done.samples = kTileSize;
 }
@@ -282,9 +282,8 @@ HWY_ATTR void writePictures(const ShadeInput& input, Work& w, float* out) {
     const SampleLayout& layout = input.layout;
     Rows& opacity = w.light;  // no longer needed
     for (int c = 0; c < (input.coloured ? 3 : 1); ++c)
-        forSamples([&](int k) HWY_ATTR {
-            hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k);
-        });
+        forSamples([&](int k)
+                       HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
     if (layout.beauty) addUp(input, w);
     if (input.targets.depth >= 0) fillDepth(input, opacity, w);
     const int stride = layout.floats();

@@ -38,7 +38,7 @@ Json trialJson(const Trial& t) {
     out["seconds"] = t.seconds;
     out["median_seconds"] = t.time();
     out["on_front"] = t.onFront;
-    out["work"] = {{"footprints", t.work.footprints},     {"texels_shaded", t.work.texelsShaded},
+    out["work"] = {{"footprints", t.work.footprints},      {"texels_shaded", t.work.texelsShaded},
                    {"light_samples", t.work.lightSamples}, {"light_lookups", t.work.shade.lightLookups},
                    {"pixel_sheets", t.work.pixelSheets},   {"buffer_bytes", t.work.bytes.total()}};
     return out;
@@ -52,7 +52,8 @@ std::string quoted(const std::string& text) {
 
 std::string studyAsCsv(const Study& study) {
     std::string text =
-        "setting,run,on_front,error,error_lower,error_upper,bias,worst,median_seconds,least_seconds,most_seconds,repeats,"
+        "setting,run,on_front,error,error_lower,error_upper,bias,worst,median_seconds,least_seconds,most_seconds,"
+        "repeats,"
         "footprints,texels_shaded,light_samples,pixel_sheets,buffer_bytes";
     for (const DialInfo& dial : dialTable()) text += "," + dial.name;
     text += "\n";
@@ -61,8 +62,8 @@ std::string studyAsCsv(const Study& study) {
         text += quoted(t.name);
         text += fmt::format(",{},{}", t.run ? 1 : 0, t.onFront ? 1 : 0);
         if (t.run)
-            text += fmt::format(",{},{},{},{},{},{},{},{},{}", t.error.error, t.error.lower, t.error.upper, t.error.bias,
-                                t.error.worst, t.time(), *least, *most, t.seconds.size());
+            text += fmt::format(",{},{},{},{},{},{},{},{},{}", t.error.error, t.error.lower, t.error.upper,
+                                t.error.bias, t.error.worst, t.time(), *least, *most, t.seconds.size());
         else
             text += ",,,,,,,,,0";
         text += fmt::format(",{},{},{},{},{}", t.work.footprints, t.work.texelsShaded, t.work.lightSamples,

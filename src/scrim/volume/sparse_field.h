@@ -50,6 +50,10 @@ struct SparseField {
     std::size_t blockCount() const { return blockOrigins.size(); }
     const float* block(std::size_t i) const { return blockValues.get() + i * kBlockVoxels; }
     bool empty() const { return activeVoxels == 0; }
+    /// Memory of blocks and tiles.
+    std::size_t bytes() const {
+        return blockCount() * (kBlockVoxels * sizeof(float) + sizeof(Int3)) + tiles.size() * sizeof(ConstantTile);
+    }
 
     /// Box around the centres of all voxels that blocks and tiles hold, in index space.
     Bounds isBounds() const {
