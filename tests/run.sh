@@ -15,7 +15,8 @@ cd "$root"
 echo "== configuring ($preset)"
 cmake --preset "$preset" >/dev/null
 # Whole programs at a time: a process for every test (as ctest has it) takes longer to start than to run. Sanitizers slow
-# brute force down most and learn least from it, since the same code runs in quicker tests.
+# brute force down most and learn least from it, since the same code runs in quicker tests (and the
+# engine's in those of stability and effects).
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
     export SCRIM_FUZZ_RUNS=20
@@ -23,7 +24,7 @@ if [ "$preset" = "asan" ]; then
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
     filter='-*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*'
 else
-    programs="error analytic paper stability fuzz unit plugin effect invariance"
+    programs="error analytic paper stability fuzz unit engine plugin effect invariance"
     targets="" # all of them
     filter='*'
 fi
