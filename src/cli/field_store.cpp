@@ -114,7 +114,7 @@ std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vec
         std::vector<GridRequest> requests;
         for (const Use& use : usesOf(volume)) requests.push_back(use.request);
         const std::optional<Bounds> bounds = vdbBounds(files[i].path, requests);
-        if (!bounds) continue;
+        if (!bounds || bounds->empty()) continue;  // who is empty is told so, once it is read
         corners[i].emplace();
         for (const Vec3& corner : bounds->corners()) corners[i]->push_back(transformPoint(volume.wsFromAsset, corner));
     }

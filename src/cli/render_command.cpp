@@ -212,6 +212,10 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
         return assemble(turned, fields, m_options.crop, memoryLeft(m_options.memory, fields, m_slides.bytes()));
     };
     const ViewScene view = timed(report.plan, [&] { return viewWith(scene.dials.lod); });
+    // Of a picture that shows nothing one wants to know why.
+    if (view.volumes.empty())
+        for (const auto& [name, reason] : view.unseen)
+            m_console.warning(fmt::format("frame {}: volume '{}' is left out: {}", frame, name, reason));
     // Coarser levels are an approximation like any other: what is true are the voxels of the file.
     const bool coarser = scene.dials.lod > 0 && (m_options.verify > 0 || scene.tolerance > 0);
     const ViewScene truth = coarser ? viewWith(0) : view;

@@ -136,6 +136,14 @@ TEST_F(CliEffects, VolumesThatThePictureHasNoUseForAreNotLoaded) {
     EXPECT_EQ(run({"render", "s.toml", "-o", "x.exr"}).status, 3);
 }
 
+TEST_F(CliEffects, PictureOfNothingSaysWhy) {
+    const ProgramResult result =
+        runWell({"render", "scene.toml", "-o", "x.exr", "-q", "--set", "camera.target=[0,0,90]"});
+    EXPECT_EQ(
+        result.err,
+        "scrim: warning: frame 1: volume 'volume1' is left out: it is out of view and throws no shadow into view\n");
+}
+
 TEST_F(CliEffects, LightsThatLightNothingAreNamedInThePlan) {
     write("s.toml", kCamera + "[[volume]]\nfile = \"smoke.vdb\"\nlights = [\"key\"]\n" + kLight +
                         "[[light]]\nname = \"rim\"\ntype = \"distant\"\ndirection = [1, 0, 0]\n");
