@@ -22,7 +22,7 @@ if [ "$preset" = "asan" ]; then
     export SCRIM_FUZZ_RUNS=20
     programs="error unit stability fuzz plugin effect"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
-    filter='-*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*'
+    filter='-*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*'
 else
     programs="error analytic paper stability fuzz unit engine plugin effect invariance"
     targets="" # all of them
