@@ -69,6 +69,14 @@ const std::vector<EffectCase>& effectCases() {
              s.volumes.back().medium.extinctionTint = {0.2, 0.5, 1};
              s.volumes.back().wsFromIs[3] = {9, 4, -6, 1};
          }},
+        {"tints in each other's shadow",
+         [](ViewScene& s) {
+             s.camera.height = 80;
+             s.lights[0].wsDirection = glm::normalize(Vec3(-1, 0.1, -0.3));
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {34, -3, 8, 1};
+             medium(s).extinctionTint = {1, 0.6, 0.3};
+         }},
         {"four tints",
          [](ViewScene& s) {
              medium(s).extinctionTint = {1, 0.6, 0.3};

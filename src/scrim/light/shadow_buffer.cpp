@@ -63,13 +63,13 @@ void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
         }
 }
 
-void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
+void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) {
     m_firstSheet = firstSheet;
     m_count = count;
     for (int s = 0; s < count; ++s)
         if (const double part = m_view.litPart(firstSheet + s); part > 0 && part < 1)
             leaveTheSource(part, {extinction.plane(s), extinction.width(), extinction.height()});
-    const int tilesX = extinction.tilesX(), tilesY = extinction.tilesY();
+    const int tilesX = covered.tilesX(), tilesY = covered.tilesY();
     const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
 
     // Which raster tiles each column and row of sheet tiles looks at, sheet by sheet.
@@ -85,7 +85,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
         for (int ty = 0; ty < tilesY; ++ty) rows(s)[ty] = cellTiles(ty, map.offsetV, map.scale, rasterY);
         for (int ty = 0; ty < tilesY; ++ty)
             for (int tx = 0; tx < tilesX; ++tx) {
-                if (!extinction.active(s, tx, ty)) continue;
+                if (!covered.active(s, tx, ty)) continue;
                 windowX = {std::min(windowX.first, columns(s)[tx].first), std::max(windowX.last, columns(s)[tx].last)};
                 windowY = {std::min(windowY.first, rows(s)[ty].first), std::max(windowY.last, rows(s)[ty].last)};
             }
@@ -103,7 +103,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
         if (!m_view.reaches(firstSheet + s)) continue;
         for (int ty = 0; ty < tilesY; ++ty)
             for (int tx = 0; tx < tilesX; ++tx) {
-                if (!extinction.active(s, tx, ty)) continue;
+                if (!covered.active(s, tx, ty)) continue;
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
                         m_used[static_cast<std::size_t>(s) * tilesPerSheet +

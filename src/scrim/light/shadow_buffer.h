@@ -36,9 +36,13 @@ class ShadowBuffer final : public ShadowLookup {
 
     const LightView& view() const { return m_view; }
 
-    /// Prepares sheets [firstSheet, firstSheet + count), of which `extinction` holds the planes: decides which
-    /// tiles of the raster take part.
-    void beginBatch(int firstSheet, int count, const PlaneStack& extinction);
+    /// Prepares sheets [firstSheet, firstSheet + count), of which `extinction` holds the planes: decides which tiles of the
+    /// raster take part. `covered` has active tiles wherever there is extinction, and wherever else the buffer will be
+    /// looked into.
+    void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered);
+    void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
+        beginBatch(firstSheet, count, extinction, extinction);
+    }
 
     /// Number of independent tasks of the batch: rows of tiles.
     int taskCount() const { return m_windowTilesY; }
@@ -67,7 +71,7 @@ class ShadowBuffer final : public ShadowLookup {
     LightView m_view;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
-    float m_sharpening;  // times the second differences
+    float m_sharpening;        // times the second differences
     std::vector<float> m_tau;  // the whole raster: tau at entry of the next batch
 
     // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.

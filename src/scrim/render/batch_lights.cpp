@@ -92,7 +92,8 @@ BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const BatchF
     for (std::size_t i = 0; i < m_group.lights.size(); ++i)
         for (int r = 0; r < m_rows.count(); ++r)
             if (ShadowBuffer* shadow = m_shadows[row(i, r)].get()) {
-                shadow->beginBatch(firstSheet, count, fields.extinction(r));
+                // A row may be empty where another is looked at: light arrives there, too.
+                shadow->beginBatch(firstSheet, count, fields.extinction(r), fields.covered());
                 shadowed.push_back({shadow, &fields.extinction(r)});
             }
     struct Task {
