@@ -4,6 +4,7 @@
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/preview.h>
+#include <scrim/scene/layer_names.h>
 
 #include <fmt/format.h>
 
@@ -44,20 +45,8 @@ ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, con
 }
 
 std::string layerName(const Scene& scene, const FrameLayer& layer) {
-    switch (layer.layer) {
-        case Layer::light:
-            return "light." + scene.lights[static_cast<std::size_t>(layer.light)].name;
-        case Layer::ambient:
-            return "ambient";
-        case Layer::emission:
-            return "emission";
-        case Layer::albedo:
-            return "albedo";
-        case Layer::depth:
-            return "depth";
-        default:
-            return "transmittance";
-    }
+    if (layer.layer != Layer::light) return nameOf(layer.layer);
+    return nameOf(layer.layer) + "." + scene.lights[static_cast<std::size_t>(layer.light)].name;
 }
 
 /// The RGB of a layer in the output's space, by way of a picture.

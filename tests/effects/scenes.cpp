@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenes.h"
 
+#include <scrim/splat/field_probe.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
@@ -17,17 +19,10 @@ Medium& medium(ViewScene& scene) {
 }
 
 ViewField scaled(const ViewVolume& volume, const std::function<double(const Vec3&)>& factor) {
-    const auto& field = volume.field;
-    return {makeField(Int3(-kRadius), Int3(kRadius), 1,
-                      [&](const Vec3& is) {
-                          for (std::size_t b = 0; b < field->blockCount(); ++b) {
-                              const Int3 d = Int3(is) - field->blockOrigins[b];
-                              if (std::min({d.x, d.y, d.z}) >= 0 && std::max({d.x, d.y, d.z}) < kBlockEdge)
-                                  return factor(is) * double(field->block(b)[blockOffset(d.x, d.y, d.z)]);
-                          }
-                          return 0.0;
-                      }),
-            volume.wsFromIs};
+    const FieldProbe probe(*volume.field, Kernel::linear);
+    return {
+        makeField(Int3(-kRadius), Int3(kRadius), 1, [&](const Vec3& is) { return factor(is) * probe.voxel(Int3(is)); }),
+        volume.wsFromIs};
 }
 
 }  // namespace

@@ -14,6 +14,9 @@ namespace scrim {
 
 /// Who looks at the sheets: lights need extinction only, the eye what scatters, too, and one of its sweeps emission.
 enum class SheetsFor { light, eye, primaryEye };
+inline SheetsFor sheetsForEye(const GroupPlan& group) {
+    return group.primary > 0 ? SheetsFor::primaryEye : SheetsFor::eye;
+}
 
 class BatchFields {
   public:

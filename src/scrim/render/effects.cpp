@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/effects.h>
 
+#include <scrim/scene/layer_names.h>
+
 #include <algorithm>
 #include <functional>
 
@@ -187,9 +189,8 @@ Effect crossFade(const ViewScene& scene, const Plan& plan) {
 }
 
 Effect layers(const ViewScene& scene) {
-    static const char* const kNames[] = {"light", "ambient", "emission", "albedo", "depth", "transmittance"};
     Finder found(scene);
-    for (const Layer layer : scene.layers) found.add(kNames[static_cast<int>(layer)], "output.layers");
+    for (const Layer layer : scene.layers) found.add(nameOf(layer), "output.layers");
     Effect effect = found.effect("layers", "", "no layers are asked for");
     if (effect.where.size() > 1) effect.where.resize(1);
     return effect;

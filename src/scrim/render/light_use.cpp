@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/light_use.h>
 
+#include <scrim/geometry/sheets.h>
 #include <scrim/render/light_beam.h>
 #include <scrim/render/view_frustum.h>
 
@@ -22,26 +23,14 @@ bool scatters(const ViewVolume& volume) {
     return volume.medium.mostExtinction() > 0 && (!volume.scatter.empty() || volume.medium.albedo != Rgb(0));
 }
 
-// The visible parts of boxes.
-std::vector<Vec3> visibleOf(const ViewFrustum& frustum, const std::vector<Vec3>& corners) {
-    std::vector<Vec3> visible;
-    for (std::size_t i = 0; i + 8 <= corners.size(); i += 8) {
-        std::array<Vec3, 8> box;
-        std::copy_n(corners.begin() + static_cast<std::ptrdiff_t>(i), 8, box.begin());
-        const std::vector<Vec3> part = frustum.visiblePart(box);
-        visible.insert(visible.end(), part.begin(), part.end());
-    }
-    return visible;
-}
-
 // Might light that passes `from` come to `to`? Judged by what encloses either, so that a yes may be wrong.
 bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     if (light.type == LightType::distant) {
-        const Vec3 w = light.wsDirection, other = std::abs(w.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-        const Vec3 u = glm::normalize(glm::cross(w, other)), v = glm::cross(w, u);
+        const Vec3 other = std::abs(light.wsDirection.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+        const Mat3 alongLight = sweepRotation(light.wsDirection, other);
         const auto boxOf = [&](const std::vector<Vec3>& points) {
             Bounds box;
-            for (const Vec3& p : points) box.include(Vec3(glm::dot(p, u), glm::dot(p, v), glm::dot(p, w)));
+            for (const Vec3& p : points) box.include(alongLight * p);
             return box;
         };
         const Bounds a = boxOf(from), b = boxOf(to);
@@ -70,7 +59,7 @@ std::vector<std::string> uselessLights(const ViewScene& scene) {
     bool scattering = false;
     for (const ViewVolume& volume : scene.volumes) {
         scattering = scattering || scatters(volume);
-        visible.push_back(scatters(volume) ? visibleOf(frustum, wsCorners(volume, scene.dials.kernel))
+        visible.push_back(scatters(volume) ? frustum.visibleParts(wsCorners(volume, scene.dials.kernel))
                                            : std::vector<Vec3>{});
     }
     std::vector<std::string> reasons;
@@ -109,7 +98,7 @@ std::vector<std::string> uselessVolumes(const Camera& camera, const PixelWindow&
     std::vector<std::vector<Vec3>> visible;
     bool allKnown = true;
     for (const VolumeBox& volume : volumes) {
-        visible.push_back(visibleOf(frustum, volume.wsCorners.value_or(std::vector<Vec3>{})));
+        visible.push_back(frustum.visibleParts(volume.wsCorners.value_or(std::vector<Vec3>{})));
         allKnown = allKnown && volume.wsCorners;
     }
     const auto shades = [&](std::size_t v) {
@@ -120,12 +109,13 @@ std::vector<std::string> uselessVolumes(const Camera& camera, const PixelWindow&
                     return true;
         return false;
     };
+    // Of a volume that nobody knows the place of, it may be that any other shades it.
+    const bool mayShade =
+        !allKnown && std::any_of(lights.begin(), lights.end(), [](const Light& l) { return l.shadows; });
     std::vector<std::string> reasons(volumes.size());
     for (std::size_t v = 0; v < volumes.size(); ++v) {
         if (!volumes[v].wsCorners || !visible[v].empty()) continue;
-        // Of a volume that nobody knows the place of, it may be that this one shades it.
-        const bool shadowed = std::any_of(lights.begin(), lights.end(), [](const Light& l) { return l.shadows; });
-        if (!volumes[v].wsCorners->empty() && ((!allKnown && shadowed) || shades(v))) continue;
+        if (!volumes[v].wsCorners->empty() && (mayShade || shades(v))) continue;
         reasons[v] = "it is out of view and throws no shadow into view";
     }
     return reasons;

@@ -87,12 +87,7 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
                         const std::vector<const Light*>& shadowed) {
     const ViewFrustum frustum(scene.camera, window);
     Bounds seen;
-    const std::vector<Vec3> corners = wsCorners(scene);
-    for (std::size_t i = 0; i + 8 <= corners.size(); i += 8) {
-        std::array<Vec3, 8> box;
-        std::copy_n(corners.begin() + static_cast<std::ptrdiff_t>(i), 8, box.begin());
-        for (const Vec3& p : frustum.visiblePart(box)) seen.include(sheets.tsPoint(p));
-    }
+    for (const Vec3& p : frustum.visibleParts(wsCorners(scene))) seen.include(sheets.tsPoint(p));
     NeededTiles needed;
     needed.sheets.assign(static_cast<std::size_t>(sheets.count), {0, 0, -1, -1});
     if (seen.empty()) return needed;

@@ -56,14 +56,10 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
     return sheets;
 }
 
-SheetsFor eyeOf(const GroupPlan& group) {
-    return group.primary > 0 ? SheetsFor::primaryEye : SheetsFor::eye;
-}
-
 std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan& group, int batch) {
     const Sheets& s = group.sheets;
     const ViewRaster raster = plan.perView ? group.eyeRaster : sharedRaster(s);
-    std::size_t bytes = BatchFields::bytes(scene, plan.extinction, s, raster, batch, eyeOf(group)) +
+    std::size_t bytes = BatchFields::bytes(scene, plan.extinction, s, raster, batch, sheetsForEye(group)) +
                         (plan.shadeAtPixels ? 0 : PlaneStack::bytes(batch, s.width, s.height, group.layout.floats()));
     const auto rows = static_cast<std::size_t>(plan.extinction.count());
     for (const LightPlan& light : group.lights)

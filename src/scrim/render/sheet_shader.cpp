@@ -144,31 +144,29 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, float* out)
                          to);
         },
         rows);
-    ShadeWork work;
-    if (!m_surfaces.empty() && !classify(p, samples, 0, 0, rows, work)) {
-        std::fill(out, out + m_group.layout.floats() * kTileSize, 0.0f);
-        return work;
-    }
-    lookUpShadows(p, samples, rows);
-    work += shade(p, samples, rows, out);
-    return work;
+    return shadeGathered(p, samples, samples, 0, 0, rows, out);
 }
 
 ShadeWork SheetShader::shadeCells(int p, const SampleTile& samples, int tx, int ty, float* out) const {
     Rows rows(*this, m_lights.onSheet(p).lights.size());
     gather([&](const PlaneStack& planes, float* to) { copyTile(planes, p, tx, ty, to); }, rows);
+    if (m_surfaces.empty()) return shadeGathered(p, samples, samples, tx, ty, rows, out);
+    // A cell is the same ray on every plane.
+    SampleTile cells{};
+    for (int k = 0; k < kTileSize; ++k) {
+        cells.u[k] = static_cast<float>(tx * kTileEdge + k % kTileEdge);
+        cells.v[k] = static_cast<float>(ty * kTileEdge + k / kTileEdge);
+    }
+    return shadeGathered(p, samples, cells, tx, ty, rows, out);
+}
+
+// The rest of both: `at`, tx and ty as `classify` wants them.
+ShadeWork SheetShader::shadeGathered(int p, const SampleTile& samples, const SampleTile& at, int tx, int ty, Rows& rows,
+                                     float* out) const {
     ShadeWork work;
-    if (!m_surfaces.empty()) {
-        // A cell is the same ray on every plane.
-        SampleTile cells{};
-        for (int k = 0; k < kTileSize; ++k) {
-            cells.u[k] = static_cast<float>(tx * kTileEdge + k % kTileEdge);
-            cells.v[k] = static_cast<float>(ty * kTileEdge + k / kTileEdge);
-        }
-        if (!classify(p, cells, tx, ty, rows, work)) {
-            std::fill(out, out + m_group.layout.floats() * kTileSize, 0.0f);
-            return work;
-        }
+    if (!m_surfaces.empty() && !classify(p, at, tx, ty, rows, work)) {
+        std::fill(out, out + m_group.layout.floats() * kTileSize, 0.0f);
+        return work;
     }
     lookUpShadows(p, samples, rows);
     work += shade(p, samples, rows, out);

@@ -44,6 +44,8 @@ class SheetShader {
     void gather(const Read& read, Rows& rows) const;
     void lookUpShadows(int p, const SampleTile& samples, Rows& rows) const;
     bool classify(int p, const SampleTile& at, int tx, int ty, Rows& rows, ShadeWork& work) const;
+    ShadeWork shadeGathered(int p, const SampleTile& samples, const SampleTile& at, int tx, int ty, Rows& rows,
+                            float* out) const;
     ShadeWork shade(int p, const SampleTile& samples, Rows& rows, float* out) const;
 
     const Plan& m_plan;

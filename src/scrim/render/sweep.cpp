@@ -77,7 +77,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
     const Sheets& sheets = group.sheets;
     const EyeView eye(camera, sheets);
     BatchFields fields(scene, plan.extinction, sheets, plan.perView ? group.eyeRaster : sharedRaster(sheets),
-                       group.batchSheets, plan.voxel, group.primary > 0 ? SheetsFor::primaryEye : SheetsFor::eye);
+                       group.batchSheets, plan.voxel, sheetsForEye(group));
     BatchLights lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, fields, lights, eye);
     EyeWalk walk(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));

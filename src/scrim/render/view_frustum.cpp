@@ -78,4 +78,15 @@ std::vector<Vec3> ViewFrustum::visiblePart(const std::array<Vec3, 8>& wsCorners)
     return visible;
 }
 
+std::vector<Vec3> ViewFrustum::visibleParts(const std::vector<Vec3>& wsCorners) const {
+    std::vector<Vec3> visible;
+    std::array<Vec3, 8> box;
+    for (std::size_t i = 0; i + box.size() <= wsCorners.size(); i += box.size()) {
+        std::copy_n(wsCorners.begin() + static_cast<std::ptrdiff_t>(i), box.size(), box.begin());
+        const std::vector<Vec3> part = visiblePart(box);
+        visible.insert(visible.end(), part.begin(), part.end());
+    }
+    return visible;
+}
+
 }  // namespace scrim

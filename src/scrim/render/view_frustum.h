@@ -19,6 +19,8 @@ class ViewFrustum {
     /// Points whose convex hull is the visible part of a parallelepiped, given by its corners in the order of
     /// Bounds::corners(). None where nothing of it is visible.
     std::vector<Vec3> visiblePart(const std::array<Vec3, 8>& wsCorners) const;
+    /// The same of several, eight corners each, in one list.
+    std::vector<Vec3> visibleParts(const std::vector<Vec3>& wsCorners) const;
 
   private:
     struct Plane {

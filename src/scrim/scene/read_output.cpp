@@ -5,6 +5,7 @@
 #include <scrim/base/error.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/known_spaces.h>
+#include <scrim/scene/layer_names.h>
 #include <scrim/scene/quality.h>
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ std::string readOneOf(const TomlValue& value, const std::vector<std::string>& na
 
 /// Each at most once, in the order of Layer.
 std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output, const ColourConfig& colour) {
-    static const std::vector<std::string> names{"light", "ambient", "emission", "albedo", "depth", "transmittance"};
+    const std::vector<std::string>& names = layerNames();
     std::vector<Layer> layers;
     for (const TomlValue& item : value.items(0, "a list of layers: " + choices(names))) {
         const auto layer = static_cast<Layer>(item.choice(names));
