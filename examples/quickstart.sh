@@ -10,11 +10,12 @@ out="$build/quickstart"
 echo "== packages"
 bash "$root/src/cmake/install_packages.sh"
 
-if [ ! -x "$build/bin/scrim" ] || [ ! -f "$build/build.ninja" ]; then
-    echo "== configuring in $build"
-    cmake -S "$root" -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Release -DSCRIM_BUILD_TESTS=OFF \
-        -DSCRIM_BUILD_BENCHMARKS=OFF >/dev/null
-fi
+echo "== configuring in $build"
+# A build that has tests keeps them: tests/run.sh was here first.
+without_tests="-DSCRIM_BUILD_TESTS=OFF -DSCRIM_BUILD_BENCHMARKS=OFF"
+grep -qs '^SCRIM_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt" && without_tests=""
+# shellcheck disable=SC2086 # several words are meant
+bash "$root/src/cmake/configure.sh" release "$build" $without_tests
 echo "== building the program (some minutes the first time)"
 cmake --build "$build" --target scrim_cli scrim_source_noise -- --quiet
 

@@ -1,19 +1,27 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # From a bare Debian 12 to all tests passed: installs packages, builds, runs every test.
-#   tests/run.sh              release build and tests, and the installed package
-#   tests/run.sh --sanitize   the same tests, built with address and undefined-behaviour sanitizers
+#   tests/run.sh              release build: all tests, benchmarks built, the installed package used
+#   tests/run.sh --sanitize   the tests that read, parse and render, with address and undefined-behaviour sanitizers
+#   tests/run.sh --threads    renders side by side under the thread sanitizer (builds oneTBB with it, too)
+# Tests that need the volumes of $SCRIM_DATA (or ../shared/data) are skipped and counted where it is absent; where it is
+# there, a test that skips fails the run.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
-preset=release
-[ "${1:-}" = "--sanitize" ] && preset=asan
-build="$root/build"
-[ "$preset" = "asan" ] && build="$root/build-asan"
+case "${1:-}" in
+    "") preset=release build="$root/build" ;;
+    --sanitize) preset=asan build="$root/build-asan" ;;
+    --threads) exec bash "$root/tests/threads/run.sh" ;;
+    *) echo "run.sh: unknown argument '$1'; expected --sanitize or --threads" >&2; exit 2 ;;
+esac
+started=$SECONDS
+stage() {
+    printf '== %s (%s, after %d min %02d s)\n' "$1" "$preset" $(((SECONDS - started) / 60)) $(((SECONDS - started) % 60))
+}
 
+stage packages
 bash "$root/src/cmake/install_packages.sh" libgtest-dev libbenchmark-dev
 cd "$root"
-echo "== configuring ($preset)"
-cmake --preset "$preset" >/dev/null
 # Whole programs at a time: a process for every test (as ctest has it) takes longer to start than to run. Sanitizers slow
 # brute force down most and learn least from it, since the same code runs in quicker tests (and the
 # engine's in those of stability and effects).
@@ -23,18 +31,45 @@ if [ "$preset" = "asan" ]; then
     programs="error unit stability fuzz plugin effect"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
     filter='-*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*'
+    options=""
 else
     programs="error analytic paper stability fuzz unit engine plugin effect invariance"
     targets="" # all of them
     filter='*'
+    options="-DSCRIM_BUILD_TESTS=ON -DSCRIM_BUILD_BENCHMARKS=ON"
 fi
-echo "== building ($preset)"
+stage configuring
 # shellcheck disable=SC2086 # several words are meant
-cmake --build --preset "$preset" $targets -- --quiet
-echo "== testing ($preset)"
-printf '%s\n' $programs |
-    xargs -P "$(nproc)" -I{} env "$build/bin/scrim_{}_tests" --gtest_brief=1 --gtest_filter="$filter"
-if [ "$preset" = "release" ] && [ -x tests/install/check.sh ]; then
-    echo "== the installed package"
-    tests/install/check.sh "$build"
+bash src/cmake/configure.sh "$preset" "$build" $options
+stage building
+# shellcheck disable=SC2086
+cmake --build "$build" $targets -- --quiet
+stage testing
+logs="$(mktemp -d)"
+trap 'rm -rf "$logs"' EXIT
+failed=0
+# shellcheck disable=SC2016
+printf '%s\n' $programs | xargs -P "$(nproc)" -I{} bash -c \
+    '"$1/bin/scrim_$3_tests" --gtest_brief=1 --gtest_filter="$2" >"$4/$3" 2>&1 || touch "$4/$3.failed"; cat "$4/$3"' \
+    run_one "$build" "$filter" {} "$logs" || failed=1
+compgen -G "$logs/*.failed" >/dev/null && failed=1
+count() { # PATTERN: sums the numbers that stand behind it, over all programs
+    cat "$logs"/* | sed -nE "s/^\[  $1 *\] ([0-9]+) tests?[.,].*/\1/p" | awk '{n += $1} END {print n + 0}'
+}
+passed="$(count PASSED)" skipped="$(count SKIPPED)" broken="$(count FAILED)"
+if [ "$skipped" -gt 0 ]; then
+    echo "== $skipped tests were skipped:"
+    grep -hE '^Skipped|^no .*; SCRIM_DATA' "$logs"/* | sort | uniq -c || true
+    if [ -d "${SCRIM_DATA:-$root/../shared/data}" ]; then
+        echo "run.sh: the test volumes are there, so no test may be skipped" >&2
+        failed=1
+    fi
 fi
+if [ "$preset" = "release" ] && [ "$failed" -eq 0 ]; then
+    stage "the installed package"
+    tests/install/check.sh "$build" || failed=1
+fi
+stage done
+[ "$failed" -eq 0 ] || [ "$broken" -gt 0 ] || broken=1
+echo "$passed passed, $broken failed, $skipped skipped"
+exit "$failed"

@@ -30,8 +30,20 @@ mv "$work/first" "$prefix"
 config="$(find "$prefix" -name scrimConfig.cmake)"
 [ -n "$config" ] || fail "no scrimConfig.cmake was installed"
 
+# A path of anybody's but its own, or an empty one (the current folder), and it would load libraries from there.
+echo "-- where it looks for libraries"
+readelf -d "$prefix/bin/scrim" >/dev/null || fail "readelf cannot read the program"
+while read -r binary; do
+    path="$(readelf -d "$binary" | sed -nE 's/.*\((RUNPATH|RPATH)\).*\[(.*)\]/\2/p')"
+    if [ "$binary" = "$prefix/bin/scrim" ]; then
+        [[ "$path" == '$ORIGIN/'* && "$path" != *:* ]] || fail "$binary looks for libraries in '$path'"
+    else
+        [ -z "$path" ] || fail "$binary looks for libraries in '$path'"
+    fi
+done < <(find "$prefix/bin" "$(dirname "$(find "$prefix" -name 'libscrim.so')")" -type f \( -perm -u+x -o -name '*.so*' \))
+
 echo "-- building a project that uses it"
-quietly "the project does not configure" cmake -S "$here" -B "$work/consumer" -DCMAKE_BUILD_TYPE=Release \
+quietly "the project does not configure" cmake -S "$here" -B "$work/consumer" -G Ninja -DCMAKE_BUILD_TYPE=Release \
     -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror"
 grep -q "^scrim_DIR:PATH=$prefix/" "$work/consumer/CMakeCache.txt" || fail "the project found another scrim"
 quietly "the project does not build" cmake --build "$work/consumer"
