@@ -121,10 +121,11 @@ std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vec
     return unseenVolumes(scene, corners);
 }
 
-Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files) {
+Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
     const std::vector<std::string> unseen = unseenOf(scene, files);
     const auto shows = [&](std::size_t i) {
-        return unseen[i].empty() && (!scene.volumes[i].source.empty() || files[i].state == FileState::present);
+        return (unseen[i].empty() || volumesOf == VolumesOf::scene) &&
+               (!scene.volumes[i].source.empty() || files[i].state == FileState::present);
     };
     std::map<Origin, std::vector<Use>> uses;  // of each origin, to be read in one go; every request once
     std::set<Key> used;

@@ -33,6 +33,7 @@ ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, con
         attributes.emplace_back("scrim:verify:error", report.verification->error);
         attributes.emplace_back("scrim:verify:lower", report.verification->lower);
         attributes.emplace_back("scrim:verify:upper", report.verification->upper);
+        attributes.emplace_back("scrim:verify:alpha", report.verification->alphaError);
         attributes.emplace_back("scrim:verify:bias", report.verification->bias);
         attributes.emplace_back("scrim:verify:worst", report.verification->worst);
         attributes.emplace_back("scrim:verify:pixels", report.verification->pixels);
@@ -40,6 +41,8 @@ ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, con
     if (report.tolerance) {
         attributes.emplace_back("scrim:tolerance:wanted", report.tolerance->wanted);
         attributes.emplace_back("scrim:tolerance:predicted", report.tolerance->predicted);
+        attributes.emplace_back("scrim:tolerance:bound", report.tolerance->bound);
+        attributes.emplace_back("scrim:tolerance:met", report.tolerance->met ? 1 : 0);
     }
     return attributes;
 }

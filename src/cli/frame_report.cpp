@@ -38,7 +38,10 @@ Json workJson(const RenderWork& w) {
 
 Json verificationJson(const Verification& v) {
     return {{"pixels", v.pixels},
+            {"pixels_looked_at", v.looked},
+            {"complete", v.complete},
             {"error", v.error},
+            {"alpha_error", v.alphaError},
             {"lower", v.lower},
             {"upper", v.upper},
             {"bias", v.bias},
@@ -72,8 +75,18 @@ Json reportJson(const FrameReport& r) {
     if (const auto& t = r.tolerance)
         out["tolerance"] = {{"wanted", t->wanted},   {"predicted", t->predicted},
                             {"texel", t->texel},     {"sheet_thickness", t->sheetThickness},
-                            {"refined", t->refined}, {"met", t->met}};
+                            {"bound", t->bound},     {"attempts", t->attempts},
+                            {"met", t->met}};
     return out;
+}
+
+std::string verificationText(const Verification& v) {
+    if (v.pixels == 0) return fmt::format("; nothing to verify: {} pixels looked at, nothing in any", v.looked);
+    if (v.complete)
+        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} pixels that show something", 100 * v.error,
+                           100 * v.alphaError, v.pixels);
+    return fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}), of alpha {:.2f} %, at {} pixels", 100 * v.error,
+                       100 * v.lower, 100 * v.upper, 100 * v.alphaError, v.pixels);
 }
 
 }  // namespace
@@ -89,12 +102,13 @@ std::string summaryLine(const FrameReport& r) {
         fmt::format("frame {}: {} {}x{}, {:.2f} s (load {:.2f}, render {:.2f}, write {:.2f})", r.frame, r.file,
                     r.resolution.x, r.resolution.y, r.total(), r.load, r.plan + r.render, r.write);
     if (r.verification)
-        text += fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}) at {} pixels", 100 * r.verification->error,
-                            100 * r.verification->lower, 100 * r.verification->upper, r.verification->pixels);
+        text += verificationText(*r.verification);
     if (r.tolerance)
-        text +=
-            fmt::format("; predicted {:.2f} % with texel {} and sheet_thickness {}{}", 100 * r.tolerance->predicted,
-                        r.tolerance->texel, r.tolerance->sheetThickness, r.tolerance->refined ? ", refined once" : "");
+        text += fmt::format("; below {:.2f} % with 97.5 % confidence; predicted {:.2f} % with texel {} and "
+                            "sheet_thickness {}{}",
+                            100 * r.tolerance->bound, 100 * r.tolerance->predicted, r.tolerance->texel,
+                            r.tolerance->sheetThickness,
+                            r.tolerance->attempts > 1 ? fmt::format(", attempt {}", r.tolerance->attempts) : "");
     return text;
 }
 

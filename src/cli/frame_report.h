@@ -19,7 +19,8 @@ struct ToleranceReport {
     double wanted = 0;
     double predicted = 0;  ///< of the setting that was rendered last
     double texel = 0, sheetThickness = 0;
-    bool refined = false;  ///< the first setting missed
+    double bound = 0;  ///< the error is below it with a confidence of 97.5 %
+    int attempts = 0;  ///< settings that were rendered
     bool met = false;
 };
 
@@ -35,6 +36,7 @@ struct FrameReport {
     int threads = 0;
     std::size_t peakBytes = 0;  ///< of the process so far
     std::optional<Verification> verification;
+    bool verifiedInPart = false;  ///< its time was up
     std::optional<ToleranceReport> tolerance;
 
     double total() const { return load + plan + render + verify + write; }

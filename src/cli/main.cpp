@@ -29,6 +29,7 @@
 namespace scrim::cli {
 namespace {
 
+constexpr int kAccuracyStatus = 5;
 constexpr int kMemoryStatus = 33;  // farms take it for "try again on a larger machine"
 
 int statusOf(ErrorKind kind) {
@@ -45,6 +46,8 @@ int statusOf(ErrorKind kind) {
             return kMemoryStatus;
         case ErrorKind::interrupted:
             return 128 + (interruptSignal() != 0 ? interruptSignal() : SIGINT);
+        case ErrorKind::accuracy:
+            return kAccuracyStatus;
     }
     return 1;
 }

@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/scene/frame_range.h>
 #include <scrim/scene/quality.h>
+#include <scrim/study/verify.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -47,6 +48,11 @@ double numberFrom(const std::string& option, const std::string& text, bool (*all
     if (!numbers || numbers->size() != 1 || !allows(numbers->front()))
         refuse(option, text, expected);
     return numbers->front();
+}
+
+double secondsFrom(const std::string& option, const std::string& text) {
+    return numberFrom(
+        option, text, [](double v) { return v > 0 && v <= 1e9; }, "seconds, more than 0");
 }
 
 int countFrom(const std::string& option, const std::string& text, int most) {
@@ -143,9 +149,15 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.add_option("--preview", o.preview, "also write a picture for a display")->type_name("FILE.png");
     command.add_option("--stats", o.stats, "write times, work and memory")->type_name("FILE.json");
     command.add_flag("--skip-existing", o.skipExisting, "leave frames alone whose picture exists");
-    add(command, "--verify", "N", "compare N random pixels with the brute-force reference",
-        [&o](const std::string& t) { o.verify = countFrom("--verify", t, std::numeric_limits<int>::max()); });
-    add(command, "--tolerance", "E", "choose texels and sheets so that the error (relative RMSE) stays below E, and verify",
+    add(command, "--verify", "N|all",
+        "compare N random pixels, or all, of those that may show something with the brute-force reference",
+        [&o](const std::string& t) {
+            o.verify = t == "all" ? kAllPixels : countFrom("--verify", t, kAllPixels - 1);
+        });
+    add(command, "--verify-limit", "SECONDS", "end a verification after this time, with the pixels there are by then",
+        [&o](const std::string& t) { o.verifyLimit = secondsFrom("--verify-limit", t); });
+    add(command, "--tolerance", "E",
+        "choose texels and sheets for an error (relative RMSE) below E, and check it; exit status 5 where it is missed",
         [&o](const std::string& t) {
             o.tolerance = numberFrom(
                 "--tolerance", t, [](double e) { return e > 0 && e < 1; },
@@ -158,10 +170,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
 void addStudyOptions(CLI::App& command, SceneOptions& o) {
     command.add_option("-o,--output", o.output, "folder for study.csv, study.json and index.html")->type_name("DIR");
     add(command, "--budget", "SECONDS", "stop in time, with what there is by then",
-        [&o](const std::string& t) {
-            o.budget = numberFrom(
-                "--budget", t, [](double v) { return v > 0 && v <= 1e9; }, "seconds, more than 0");
-        });
+        [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
     addProgress(command, o);
 }
 

@@ -22,16 +22,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
+#include <functional>
 #include <system_error>
 
 namespace scrim::cli {
 namespace {
 
 constexpr unsigned kVerifySeed = 1;  // any, but always the same pixels
-// Where a tolerance is asked for: pixels of its pilots, and of the verification unless --verify says how many.
-constexpr int kPilotPixels = 96, kTolerancePixels = 200;
+constexpr double kWorthSaying = 2;    // seconds of a verification that are announced
 // Of a frame's progress: where its rendering ends and its verification begins.
 constexpr double kRenderedOfVerified = 0.5;
 
@@ -58,7 +57,9 @@ class RenderRun {
     void renderFrame(SceneInput& input, int frame);
     Frame renderOnce(const ViewScene& view, FrameReport& report, double from, double to);
     Frame renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report);
-    Frame renderWithin(double tolerance, ViewScene view, const ViewScene& truth, FrameReport& report);
+    Frame renderTolerance(double tolerance, const ViewScene& view, const ViewScene& truth, FrameReport& report);
+    void keepPlan(const ViewScene& view, const Plan& plan, FrameReport& report);
+    std::function<void(double)> announcement(int frame);
     void warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& files, const Fields& fields);
 
     const SceneOptions& m_options;
@@ -69,6 +70,7 @@ class RenderRun {
     SlideStore m_slides;
     Progress m_progress;
     std::vector<FrameReport> m_reports;
+    std::vector<std::string> m_missed;  // tolerances
 };
 
 void RenderRun::run() {
@@ -90,6 +92,9 @@ void RenderRun::run() {
             // After each frame: what a killed run did is known up to there.
             if (!m_options.stats.empty()) writeWholeFile(m_options.stats, reportsAsJson(m_reports));
         }
+    if (m_missed.empty()) return;
+    const std::string others = m_missed.size() > 1 ? fmt::format(" (and {} more frames)", m_missed.size() - 1) : "";
+    throw Error(ErrorKind::accuracy, m_missed.front() + others);
 }
 
 /// Whether the frame is rendered at all. Files that are missed and allowed to be become black.
@@ -126,61 +131,66 @@ void RenderRun::warnOfEmpty(const Scene& scene, const std::vector<VolumeFile>& f
     }
 }
 
-Frame RenderRun::renderOnce(const ViewScene& view, FrameReport& report, double from, double to) {
-    const Plan plan = timed(report.plan, [&] { return makePlan(view, threadCount()); });
+void RenderRun::keepPlan(const ViewScene& view, const Plan& plan, FrameReport& report) {
     report.planJson = planAsJson(view, plan);
     if (m_options.verbose) m_console.detail(planAsTable(view, plan));
-    Frame frame = timed(report.render, [&] { return render(view, plan, m_progress.stage(from, to)); });
-    report.stages = frame.times;
-    report.work = frame.work;
-    return frame;
+}
+
+/// Tells how long a verification will take, where that is worth a line.
+std::function<void(double)> RenderRun::announcement(int frame) {
+    return [this, frame](double seconds) {
+        if (seconds < kWorthSaying) return;
+        const bool cut = m_options.verifyLimit > 0 && seconds > m_options.verifyLimit;
+        m_console.line(fmt::format("frame {}: verifying it by brute force takes about {:.0f} s; --verify-limit {}", frame,
+                                   seconds,
+                                   cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit)
+                                       : "SECONDS would end it earlier"));
+    };
 }
 
 Frame RenderRun::renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report) {
-    Frame frame = renderOnce(view, report, 0, m_options.verify > 0 ? kRenderedOfVerified : 1);
-    if (m_options.verify > 0)
-        report.verification = timed(report.verify, [&] {
-            return summarise(samplePixels(truth, frame.image, m_options.verify, kVerifySeed,
-                                          m_progress.stage(kRenderedOfVerified, 1)));
-        });
+    const double rendered = m_options.verify > 0 ? kRenderedOfVerified : 1;
+    const Plan plan = timed(report.plan, [&] { return makePlan(view, threadCount()); });
+    keepPlan(view, plan, report);
+    Frame frame = timed(report.render, [&] { return render(view, plan, m_progress.stage(0, rendered)); });
+    if (m_options.verify > 0) {
+        SampleOptions sampling;
+        sampling.count = m_options.verify;
+        sampling.seed = kVerifySeed;
+        sampling.seconds = m_options.verifyLimit;
+        sampling.progress = m_progress.stage(rendered, 1);
+        sampling.announce = announcement(report.frame);
+        const PixelSample sample = timed(report.verify, [&] { return samplePixels(truth, frame.image, sampling); });
+        report.verification = summarise(sample);
+        report.verifiedInPart = sample.outOfTime;
+    }
     return frame;
 }
 
-// Pilots, the setting that they recommend, and, where it misses after all, one better one: what was measured says by how
-// much the pilots were wrong.
-Frame RenderRun::renderWithin(double tolerance, ViewScene view, const ViewScene& truth, FrameReport& report) {
-    constexpr double kPiloted = 0.3, kRendered = 0.6, kVerified = 0.9;
-    std::array<Pilot, 2> pilots = pilotsFor(tolerance);
-    timed(report.plan, [&] { runPilots(pilots, view, truth, kPilotPixels, m_progress.stage(0, kPiloted)); });
-    ToleranceModel model = fitModel(pilots);
-    ToleranceReport& out = report.tolerance.emplace();
-    out.wanted = tolerance;
-    const auto renderChoice = [&](double from, double to) {
-        const ToleranceChoice choice = timed(report.plan, [&] { return chooseDials(view, model, tolerance); });
-        view.dials = choice.dials;
-        out.predicted = choice.predicted;
-        out.texel = choice.dials.texel;
-        out.sheetThickness = choice.dials.sheetThickness;
-        return renderOnce(view, report, from, to);
-    };
-    Frame frame = renderChoice(kPiloted, kRendered);
-    std::vector<VerifiedPixel> pixels = timed(report.verify, [&] {
-        return samplePixels(truth, frame.image, m_options.verify > 0 ? m_options.verify : kTolerancePixels, kVerifySeed,
-                            m_progress.stage(kRendered, kVerified));
-    });
-    report.verification = summarise(pixels);
-    if (report.verification->error > tolerance) {
-        model = scaled(model, report.verification->error / std::max(out.predicted, 1e-9));
-        out.refined = true;
-        frame = renderChoice(kVerified, 1);
-        setRendered(pixels, frame.image);
-        report.verification = summarise(pixels);
+Frame RenderRun::renderTolerance(double tolerance, const ViewScene& view, const ViewScene& truth, FrameReport& report) {
+    ToleranceOptions options;
+    options.tolerance = tolerance;
+    if (m_options.verify > 0) options.pixels = m_options.verify;
+    options.seed = kVerifySeed;
+    options.seconds = m_options.verifyLimit;
+    options.progress = m_progress.stage(0, 1);
+    options.announce = announcement(report.frame);
+    options.planned = [&](const ViewScene& planned, const Plan& plan) { keepPlan(planned, plan, report); };
+    ToleranceResult result = renderWithin(view, truth, options);
+    report.plan += result.seconds.pilots + result.seconds.plan;
+    report.render += result.seconds.render;
+    report.verify += result.seconds.verify;
+    report.verification = result.verification;
+    report.verifiedInPart = result.outOfTime;
+    report.tolerance = {tolerance,    result.predicted, result.dials.texel, result.dials.sheetThickness,
+                        result.bound, result.attempts,  result.met};
+    if (!result.met) {
+        m_missed.push_back(fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}",
+                                       report.frame, result.bound, tolerance,
+                                       result.outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+        m_console.warning(m_missed.back());
     }
-    out.met = report.verification->error <= tolerance;
-    if (!out.met)
-        m_console.warning(fmt::format("frame {}: the error is {:.3g}, more than the tolerance of {:.3g}", report.frame,
-                                      report.verification->error, tolerance));
-    return frame;
+    return std::move(result.frame);
 }
 
 void RenderRun::renderFrame(SceneInput& input, int frame) {
@@ -200,27 +210,33 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
 
     std::vector<VolumeFile> files = findFiles(scene);
     if (!mayRender(frame, files)) return;
+    const bool verifies = m_options.verify > 0 || scene.tolerance > 0;
     const Fields fields = timed(report.load, [&] {
         m_slides.loadInto(scene);
-        return m_store.fieldsOf(scene, files);
+        return m_store.fieldsOf(scene, files, verifies ? VolumesOf::scene : VolumesOf::picture);
     });
     warnOfEmpty(scene, files, fields);
 
-    const auto viewWith = [&](double lod) {
+    const auto viewWith = [&](double lod, VolumesOf volumesOf) {
         Scene turned = scene;
         turned.dials.lod = lod;
-        return assemble(turned, fields, m_options.crop, memoryLeft(m_options.memory, fields, m_slides.bytes()));
+        const std::size_t left = memoryLeft(m_options.memory, fields, m_slides.bytes());
+        return assemble(turned, fields, m_options.crop, left, volumesOf);
     };
-    const ViewScene view = timed(report.plan, [&] { return viewWith(scene.dials.lod); });
+    const ViewScene view = timed(report.plan, [&] { return viewWith(scene.dials.lod, VolumesOf::picture); });
     // Of a picture that shows nothing one wants to know why.
     if (view.volumes.empty())
         for (const auto& [name, reason] : view.unseen)
             m_console.warning(fmt::format("frame {}: volume '{}' is left out: {}", frame, name, reason));
-    // Coarser levels are an approximation like any other: what is true are the voxels of the file.
-    const bool coarser = scene.dials.lod > 0 && (m_options.verify > 0 || scene.tolerance > 0);
-    const ViewScene truth = coarser ? viewWith(0) : view;
-    Frame rendered =
-        scene.tolerance > 0 ? renderWithin(scene.tolerance, view, truth, report) : renderVerified(view, truth, report);
+    // What is true does not rest on what was left out as useless, nor on coarser levels.
+    const ViewScene truth = verifies ? viewWith(0, VolumesOf::scene) : ViewScene{};
+    Frame rendered = scene.tolerance > 0 ? renderTolerance(scene.tolerance, view, truth, report)
+                                         : renderVerified(view, truth, report);
+    if (report.verifiedInPart)
+        m_console.warning(fmt::format("frame {}: --verify-limit ended the verification after {} pixels", frame,
+                                      report.verification->pixels));
+    report.stages = rendered.times;
+    report.work = rendered.work;
     throwIfInterrupted();
     timed(report.write, [&] { writeFrame(scene, input.toml(), m_colour, std::move(rendered), report, m_console); });
     report.peakBytes = peakResidentBytes();

@@ -21,6 +21,7 @@
 #include <filesystem>
 #include <map>
 #include <system_error>
+#include <utility>
 
 namespace scrim::cli {
 namespace {
@@ -88,25 +89,28 @@ void studyCommand(const SceneOptions& options) {
     for (const VolumeFile& file : files)
         if (file.state == FileState::missing) throw Error(ErrorKind::input, file.problem);
     slides.loadInto(scene);
-    const Fields fields = store.fieldsOf(scene, files);
+    const Fields fields = store.fieldsOf(scene, files, VolumesOf::scene);
 
     // Of all dials, only lod changes what is assembled.
-    std::map<double, ViewScene> assembled;
-    const auto sceneWith = [&](const Dials& dials) {
-        auto found = assembled.find(dials.lod);
+    std::map<std::pair<double, VolumesOf>, ViewScene> assembled;
+    const auto assembledWith = [&](const Dials& dials, VolumesOf volumesOf) {
+        const std::pair key(dials.lod, volumesOf);
+        auto found = assembled.find(key);
         if (found == assembled.end()) {
             scene.dials.lod = dials.lod;
             const std::size_t left = memoryLeft(options.memory, fields, slides.bytes());
-            found = assembled.emplace(dials.lod, assemble(scene, fields, options.crop, left)).first;
+            found = assembled.emplace(key, assemble(scene, fields, options.crop, left, volumesOf)).first;
         }
         ViewScene turned = found->second;
         turned.dials = dials;
         turned.layers.clear();  // what is studied is the beauty
         return turned;
     };
+    const auto sceneWith = [&](const Dials& dials) { return assembledWith(dials, VolumesOf::picture); };
     const Dials base = scene.dials;
     StudyOptions studyOptions;
     studyOptions.budget = options.budget;
+    studyOptions.truth = [&](const Dials& dials) { return assembledWith(dials, VolumesOf::scene); };
     const ResultFolder folder(options.output);
     progress.beginFrame(input.frames().front());
     const Study study = runStudy(sceneWith, base, studyOptions, progress.stage(0, 1));

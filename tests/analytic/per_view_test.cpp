@@ -61,9 +61,7 @@ TEST_P(PerView, AgreesWithBruteForce) {
     scene.dials.sheets = v.sheets;
     scene.dials.shadowPlane = v.plane;
     scene.dials.shadowFilter = v.filter;
-    const double error = errorOf(scene, 60);
-    RecordProperty("error", std::to_string(error));
-    EXPECT_LT(error, 0.025);
+    expectConvergence(scene, 60, 1);
 }
 
 const Light kSide = distantLight({-1, -0.7, -0.9}, 3), kFront = distantLight({0.3, 0.2, -1}, 3),
@@ -180,13 +178,14 @@ TEST(OcclusionMap, LeavesTheShadowsOfHiddenVoxels) {
     };
     EXPECT_LT(brightness(with), 0.95 * brightness(without));
     scene.lights[0].shadows = true;
-    EXPECT_LT(errorOf(scene, 60), 0.1);  // walls of a few voxels with hard edges
+    expectConvergence(scene, 60, 0.5);  // hard edges: a band as wide as a texel is off
 }
 
 // ZC02 section 6: "the image-aligned splatting makes it difficult to keep track of accurate opacities as seen from the
 // perpendicular light source".
 TEST(Perpendicular, ImageAlignedSheetsShowThePapersProblemAndHalfWaySheetsDoNot) {
     ViewScene scene = smokeScene(distantLight({0, -1, 0}, 3));
+    expectConvergence(scene, 60, 1);
     const double halfWay = errorOf(scene, 60);
     scene.dials.splat = SplatMode::shared;
     const double shared = errorOf(scene, 60);
@@ -196,9 +195,7 @@ TEST(Perpendicular, ImageAlignedSheetsShowThePapersProblemAndHalfWaySheetsDoNot)
     RecordProperty("halfWayPerView", std::to_string(halfWay));
     RecordProperty("halfWayShared", std::to_string(shared));
     RecordProperty("imageAligned", std::to_string(aligned));
-    EXPECT_LT(halfWay, 0.025);
-    EXPECT_LT(shared, 0.035);
-    EXPECT_GT(aligned, 0.2);
+    EXPECT_GT(aligned, 5 * std::max(halfWay, shared));
 }
 
 }  // namespace

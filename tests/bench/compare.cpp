@@ -99,7 +99,7 @@ void compare(const std::string& asset, int pixelCount, int rounds) {
     const DenseMarcher dense(scene);
     std::vector<Candidate> all = candidates(scene, dense);
     const Image first = all.front().render();
-    const std::vector<VerifiedPixel> pixels = samplePixels(scene, first, pixelCount, 1);
+    const std::vector<VerifiedPixel> pixels = samplePixels(scene, first, pixelCount, 1).pixels;
     for (Candidate& c : all) c.error = errorOf(c.render(), pixels);
     for (int round = 0; round < rounds; ++round)
         for (Candidate& c : all) c.times.push_back(seconds([&] { c.render(); }));

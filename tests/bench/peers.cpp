@@ -83,7 +83,7 @@ void writeScene(const std::string& asset, const std::string& sceneFile, const st
     const ViewScene scene = load(sceneFile);  // as all others will read it
     const Image image = render(scene, makePlan(scene, threadCount())).image;
     std::string pixels;
-    for (const VerifiedPixel& p : samplePixels(scene, image, count, kSeed))
+    for (const VerifiedPixel& p : samplePixels(scene, image, count, kSeed).pixels)
         pixels += fmt::format("{} {} {} {} {} {}\n", p.x, p.y, p.reference[0], p.reference[1], p.reference[2],
                               p.reference[3]);
     writeWholeFile(pixelFile, pixels);

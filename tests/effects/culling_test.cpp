@@ -58,7 +58,7 @@ TEST(Sheets, BehindTheLastThingSeenAreNotSplatted) {
     EXPECT_LT(group.needed.last - group.needed.first, 0.8 * group.sheets.count);
     EXPECT_LT(group.needed.share(group.sheets), 0.5);
     EXPECT_GT(group.needed.first + group.sheets.count - group.needed.last, 0);
-    EXPECT_LT(errorOf(scene, 40), 0.02);
+    expectConvergence(scene, 40, 1);
 }
 
 // A part of a slab in the middle of a long row of them: sheets begin in the middle of what would be a batch.
@@ -72,7 +72,7 @@ TEST(Sheets, BeforeTheFirstThingSeenAreNotSplatted) {
     scene.ambient = Rgb(1);
     const Plan plan = makePlan(scene, 2);
     ASSERT_GT(plan.groups.front().needed.first, 8);
-    EXPECT_LT(errorOf(scene, 40), 0.02);
+    expectConvergence(scene, 40, 1);
 }
 
 TEST(ViewFrustums, HoldEveryPointThatAPixelSees) {

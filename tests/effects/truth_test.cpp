@@ -49,10 +49,8 @@ TEST_P(Effects, AgreeWithBruteForce) {
         scene.camera.type = CameraType::perspective;
         scene.camera.fov = 30;
     }
-    const Verification v = verified(scene, renderScene(scene), 40);
-    std::printf("%s: %.2f %% (bias %.2f %%)\n", GetParam().effect.c_str(), 100 * v.error, 100 * v.bias);
-    EXPECT_LT(v.error, 0.012);
-    EXPECT_LT(std::abs(v.bias), 0.005);
+    // Per view only the sheets get finer, not the raster.
+    expectConvergence(scene, 40, GetParam().way == Way::perView ? 0.25 : 1);
 }
 
 std::vector<Case> allCases() {

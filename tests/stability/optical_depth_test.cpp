@@ -153,10 +153,7 @@ TEST(OpaqueVoxel, InSmokeAgreesWithBruteForce) {
         take(way, scene);
         const Frame frame = renderScene(scene);
         ASSERT_TRUE(sane(frame.image)) << way.name;
-        const Verification v = verified(scene, frame, 60);
-        RecordProperty(way.name, std::to_string(v.error));
-        EXPECT_LT(v.error, way.shade == ShadeMode::texel ? 0.06 : 0.035)
-            << way.name << ", worst " << v.worst << " at " << v.worstX << "," << v.worstY;
+        expectConvergence(scene, 60, 0.5, way.name);
     }
 }
 

@@ -6,15 +6,47 @@
 
 #include <scrim/study/verify.h>
 
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
 namespace scrim::test {
 
-/// Relative RMSE of `frame` at `pixels` random pixels, always the same ones for equal pictures' shapes.
+/// Relative RMSE of `frame` at `pixels` pixels that show something.
 inline Verification verified(const ViewScene& scene, const Frame& frame, int pixels) {
     return summarise(samplePixels(scene, frame.image, pixels, 7));
 }
 
 inline double errorOf(const ViewScene& scene, int pixels) {
     return verified(scene, renderScene(scene), pixels).error;
+}
+
+/// The scene with texels and sheets of half the size, footprints of twice as many steps, and a quarter of the cut-off.
+inline ViewScene refined(ViewScene scene) {
+    scene.dials.texel /= 2;
+    scene.dials.sheetThickness /= 2;
+    scene.dials.footprintSteps = std::min(2 * scene.dials.footprintSteps, 64);
+    scene.dials.opacityCutoff /= 4;
+    return scene;
+}
+
+/// Agreement with brute force without a tolerance of its own: what the dials are to blame for goes away with them. The
+/// error, colour's and alpha's, at half their size must be at most 2^-order of what it was. Both are taken at the same
+/// pixels, so that which ones were drawn hardly matters. Below kFloor no order is asked for: the reference itself has steps
+/// of half a voxel, and in per-view splatting the raster is the picture's, which does not get finer.
+constexpr double kFloor = 0.002;
+inline void expectConvergence(const ViewScene& scene, int pixels, double order, const std::string& name = "") {
+    PixelSample sample = samplePixels(scene, renderScene(scene).image, pixels, 7);
+    const Verification at = summarise(sample);
+    setRendered(sample.pixels, renderScene(refined(scene)).image);
+    const Verification finer = summarise(sample);
+    EXPECT_EQ(at.pixels, pixels) << name;
+    testing::Test::RecordProperty(name + "Errors", fmt::format("{} {}", at.error, finer.error));
+    EXPECT_LE(finer.error, std::max(std::exp2(-order) * at.error, kFloor)) << name << ": error " << at.error << ", worst pixel " << at.worst;
+    EXPECT_LE(finer.alphaError, std::max(std::exp2(-order) * at.alphaError, kFloor)) << name << ": error of alpha " << at.alphaError;
 }
 
 }  // namespace scrim::test

@@ -17,6 +17,7 @@ enum class ErrorKind {
     output,       ///< a result could not be written
     memory,       ///< the memory limit does not suffice
     interrupted,  ///< the caller asked to stop
+    accuracy,     ///< the result is there, but not as accurate as was asked for
 };
 
 class Error : public std::runtime_error {

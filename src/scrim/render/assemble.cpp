@@ -110,7 +110,7 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
 }  // namespace
 
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
-                   std::size_t memoryLimit) {
+                   std::size_t memoryLimit, VolumesOf volumesOf) {
     ViewScene out;
     out.camera = scene.camera;
     out.region = out.picture = pictureOf(scene);
@@ -137,7 +137,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     const std::vector<std::string> reasons = unseenVolumes(scene, corners);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const std::string& reason = fields[i].unseen.empty() ? reasons[i] : fields[i].unseen;
-        if (volumes[i] && reason.empty())
+        if (volumes[i] && (reason.empty() || volumesOf == VolumesOf::scene))
             out.volumes.push_back(std::move(*volumes[i]));
         else if (volumes[i] || !fields[i].unseen.empty())
             out.unseen.emplace_back(scene.volumes[i].name, reason);

@@ -22,7 +22,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kPixelSeed = 1;
-constexpr int kPixelsAtATime = 32;
+constexpr std::size_t kPixelsAtATime = 64, kLeastPixels = 128;  // before their interval is looked at
 // Of a budget: the reference at most so much, each setting at most so much, all settings once at most so much, and with
 // pictures so much.
 constexpr double kReferencePart = 0.25, kTrialPart = 0.08, kFirstRoundPart = 0.65, kPicturesPart = 0.8;
@@ -41,7 +41,8 @@ class Run {
     bool past(double part) const { return m_options.budget > 0 && spent() > part * m_options.budget; }
     void report(double done) const;
 
-    std::vector<VerifiedPixel> reference(const ViewScene& scene, std::vector<VerifiedPixel> pixels, std::size_t most);
+    std::vector<VerifiedPixel> reference(const ViewScene& truth, const Image& image);
+    ViewScene truthWith(Dials dials) const;
     void renderBase();
     Image timedRender(const ViewScene& scene, Trial& trial) const;
     bool affordable(double seconds) const;
@@ -76,35 +77,39 @@ Image Run::timedRender(const ViewScene& scene, Trial& trial) const {
     return std::move(frame.image);
 }
 
-// References of `pixels` until the error of what is rendered there is known well enough, or time is up.
-std::vector<VerifiedPixel> Run::reference(const ViewScene& scene, std::vector<VerifiedPixel> pixels, std::size_t most) {
-    std::size_t done = 0;
-    while (done < std::min(most, pixels.size())) {
-        const std::size_t step = std::min<std::size_t>(kPixelsAtATime, pixels.size() - done);
-        evaluateReferences(scene, std::span(pixels).subspan(done, step));
-        done += step;
-        const Verification v = summarise({pixels.begin(), pixels.begin() + static_cast<std::ptrdiff_t>(done)});
-        report(0.1 * double(done) / double(most));
-        if (done >= 4 * kPixelsAtATime && v.upper - v.lower < 2 * m_options.intervalWanted * v.error) break;
-        if (past(kReferencePart)) break;
-    }
-    pixels.resize(done);
-    return pixels;
+// Pixels of `image` and their references, until its error is known well enough, or time is up.
+std::vector<VerifiedPixel> Run::reference(const ViewScene& truth, const Image& image) {
+    SampleOptions options;
+    options.count = m_options.mostPixels;
+    options.seed = kPixelSeed;
+    options.progress = [this](double done) {
+        report(0.1 * done);
+        return true;
+    };
+    options.enough = [this](const PixelSample& sample) {
+        if (past(kReferencePart)) return true;
+        if (sample.pixels.size() < kLeastPixels || sample.pixels.size() % kPixelsAtATime != 0) return false;
+        const Verification v = summarise(sample);
+        return v.pixels > 0 && v.upper - v.lower < 2 * m_options.intervalWanted * v.error;
+    };
+    return samplePixels(truth, image, options).pixels;
+}
+
+ViewScene Run::truthWith(Dials dials) const {
+    dials.lod = 0;
+    return m_options.truth ? m_options.truth(dials) : m_sceneWith(dials);
 }
 
 void Run::renderBase() {
-    Dials truth = m_base;
-    truth.lod = 0;
     Trial& trial = m_study.trials.front();
     const Image image = timedRender(m_sceneWith(m_base), trial);
-    std::vector<VerifiedPixel> pixels = drawPixels(image, m_options.mostPixels, kPixelSeed);
-    if (pixels.empty()) throw Error(ErrorKind::render, "there is nothing to study: the picture is empty");
     const double before = spent();
-    pixels = reference(m_sceneWith(truth), std::move(pixels), static_cast<std::size_t>(m_options.mostPixels));
+    std::vector<VerifiedPixel> pixels = reference(truthWith(m_base), image);
+    const Verification v = summarise(pixels);
+    if (v.pixels == 0) throw Error(ErrorKind::render, "there is nothing to study: the picture is empty");
     m_referenceTime = (spent() - before) / double(pixels.size());
-    for (const VerifiedPixel& p : pixels)
-        m_study.meanReference += (p.reference[0] + p.reference[1] + p.reference[2]) / 3 / double(pixels.size());
-    m_study.pixels = static_cast<int>(pixels.size());
+    m_study.meanReference = v.mean;
+    m_study.pixels = v.pixels;
     m_truth[m_base.kernel] = std::move(pixels);
     trial.seconds.clear();  // the first render pays for pages that the later ones find
 }
@@ -132,11 +137,9 @@ void Run::tryOnce(Trial& trial) {
     const Image image = timedRender(m_sceneWith(trial.dials), trial);
     m_scale = trial.seconds.back() / expectedTime;
     if (missing > 0) {
-        Dials exact = trial.dials;
-        exact.lod = 0;
         truth = m_truth[m_base.kernel];
         truth.resize(missing);
-        evaluateReferences(m_sceneWith(exact), truth);
+        evaluateReferences(truthWith(trial.dials), truth);
     }
     trial.seen = truth;
     setRendered(trial.seen, image);
@@ -178,12 +181,13 @@ void Run::repeat() {
     }
 }
 
-// Distance from the finest picture, at the reference's pixels: free of what the other dials cost.
-double distance(const Trial& a, const Trial& b) {
+// RMS distance from the finest picture over the `counted` of the reference's pixels that show something: free of what the
+// other dials cost.
+double distance(const Trial& a, const Trial& b, int counted) {
     double squares = 0;
     for (std::size_t i = 0; i < a.seen.size(); ++i)
         for (std::size_t c = 0; c < 3; ++c) squares += std::pow(a.seen[i].rendered[c] - b.seen[i].rendered[c], 2);
-    return std::sqrt(squares / (3 * double(a.seen.size())));
+    return std::sqrt(squares / (3.0 * counted));
 }
 
 void Run::findOrders() {
@@ -200,7 +204,7 @@ void Run::findOrders() {
                 finest = &trial;
                 finestSize = sweep.sizes[i];
             }
-            sweep.distances[i] = distance(trial, *finest) / m_study.meanReference;
+            sweep.distances[i] = distance(trial, *finest, m_study.pixels) / m_study.meanReference;
             distances.push_back({sweep.sizes[i], sweep.distances[i]});
         }
         sweep.order = convergenceOrder(distances, finestSize);

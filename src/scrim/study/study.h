@@ -23,6 +23,7 @@ struct StudyOptions {
     double intervalWanted = 0.1;    ///< of the error: stop adding pixels where half the 95 % interval is this narrow
     int repeats = 5;                ///< of every render, interleaved; the median counts
     int mostPictures = 4;           ///< error pictures
+    SceneWith truth = {};           ///< with all volumes, those too that a picture has no use for; none: as rendered
 };
 
 /// A picture's distance from the most accurate one of the study.

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <scrim/base/messages.h>
-#include <scrim/study/study.h>
+#include <scrim/render/frame.h>
+#include <scrim/render/plan.h>
+#include <scrim/study/verify.h>
 
 #include <array>
+#include <functional>
 
 namespace scrim {
 
@@ -43,13 +46,47 @@ struct ToleranceChoice {
     bool reachable = true; ///< false: the finest dials that are tried are predicted to miss it
 };
 
-/// The cheapest dials, by expectedSeconds, that `model` predicts to stay a safe way below `tolerance`. All other dials
-/// are those of `base`, but for footprint steps and the opacity cut-off, which must not spoil it.
-ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance);
+/// The cheapest dials, by expectedSeconds, that `model` predicts to stay below `aim` of `tolerance`. All other dials
+/// are those of `scene`, but for footprint steps and the opacity cut-off, which must not spoil it.
+ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim = 0.7);
 
-/// Renders the pilots of `scene` and fills in their errors against the reference of `exact` (the same scene, but for
-/// levels of detail) at `pixels` random pixels, other ones than those of a verification. Throws Error.
-void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewScene& exact, int pixels,
+/// Renders the pilots of `scene` and fills in their errors against the reference of `truth` (the same scene with all its
+/// volumes at full resolution) at `pixels` pixels drawn with `seed`. Throws Error.
+void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewScene& truth, int pixels, unsigned seed,
                const ProgressSink& progress = {});
+
+struct ToleranceOptions {
+    double tolerance = 0.01;  ///< relative RMSE
+    int pixels = 300;         ///< of each verification; kAllPixels: all
+    int pilotPixels = 96;
+    int attempts = 3;         ///< renders at most
+    unsigned seed = 1;
+    double seconds = 0;       ///< each verification ends after this time; 0: never
+    ProgressSink progress = {};
+    std::function<void(double)> announce = {};  ///< as SampleOptions has it
+    std::function<void(const ViewScene&, const Plan&)> planned = {};  ///< called before each render but the pilots'
+};
+
+struct ToleranceResult {
+    Frame frame;
+    Plan plan;
+    Dials dials;
+    double predicted = 0;  ///< error, of the setting that was rendered last
+    Verification verification;
+    /// The error, and that of alpha, is below this with a confidence of 97.5 % each, however many attempts were made: each has its share of what is
+    /// left.
+    double bound = 0;
+    bool outOfTime = false;  ///< the verification ended early
+    int attempts = 0;        ///< renders
+    bool met = false;        ///< bound <= tolerance; of a picture without anything in it: all of it was looked at
+    struct {
+        double pilots = 0, plan = 0, render = 0, verify = 0;
+    } seconds;
+};
+
+/// Renders `scene` with the cheapest dials that pilots predict to do, and checks them at pixels drawn at random. Where the
+/// bound misses the tolerance, tries finer dials, on fresh pixels: those that asked for finer dials cannot judge them.
+/// `truth`: the same scene with all volumes at full resolution. Throws Error.
+ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, const ToleranceOptions& options);
 
 }  // namespace scrim

@@ -187,7 +187,7 @@ Header readHeader(Reader& reader, const Mapping& mapping, Kind expected) {
     if (header.bytes != mapping.size)
         incomplete(fmt::format("it has {} bytes, expected {}", mapping.size, header.bytes));
     if (header.kind == static_cast<std::uint32_t>(Kind::error)) {
-        const auto kind = header.code <= static_cast<std::uint32_t>(ErrorKind::interrupted)
+        const auto kind = header.code <= static_cast<std::uint32_t>(ErrorKind::accuracy)
                               ? static_cast<ErrorKind>(header.code)
                               : ErrorKind::input;
         const std::string text = clipped(reader.text(), 2000);

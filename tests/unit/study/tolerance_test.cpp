@@ -59,7 +59,7 @@ TEST(Tolerance, OfSmokeIsMetByWhatThePilotsChoose) {
     ViewScene scene = smokeScene();
     for (const double tolerance : {0.02, 0.007}) {
         std::array<Pilot, 2> pilots = pilotsFor(tolerance);
-        runPilots(pilots, scene, scene, 64);
+        runPilots(pilots, scene, scene, 64, 9);
         for (const Pilot& p : pilots) EXPECT_GT(p.error, 0);
         scene.dials = chooseDials(scene, fitModel(pilots), tolerance).dials;
         EXPECT_LT(errorOf(scene, 64), tolerance) << "texel " << scene.dials.texel << " sheets "
