@@ -104,8 +104,9 @@ std::string summaryLine(const FrameReport& r) {
     if (r.verification)
         text += verificationText(*r.verification);
     if (r.tolerance)
-        text += fmt::format("; below {:.2f} % with 97.5 % confidence; predicted {:.2f} % with texel {} and "
+        text += fmt::format("; {}below {:.2f} % with 97.5 % confidence; predicted {:.2f} % with texel {} and "
                             "sheet_thickness {}{}",
+                            r.tolerance->met ? "" : fmt::format("MISSED {:g} %, ", 100 * r.tolerance->wanted),
                             100 * r.tolerance->bound, 100 * r.tolerance->predicted, r.tolerance->texel,
                             r.tolerance->sheetThickness,
                             r.tolerance->attempts > 1 ? fmt::format(", attempt {}", r.tolerance->attempts) : "");

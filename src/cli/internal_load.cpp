@@ -88,10 +88,9 @@ int internalLoad(const std::vector<std::string>& arguments) {
     const int fd = std::stoi(arguments[1]);
     const std::string& what = arguments[2];
     limitSelf(std::stoull(arguments[3]));
-    const ThreadLimit threads(std::stoi(arguments[4]));
     std::vector<GridRequest> requests;
     for (std::size_t i = 6; i < arguments.size(); ++i) requests.push_back(gridRequestFrom(arguments[i]));
-    sendAllOrError(fd, what, arguments[5], requests);
+    TaskArena(std::stoi(arguments[4])).run([&] { sendAllOrError(fd, what, arguments[5], requests); });
     // What a damaged file left of the heap is better not taken apart.
     ::_exit(0);
 }

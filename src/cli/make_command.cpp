@@ -56,9 +56,10 @@ void makeCommand(const MakeOptions& options) {
     const auto parameters = split(options.parameters);
     if (options.output.empty()) throw Error(ErrorKind::usage, "make: expected -o OUT.vdb, the file to write");
 
-    const ThreadLimit threads(options.threads);
-    const auto fields =
-        generate(options.source, parameters, console.sink(), [](double) { return interruptSignal() == 0; });
+    std::vector<SparseField> fields;
+    TaskArena(options.threads).run([&] {
+        fields = generate(options.source, parameters, console.sink(), [](double) { return interruptSignal() == 0; });
+    });
     throwIfInterrupted();
     writeVdb(options.output, fields);
     for (const SparseField& field : fields)

@@ -55,10 +55,10 @@ double secondsFrom(const std::string& option, const std::string& text) {
         option, text, [](double v) { return v > 0 && v <= 1e9; }, "seconds, more than 0");
 }
 
-int countFrom(const std::string& option, const std::string& text, int most) {
+int countFrom(const std::string& option, const std::string& text, int most, const std::string& others = "") {
     const auto numbers = numbersOf<int>(text, '\0');
     if (!numbers || numbers->size() != 1 || numbers->front() < 0 || numbers->front() > most)
-        refuse(option, text, fmt::format("a whole number from 0 to {}", most));
+        refuse(option, text, fmt::format("{}a whole number from 0 to {}", others, most));
     return numbers->front();
 }
 
@@ -152,7 +152,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     add(command, "--verify", "N|all",
         "compare N random pixels, or all, of those that may show something with the brute-force reference",
         [&o](const std::string& t) {
-            o.verify = t == "all" ? kAllPixels : countFrom("--verify", t, kAllPixels - 1);
+            o.verify = t == "all" ? kAllPixels : countFrom("--verify", t, kAllPixels - 1, "'all' or ");
         });
     add(command, "--verify-limit", "SECONDS", "end a verification after this time, with the pixels there are by then",
         [&o](const std::string& t) { o.verifyLimit = secondsFrom("--verify-limit", t); });

@@ -56,11 +56,8 @@ PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options
     return planned;
 }
 
-}  // namespace
-
-void planCommand(const SceneOptions& options) {
+void plan(const SceneOptions& options) {
     Console console(options.verbose, options.quiet);
-    const ThreadLimit threads(options.threads);
     const ColourConfig colour = ColourConfig::open(options.ocio);
     FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
     SlideStore slides(colour, console.sink());
@@ -83,6 +80,12 @@ void planCommand(const SceneOptions& options) {
         }
     }
     if (options.json && !options.printScene) printOut(all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace
+
+void planCommand(const SceneOptions& options) {
+    TaskArena(options.threads).run([&] { plan(options); });
 }
 
 }  // namespace scrim::cli

@@ -44,8 +44,7 @@ class RenderRun {
     explicit RenderRun(const SceneOptions& options)
         : m_options(options),
           m_console(options.verbose, options.quiet),
-          m_threads(options.threads),
-          m_colour(ColourConfig::open(options.ocio)),
+              m_colour(ColourConfig::open(options.ocio)),
           m_store({options.memory, options.threads, options.verbose}, m_console.sink()),
           m_slides(m_colour, m_console.sink()),
           m_progress(options.progress, m_console) {}
@@ -64,7 +63,6 @@ class RenderRun {
 
     const SceneOptions& m_options;
     Console m_console;
-    ThreadLimit m_threads;
     ColourConfig m_colour;
     FieldStore m_store;
     SlideStore m_slides;
@@ -184,12 +182,10 @@ Frame RenderRun::renderTolerance(double tolerance, const ViewScene& view, const 
     report.verifiedInPart = result.outOfTime;
     report.tolerance = {tolerance,    result.predicted, result.dials.texel, result.dials.sheetThickness,
                         result.bound, result.attempts,  result.met};
-    if (!result.met) {
+    if (!result.met)
         m_missed.push_back(fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}",
                                        report.frame, result.bound, tolerance,
                                        result.outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
-        m_console.warning(m_missed.back());
-    }
     return std::move(result.frame);
 }
 
@@ -248,7 +244,7 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
 }  // namespace
 
 void renderCommand(const SceneOptions& options) {
-    RenderRun(options).run();
+    TaskArena(options.threads).run([&] { RenderRun(options).run(); });
 }
 
 }  // namespace scrim::cli

@@ -66,14 +66,11 @@ std::string tableOf(const Study& study) {
     return text;
 }
 
-}  // namespace
-
-void studyCommand(const SceneOptions& options) {
+void study(const SceneOptions& options) {
     if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
     if (options.output.empty())
         throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
     Console console(options.verbose, options.quiet);
-    const ThreadLimit threads(options.threads);
     const ColourConfig colour = ColourConfig::open(options.ocio);
     FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
     SlideStore slides(colour, console.sink());
@@ -122,6 +119,12 @@ void studyCommand(const SceneOptions& options) {
     folder.write("index.html", studyAsHtml(study, name, colour));
     if (!options.quiet) printOut(tableOf(study));
     console.line(fmt::format("{}: study.csv, study.json, index.html", folder.path()));
+}
+
+}  // namespace
+
+void studyCommand(const SceneOptions& options) {
+    TaskArena(options.threads).run([&] { study(options); });
 }
 
 }  // namespace scrim::cli

@@ -32,7 +32,6 @@ struct Setting {
     double best = 1e9;
 
     void round() {
-        const ThreadLimit limit(threads);
         const auto begin = std::chrono::steady_clock::now();
         Frame result = render(scene, makePlan(scene, threads));
         times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
@@ -97,7 +96,7 @@ void report(const std::string& asset, int rounds) {
     ViewScene scene = benchScene(asset);
     const auto& field = *scene.volumes[0].field;
     fmt::print("\n{}: {} voxels in {} blocks, 512 x 512, {}\n", assetLabel(asset), field.activeVoxels,
-               field.blockCount(), simdInUse());
+               field.blockCount(), Simd().target());
     std::vector<Setting> all = settings(scene);
     for (Setting& s : all) s.round();  // warm-up
     for (Setting& s : all) s.times.clear();

@@ -40,10 +40,64 @@ TEST_F(ToleranceOption, IsMetAndReported) {
     EXPECT_EQ(frame.at("tolerance").at("wanted"), 0.02);
     EXPECT_LE(frame.at("tolerance").at("predicted").get<double>(), 0.02);
     EXPECT_TRUE(frame.at("tolerance").at("met").get<bool>());
-    EXPECT_LE(frame.at("verification").at("error").get<double>(), 0.02);
+    EXPECT_LE(frame.at("tolerance").at("bound").get<double>(), 0.02);
+    EXPECT_LE(frame.at("verification").at("error"), frame.at("tolerance").at("bound"));
+    EXPECT_GT(frame.at("verification").at("pixels").get<int>(), 0);
     const auto attributes = readExrAttributes(file("scene.exr"));
     EXPECT_EQ(attributes.count("scrim:tolerance:predicted"), 1u);
     EXPECT_EQ(attributes.count("scrim:verify:worst"), 1u);
+}
+
+TEST_F(ToleranceOption, ThatIsMissedIsStatusFiveAndThePictureSaysSo) {
+    const ProgramResult result = run({"render", "scene.toml", "--tolerance", "0.0000001", "--stats", "stats.json"});
+    EXPECT_EQ(result.status, 5) << result.err;
+    const auto frame = nlohmann::json::parse(readBytes(file("stats.json"))).at(0);
+    EXPECT_FALSE(frame.at("tolerance").at("met").get<bool>());
+    EXPECT_EQ(result.lastErrorLine().rfind("scrim: error: frame 1: written, but its error may be ", 0), 0u) << result.err;
+    EXPECT_EQ(readExrAttributes(file("scene.exr")).at("scrim:tolerance:met"), "0");
+}
+
+// What emits without density has no alpha: it was once taken for nothing, and nothing for a tolerance that is met.
+TEST_F(ToleranceOption, OfWhatOnlyEmitsLooksAtPixels) {
+    write("flame.toml", kCamera +
+                            "[[volume]]\nfile = \"smoke.vdb\"\ndensity = { scale = 0.0 }\n[volume.medium]\nemission = { "
+                            "grid = \"density\", ramp = [[0, [0, 0, 0]], [1, [1, 0.5, 0.1]]], scale = 2.0 }\n");
+    run({"render", "flame.toml", "--tolerance", "0.02", "--stats", "stats.json"});
+    const auto frame = nlohmann::json::parse(readBytes(file("stats.json"))).at(0);
+    EXPECT_GT(frame.at("verification").at("pixels").get<int>(), 50);
+    EXPECT_GT(frame.at("verification").at("error").get<double>(), 0);
+}
+
+using VerifyOption = ProgramTest;
+
+TEST_F(VerifyOption, CountsThePixelsThatShowSomething) {
+    for (const int count : {7, 60}) {
+        runWell({"render", "scene.toml", "--verify", std::to_string(count), "--stats", "stats.json"});
+        const auto v = nlohmann::json::parse(readBytes(file("stats.json"))).at(0).at("verification");
+        EXPECT_EQ(v.at("pixels"), count);
+        EXPECT_GE(v.at("pixels_looked_at"), count);
+    }
+}
+
+TEST_F(VerifyOption, OfAllKnowsTheErrorExactly) {
+    const ProgramResult result = runWell({"render", "scene.toml", "--verify", "all", "--stats", "stats.json"});
+    const auto v = nlohmann::json::parse(readBytes(file("stats.json"))).at(0).at("verification");
+    EXPECT_TRUE(v.at("complete").get<bool>());
+    EXPECT_EQ(v.at("lower"), v.at("upper"));
+    EXPECT_NE(result.err.find("pixels that show something"), std::string::npos) << result.err;
+}
+
+TEST_F(VerifyOption, OfAnEmptyPictureSaysThatItIsEmpty) {
+    const ProgramResult result = runWell({"render", "scene.toml", "--verify", "50", "--set", "volume.volume1.density.scale=0"});
+    EXPECT_NE(result.err.find("nothing to verify"), std::string::npos) << result.err;
+}
+
+TEST_F(VerifyOption, EndsAtItsLimit) {
+    const ProgramResult result = runWell({"render", "scene.toml", "--verify", "all", "--verify-limit", "0.000001"});
+    EXPECT_NE(result.err.find("--verify-limit ended the verification after"), std::string::npos) << result.err;
+    expectFailure({"render", "scene.toml", "--verify-limit", "0"}, 2, "--verify-limit 0: expected seconds, more than 0");
+    expectFailure({"render", "scene.toml", "--verify", "some"}, 2,
+                  "--verify some: expected 'all' or a whole number from 0 to 2147483646");
 }
 
 TEST_F(ToleranceOption, OfASceneGivesWayToAPresetOfTheCommandLine) {

@@ -93,7 +93,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         const ByteScene scene = sceneOfBytes(data, size);
         const auto rendered = [&](int threads) {
-            const ThreadLimit limit(threads);
             const Plan plan = makePlan(scene.view, threads);
             if (!isSmall(plan)) return emptyImage({});
             Image image = render(scene.view, plan).image;

@@ -162,7 +162,8 @@ TEST(WideEye, Of150DegreesAgreesWithBruteForceFromOutsideAndInside) {
             const Frame frame = renderScene(scene);
             ASSERT_TRUE(sane(frame.image)) << way.name;
             const bool inside = from.z < 20;
-            expectConvergence(scene, 40, inside && way.shade == ShadeMode::texel ? 0.5 : 1,
+            // From outside all of it is in thirteen pixels: in one tile with rays that run away from the sheets.
+            expectConvergence(scene, inside ? 40 : 13, inside && way.shade == ShadeMode::texel ? 0.5 : 1,
                               std::string(way.name) + (inside ? "Inside" : "Outside"));
         }
     }

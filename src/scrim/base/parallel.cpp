@@ -4,8 +4,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
-#include <optional>
+#include <algorithm>
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -49,18 +50,28 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task
 }
 
 int threadCount() {
-    return static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+    return tbb::this_task_arena::max_concurrency();
 }
 
-struct ThreadLimit::Control {
-    std::optional<tbb::global_control> control;
+struct TaskArena::Arena {
+    explicit Arena(int threads) : arena(threads) {}
+    tbb::task_arena arena;
 };
 
-ThreadLimit::ThreadLimit(int threads) : m_control(std::make_unique<Control>()) {
-    if (threads > 0)
-        m_control->control.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+TaskArena::TaskArena(int threads) {
+    // More than there are would only raise a warning of oneTBB's.
+    const auto most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    threads = std::min(threads, static_cast<int>(most));
+    if (threads > 0 && threads != threadCount()) m_arena = std::make_unique<Arena>(threads);
 }
 
-ThreadLimit::~ThreadLimit() = default;
+TaskArena::~TaskArena() = default;
+
+void TaskArena::run(const std::function<void()>& task) {
+    if (m_arena)
+        m_arena->arena.execute(task);
+    else
+        task();
+}
 
 }  // namespace scrim

@@ -14,20 +14,24 @@ namespace scrim {
 /// least some microseconds, and runs with denormal floats flushed to zero. The first exception a task throws is rethrown after the others have stopped.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task);
 
-/// Number of threads `parallelFor` may use now.
+/// Number of threads `parallelFor` may use where it is called now.
 int threadCount();
 
-/// Limits `parallelFor` to `threads` threads while it lives (0: all of the machine's).
-class ThreadLimit {
+/// So many threads (0: as many as the caller has; at most those that the machine has) for what runs in it, and for nothing
+/// else in the process.
+class TaskArena {
   public:
-    explicit ThreadLimit(int threads);
-    ~ThreadLimit();
-    ThreadLimit(const ThreadLimit&) = delete;
-    ThreadLimit& operator=(const ThreadLimit&) = delete;
+    explicit TaskArena(int threads);
+    ~TaskArena();
+    TaskArena(const TaskArena&) = delete;
+    TaskArena& operator=(const TaskArena&) = delete;
+
+    /// Runs `task` on the calling thread, and rethrows what it throws.
+    void run(const std::function<void()>& task);
 
   private:
-    struct Control;
-    std::unique_ptr<Control> m_control;
+    struct Arena;
+    std::unique_ptr<Arena> m_arena;  // null: the caller's own
 };
 
 }  // namespace scrim

@@ -3,6 +3,8 @@
 
 #include <scrim/base/error.h>
 
+#include <cstdint>
+
 #include <hwy/highway.h>
 #include <hwy/targets.h>
 
@@ -18,6 +20,18 @@ std::int64_t beyond(const std::string& name) {
     throw Error(ErrorKind::usage, "no instruction set is called '" + name + "': choose " + choices(simdNames()));
 }
 
+std::int64_t supported() {
+    static const std::int64_t targets = hwy::SupportedTargets();  // asks the processor, which takes a while
+    return targets;
+}
+
+// Of Highway's own choice there is one in a process; this is one of ours.
+std::size_t indexOf(std::int64_t targets) {
+    hwy::ChosenTarget chosen;
+    chosen.Update(targets);
+    return chosen.GetIndex();
+}
+
 }  // namespace
 
 const std::vector<std::string>& simdNames() {
@@ -25,16 +39,19 @@ const std::vector<std::string>& simdNames() {
     return names;
 }
 
-void limitSimd(const std::string& name) {
-    const std::int64_t disabled = beyond(name);
-    hwy::SetSupportedTargetsForTest(0);
-    if (disabled != 0) hwy::SetSupportedTargetsForTest(hwy::SupportedTargets() & ~disabled);
-    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+Simd::Simd(const std::string& name) : m_index(indexOf(supported() & ~beyond(name))) {}
+
+std::string Simd::target() const {
+    for (std::int64_t left = supported(); left != 0; left &= left - 1) {
+        const std::int64_t target = left & -left;
+        if (indexOf(target) == index()) return hwy::TargetName(target);
+    }
+    return "baseline";
 }
 
-std::string simdInUse() {
-    const std::int64_t supported = hwy::SupportedTargets();
-    return hwy::TargetName(supported & -supported);  // the lowest bit is the best target
+std::size_t Simd::bestIndex() {
+    static const std::size_t best = indexOf(supported());
+    return best;
 }
 
 }  // namespace scrim

@@ -126,15 +126,15 @@ HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
 
 void samplePoints(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count, float* out) {
-    HWY_DYNAMIC_DISPATCH(samplePointsOnTarget)(plane, u, v, nearest, count, out);
+    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out);
 }
 
 void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {
-    HWY_DYNAMIC_DISPATCH(sampleLatticeOnTarget)(plane, u, v, step, nearest, out);
+    SCRIM_ON_TARGET(plane.simd, sampleLatticeOnTarget)(plane, u, v, step, nearest, out);
 }
 
 void attenuateTile(const AttenuateTile& tile) {
-    HWY_DYNAMIC_DISPATCH(attenuateTileOnTarget)(tile);
+    SCRIM_ON_TARGET(tile.extinction.simd, attenuateTileOnTarget)(tile);
 }
 
 }  // namespace scrim

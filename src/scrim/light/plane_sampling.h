@@ -3,6 +3,8 @@
 // Positions outside of a plane are clamped to its border. `nearest` rounds instead of interpolating.
 #pragma once
 
+#include <scrim/base/simd.h>
+
 #include <cstddef>
 
 namespace scrim {
@@ -14,6 +16,7 @@ struct FloatPlane {
     const float* data;
     int width, height;
     int x0 = 0, y0 = 0;
+    Simd simd = {};  ///< to read it with
 };
 
 /// out[k] = plane at (u[k], v[k]), for k in [0, count); count a multiple of 16.

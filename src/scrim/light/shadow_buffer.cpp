@@ -38,8 +38,9 @@ void sharpenSpan(const float* above, const float* here, const float* below, floa
 }  // namespace
 
 ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps,
-                           int batchSheets)
+                           int batchSheets, Simd simd)
     : m_view(view),
+      m_simd(simd),
       m_thickness(sheets.thickness),
       m_nearest(filter == ShadowFilter::nearest),
       m_sharpening(m_nearest ? 0.0f : static_cast<float>(lookUps) / 12) {
@@ -68,7 +69,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     m_count = count;
     for (int s = 0; s < count; ++s)
         if (const double part = m_view.litPart(firstSheet + s); part > 0 && part < 1)
-            leaveTheSource(part, {extinction.plane(s), extinction.width(), extinction.height()});
+            leaveTheSource(part, {extinction.plane(s), extinction.width(), extinction.height(), 0, 0, m_simd});
     const int tilesX = covered.tilesX(), tilesY = covered.tilesY();
     const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
 
@@ -123,7 +124,7 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
         const CellMap map = m_view.at(m_firstSheet + s);
 
         AttenuateTile tile{};
-        tile.extinction = {extinction.plane(s), extinction.width(), extinction.height()};
+        tile.extinction = {extinction.plane(s), extinction.width(), extinction.height(), 0, 0, m_simd};
         tile.nearest = m_nearest;
         tile.path = static_cast<float>(m_thickness);
         tile.step = static_cast<float>(map.scale);
@@ -186,7 +187,7 @@ void ShadowBuffer::sharpen(int s) {
 // Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
 FloatPlane ShadowBuffer::entryPlane(int s) const {
     return {m_entry.data() + static_cast<std::size_t>(s) * entryStride(), windowWidth(), m_windowTilesY * kTileEdge,
-            m_windowTileX * kTileEdge, m_windowTileY * kTileEdge};
+            m_windowTileX * kTileEdge, m_windowTileY * kTileEdge, m_simd};
 }
 
 void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {

@@ -32,7 +32,8 @@ class ShadowBuffer final : public ShadowLookup {
   public:
     /// `lookUps`: bilinear ones on the way from this buffer to the picture, one where pixels look into it, two where
     /// texels do that pixels then look at. See `sharpen`.
-    ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets);
+    ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets,
+                 Simd simd = {});
 
     const LightView& view() const { return m_view; }
 
@@ -69,6 +70,7 @@ class ShadowBuffer final : public ShadowLookup {
     bool lit(int s) const { return m_windowTilesX > 0 && m_view.reaches(m_firstSheet + s); }
 
     LightView m_view;
+    Simd m_simd;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
     float m_sharpening;        // times the second differences

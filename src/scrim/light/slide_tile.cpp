@@ -349,7 +349,7 @@ namespace scrim {
 HWY_EXPORT(tintTileOnTarget);
 
 bool tintTile(const SheetSlide& slide, const SlideSamples& samples, float* tint) {
-    return HWY_DYNAMIC_DISPATCH(tintTileOnTarget)(slide, samples, tint);
+    return SCRIM_ON_TARGET(slide.simd, tintTileOnTarget)(slide, samples, tint);
 }
 
 }  // namespace scrim

@@ -10,6 +10,7 @@
 // pixels: a tap counts as much as the part of its box that lies within.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/light/slide_map.h>
 
 namespace scrim {
@@ -26,6 +27,7 @@ struct SheetSlide {
     const Texture* image = nullptr;
     SlideOutside outside = SlideOutside::black;
     SheetMap map;
+    Simd simd = {};
 };
 
 /// 256 samples: texel positions, and the eye ray's slopes du/dw and dv/dw times `toTexels` = texels a sheet. All

@@ -20,8 +20,8 @@ double pathThroughSheet(const ViewRaster& raster, const Sheets& sheets, double x
 
 }  // namespace
 
-ViewShadow::ViewShadow(const ViewRaster& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets)
-    : m_raster(raster), m_nearest(filter == ShadowFilter::nearest) {
+ViewShadow::ViewShadow(const ViewRaster& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd)
+    : m_raster(raster), m_simd(simd), m_nearest(filter == ShadowFilter::nearest) {
     const auto cells = static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
     m_tau.resize(cells);
     m_entry.resize(cells * static_cast<std::size_t>(batchSheets));
@@ -60,7 +60,7 @@ void ViewShadow::lookUpPoints(int s, const float* u, const float* v, float* tau)
         x[k] = static_cast<float>(p.x / p.z);
         y[k] = static_cast<float>(p.y / p.z);
     }
-    samplePoints({entry(s), m_raster.width, m_raster.height}, x, y, m_nearest, kTileSize, tau);
+    samplePoints({entry(s), m_raster.width, m_raster.height, 0, 0, m_simd}, x, y, m_nearest, kTileSize, tau);
 }
 
 std::size_t ViewShadow::bytes(const ViewRaster& raster, int batchSheets) {

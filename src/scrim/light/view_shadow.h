@@ -16,7 +16,7 @@ namespace scrim {
 
 class ViewShadow final : public ShadowLookup {
   public:
-    ViewShadow(const ViewRaster& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets);
+    ViewShadow(const ViewRaster& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd = {});
 
     void beginBatch(int firstSheet, int count) {
         m_firstSheet = firstSheet;
@@ -37,6 +37,7 @@ class ViewShadow final : public ShadowLookup {
     const float* entry(int s) const { return m_entry.data() + static_cast<std::size_t>(s) * m_tau.size(); }
 
     ViewRaster m_raster;
+    Simd m_simd;
     bool m_nearest;
     int m_firstSheet = 0, m_count = 0;
     std::vector<float> m_path;   // world length of each cell's ray through a sheet

@@ -26,7 +26,7 @@ double pathInSheets(const LightView& view) {
 }  // namespace
 
 BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
-    : m_scene(scene), m_group(group), m_rows(plan.extinction) {
+    : m_scene(scene), m_group(group), m_rows(plan.extinction), m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
     m_shadows.resize(row(group.lights.size(), 0));
@@ -39,10 +39,10 @@ BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPl
                 {scene, m_rows, group.sheets, light.raster, group.batchSheets, plan.voxel, SheetsFor::light}, {}});
         for (int r = 0; r < m_rows.count(); ++r) {
             if (plan.perView)
-                m_ownSheets[i]->shadows.emplace_back(light.raster, group.sheets, filter, group.batchSheets);
+                m_ownSheets[i]->shadows.emplace_back(light.raster, group.sheets, filter, group.batchSheets, plan.simd);
             else
                 m_shadows[row(i, r)] =
-                    std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps, group.batchSheets);
+                    std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd);
         }
     }
 }
@@ -130,7 +130,8 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(part * plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
     if (light.slide)
-        out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5)};
+        out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5),
+                     m_simd};
     if (out.distant) {
         out.slopeA = static_cast<float>(plan.view.tsSource.x * plan.view.slopeScale);
         out.slopeB = static_cast<float>(plan.view.tsSource.y * plan.view.slopeScale);

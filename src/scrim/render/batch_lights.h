@@ -47,6 +47,7 @@ class BatchLights {
     const ViewScene& m_scene;
     const GroupPlan& m_group;
     const ExtinctionRows& m_rows;
+    Simd m_simd;
     // One a light of the group and row of extinction, null where it is unshadowed; or what the light splats for itself.
     std::vector<std::unique_ptr<ShadowBuffer>> m_shadows;
     struct OwnSheets {

@@ -326,22 +326,22 @@ HWY_EXPORT(samplePlaneOnTarget);
 HWY_EXPORT(compositeSamplesOnTarget);
 
 void fillRays(const RayRow& row, int j, RayTile& tile) {
-    HWY_DYNAMIC_DISPATCH(fillRaysOnTarget)(row, j, tile);
+    SCRIM_ON_TARGET(row.simd, fillRaysOnTarget)(row, j, tile);
 }
 
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
                    const FirstDepth* first) {
-    HWY_DYNAMIC_DISPATCH(compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
+    SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
 }
 
 void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                 const SampleLayout& layout, float* samples) {
-    HWY_DYNAMIC_DISPATCH(samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
+                 const SampleLayout& layout, float* samples, Simd simd) {
+    SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
 }
 
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
                       const FirstDepth* first) {
-    HWY_DYNAMIC_DISPATCH(compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
+    SCRIM_ON_TARGET(sheet.simd, compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
 }
 
 }  // namespace scrim

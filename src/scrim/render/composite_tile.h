@@ -7,6 +7,7 @@
 // layout (sample_layout.h), under its own opacity or, where extinction is coloured, channel by channel under that of all.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/shade/sample_layout.h>
 
@@ -38,6 +39,7 @@ struct RayRow {
     double origin[3], originStep[3], direction[3], directionStep[3];
     double near;       ///< depth at which rays begin, in units of the direction
     double reference;  ///< N of the plane that positions are wanted on
+    Simd simd = {};
 };
 
 /// Fills row j of a tile.
@@ -49,6 +51,7 @@ struct SheetList {
     int count;
     int width, height;  ///< of the planes, texels
     SampleLayout layout = {};
+    Simd simd = {};
 };
 
 /// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `first`: null
@@ -63,12 +66,13 @@ struct SheetSamples {
     const float* part;
     const float* at = nullptr;  ///< read where the first depth is looked for
     SampleLayout layout = {};
+    Simd simd = {};
 };
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
                       const FirstDepth* first = nullptr);
 
 /// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
 void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                 const SampleLayout& layout, float* samples);
+                 const SampleLayout& layout, float* samples, Simd simd = {});
 
 }  // namespace scrim

@@ -8,7 +8,8 @@
 
 namespace scrim {
 
-EyeView::EyeView(const Camera& camera, const Sheets& sheets) : m_orthographic(camera.type == CameraType::orthographic) {
+EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
+    : m_orthographic(camera.type == CameraType::orthographic), m_simd(simd) {
     const RayFamily ws = wsRays(camera);
     m_ts.near = ws.near;
     m_ts.origin0 = sheets.tsPoint(ws.origin0);
@@ -41,6 +42,7 @@ RayTile EyeView::rays(int x0, int y0, double reference) const {
     RayRow row{};
     row.near = m_ts.near;
     row.reference = reference;
+    row.simd = m_simd;
     for (int j = 0; j < kTileEdge; ++j) {
         const Vec3 o = m_ts.origin(x0 + 0.5, y0 + j + 0.5), d = m_ts.direction(x0 + 0.5, y0 + j + 0.5);
         for (int axis = 0; axis < 3; ++axis) {

@@ -22,7 +22,9 @@ struct PixelRay {
 
 class EyeView {
   public:
-    EyeView(const Camera& camera, const Sheets& sheets);
+    EyeView(const Camera& camera, const Sheets& sheets, Simd simd = {});
+
+    Simd simd() const { return m_simd; }
 
     /// The ray through raster position (x, y), located at the plane N = `reference`.
     PixelRay ray(double x, double y, double reference) const;
@@ -53,6 +55,7 @@ class EyeView {
 
   private:
     bool m_orthographic;
+    Simd m_simd;
     RayFamily m_ts;           // origins and directions in texel space
     Mat3 m_rasterFromOffset;  // inverse of the ray family's linear part
     EyeSlopes m_slopes;

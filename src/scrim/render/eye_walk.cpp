@@ -56,10 +56,11 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
     const double reference = blockBegin(range.sheet) + 0.5;
     const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
 
-    // First the four corners: a batch that misses the tile must cost next to nothing.
+    // First the four corners: a batch that misses the tile must cost next to nothing. Not beyond the picture's edge, where
+    // rays of a wide eye may run away from the planes.
+    const int x1 = std::min(x0 + kTileEdge, m_tiles.region().x1), y1 = std::min(y0 + kTileEdge, m_tiles.region().y1);
     PixelRay corners[4];
-    for (int i = 0; i < 4; ++i)
-        corners[i] = m_eye.ray(x0 + (i & 1 ? kTileEdge : 0), y0 + (i & 2 ? kTileEdge : 0), reference);
+    for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? x1 : x0, i & 2 ? y1 : y0, reference);
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {
         const int step = p + walk.firstStep;
         double u0 = 1e30, u1 = -1e30, v0 = 1e30, v1 = -1e30;
@@ -134,7 +135,7 @@ EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const Plane
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
         if (listed == 0) return;
-        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout},
+        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout, m_eye.simd()},
                       m_frontToBack, mayStop ? m_cutoff : 0.0f, states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
@@ -154,8 +155,9 @@ EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const Plane
                 alignas(64) float part[kTileSize], at[kTileSize];
                 float* samples = sampleScratch(layout);
                 cutSlab(walk.rays, step, m_frontToBack, part, at);
-                samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples);
-                compositeSamples(walk.rays, {samples, part, at, layout}, m_frontToBack, states, first);
+                samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
+                            m_eye.simd());
+                compositeSamples(walk.rays, {samples, part, at, layout, m_eye.simd()}, m_frontToBack, states, first);
                 walked += kTileSize;
             }
         }
@@ -193,7 +195,7 @@ EyeWalk::Work EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetSha
         }
         m_eye.setDepth(walk.block + step + 0.5, points);
         work.shade += shade(p, points, samples);
-        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout}, m_frontToBack, states,
+        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()}, m_frontToBack, states,
                          depth ? &*depth : nullptr);
         work.pixelSheets += kTileSize;
     }

@@ -177,6 +177,8 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
 
 Plan makePlan(const ViewScene& scene, int threads) {
     Plan plan;
+    plan.threads = threads;
+    plan.simd = Simd(scene.dials.simd);
     plan.voxel = voxelUnit(scene);
     plan.region = supersampled(scene.region, scene.dials.antialias);
     plan.perView = scene.dials.splat == SplatMode::perView;

@@ -3,6 +3,7 @@
 // `scrim plan` shows exactly what a render will do.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/view_raster.h>
 #include <scrim/light/light_view.h>
@@ -67,6 +68,8 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 
 struct Plan {
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
+    int threads = 1;  ///< that the render takes
+    Simd simd;        ///< vector instructions that it uses
     ExtinctionRows extinction;
     bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;

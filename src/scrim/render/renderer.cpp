@@ -2,15 +2,15 @@
 #include <scrim/render/renderer.h>
 
 #include <scrim/base/error.h>
-#include <scrim/base/simd.h>
+#include <scrim/base/parallel.h>
 #include <scrim/render/gather.h>
 #include <scrim/render/sweep.h>
 
 namespace scrim {
-Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
-    Frame frame = emptyFrame(scene);
+namespace {
 
-    limitSimd(scene.dials.simd);
+Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
+    Frame frame = emptyFrame(scene);
     const int n = scene.dials.antialias;
     const Camera camera = supersampled(scene.camera, n);
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
@@ -24,6 +24,14 @@ Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progr
         gather(scene, plan, group, tiles, frame);
     }
     finishLayers(frame);
+    return frame;
+}
+
+}  // namespace
+
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
+    Frame frame;
+    TaskArena(plan.threads).run([&] { frame = renderHere(scene, plan, progress); });
     return frame;
 }
 

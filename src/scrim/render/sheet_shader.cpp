@@ -123,7 +123,7 @@ void SheetShader::lookUpShadows(int p, const SampleTile& samples, Rows& rows) co
 
 ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out) const {
     SampleTile samples;
-    texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
+    texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples, m_plan.simd);
     m_eye.setDepth(sheet + 0.5, samples);
     // Surfaces are classified along eye rays, which no texel of a plane knows: there texels are points like any other.
     if (!m_surfaces.empty()) return shadePoints(p, samples, out);
@@ -140,8 +140,8 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, float* out)
     Rows rows(*this, m_lights.onSheet(p).lights.size());
     gather(
         [&](const PlaneStack& planes, float* to) {
-            samplePoints({planes.plane(p), planes.width(), planes.height()}, samples.u, samples.v, false, kTileSize,
-                         to);
+            samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, samples.u, samples.v, false,
+                         kTileSize, to);
         },
         rows);
     return shadeGathered(p, samples, samples, 0, 0, rows, out);
@@ -252,6 +252,7 @@ ShadeWork SheetShader::shade(int p, const SampleTile& samples, Rows& rows, float
     input.layout = m_group.layout;
     input.targets = m_group.targets;
     input.pictures = rows.pictures();
+    input.simd = m_plan.simd;
     return shadeTile(input, out);
 }
 

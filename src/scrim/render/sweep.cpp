@@ -75,7 +75,7 @@ void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, co
               RenderWork& work, StageTimes& times, const SweepProgress& progress) {
     Stopwatch watch;
     const Sheets& sheets = group.sheets;
-    const EyeView eye(camera, sheets);
+    const EyeView eye(camera, sheets, plan.simd);
     BatchFields fields(scene, plan.extinction, sheets, plan.perView ? group.eyeRaster : sharedRaster(sheets),
                        group.batchSheets, plan.voxel, sheetsForEye(group));
     BatchLights lights(scene, plan, group);

@@ -50,7 +50,7 @@ std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume
     const float most = mostOf(volume, voxel);
     if (!raster.parallel) return WarpedSplatter(*volume.field, tsFromIs, raster, dials.kernel, steps, scale, most);
     return FieldSplatter(*volume.field, raster.rsFromTs * tsFromIs, dials.kernel, steps, scale, FootprintLookup::sloped,
-                         most);
+                         most, Simd(dials.simd));
 }
 
 }  // namespace
@@ -58,6 +58,7 @@ std::variant<FieldSplatter, WarpedSplatter> splatterFor(const ViewVolume& volume
 VolumePlanes::VolumePlanes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const ViewRaster& raster,
                            int batchSheets, double voxel)
     : m_volume(volume),
+      m_simd(dials.simd),
       m_sheets(sheets),
       m_raster(raster),
       m_shared(raster.rsFromTs == Mat4(1.0)),
@@ -151,7 +152,7 @@ void VolumePlanes::classify(int p) {
                 middle[k] = run.middle;
                 back[k] = run.back;
             }
-            m_surface->table.meanExtinction(front, middle, back, kTileSize, sigma);
+            m_surface->table.meanExtinction(front, middle, back, kTileSize, sigma, around.simd);
             float* to = out.plane(p) + corner;
             for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
@@ -174,7 +175,7 @@ GradientStep VolumePlanes::step(int p, int tx, int ty) const {
 
 ValuePlanes VolumePlanes::values(int p) const {
     return {m_values.plane(0),         m_values.planeStride(), m_values.planes(),
-            planeOf(m_firstSheet + p), m_values.width(),       m_values.height()};
+            planeOf(m_firstSheet + p), m_values.width(),       m_values.height(),   m_simd};
 }
 
 std::size_t VolumePlanes::bytes() const {

@@ -66,6 +66,7 @@ class VolumePlanes {
     int planeOf(int sheet) const { return (sheet - m_origin + m_halo) % m_values.planes(); }
 
     const ViewVolume& m_volume;
+    Simd m_simd;
     const Sheets& m_sheets;
     ViewRaster m_raster;
     bool m_shared;  // the raster is the sheets' own: views look between its texels

@@ -19,7 +19,7 @@ void sampleMoved(const float* plane, const ValuePlanes& planes, const SampleTile
         u[k] = samples.u[k] + du;
         v[k] = samples.v[k] + dv;
     }
-    samplePoints({plane, planes.width, planes.height}, u, v, false, kTileSize, out);
+    samplePoints({plane, planes.width, planes.height, 0, 0, planes.simd}, u, v, false, kTileSize, out);
 }
 
 // Values where the eye's rays cross a plane `steps` sheets away.
@@ -30,7 +30,7 @@ void sampleAlongRays(const float* plane, const ValuePlanes& planes, const Sample
         u[k] = samples.u[k] + steps * samples.eyeA[k];
         v[k] = samples.v[k] + steps * samples.eyeB[k];
     }
-    samplePoints({plane, planes.width, planes.height}, u, v, false, kTileSize, out);
+    samplePoints({plane, planes.width, planes.height, 0, 0, planes.simd}, u, v, false, kTileSize, out);
 }
 
 void sampleRun(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets, ClassifiedTile& run) {
@@ -84,13 +84,14 @@ bool classifyExtinction(const ValuePlanes& planes, const SampleTile& samples, co
         std::fill(out.extinction, out.extinction + kTileSize, 0.0f);
         return false;
     }
-    table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction);
+    table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, planes.simd);
     return std::any_of(out.extinction, out.extinction + kTileSize, [](float sigma) { return sigma > 0; });
 }
 
 void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const GradientStep& step,
                      double vagueGradient, const TransferTable& table, ClassifiedTile& out) {
-    for (int c = 0; c < 3; ++c) table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c]);
+    for (int c = 0; c < 3; ++c)
+        table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], planes.simd);
 
     alignas(64) float lower[kTileSize], upper[kTileSize];
     for (float* axis : out.normal) std::fill(axis, axis + kTileSize, 0.0f);

@@ -10,6 +10,7 @@
 // lattice points, interpolated, and do not hang on how the sheets happen to lie.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/shade/shade_tile.h>
 #include <scrim/shade/transfer_table.h>
@@ -24,6 +25,7 @@ struct ValuePlanes {
     int ring;                    ///< number of planes
     int here;                    ///< the sheet's own
     int width, height;
+    Simd simd = {};
 
     /// The plane `steps` sheets away, |steps| < ring.
     const float* at(int steps) const { return planes + (here + steps + ring) % ring * planeStride; }

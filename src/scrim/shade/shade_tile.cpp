@@ -353,12 +353,12 @@ HWY_EXPORT(shadeTileOnTarget);
 HWY_EXPORT(texelSamplesOnTarget);
 
 ShadeWork shadeTile(const ShadeInput& input, float* out) {
-    return HWY_DYNAMIC_DISPATCH(shadeTileOnTarget)(input, out);
+    return SCRIM_ON_TARGET(input.simd, shadeTileOnTarget)(input, out);
 }
 
 void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                  SampleTile& samples) {
-    HWY_DYNAMIC_DISPATCH(texelSamplesOnTarget)(sheets, eye, middle, texelX, texelY, samples);
+                  SampleTile& samples, Simd simd) {
+    SCRIM_ON_TARGET(simd, texelSamplesOnTarget)(sheets, eye, middle, texelX, texelY, samples);
 }
 
 }  // namespace scrim

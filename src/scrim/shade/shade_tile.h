@@ -9,6 +9,7 @@
 // (scattering: 2 x 2 x 4 loops), so that a new effect is a new pass and not twice as many of all the others.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/light/slide_tile.h>
@@ -40,7 +41,7 @@ struct EyeSlopes {
 
 /// Fills in the 16 x 16 texels from (texelX, texelY) of the sheet whose plane is at N = `middle`.
 void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                  SampleTile& samples);
+                  SampleTile& samples, Simd simd = {});
 
 /// A light over one sheet. Directions are in sweep space, along which the light travels with +w.
 struct SheetLight {
@@ -125,6 +126,7 @@ struct ShadeInput {
     SampleLayout layout;
     PictureTargets targets;
     float* pictures;  ///< scratch: 3 x 256 floats for each picture beyond the beauty
+    Simd simd;
 };
 
 /// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns what it did.

@@ -113,18 +113,19 @@ TransferTable::TransferTable(const Classified& classified) {
 }
 
 void TransferTable::mean(const Function& f, const float* a, const float* b, const float* c, int count,
-                         float* out) const {
-    HWY_DYNAMIC_DISPATCH(meanOnTarget)
+                         float* out, Simd simd) const {
+    SCRIM_ON_TARGET(simd, meanOnTarget)
     (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<float>(1 / m_cell), a, b, c, count, out);
 }
 
-void TransferTable::meanExtinction(const float* a, const float* b, const float* c, int count, float* out) const {
-    mean(m_functions[0], a, b, c, count, out);
+void TransferTable::meanExtinction(const float* a, const float* b, const float* c, int count, float* out,
+                                   Simd simd) const {
+    mean(m_functions[0], a, b, c, count, out, simd);
 }
 
 void TransferTable::meanEmission(int channel, const float* a, const float* b, const float* c, int count,
-                                 float* out) const {
-    mean(m_functions[1 + channel], a, b, c, count, out);
+                                 float* out, Simd simd) const {
+    mean(m_functions[1 + channel], a, b, c, count, out, simd);
 }
 
 bool TransferTable::anyBetween(float low, float high) const {

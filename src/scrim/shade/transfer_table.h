@@ -11,6 +11,7 @@
 // the transfer function jumps.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/shade/classified.h>
 
 #include <vector>
@@ -23,9 +24,11 @@ class TransferTable {
 
     /// Mean extinction over the values from a to b to c, half of the way each; `count` samples each (a multiple of
     /// 16), buffers aligned to 64 bytes.
-    void meanExtinction(const float* a, const float* b, const float* c, int count, float* extinction) const;
+    void meanExtinction(const float* a, const float* b, const float* c, int count, float* extinction,
+                        Simd simd = {}) const;
     /// The same of extinction times one channel of colour.
-    void meanEmission(int channel, const float* a, const float* b, const float* c, int count, float* out) const;
+    void meanEmission(int channel, const float* a, const float* b, const float* c, int count, float* out,
+                      Simd simd = {}) const;
 
     /// Is there any extinction among the values in [low, high]?
     bool anyBetween(float low, float high) const;
@@ -36,7 +39,8 @@ class TransferTable {
         std::vector<float> value, integral;  // at kCells + 1 places
         float beyond = 0;                    // value past the last place
     };
-    void mean(const Function& f, const float* a, const float* b, const float* c, int count, float* out) const;
+    void mean(const Function& f, const float* a, const float* b, const float* c, int count, float* out,
+              Simd simd) const;
 
     double m_cell;                                    // width in values; place i is at i * m_cell
     Function m_functions[4];                          // extinction, extinction times R, G, B

@@ -36,11 +36,12 @@ struct FieldSplatter::Target {
 };
 
 FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
-                             float scale, FootprintLookup lookup, float most)
+                             float scale, FootprintLookup lookup, float most, Simd simd)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_scale(scale),
       m_most(most),
+      m_simd(simd),
       m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
               footprintSteps(tsFromIs, stepsPerVoxel).sheet, lookup),
       m_order(tsFromIs) {
@@ -70,7 +71,7 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
 SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
                                const TileCull& cull) const {
     Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(), firstSheet,
-                   lastSheet, m_scale, m_most, planes.width(), planes.height(), false},
+                   lastSheet, m_scale, m_most, planes.width(), planes.height(), false, m_simd},
                   &planes,
                   firstPlane,
                   &cull};

@@ -3,6 +3,7 @@
 // that are never allocated (algorithm, "Feeding the splatter").
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/splat/footprint_table.h>
 #include <scrim/splat/lattice_order.h>
 #include <scrim/splat/plane_stack.h>
@@ -34,7 +35,8 @@ class FieldSplatter {
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
     /// by `scale`, and count as `most` above it; positions are quantised to `stepsPerVoxel`.
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale,
-                  FootprintLookup lookup = FootprintLookup::sloped, float most = std::numeric_limits<float>::max());
+                  FootprintLookup lookup = FootprintLookup::sloped, float most = std::numeric_limits<float>::max(),
+                  Simd simd = {});
 
     const FootprintTable& table() const { return m_table; }
 
@@ -52,6 +54,7 @@ class FieldSplatter {
     const SparseField& m_field;
     Mat4 m_tsFromIs;
     float m_scale, m_most;
+    Simd m_simd;
     FootprintTable m_table;
     LatticeOrder m_order;
     Vec3 m_blockLower, m_blockUpper;            // offsets of a block's voxels in texel space, footprints included

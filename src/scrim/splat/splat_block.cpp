@@ -206,7 +206,7 @@ namespace scrim {
 HWY_EXPORT(splatBlockOnTarget);
 
 std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first, int second) {
-    return HWY_DYNAMIC_DISPATCH(splatBlockOnTarget)(splat, place, values, first, second);
+    return SCRIM_ON_TARGET(splat.simd, splatBlockOnTarget)(splat, place, values, first, second);
 }
 
 }  // namespace scrim

@@ -3,6 +3,7 @@
 // once for every instruction set that the processor may have.
 #pragma once
 
+#include <scrim/base/simd.h>
 #include <scrim/splat/footprint_table.h>
 #include <scrim/splat/lattice_order.h>
 
@@ -23,6 +24,7 @@ struct BlockSplat {
     float most;                  ///< scaled values above it count as it
     std::int32_t width, height;  ///< of the planes, texels
     bool clipped;                ///< footprints may leave the planes; those that do are left out
+    Simd simd = {};
 };
 
 /// Where a block lies in texel space: its first voxel at whole + fraction on each axis. Split so that floats

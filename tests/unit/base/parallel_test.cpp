@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/parallel.h>
 
+#include <tbb/global_control.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -94,34 +96,52 @@ TEST(Denormals, CountInOtherLoopsOfTheSameThread) {
 
 #endif
 
-TEST(ThreadLimit, HoldsWhileItLives) {
+// The threads that take part in a loop.
+std::set<std::thread::id> threadsOfALoop() {
+    std::mutex mutex;
+    std::set<std::thread::id> threads;
+    parallelFor(200, [&](std::size_t) {
+        const std::lock_guard lock(mutex);
+        threads.insert(std::this_thread::get_id());
+    });
+    return threads;
+}
+
+TEST(TaskArena, HoldsForWhatRunsInItAlone) {
     const int before = threadCount();
     EXPECT_GE(before, 1);
-    {
-        const ThreadLimit limit(1);
+    TaskArena(1).run([] {
         EXPECT_EQ(threadCount(), 1);
-        std::mutex mutex;
-        std::set<std::thread::id> threads;
-        parallelFor(200, [&](std::size_t) {
-            const std::lock_guard lock(mutex);
-            threads.insert(std::this_thread::get_id());
-        });
-        EXPECT_EQ(threads.size(), 1u);
+        EXPECT_EQ(threadsOfALoop().size(), 1u);
+    });
+    EXPECT_EQ(threadCount(), before);
+    // Others are not held back meanwhile.
+    TaskArena(1).run([&] { std::thread([&] { EXPECT_EQ(threadCount(), before); }).join(); });
+}
+
+TEST(TaskArena, OfZeroIsTheCallers) {
+    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 8);  // on however few processors
+    TaskArena(3).run([] { TaskArena(0).run([] { EXPECT_EQ(threadCount(), 3); }); });
+}
+
+TEST(TaskArena, OnesWithinAnotherHaveThreadsOfTheirOwn) {
+    const tbb::global_control many(tbb::global_control::max_allowed_parallelism, 8);
+    TaskArena(1).run([] {
+        TaskArena(7).run([] { EXPECT_EQ(threadCount(), 7); });
+        EXPECT_EQ(threadCount(), 1);
+    });
+}
+
+TEST(TaskArena, HasNoMoreThreadsThanTheMachine) {
+    TaskArena(4000).run([] { EXPECT_LE(threadCount(), static_cast<int>(std::thread::hardware_concurrency())); });
+}
+
+TEST(TaskArena, RunsOnTheCallersThreadAndRethrows) {
+    const std::thread::id caller = std::this_thread::get_id();
+    for (const int threads : {0, 1, 5}) {
+        TaskArena(threads).run([&] { EXPECT_EQ(std::this_thread::get_id(), caller); });
+        EXPECT_THROW(TaskArena(threads).run([] { throw std::runtime_error("x"); }), std::runtime_error);
     }
-    EXPECT_EQ(threadCount(), before);
-}
-
-TEST(ThreadLimit, OfZeroIsNone) {
-    const int before = threadCount();
-    const ThreadLimit limit(0);
-    EXPECT_EQ(threadCount(), before);
-}
-
-// The stricter of two limits wins, whichever came first.
-TEST(ThreadLimit, NestedTakesTheLower) {
-    const ThreadLimit outer(1);
-    const ThreadLimit inner(7);
-    EXPECT_EQ(threadCount(), 1);
 }
 
 }  // namespace
