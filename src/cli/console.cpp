@@ -55,15 +55,6 @@ MessageSink Console::sink() {
     };
 }
 
-std::string bytesText(std::size_t bytes) {
-    constexpr double kStep = 1024;
-    const char* const units[] = {"bytes", "KB", "MB", "GB", "TB"};
-    double value = static_cast<double>(bytes);
-    std::size_t unit = 0;
-    for (; value >= kStep && unit + 1 < std::size(units); ++unit) value /= kStep;
-    return unit == 0 ? fmt::format("{} bytes", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
-}
-
 void printOut(const std::string& text) {
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size()) cannotPrint();
 }

@@ -36,9 +36,6 @@ class Console {
     std::string m_status;
 };
 
-/// "34.2 KB": powers of 1024.
-std::string bytesText(std::size_t bytes);
-
 /// Writes to stdout. Throws Error(output).
 void printOut(const std::string& text);
 /// Sees that all of it arrived. Throws Error(output).

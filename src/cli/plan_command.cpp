@@ -3,6 +3,7 @@
 
 #include "console.h"
 #include "field_store.h"
+#include "interrupt.h"
 #include "scene_input.h"
 #include "slide_store.h"
 
@@ -39,7 +40,7 @@ PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options
     slides.loadInto(scene);
     const Fields fields = store.fieldsOf(scene, files);
     const ViewScene view = assemble(scene, fields, options.crop, memoryLeft(options.memory, fields, slides.bytes()));
-    const Plan plan = makePlan(view, threadCount());
+    const Plan plan = makePlan(view, threadCount(), [](double) { return interruptSignal() == 0; });
 
     PlannedFrame planned;
     planned.json = {{"input", input.name()},

@@ -148,7 +148,7 @@ std::function<void(double)> RenderRun::announcement(int frame) {
 
 Frame RenderRun::renderVerified(const ViewScene& view, const ViewScene& truth, FrameReport& report) {
     const double rendered = m_options.verify > 0 ? kRenderedOfVerified : 1;
-    const Plan plan = timed(report.plan, [&] { return makePlan(view, threadCount()); });
+    const Plan plan = timed(report.plan, [&] { return makePlan(view, threadCount(), m_progress.stage(0, 0)); });
     keepPlan(view, plan, report);
     Frame frame = timed(report.render, [&] { return render(view, plan, m_progress.stage(0, rendered)); });
     if (m_options.verify > 0) {

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/error.h>
 
+#include <iterator>
+
+#include <fmt/format.h>
+
 namespace scrim {
 
 std::string clipped(std::string_view message, std::size_t limit) {
@@ -21,6 +25,15 @@ std::string choices(const std::vector<std::string>& names) {
         text += "'" + names[i] + "'";
     }
     return text;
+}
+
+std::string bytesText(std::size_t bytes) {
+    constexpr double kStep = 1024;
+    const char* const units[] = {"bytes", "KB", "MB", "GB", "TB"};
+    double value = static_cast<double>(bytes);
+    std::size_t unit = 0;
+    for (; value >= kStep && unit + 1 < std::size(units); ++unit) value /= kStep;
+    return unit == 0 ? fmt::format("{} bytes", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
 }
 
 }  // namespace scrim

@@ -3,6 +3,7 @@
 // choices there are; the kind lets a program pick an exit status without reading text.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -32,6 +33,9 @@ class Error : public std::runtime_error {
 /// `message` shortened to at most `limit` bytes: texts made by libraries from damaged files can be huge and
 /// hold unprintable bytes (those become '?').
 std::string clipped(std::string_view message, std::size_t limit = 300);
+
+/// "3 bytes", "12.5 MB", in units of 1024.
+std::string bytesText(std::size_t bytes);
 
 /// "'a', 'b' or 'c'": choices for a message. "none" where there are none.
 std::string choices(const std::vector<std::string>& names);

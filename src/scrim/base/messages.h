@@ -16,6 +16,9 @@ using MessageSink = std::function<void(Severity, const std::string&)>;
 /// by throwing an Error of kind `interrupted`. Called from the thread that called the library only.
 using ProgressSink = std::function<bool(double)>;
 
+/// Called often where nothing can be reported: throws where the caller of the library asked it to stop.
+using Checkpoint = std::function<void()>;
+
 inline void say(const MessageSink& sink, Severity severity, const std::string& text) {
     if (sink) sink(severity, text);
 }

@@ -68,4 +68,48 @@ Cone enclosingCone(const std::vector<Vec3>& directions) {
     return cone;
 }
 
+GrowingCone::GrowingCone(std::vector<Vec3> directions)
+    : m_directions(std::move(directions)), m_cone(enclosingCone(m_directions)) {
+    findRim();
+}
+
+void GrowingCone::findRim() {
+    constexpr double kTouches = 1e-12;  // more than rounding: a direction too many does no harm
+    constexpr std::size_t kEnough = 8;
+    m_rim.clear();
+    for (const Vec3& d : m_directions)
+        if (m_rim.size() < kEnough && glm::dot(m_cone.axis, d) <= m_cone.cosAngle + kTouches) m_rim.push_back(d);
+}
+
+Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
+    if (std::all_of(more.begin(), more.end(), [&](const Vec3& d) { return holds(m_cone, d); })) return m_cone;
+    // The cone around a part is no wider than that around all. The part grows by what its cone leaves out most, until
+    // that is nothing, or the cone too wide to matter.
+    std::vector<Vec3> part = m_rim;
+    part.insert(part.end(), more.begin(), more.end());
+    for (;;) {
+        const Cone cone = enclosingCone(part);
+        if (cone.cosAngle < cosMost) return cone;
+        double least = cone.cosAngle - kSlack;
+        const Vec3* outside = nullptr;
+        for (const Vec3& d : m_directions)
+            if (const double cosine = glm::dot(cone.axis, d); cosine < least) {
+                least = cosine;
+                outside = &d;
+            }
+        if (!outside) return cone;
+        if (std::find(part.begin(), part.end(), *outside) != part.end()) break;  // rounding
+        part.push_back(*outside);
+    }
+    std::vector<Vec3> all = m_directions;
+    all.insert(all.end(), more.begin(), more.end());
+    return enclosingCone(all);
+}
+
+void GrowingCone::add(const std::vector<Vec3>& more) {
+    m_cone = with(more, -2);
+    m_directions.insert(m_directions.end(), more.begin(), more.end());
+    findRim();
+}
+
 }  // namespace scrim

@@ -19,4 +19,23 @@ struct Cone {
 /// hemisphere, cosAngle is <= 0 and the axis is of no use.
 Cone enclosingCone(const std::vector<Vec3>& directions);
 
+/// The same of a set that grows: asking what it would be with a few directions more takes one look at those that are
+/// there, and none where they cannot matter.
+class GrowingCone {
+  public:
+    explicit GrowingCone(std::vector<Vec3> directions);
+
+    const Cone& cone() const { return m_cone; }
+    /// The cone around all directions and `more`. Where it is wider than `cosMost` says, any cone that is.
+    Cone with(const std::vector<Vec3>& more, double cosMost) const;
+    void add(const std::vector<Vec3>& more);
+
+  private:
+    void findRim();
+
+    std::vector<Vec3> m_directions;
+    Cone m_cone;
+    std::vector<Vec3> m_rim;  // directions that touch the cone and fix it
+};
+
 }  // namespace scrim

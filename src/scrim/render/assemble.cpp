@@ -70,9 +70,8 @@ std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vecto
     }
     if (bytes >= limit)
         throw Error(ErrorKind::memory,
-                    fmt::format("what is made of the volumes' grids takes {} MB, more than the {} MB "
-                                "that the memory limit leaves",
-                                (bytes >> 20) + 1, limit >> 20));
+                    fmt::format("what is made of the volumes' grids takes {}, more than the {} that the memory limit leaves",
+                                bytesText(bytes), bytesText(limit)));
     return limit - bytes;
 }
 

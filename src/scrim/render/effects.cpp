@@ -26,7 +26,13 @@ class Finder {
         if (const std::string where = m_scene.lines->of(path); !where.empty()) m_where.push_back(where);
     }
     bool any() const { return !m_texts.empty(); }
-    std::string texts() const { return fmt::format("{}", fmt::join(m_texts, ", ")); }
+    std::string texts() const {
+        constexpr std::size_t kMostNamed = 12;  // of thousands of lights nobody reads all
+        const auto end = m_texts.begin() + static_cast<std::ptrdiff_t>(std::min(m_texts.size(), kMostNamed));
+        const std::string more =
+            m_texts.size() > kMostNamed ? fmt::format(" and {} more", m_texts.size() - kMostNamed) : "";
+        return fmt::format("{}{}", fmt::join(m_texts.begin(), end, ", "), more);
+    }
 
     /// On where anything was found: "`before` a, b"; else off with the text for that.
     Effect effect(const std::string& name, const std::string& before, const std::string& otherwise) const {

@@ -18,6 +18,8 @@
 namespace scrim {
 namespace {
 
+constexpr double kCosSlack = 1e-12;  // rounding of a cosine and back
+
 double angleOf(double cosine) {
     return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
@@ -93,10 +95,16 @@ void addParts(int index, const Light& light, const std::vector<Vec3>& corners, s
     addWindows(index, light, beam, cone, parts);
 }
 
-// The cone around the eye's rays, turned where eye and light look at each other, and the lights' rays.
-Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const LightPart*>& parts, bool sameSide) {
+// The eye's rays, turned where eye and light look at each other.
+std::vector<Vec3> turnedEye(const std::vector<Vec3>& eye, bool sameSide) {
     std::vector<Vec3> directions;
     for (const Vec3& d : eye) directions.push_back(sameSide ? d : -d);
+    return directions;
+}
+
+// The cone around them and the lights' rays.
+Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const LightPart*>& parts, bool sameSide) {
+    std::vector<Vec3> directions = turnedEye(eye, sameSide);
     for (const LightPart* part : parts)
         directions.insert(directions.end(), part->wsDirections.begin(), part->wsDirections.end());
     return enclosingCone(directions);
@@ -128,7 +136,7 @@ double shareOfSameSide(double cosine, double crossFade) {
 
 // Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
 std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
-                               const std::vector<std::string>& useless) {
+                               const std::vector<std::string>& useless, const Checkpoint& checkpoint) {
     std::vector<LightPart> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
         if (useless.empty() || useless[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
@@ -136,6 +144,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
     const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
     for (const LightPart& part : parts) {
+        checkpoint();
         const Vec3 mean = meanDirection(part.wsDirections);
         const double same = shareOfSameSide(glm::dot(mean, axis) / glm::length(mean), scene.dials.crossFade);
         for (const bool sameSide : {true, false}) {
@@ -186,32 +195,33 @@ void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& group
 }  // namespace
 
 std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
-                                    const std::vector<std::string>& useless) {
+                                    const std::vector<std::string>& useless, const Checkpoint& checkpoint) {
     const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
 
     // Each part joins the group in which it costs the least slant, or opens its own.
     std::vector<LightGroup> groups;
-    const std::vector<Item> items = orderedParts(scene, corners, part, useless);
+    std::vector<GrowingCone> cones;
+    const std::vector<Item> items = orderedParts(scene, corners, part, useless, checkpoint);
     for (const Item& item : items) {
-        LightGroup* best = nullptr;
+        checkpoint();
+        std::size_t best = groups.size();
         double bestSlant = limit;
-        for (LightGroup& group : groups) {
-            if (group.sameSide != item.sameSide) continue;
-            std::vector<const LightPart*> parts{&item.part};
-            for (const LightPart& other : group.parts) parts.push_back(&other);
-            const double slant = angleOf(groupCone(eye, parts, item.sameSide).cosAngle);
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            if (groups[g].sameSide != item.sameSide) continue;
+            const double slant = angleOf(cones[g].with(item.part.wsDirections, std::cos(bestSlant) - kCosSlack).cosAngle);
             if (slant <= bestSlant) {
                 bestSlant = slant;
-                best = &group;
+                best = g;
             }
         }
-        if (!best) {
+        if (best == groups.size()) {
             groups.push_back({});
-            best = &groups.back();
-            best->sameSide = item.sameSide;
+            groups.back().sameSide = item.sameSide;
+            cones.emplace_back(turnedEye(eye, item.sameSide));
         }
-        best->parts.push_back(item.part);
+        groups[best].parts.push_back(item.part);
+        cones[best].add(item.part.wsDirections);
     }
     if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
     sharePrimary(items, groups);

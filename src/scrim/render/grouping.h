@@ -3,6 +3,7 @@
 // partitioned into groups, each with its own axis and order, so that lights may stand anywhere.
 #pragma once
 
+#include <scrim/base/messages.h>
 #include <scrim/render/eye_parts.h>
 
 #include <string>
@@ -44,6 +45,7 @@ constexpr double kSlantLimit = 1.4835;  // 85 degrees
 /// `useless`: for each light why it is left out, if it is; none: all take part. Throws Error (render) where the eye's own rays are too wide
 /// for image-aligned sheets.
 std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye,
-                                    const std::vector<std::string>& useless = {});
+                                    const std::vector<std::string>& useless = {},
+                                    const Checkpoint& checkpoint = [] {});
 
 }  // namespace scrim

@@ -84,7 +84,7 @@ double NeededTiles::share(const Sheets& s) const {
 }
 
 NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets,
-                        const std::vector<const Light*>& shadowed) {
+                        const std::vector<const Light*>& shadowed, const Checkpoint& checkpoint) {
     const ViewFrustum frustum(scene.camera, window);
     Bounds seen;
     for (const Vec3& p : frustum.visibleParts(wsCorners(scene))) seen.include(sheets.tsPoint(p));
@@ -100,6 +100,7 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
     std::vector<Points> hulls{eye};
     for (const Light* light : shadowed) hulls.push_back(withWayOf(*light, sheets, eye));
     for (int n = 0; n < sheets.count; ++n) {
+        checkpoint();
         Bounds slice;
         for (const Points& hull : hulls) includeSlice(hull, n - reach, n + 1 + reach, slice);
         needed.sheets[static_cast<std::size_t>(n)] = tilesAround(slice, sheets);

@@ -4,6 +4,7 @@
 // the whole picture.
 #pragma once
 
+#include <scrim/base/messages.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/render/view_scene.h>
 #include <scrim/splat/plane_stack.h>
@@ -25,6 +26,6 @@ struct NeededTiles {
 
 /// `window`: the pixels of the sweep. `lights`: of the sweep, those that throw shadows.
 NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets,
-                        const std::vector<const Light*>& shadowed);
+                        const std::vector<const Light*>& shadowed, const Checkpoint& checkpoint = [] {});
 
 }  // namespace scrim

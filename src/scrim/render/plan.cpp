@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/light/view_shadow.h>
+#include <scrim/render/addressable.h>
 #include <scrim/render/batch_fields.h>
 #include <scrim/render/eye_view.h>
 #include <scrim/render/light_raster.h>
@@ -27,8 +28,8 @@ constexpr int kLeastBatch = 16;
 // Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help. Radians.
 constexpr double kSteepestSlant = 1.0472;  // 60 degrees
 
-int roundUpToTile(double texels) {
-    return (static_cast<int>(std::ceil(texels)) + kTileEdge - 1) / kTileEdge * kTileEdge;
+int roundUpToTile(int texels) {
+    return (texels + kTileEdge - 1) / kTileEdge * kTileEdge;
 }
 
 // The stack of sheets around the volume. Planes lie at whole multiples of the thickness, texels at whole
@@ -50,9 +51,9 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
     const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
     const double front = std::floor(ts.lower.z);
     sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);
-    sheets.width = roundUpToTile(ts.upper.x - left + 8);
-    sheets.height = roundUpToTile(ts.upper.y - top + 8);
-    sheets.count = std::max(1, static_cast<int>(std::ceil(ts.upper.z - front)));
+    sheets.width = roundUpToTile(addressable(ts.upper.x - left + 8, "texels along the side of a sheet"));
+    sheets.height = roundUpToTile(addressable(ts.upper.y - top + 8, "texels along the side of a sheet"));
+    sheets.count = std::max(1, addressable(ts.upper.z - front, "sheets"));
     return sheets;
 }
 
@@ -83,9 +84,9 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
     group.bytes = bytesFor(group.batchSheets);
     if (scene.memoryLimit != 0 && group.bytes + frameBytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,
-                    fmt::format("one sheet at a time needs {} MB of buffers and {} MB for the picture, more than "
-                                "the limit of {} MB allows",
-                                (group.bytes >> 20) + 1, (frameBytes >> 20) + 1, scene.memoryLimit >> 20));
+                    fmt::format("one sheet at a time needs {} of buffers and {} for the picture, more than the {} that "
+                                "the memory limit leaves",
+                                bytesText(group.bytes), bytesText(frameBytes), bytesText(scene.memoryLimit)));
 }
 
 void estimateWork(const ViewScene& scene, Plan& plan) {
@@ -149,21 +150,38 @@ void choosePictures(const ViewScene& scene, const Plan& plan, GroupPlan& group) 
                                                   group.layout.pictures - 1, kMostPictures - 1));
 }
 
+std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
+    std::vector<const Light*> shadowed;
+    for (const LightPlan& light : group.lights)
+        if (light.shadowed) shadowed.push_back(&scene.lights[static_cast<std::size_t>(light.light)]);
+    return shadowed;
+}
+
+// What the plan itself takes, which is little unless there are very many sheets.
+void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
+    std::size_t count = static_cast<std::size_t>(sheets);
+    for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
+    const std::size_t bytes = count * sizeof(PlaneStack::TileBounds);
+    if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
+        throw Error(ErrorKind::memory, fmt::format("planning {} sheets takes {}, more than the {} that the memory limit leaves",
+                                                   count, bytesText(bytes), bytesText(scene.memoryLimit)));
+}
+
 GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
-                    LightGroup& group) {
+                    LightGroup& group, const Checkpoint& checkpoint) {
     GroupPlan g;
     g.eyePart = plan.eyeParts.size();
     g.primary = group.primary;
     g.sameSide = group.sameSide;
     g.slant = group.slant;
     g.sheets = sheetsAround(scene, corners, group, plan.voxel);
-    for (LightPart& light : group.parts)
+    for (LightPart& light : group.parts) {
+        checkpoint();
         g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
+    }
     choosePictures(scene, plan, g);
-    std::vector<const Light*> shadowed;
-    for (const LightPlan& light : g.lights)
-        if (light.shadowed) shadowed.push_back(&scene.lights[static_cast<std::size_t>(light.light)]);
-    g.needed = neededTiles(scene, part.window, g.sheets, shadowed);
+    checkPlanFits(scene, plan, g.sheets.count);
+    g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     if (plan.perView) {
         const int n = scene.dials.antialias;
         const Camera camera = supersampled(scene.camera, n);
@@ -173,9 +191,52 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
     return g;
 }
 
+// Where one sheet at a time, with the shadow buffers of all of a group's lights, is more than the limit leaves, the lights
+// take turns: the sweep is repeated for a part of them at a time, along the same axis.
+void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan) {
+    if (scene.memoryLimit == 0) return;
+    const auto fits = [&](const GroupPlan& group) {
+        return groupBytes(scene, plan, group, 1) + frameBytes <= scene.memoryLimit;
+    };
+    std::vector<GroupPlan> all;
+    for (GroupPlan& group : plan.groups) {
+        std::vector<GroupPlan> passes;
+        std::vector<GroupPlan> open{std::move(group)};  // the first lights last
+        while (!open.empty()) {
+            GroupPlan one = std::move(open.back());
+            open.pop_back();
+            if (one.lights.size() < 2 || fits(one)) {
+                passes.push_back(std::move(one));
+                continue;
+            }
+            const auto middle = one.lights.begin() + static_cast<std::ptrdiff_t>(one.lights.size() / 2);
+            GroupPlan rest = one;
+            rest.lights.assign(std::make_move_iterator(middle), std::make_move_iterator(one.lights.end()));
+            rest.primary = 0;
+            one.lights.erase(middle, one.lights.end());
+            for (GroupPlan* half : {&rest, &one}) {
+                half->pictures.clear();
+                half->targets = {};
+                half->layout = {};
+                choosePictures(scene, plan, *half);
+                open.push_back(std::move(*half));
+            }
+        }
+        for (std::size_t i = 0; i < passes.size(); ++i) {
+            passes[i].pass = static_cast<int>(i) + 1;
+            passes[i].passes = static_cast<int>(passes.size());
+            all.push_back(std::move(passes[i]));
+        }
+    }
+    plan.groups = std::move(all);
+}
+
 }  // namespace
 
-Plan makePlan(const ViewScene& scene, int threads) {
+Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress) {
+    const Checkpoint checkpoint = [&] {
+        if (progress && !progress(0)) throw Error(ErrorKind::interrupted, "the planning was interrupted");
+    };
     Plan plan;
     plan.threads = threads;
     plan.simd = Simd(scene.dials.simd);
@@ -194,8 +255,8 @@ Plan makePlan(const ViewScene& scene, int threads) {
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
-        for (LightGroup& group : groupLights(scene, corners, part, plan.uselessLights))
-            plan.groups.push_back(planGroup(scene, corners, plan, part, group));
+        for (LightGroup& group : groupLights(scene, corners, part, plan.uselessLights, checkpoint))
+            plan.groups.push_back(planGroup(scene, corners, plan, part, group, checkpoint));
         plan.eyeParts.push_back(std::move(part));
     }
     const ShadingPlace place = shadingPlace(scene, plan);
@@ -214,6 +275,7 @@ Plan makePlan(const ViewScene& scene, int threads) {
                                               static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
                                               sizeof(float);
     plan.bytes = frameBytes;
+    splitIntoPasses(scene, frameBytes, plan);
     for (GroupPlan& group : plan.groups) {
         chooseBatch(scene, threads, frameBytes, plan, group);
         plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);

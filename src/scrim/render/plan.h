@@ -3,6 +3,7 @@
 // `scrim plan` shows exactly what a render will do.
 #pragma once
 
+#include <scrim/base/messages.h>
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/view_raster.h>
@@ -41,6 +42,7 @@ struct GroupPlan {
     double primary = 0;       ///< share of alpha and ambient that it owns
     bool sameSide = true;
     double slant = 0;  ///< radians
+    int pass = 1, passes = 1;  ///< which of the sweeps along this axis, where the memory limit allows but some lights at a time
     Sheets sheets;
     int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
@@ -82,8 +84,9 @@ struct Plan {
     ExpectedWork work;
 };
 
-/// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too wide), memory (not one sheet
-/// fits the scene's memory limit).
-Plan makePlan(const ViewScene& scene, int threads);
+/// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too wide,
+/// more sheets or texels than can be addressed), memory (not one sheet and light fits the scene's memory limit, or not the
+/// plan), interrupted (where `progress`, which is asked now and then, and always with 0, wished it).
+Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress = {});
 
 }  // namespace scrim

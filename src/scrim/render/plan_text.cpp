@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/render/plan_text.h>
 
+#include <scrim/base/error.h>
 #include <scrim/render/effects.h>
 
 #include <fmt/format.h>
@@ -57,16 +58,14 @@ Json groupJson(const ViewScene& scene, const GroupPlan& group) {
             {"slant", glm::degrees(group.slant)},
             {"sheets", group.sheets.count},
             {"needed_sheets", {group.needed.first, group.needed.last}},
+            {"pass", group.pass},
+            {"passes", group.passes},
             {"sheet_thickness", group.sheets.thickness},
             {"raster", {group.sheets.width, group.sheets.height}},
             {"texel", group.sheets.texel},
             {"batch_sheets", group.batchSheets},
             {"bytes", group.bytes},
             {"lights", lights}};
-}
-
-double megabytes(std::size_t bytes) {
-    return static_cast<double>(bytes) / (1 << 20);
 }
 
 std::string lightLine(const ViewScene& scene, const LightPlan& light) {
@@ -79,16 +78,29 @@ std::string lightLine(const ViewScene& scene, const LightPlan& light) {
     return line;
 }
 
+std::string placesText(const std::vector<std::string>& where) {
+    constexpr std::size_t kMostNamed = 12;
+    if (where.empty()) return "";
+    const auto end = where.begin() + static_cast<std::ptrdiff_t>(std::min(where.size(), kMostNamed));
+    return fmt::format(" ({}{})", fmt::join(where.begin(), end, ", "), where.size() > kMostNamed ? ", …" : "");
+}
+
+std::string passText(const GroupPlan& group) {
+    if (group.passes == 1) return "";
+    return fmt::format(" (pass {} of {}: the memory limit holds {} of their lights at a time)", group.pass, group.passes,
+                       group.lights.size());
+}
+
 std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
     const Vec3 axis = axisOf(group);
-    std::string text = fmt::format("group {}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
-                                   group.primary > 0 ? " (primary: alpha and ambient)" : "", axis.x, axis.y, axis.z,
-                                   group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
+    std::string text = fmt::format("group {}{}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
+                                   group.primary > 0 ? " (primary: alpha and ambient)" : "", passText(group), axis.x,
+                                   axis.y, axis.z, group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
     text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
                         group.batchSheets);
     text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
                         group.sheets.texel);
-    text += fmt::format("  memory   {:.1f} MB\n", megabytes(group.bytes));
+    text += fmt::format("  memory   {}\n", bytesText(group.bytes));
     for (const LightPlan& light : group.lights) text += lightLine(scene, light);
     return text;
 }
@@ -122,12 +134,12 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     std::string text;
     for (const Effect& e : effectsOf(scene, plan))
         text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason,
-                            e.where.empty() ? "" : fmt::format(" ({})", fmt::join(e.where, ", ")));
+                            placesText(e.where));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
     text += fmt::format("{:<23} {} x {} rays\n", "picture", plan.region.width(), plan.region.height());
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);
     if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";
-    text += fmt::format("{:<23} {:.1f} MB\n", "memory without fields", megabytes(plan.bytes));
+    text += fmt::format("{:<23} {}\n", "memory without fields", bytesText(plan.bytes));
     text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
                         "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
                         plan.work.pixelSheets);

@@ -47,12 +47,13 @@ VariableLookup lookupIn(std::vector<std::pair<std::string, std::string>> variabl
 template <typename Item, typename Read>
 std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read& read) {
     std::vector<Item> items;
+    std::map<std::string, std::size_t> numbers;  // of names, from 1
     for (const TomlTable& table : root.tables(key)) {
         Item item = read(table, fmt::format("{}{}", key, items.size() + 1));
-        for (std::size_t i = 0; i < items.size(); ++i)
-            if (items[i].name == item.name)
-                table.fail(fmt::format("[[{}]] number {} is called '{}', and so is number {}; expected different names",
-                                       key, items.size() + 1, item.name, i + 1));
+        const auto [known, isNew] = numbers.emplace(item.name, items.size() + 1);
+        if (!isNew)
+            table.fail(fmt::format("[[{}]] number {} is called '{}', and so is number {}; expected different names", key,
+                                   items.size() + 1, item.name, known->second));
         items.push_back(std::move(item));
     }
     return items;

@@ -39,10 +39,12 @@ class Run {
   private:
     double spent() const { return std::chrono::duration<double>(Clock::now() - m_start).count(); }
     bool past(double part) const { return m_options.budget > 0 && spent() > part * m_options.budget; }
-    void report(double done) const;
+    void report(double done);
+    void goOn() const;
 
     std::vector<VerifiedPixel> reference(const ViewScene& truth, const Image& image);
     ViewScene truthWith(Dials dials) const;
+    Plan planOf(const ViewScene& scene) const;
     void renderBase();
     Image timedRender(const ViewScene& scene, Trial& trial) const;
     bool affordable(double seconds) const;
@@ -60,18 +62,23 @@ class Run {
     const Clock::time_point m_start = Clock::now();
     Study m_study;
     std::map<Kernel, std::vector<VerifiedPixel>> m_truth;
+    double m_shown = 0;          // of the progress, last
     double m_scale = 1;           // measured over expected time
     double m_referenceTime = 0;  // seconds a pixel
 };
 
-void Run::report(double done) const {
-    const double shown = m_options.budget > 0 ? std::min(1.0, spent() / m_options.budget) : done;
-    if (m_progress && !m_progress(shown)) throw Error(ErrorKind::interrupted, "the study was interrupted");
+void Run::report(double done) {
+    m_shown = m_options.budget > 0 ? std::min(1.0, spent() / m_options.budget) : done;
+    goOn();
+}
+
+void Run::goOn() const {
+    if (m_progress && !m_progress(m_shown)) throw Error(ErrorKind::interrupted, "the study was interrupted");
 }
 
 Image Run::timedRender(const ViewScene& scene, Trial& trial) const {
     const auto begin = Clock::now();
-    Frame frame = render(scene, makePlan(scene, threadCount()));
+    Frame frame = render(scene, planOf(scene));
     trial.seconds.push_back(std::chrono::duration<double>(Clock::now() - begin).count());
     trial.work = frame.work;
     return std::move(frame.image);
@@ -100,6 +107,13 @@ ViewScene Run::truthWith(Dials dials) const {
     return m_options.truth ? m_options.truth(dials) : m_sceneWith(dials);
 }
 
+Plan Run::planOf(const ViewScene& scene) const {
+    return makePlan(scene, threadCount(), [this](double) {
+        goOn();
+        return true;
+    });
+}
+
 void Run::renderBase() {
     Trial& trial = m_study.trials.front();
     const Image image = timedRender(m_sceneWith(m_base), trial);
@@ -121,7 +135,7 @@ bool Run::affordable(double seconds) const {
 
 double Run::expected(const Dials& dials) const {
     const ViewScene scene = m_sceneWith(dials);
-    return expectedSeconds(scene, makePlan(scene, threadCount()), threadCount());
+    return expectedSeconds(scene, planOf(scene), threadCount());
 }
 
 void Run::tryOnce(Trial& trial) {
@@ -217,7 +231,7 @@ void Run::drawErrors() {
     if (past(kPicturesPart)) return;
     const auto rendered = [&](std::size_t trial) {
         const ViewScene scene = m_sceneWith(m_study.trials[trial].dials);
-        return render(scene, makePlan(scene, threadCount())).image;
+        return render(scene, planOf(scene)).image;
     };
     m_study.picture = rendered(m_study.best);
     report(0.5);

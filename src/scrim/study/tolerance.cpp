@@ -17,6 +17,8 @@ namespace {
 constexpr unsigned kPilotSeed = 7919;  // away from those of verifications, whose pixels must not be tuned for
 constexpr double kDoubt = 0.025;       // chance that the bound of any attempt lies below the error
 
+constexpr double kAim = 0.7;  // part of a tolerance that the prediction may use up
+
 // An interval this much wider than the error is what `aim` leaves room for.
 constexpr double kWidthAllowed = 1.3;
 
@@ -61,7 +63,8 @@ ToleranceModel scaled(const ToleranceModel& model, double factor) {
     return {model.texels * factor, model.sheets * factor};
 }
 
-ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim) {
+ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim,
+                            const ProgressSink& progress) {
     constexpr double kFinestTexel = 0.15, kCoarsestTexel = 2.1, kFinestSheets = 0.2, kCoarsestSheets = 4.1;
     constexpr double kStep = 1.19;         // sixth root of two and a little
     constexpr double kFineTolerance = 3e-3;  // below which eight steps of footprints show
@@ -85,7 +88,7 @@ ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model,
                 if (!best.reachable && error < best.predicted) take(tried.dials, error, false);
                 continue;
             }
-            const double time = expectedSeconds(tried, makePlan(tried, threadCount()), threadCount());
+            const double time = expectedSeconds(tried, makePlan(tried, threadCount(), progress), threadCount());
             if (time < leastTime) {
                 leastTime = time;
                 take(tried.dials, error, true);
@@ -102,9 +105,8 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
         const bool first = &pilot == &pilots.front();
         ViewScene tried = turned(scene, pilot.texel, pilot.thickness);
         tried.layers.clear();  // nobody looks at those
-        const Image image = render(tried, makePlan(tried, threadCount()),
-                                   first ? partOf(progress, 0, 0.2) : partOf(progress, 0.8, 1))
-                                .image;
+        const ProgressSink rendering = first ? partOf(progress, 0, 0.2) : partOf(progress, 0.8, 1);
+        const Image image = render(tried, makePlan(tried, threadCount(), rendering), rendering).image;
         if (first)
             sample = samplePixels(truth, image, pixels, seed, partOf(progress, 0.2, 0.8));
         else
@@ -138,11 +140,11 @@ ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, con
         ToleranceChoice choice;
         bool isFiner = true;
         timed(out.seconds.plan, [&] {
-            choice = chooseDials(scene, model, wanted);
+            choice = chooseDials(scene, model, wanted, kAim, partOf(options.progress, from, from));
             isFiner = attempt == 0 || choice.dials.texel < out.dials.texel ||
                       choice.dials.sheetThickness < out.dials.sheetThickness;
             tried.dials = choice.dials;
-            if (isFiner) out.plan = makePlan(tried, threadCount());
+            if (isFiner) out.plan = makePlan(tried, threadCount(), partOf(options.progress, from, from));
         });
         if (!isFiner) break;
         if (options.planned) options.planned(tried, out.plan);

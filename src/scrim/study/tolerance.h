@@ -48,7 +48,8 @@ struct ToleranceChoice {
 
 /// The cheapest dials, by expectedSeconds, that `model` predicts to stay below `aim` of `tolerance`. All other dials
 /// are those of `scene`, but for footprint steps and the opacity cut-off, which must not spoil it.
-ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim = 0.7);
+ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim = 0.7,
+                            const ProgressSink& progress = {});
 
 /// Renders the pilots of `scene` and fills in their errors against the reference of `truth` (the same scene with all its
 /// volumes at full resolution) at `pixels` pixels drawn with `seed`. Throws Error.

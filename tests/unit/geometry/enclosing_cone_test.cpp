@@ -126,6 +126,34 @@ TEST(EnclosingCone, OfMoreThanAHemisphereIsNone) {
     EXPECT_LE(enclosingCone({Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(-1, 0, 0), Vec3(0, -1, 0)}).cosAngle, 0);
 }
 
+// Grown by some directions at a time: as if all had been there at once, and what is too wide is told to be.
+TEST(GrowingCone, IsTheConeOfAll) {
+    Random random(5);
+    int wider = 0;
+    for (int i = 0; i < 100; ++i) {
+        std::vector<Vec3> all = random.directions(3, 0.02 + 0.005 * i);
+        GrowingCone growing(all);
+        for (int step = 0; step < 20; ++step) {
+            const std::vector<Vec3> more = random.directions(1 + step % 5, 0.1);
+            std::vector<Vec3> together = all;
+            together.insert(together.end(), more.begin(), more.end());
+            const Cone expected = enclosingCone(together);
+            const Cone with = growing.with(more, 0.3);
+            if (expected.cosAngle < 0.3) {
+                EXPECT_LT(with.cosAngle, 0.3);
+                ++wider;
+                continue;
+            }
+            EXPECT_NEAR(with.cosAngle, expected.cosAngle, 1e-9);
+            EXPECT_LT(glm::distance(with.axis, expected.axis), 1e-6);
+            growing.add(more);
+            all = together;
+            EXPECT_NEAR(growing.cone().cosAngle, expected.cosAngle, 1e-9);
+        }
+    }
+    EXPECT_GT(wider, 100);
+}
+
 // Rims of cones, as lights and eyes of known opening give them; near 0 and near 90 degrees.
 TEST(EnclosingCone, OfARimIsItsCone) {
     for (const double angle : {1e-6, 0.01, 0.5, 1.0, 1.5, 1.57}) {

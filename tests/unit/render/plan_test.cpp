@@ -6,6 +6,7 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/render/plan.h>
+#include <scrim/render/plan_text.h>
 
 #include <gtest/gtest.h>
 
@@ -266,9 +267,69 @@ TEST(Memory, LimitBelowOneSheetIsAnError) {
     scene.region = {0, 0, 400, 200};
     const std::string text = errorOf(ErrorKind::memory, [&] { makePlan(scene, 2); });
     EXPECT_TRUE(text.starts_with("one sheet at a time needs ")) << text;
-    EXPECT_NE(text.find(" MB of buffers and 3 MB for the picture, more than the limit of 1 MB allows"),
+    EXPECT_NE(text.find(" KB of buffers and 2.5 MB for the picture, more than the 1.0 MB that the memory limit leaves"),
               std::string::npos)
         << text;
+}
+
+// Where the shadow buffers of all lights do not fit, lights take turns: the same picture, to the rounding of a sum.
+TEST(Memory, LightsThatDoNotFitTakeTurns) {
+    ViewScene scene = someScene();
+    scene.lights.clear();
+    for (int i = 0; i < 40; ++i) {
+        scene.lights.push_back(distantLight({1, -0.5 + 0.01 * i, -0.6}, 0.1));
+        scene.lights.back().name = "light" + std::to_string(i);
+    }
+    scene.ambient = Rgb(0.2);
+    const Plan free = makePlan(scene, 2);
+    ASSERT_EQ(free.groups.size(), 1u);
+    const Image whole = render(scene, free).image;
+    scene.memoryLimit = free.bytes / 8;
+    const Plan tight = makePlan(scene, 2);
+    EXPECT_LE(tight.bytes, scene.memoryLimit);
+    ASSERT_GT(tight.groups.size(), 2u);
+    int lights = 0, primaries = 0;
+    for (const GroupPlan& group : tight.groups) {
+        lights += static_cast<int>(group.lights.size());
+        primaries += group.primary > 0 ? 1 : 0;
+        EXPECT_EQ(group.passes, static_cast<int>(tight.groups.size()));
+        EXPECT_EQ(group.sheets.ssFromWs, free.groups[0].sheets.ssFromWs);
+    }
+    EXPECT_EQ(lights, 40);
+    EXPECT_EQ(primaries, 1);
+    const Image parts = render(scene, tight).image;
+    for (std::size_t i = 0; i < whole.rgba.size(); ++i) ASSERT_NEAR(parts.rgba[i], whole.rgba[i], 2e-6) << i;
+    EXPECT_NE(planAsTable(scene, tight).find("(pass 2 of "), std::string::npos);
+}
+
+TEST(Planning, OfMoreSheetsThanCanBeAddressedIsRefused) {
+    for (const Vec3& scale : {Vec3(1e8, 1, 1), Vec3(1e-6, 1, 1), Vec3(1, 1e-300, 1), Vec3(1, 1, 1e300)}) {
+        ViewScene scene = someScene();
+        for (int axis = 0; axis < 3; ++axis) scene.volumes[0].wsFromIs[axis] *= scale[axis];
+        const std::string text = errorOf(ErrorKind::render, [&] { makePlan(scene, 2); });
+        EXPECT_NE(text.find("at most 1048576 can be addressed"), std::string::npos) << text;
+    }
+}
+
+TEST(Planning, IsBoundedByTheMemoryLimit) {
+    ViewScene scene = someScene();
+    scene.dials.sheetThickness = 0.01;
+    scene.memoryLimit = 20000;  // the picture alone takes more, but the plan of some thousand sheets comes first
+    const std::string text = errorOf(ErrorKind::memory, [&] { makePlan(scene, 2); });
+    EXPECT_NE(text.find("planning "), std::string::npos) << text;
+}
+
+TEST(Planning, CanBeInterruptedAtEveryStep) {
+    const ViewScene scene = someScene();
+    int asked = 0;
+    makePlan(scene, 2, [&](double) { return ++asked > 0; });
+    EXPECT_GT(asked, 10);
+    for (const int at : {1, asked / 2, asked}) {
+        int calls = 0;
+        EXPECT_EQ(errorOf(ErrorKind::interrupted, [&] { makePlan(scene, 2, [&](double) { return ++calls < at; }); }),
+                  "the planning was interrupted");
+        EXPECT_EQ(calls, at);
+    }
 }
 
 // The numbers that `scrim plan` shows: bounds where it says "at most", the right size where it says "rough".
