@@ -108,7 +108,11 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
 
 /// Has OpenVDB parse `bytes`, and returns the grids; everything it can throw becomes an Error.
 openvdb::GridPtrVec parse(VdbFile::Content& content, std::span<char> bytes) {
-    const std::string damaged = "truncated or damaged: ";
+    const std::string damaged =
+        content.layout.isNewer
+            ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ", content.layout.fileVersion,
+                          openvdb::getLibraryVersionString())
+            : "truncated or damaged: ";
     openvdb::GridPtrVec grids;
     try {
         MemoryBuffer buffer(bytes);
@@ -224,6 +228,10 @@ SparseField VdbFile::field(const GridRequest& request, const MessageSink& messag
     if (!choice) refuse(whyNoGrid(m_content->offers, request));
     const openvdb::GridBase::Ptr& grid = m_content->grids[choice->grid];
     if (!grid) refuse(fmt::format("grid '{}' was not asked for when the file was opened", clipped(request.grid, 80)));
+    if (m_content->layout.isNewer)
+        say(messages, Severity::warning,
+            fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
+                        m_content->layout.fileVersion, openvdb::getLibraryVersionString()));
     try {
         return request.component == GridRequest::kScalar ? fieldFromGrid(*grid, path, messages)
                                                          : colourFromGrid(*grid, choice->component, path, messages);

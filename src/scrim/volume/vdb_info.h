@@ -35,7 +35,7 @@ struct GridInfo {
 
 struct VdbFileInfo {
     std::string path;
-    std::uint32_t fileVersion = 0;   ///< of the file format, 222 to 224 these days
+    std::uint32_t fileVersion = 0;   ///< of the file format, 222 to 225 these days
     std::uint32_t libraryMajor = 0;  ///< of the OpenVDB that wrote it
     std::uint32_t libraryMinor = 0;
     std::uint64_t fileBytes = 0;

@@ -17,7 +17,8 @@ namespace {
 constexpr std::uint64_t kMagic = 0x56444220;    ///< openvdb::OPENVDB_MAGIC, as a little-endian 64-bit number
 constexpr std::uint32_t kOldestChecked = 222;   ///< compression flags moved into the grids: the layout below
 constexpr std::uint32_t kOldestReadable = 211;  ///< the first to carry library versions
-constexpr std::uint32_t kNewestReadable = 224;  ///< OPENVDB_FILE_VERSION of OpenVDB 5 to 12
+constexpr std::uint32_t kNewestKnown = 224;     ///< OPENVDB_FILE_VERSION of OpenVDB 5 to 12
+constexpr std::uint32_t kNewestTried = 255;     ///< later ones so far have changed little: reading them is tried
 constexpr std::uint32_t kZip = 0x1;             ///< openvdb::io::COMPRESS_ZIP
 constexpr std::uint32_t kActiveValues = 0x2;    ///< openvdb::io::COMPRESS_ACTIVE_MASK
 constexpr std::uint32_t kBlosc = 0x4;           ///< openvdb::io::COMPRESS_BLOSC
@@ -91,20 +92,8 @@ VdbLayout::Grid walkGrid(VdbWalker& walk, std::uint64_t fileSize) {
     return grid;
 }
 
-}  // namespace
-
-VdbLayout checkVdbLayout(const VdbBytes& bytes) {
-    checkMagic(bytes);
-    VdbWalker walk(bytes, sizeof kMagic);
-    VdbLayout layout;
-    layout.fileVersion = walk.number<std::uint32_t>("the header");
-    if (layout.fileVersion < kOldestReadable || layout.fileVersion > kNewestReadable)
-        throw Error(ErrorKind::input, fmt::format("{}: VDB file version {} (versions {} to {} can be read)",
-                                                  bytes.path(), layout.fileVersion, kOldestReadable, kNewestReadable));
-    layout.libraryMajor = walk.number<std::uint32_t>("the header");
-    layout.libraryMinor = walk.number<std::uint32_t>("the header");
-    if (layout.fileVersion < kOldestChecked) return layout;
-
+/// The rest of the file's head, and all grids' heads.
+VdbLayout walkGrids(VdbWalker& walk, const VdbBytes& bytes, VdbLayout layout) {
     layout.hasOffsets = walk.number<char>("the header") != 0;
     walk.skip(kUuidBytes, "the header");
     walk.metadata([](const std::string&, const std::string&, std::uint32_t) {});
@@ -118,6 +107,29 @@ VdbLayout checkVdbLayout(const VdbBytes& bytes) {
     if (walk.left() > 0)
         walk.damaged(fmt::format("its grids end at byte {}, the file at byte {}", walk.at(), bytes.size()));
     return layout;
+}
+
+}  // namespace
+
+VdbLayout checkVdbLayout(const VdbBytes& bytes) {
+    checkMagic(bytes);
+    VdbWalker walk(bytes, sizeof kMagic);
+    VdbLayout layout;
+    layout.fileVersion = walk.number<std::uint32_t>("the header");
+    if (layout.fileVersion < kOldestReadable || layout.fileVersion > kNewestTried)
+        throw Error(ErrorKind::input, fmt::format("{}: VDB file version {} (versions {} to {} can be read)",
+                                                  bytes.path(), layout.fileVersion, kOldestReadable, kNewestKnown));
+    layout.isNewer = layout.fileVersion > kNewestKnown;
+    layout.libraryMajor = walk.number<std::uint32_t>("the header");
+    layout.libraryMinor = walk.number<std::uint32_t>("the header");
+    if (layout.fileVersion < kOldestChecked) return layout;
+    try {
+        return walkGrids(walk, bytes, layout);
+    } catch (const Error&) {
+        // A version that nobody here has seen may be laid out as the last one; where it is not, OpenVDB may know.
+        if (!layout.isNewer) throw;
+        return layout;
+    }
 }
 
 VdbLayout checkVdbLayout(const std::string& path, std::span<const char> bytes) {

@@ -278,15 +278,36 @@ TEST(VdbFile, RefusesEveryTruncation) {
     }
 }
 
-TEST(VdbFile, RefusesAFileFromTheFuture) {
+// OpenVDB 12's successor writes 225.
+TEST(VdbFile, ReadsAFileOfANewerVersionAndWarns) {
+    const TempFolder folder;
+    const std::string path = folder.file("a.vdb");
+    makeVdb(path, {{.voxels = {{{1, 2, 3}, 0.5}}}});
+    std::string bytes = test::readBytes(path);
+    bytes[8] = static_cast<char>(225);
+    test::writeBytes(path, bytes);
+    std::vector<std::string> warnings;
+    const SparseField field = VdbFile::open(path).field("", [&](Severity severity, const std::string& text) {
+        if (severity == Severity::warning) warnings.push_back(text);
+    });
+    EXPECT_EQ(field.activeVoxels, 1u);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_TRUE(warnings[0].starts_with(path + ": file version 225 is newer than OpenVDB ")) << warnings[0];
+    // And where that cannot be done says what is the matter.
+    test::writeBytes(path, bytes.substr(0, bytes.size() - 20));
+    const std::string reason = errorOf(ErrorKind::input, [&] { VdbFile::open(path); });
+    EXPECT_TRUE(reason.starts_with(path + ": file version 225 is newer than what OpenVDB ")) << reason;
+}
+
+TEST(VdbFile, RefusesAVersionThatIsNone) {
     const TempFolder folder;
     const std::string path = folder.file("a.vdb");
     makeVdb(path, {{}});
     std::string bytes = test::readBytes(path);
-    bytes[8] = static_cast<char>(250);
+    bytes[9] = 1;
     test::writeBytes(path, bytes);
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { VdbFile::open(path); }),
-              path + ": VDB file version 250 (versions 211 to 224 can be read)");
+              path + ": VDB file version 480 (versions 211 to 224 can be read)");
 }
 
 TEST(VdbFile, NamesAGridTypeThatCannotBeRead) {
