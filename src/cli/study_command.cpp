@@ -61,7 +61,14 @@ std::string tableOf(const Study& study) {
                                 100 * t->error.error, 1e3 * t->time())
                   : fmt::format("{:>9.1f} % none of those tried\n", 100 * r.tolerance);
     }
-    text += fmt::format("{:<12}one value finer or coarser\n", "dial");
+    std::string before;
+    for (const Recommendation& r : recommendations(study)) {
+        if (!r.trial) continue;
+        const std::string block = renderBlock(study.trials[*r.trial].dials);
+        if (block != before) text += fmt::format("\n# below {:.1f} %\n{}", 100 * r.tolerance, block);
+        before = block;
+    }
+    text += fmt::format("\n{:<12}one value finer or coarser\n", "dial");
     for (const DialWorth& w : worthOfDials(study)) text += fmt::format("{:<16}{}\n", w.dial, w.verdict);
     return text;
 }

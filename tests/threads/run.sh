@@ -23,8 +23,10 @@ if [ ! -e "$tbb/lib/libtbb.so" ]; then
     (cd "$tbb" && $sudo apt-get "${options[@]}" source -qq --download-only onetbb)
     tar -xf "$tbb"/onetbb_*.orig.tar.* -C "$tbb/source" --strip-components=1
     cmake -S "$tbb/source" -B "$tbb/build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DTBB_TEST=OFF -DTBB_STRICT=OFF \
-        -DTBBMALLOC_BUILD=OFF -DTBB_SANITIZE=thread -DCMAKE_LIBRARY_OUTPUT_DIRECTORY="$tbb/lib" >"$tbb/configure.log"
-    cmake --build "$tbb/build" --target tbb -- --quiet
+        -DTBBMALLOC_BUILD=OFF -DTBB_SANITIZE=thread >"$tbb/configure.log"
+    cmake --build "$tbb/build" --target tbb -- --quiet >"$tbb/build.log" 2>&1 || { cat "$tbb/build.log" >&2; exit 1; }
+    mkdir -p "$tbb/lib"
+    find "$tbb/build" -name 'libtbb.so*' -exec cp -P {} "$tbb/lib" \;
 fi
 
 echo "== building the tests with the thread sanitizer"

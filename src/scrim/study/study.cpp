@@ -9,6 +9,7 @@
 #include <scrim/study/expected_time.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -262,6 +263,7 @@ Study Run::study() {
     findOrders();
     drawErrors();
     repeat();
+    shareTimes(m_study.trials);
     m_study.front = markFront(m_study.trials, m_base.kernel);
     m_study.spent = spent();
     report(1);
@@ -275,16 +277,18 @@ std::optional<std::size_t> placeOfBase(const DialSweep& sweep) {
     return static_cast<std::size_t>(at - sweep.trials.begin());
 }
 
-// Changes smaller than these are noise: of errors at some hundred pixels, of times on a busy machine.
-constexpr double kSameError = 1.05, kSameTime = 1.1;
+constexpr double kSameError = 1.05;  // smaller changes at some hundred pixels are noise
 
 std::string verdictOn(const Trial& base, const Trial* finer, const Trial* coarser) {
     const auto error = [&](const Trial& t) { return t.error.error / std::max(base.error.error, 1e-12); };
     const auto change = [&](const Trial& t) {
-        return fmt::format("error x{:.2f}, time x{:.2f}", error(t), t.time() / base.time());
+        if (t.work == base.work) return fmt::format("error x{:.2f}, the same work", error(t));
+        const bool differs = isSlower(t, base) || isSlower(base, t);
+        return fmt::format("error x{:.2f}, {}", error(t),
+                           differs ? fmt::format("time x{:.2f}", t.time() / base.time()) : "about the same time");
     };
     const bool pays = finer && error(*finer) < 1 / kSameError;
-    const bool wasted = coarser && error(*coarser) < kSameError && coarser->time() < base.time() / kSameTime;
+    const bool wasted = coarser && error(*coarser) < kSameError && isSlower(base, *coarser);
     std::string text = pays ? "finer pays" : wasted ? "coarser would do" : "as it should be";
     if (finer) text += "; finer: " + change(*finer);
     if (coarser) text += "; coarser: " + change(*coarser);
@@ -303,6 +307,24 @@ std::vector<Recommendation> recommendations(const Study& study) {
     for (const double tolerance : {0.05, 0.02, 0.01, 0.005, 0.002})
         all.push_back({tolerance, cheapestWithin(study.trials, study.trials.front().dials.kernel, tolerance)});
     return all;
+}
+
+std::string renderBlock(const Dials& dials) {
+    // The preset that leaves least to say.
+    std::string best;
+    for (const std::string& preset : presetNames()) {
+        std::string text = fmt::format("[render]\nquality = \"{}\"\n", preset);
+        for (const DialInfo& dial : dialTable()) {
+            const std::string value = dialText(dials, dial.name);
+            if (value == dialText(*presetDials(preset), dial.name)) continue;
+            const bool isWord = !std::isdigit(static_cast<unsigned char>(value.front()));
+            const std::string quote = isWord ? "\"" : "";
+            text += fmt::format("{} = {}{}{}\n", dial.name, quote, value, quote);
+        }
+        const auto lines = [](const std::string& t) { return std::count(t.begin(), t.end(), '\n'); };
+        if (best.empty() || lines(text) < lines(best)) best = text;
+    }
+    return best;
 }
 
 std::vector<DialWorth> worthOfDials(const Study& study) {

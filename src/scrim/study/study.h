@@ -59,6 +59,9 @@ struct Recommendation {
 };
 std::vector<Recommendation> recommendations(const Study& study);
 
+/// The lines of a scene that set `dials`: "[render]", a preset, and what differs from it.
+std::string renderBlock(const Dials& dials);
+
 /// What one value finer, and one value coarser, than the scene's own does to error and time.
 struct DialWorth {
     std::string dial;

@@ -85,7 +85,10 @@ std::string studyAsJson(const Study& study, const std::string& scene) {
     for (const auto& [name, trial] : study.presets) out["presets"][name] = trial;
     out["front"] = study.front;
     for (const Recommendation& r : recommendations(study))
-        out["recommendations"].push_back({{"tolerance", r.tolerance}, {"trial", placeJson(r.trial)}});
+        out["recommendations"].push_back(
+            {{"tolerance", r.tolerance},
+             {"trial", placeJson(r.trial)},
+             {"render", r.trial ? Json(renderBlock(study.trials[*r.trial].dials)) : Json(nullptr)}});
     for (const DialSweep& sweep : study.sweeps)
         out["sweeps"].push_back({{"dial", sweep.dial},
                                  {"values", sweep.values},

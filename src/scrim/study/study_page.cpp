@@ -90,7 +90,15 @@ std::string recommendationTable(const Study& study) {
     for (const Recommendation& r : recommendations(study))
         html += r.trial ? trialRow(percent(r.tolerance), study.trials[*r.trial])
                         : row({percent(r.tolerance), "none of those tried", "", "", ""});
-    return html + "</table>\n";
+    html += "</table>\n<p>To paste into a scene:</p>\n";
+    std::string before;
+    for (const Recommendation& r : recommendations(study)) {
+        if (!r.trial) continue;
+        const std::string block = renderBlock(study.trials[*r.trial].dials);
+        if (block != before) html += "<pre># below " + percent(r.tolerance) + "\n" + escaped(block) + "</pre>\n";
+        before = block;
+    }
+    return html;
 }
 
 std::string presetTable(const Study& study) {

@@ -35,7 +35,7 @@ const Study& study() {
 TEST(Study, RunsEverySettingWithoutABudget) {
     for (const Trial& trial : study().trials) {
         EXPECT_TRUE(trial.run) << trial.name << ": " << trial.skipped;
-        EXPECT_EQ(trial.seconds.size(), 2u) << trial.name;
+        EXPECT_EQ(trial.seconds.size() % 2, 0u) << trial.name;
         EXPECT_GT(trial.error.error, 0) << trial.name;
         EXPECT_LE(trial.error.lower, trial.error.error) << trial.name;
         EXPECT_GE(trial.error.upper, trial.error.error) << trial.name;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/quality.h>
 #include <scrim/study/dial_sweep.h>
+#include <scrim/scene/quality.h>
+#include <scrim/study/study.h>
 #include <scrim/study/trial.h>
 
 #include <gtest/gtest.h>
@@ -73,6 +75,39 @@ TEST(DialSweeps, TryNoSettingTwice) {
         for (const DialInfo& dial : dialTable()) setting += dialText(trial.dials, dial.name) + " ";
         EXPECT_TRUE(settings.insert(setting).second) << setting;
     }
+}
+
+Trial timed(std::uint64_t footprints, const std::vector<double>& seconds) {
+    Trial trial;
+    trial.run = true;
+    trial.work.footprints = footprints;
+    trial.seconds = seconds;
+    return trial;
+}
+
+// A dial that changed no work was once said to halve the time: of that only clocks knew.
+TEST(Times, OfEqualWorkAreShared) {
+    std::vector<Trial> trials{timed(7, {1, 2, 3}), timed(8, {1}), timed(7, {5}), timed(7, {})};
+    shareTimes(trials);
+    for (const std::size_t i : {0u, 2u, 3u}) EXPECT_EQ(trials[i].seconds, (std::vector<double>{1, 2, 3, 5})) << i;
+    EXPECT_EQ(trials[1].seconds, std::vector<double>{1});
+    EXPECT_FALSE(isSlower(timed(7, {9, 9}), timed(7, {1, 1})));
+}
+
+TEST(Times, DifferWhereNoRepeatOverlapsAndATenthLiesBetween) {
+    EXPECT_TRUE(isSlower(timed(2, {1.3, 1.4}), timed(1, {1.0, 1.2})));
+    EXPECT_FALSE(isSlower(timed(2, {1.1, 1.9}), timed(1, {1.0, 1.2})));
+    EXPECT_FALSE(isSlower(timed(2, {1.05, 1.06}), timed(1, {1.0, 1.01})));
+    EXPECT_FALSE(isSlower(timed(1, {1.0}), timed(2, {1.3})));
+}
+
+TEST(RenderBlock, IsAPresetAndWhatDiffersFromIt) {
+    EXPECT_EQ(renderBlock(*presetDials("high")), "[render]\nquality = \"high\"\n");
+    Dials dials = *presetDials("draft");
+    dials.texel = 0.9;
+    dials.kernel = Kernel::gaussian;
+    const std::string block = renderBlock(dials);
+    EXPECT_EQ(block, "[render]\nquality = \"draft\"\ntexel = 0.9\nkernel = \"gaussian\"\n");
 }
 
 }  // namespace
