@@ -65,7 +65,7 @@ void report(int scenes, int seeds) {
         const ViewScene scene = sceneAt(i);
         // Every pixel of the region: what a picture shows beyond the boxes counts, too.
         PixelSample all = samplePixels(scene, emptyImage(scene.region), kAllPixels, 1);
-        int failed = 0;
+        int failed = 0, metHere = 0;
         for (int seed = 0; seed < seeds; ++seed) {
             ToleranceOptions options;
             options.tolerance = i % 2 == 0 ? 0.02 : 0.007;
@@ -76,11 +76,13 @@ void report(int scenes, int seeds) {
             bounded += error <= result.bound ? 1 : 0;
             failed += error <= result.bound ? 0 : 1;
             met += result.met ? 1 : 0;
+            metHere += result.met ? 1 : 0;
             metTruly += result.met && error <= options.tolerance ? 1 : 0;
             again += result.attempts > 1 ? 1 : 0;
             wide += result.bound / error;
         }
-        fmt::print("scene {:>2}: {} pixels, bound missed in {} of {} runs\n", i, all.pixels.size(), failed, seeds);
+        fmt::print("scene {:>2}: {} pixels, tolerance {}: bound below the error in {} of {} runs, tolerance met in {}\n", i,
+                   all.pixels.size(), i % 2 == 0 ? 0.02 : 0.007, failed, seeds, metHere);
     }
     fmt::print("{} runs: true error below its bound in {:.1f} % (bound {:.2f} times the error on average)\n", runs,
                100.0 * bounded / runs, wide / runs);

@@ -2,6 +2,7 @@
 // Which grids of a volume are read, and what is said where they cannot be.
 #include <cli/field_store.h>
 
+#include <scrim/render/assemble.h>
 #include <scrim/base/error.h>
 
 #include "support/expect_error.h"
@@ -123,6 +124,18 @@ TEST_F(FieldStoreTest, SaysOnceWhatIsWrongWithAGreyColour) {
     for (const auto& component : all[0].albedo) EXPECT_EQ(component->maxValue, 1);
     EXPECT_EQ(heard,
               (std::vector{path() + ": grid 'grey': active voxels that are 1 below 0 count as 0 (1 above 0 remain)"}));
+}
+
+// A check of a picture must not rely on what was left out of it.
+TEST_F(FieldStoreTest, LoadsWhatIsOutOfViewWhereAllIsWanted) {
+    scene.camera.wsPosition = {5, 5, -60};  // and looks away
+    const std::vector<VolumeFile> files = findFiles(scene);
+    const Fields seen = store.fieldsOf(scene, files), all = store.fieldsOf(scene, files, VolumesOf::scene);
+    EXPECT_FALSE(seen[0].density);
+    ASSERT_TRUE(all[0].density);
+    EXPECT_EQ(all[0].unseen, seen[0].unseen);  // and yet the picture does without
+    EXPECT_TRUE(assemble(scene, all, {}, 0).volumes.empty());
+    EXPECT_EQ(assemble(scene, all, {}, 0, VolumesOf::scene).volumes.size(), 1u);
 }
 
 class SourceStoreTest : public FieldStoreTest {

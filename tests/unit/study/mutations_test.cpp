@@ -3,6 +3,7 @@
 // would have, are rendered and found out.
 #include "support/fields.h"
 
+#include <scrim/render/assemble.h>
 #include <scrim/render/plan.h>
 #include <scrim/study/verify.h>
 #include <scrim/study/verify_pixels.h>
@@ -134,6 +135,27 @@ TEST_P(Mutations, AreCaughtInNinetyNineOfAHundredSeeds) {
     int caught = 0;
     for (unsigned seed = 1; seed <= kSeeds; ++seed) caught += verified(image, seed).error > 0.024 ? 1 : 0;
     EXPECT_GE(caught, 99) << "share " << share;
+}
+
+// What says that a volume is of no use may be wrong: here that a block in the middle of the view is.
+TEST(WrongCulling, OfAVolumeInViewIsCaught) {
+    Scene scene;
+    scene.camera.resolution = {48, 48};
+    scene.camera.fov = 40;
+    scene.camera.wsPosition = {0, 0, 60};
+    scene.lights = {distantLight({-1, -1, -1}, 3)};
+    scene.dials.texel = scene.dials.sheetThickness = 0.5;
+    scene.volumes.resize(2);
+    scene.volumes[0].medium.densityScale = scene.volumes[1].medium.densityScale = 0.3;
+    scene.volumes[1].wsFromAsset[3] = {12, 12, 0, 1};
+    std::vector<VolumeFields> fields{{smokeField(12), {}, {}}, {smokeField(4), {}, {}}};
+    const auto errorNow = [&] {
+        const ViewScene truth = assemble(scene, fields, {}, 0, VolumesOf::scene);
+        return summarise(samplePixels(truth, renderScene(assemble(scene, fields, {}, 0)).image, kPixels, 1)).error;
+    };
+    EXPECT_LT(errorNow(), 0.03);
+    fields[1].unseen = "it is out of view, says a bug";
+    EXPECT_GT(errorNow(), 0.1);
 }
 
 TEST_F(Mutations, OfNothingAreNotCaught) {
