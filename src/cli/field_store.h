@@ -25,10 +25,9 @@ class FieldStore {
 
     /// What each volume of `scene` needs, all null where `files` has none; forgets the fields of the frame before that
     /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Grids that
-    /// nothing is made of are not read: of a volume whose densities count for nothing only what it emits, of one that the
-    /// picture has no use for (`unseen`) none, unless all of the scene's are wanted. Throws Error.
-    Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files,
-                    VolumesOf volumesOf = VolumesOf::picture);
+    /// nothing is made of are not read: of a volume whose densities count for nothing only what it emits, of one that
+    /// the picture has no use for (`unseen`) none, unless all of the scene's are wanted. Throws Error.
+    Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf = VolumesOf::picture);
 
     /// One field of a file, kept for the next `fieldsOf`.
     std::shared_ptr<const SparseField> fieldOf(const std::string& path, const GridRequest& request);

@@ -73,9 +73,9 @@ Json reportJson(const FrameReport& r) {
              {"plan", Json::parse(r.planJson)}};
     if (r.verification) out["verification"] = verificationJson(*r.verification);
     if (const auto& t = r.tolerance)
-        out["tolerance"] = {{"wanted", t->wanted},   {"predicted", t->predicted},
-                            {"texel", t->texel},     {"sheet_thickness", t->sheetThickness},
-                            {"bound", t->bound},     {"attempts", t->attempts},
+        out["tolerance"] = {{"wanted", t->wanted}, {"predicted", t->predicted},
+                            {"texel", t->texel},   {"sheet_thickness", t->sheetThickness},
+                            {"bound", t->bound},   {"attempts", t->attempts},
                             {"met", t->met}};
     return out;
 }
@@ -101,15 +101,14 @@ std::string summaryLine(const FrameReport& r) {
     std::string text =
         fmt::format("frame {}: {} {}x{}, {:.2f} s (load {:.2f}, render {:.2f}, write {:.2f})", r.frame, r.file,
                     r.resolution.x, r.resolution.y, r.total(), r.load, r.plan + r.render, r.write);
-    if (r.verification)
-        text += verificationText(*r.verification);
+    if (r.verification) text += verificationText(*r.verification);
     if (r.tolerance)
-        text += fmt::format("; {}below {:.2f} % with 97.5 % confidence; predicted {:.2f} % with texel {} and "
-                            "sheet_thickness {}{}",
-                            r.tolerance->met ? "" : fmt::format("MISSED {:g} %, ", 100 * r.tolerance->wanted),
-                            100 * r.tolerance->bound, 100 * r.tolerance->predicted, r.tolerance->texel,
-                            r.tolerance->sheetThickness,
-                            r.tolerance->attempts > 1 ? fmt::format(", attempt {}", r.tolerance->attempts) : "");
+        text += fmt::format(
+            "; {}below {:.2f} % with 97.5 % confidence; predicted {:.2f} % with texel {} and "
+            "sheet_thickness {}{}",
+            r.tolerance->met ? "" : fmt::format("MISSED {:g} %, ", 100 * r.tolerance->wanted), 100 * r.tolerance->bound,
+            100 * r.tolerance->predicted, r.tolerance->texel, r.tolerance->sheetThickness,
+            r.tolerance->attempts > 1 ? fmt::format(", attempt {}", r.tolerance->attempts) : "");
     return text;
 }
 

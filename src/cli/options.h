@@ -39,7 +39,7 @@ struct SceneOptions {
     std::string stats, preview;
     bool skipExisting = false;
     ProgressStyle progress = ProgressStyle::automatic;
-    int verify = 0;        ///< pixels; kAllPixels: all
+    int verify = 0;          ///< pixels; kAllPixels: all
     double verifyLimit = 0;  ///< seconds; 0: none
     double tolerance = 0;  ///< relative RMSE, in place of quality; 0: not given
 

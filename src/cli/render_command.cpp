@@ -30,7 +30,7 @@ namespace scrim::cli {
 namespace {
 
 constexpr unsigned kVerifySeed = 1;  // any, but always the same pixels
-constexpr double kWorthSaying = 2;    // seconds of a verification that are announced
+constexpr double kWorthSaying = 2;   // seconds of a verification that are announced
 // Of a frame's progress: where its rendering ends and its verification begins.
 constexpr double kRenderedOfVerified = 0.5;
 
@@ -44,7 +44,7 @@ class RenderRun {
     explicit RenderRun(const SceneOptions& options)
         : m_options(options),
           m_console(options.verbose, options.quiet),
-              m_colour(ColourConfig::open(options.ocio)),
+          m_colour(ColourConfig::open(options.ocio)),
           m_store({options.memory, options.threads, options.verbose}, m_console.sink()),
           m_slides(m_colour, m_console.sink()),
           m_progress(options.progress, m_console) {}
@@ -139,10 +139,9 @@ std::function<void(double)> RenderRun::announcement(int frame) {
     return [this, frame](double seconds) {
         if (seconds < kWorthSaying) return;
         const bool cut = m_options.verifyLimit > 0 && seconds > m_options.verifyLimit;
-        m_console.line(fmt::format("frame {}: verifying it by brute force takes about {:.0f} s; --verify-limit {}", frame,
-                                   seconds,
-                                   cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit)
-                                       : "SECONDS would end it earlier"));
+        m_console.line(fmt::format(
+            "frame {}: verifying it by brute force takes about {:.0f} s; --verify-limit {}", frame, seconds,
+            cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit) : "SECONDS would end it earlier"));
     };
 }
 
@@ -183,9 +182,9 @@ Frame RenderRun::renderTolerance(double tolerance, const ViewScene& view, const 
     report.tolerance = {tolerance,    result.predicted, result.dials.texel, result.dials.sheetThickness,
                         result.bound, result.attempts,  result.met};
     if (!result.met)
-        m_missed.push_back(fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}",
-                                       report.frame, result.bound, tolerance,
-                                       result.outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+        m_missed.push_back(fmt::format(
+            "frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}", report.frame,
+            result.bound, tolerance, result.outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
     return std::move(result.frame);
 }
 

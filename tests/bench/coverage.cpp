@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Does a tolerance keep its word? Forty scenes that are small enough for the reference of every pixel are rendered within
-// a tolerance under twenty seeds each; the bound that each run states is compared with the true error of its picture.
+// Does a tolerance keep its word? Forty scenes that are small enough for the reference of every pixel are rendered
+// within a tolerance under twenty seeds each; the bound that each run states is compared with the true error of its
+// picture.
 //   scrim_coverage [--seeds 20] [--scenes 40]
 #include "support/fields.h"
 
@@ -28,9 +29,15 @@ ViewScene sceneAt(int index) {
     if (index % 3 == 1) medium.phase.g = 0.6;
     std::shared_ptr<SparseField> field;
     switch (index % 5) {
-        case 0: field = test::smokeField(10); break;
-        case 1: field = test::smokeField(14); break;
-        case 2: field = test::boxField({-6, -4, -5}, {5, 7, 4}); break;
+        case 0:
+            field = test::smokeField(10);
+            break;
+        case 1:
+            field = test::smokeField(14);
+            break;
+        case 2:
+            field = test::boxField({-6, -4, -5}, {5, 7, 4});
+            break;
         case 3:
             field = test::makeField(Int3(-10), Int3(10), 1, [](const Vec3& p) {
                 return std::abs(p.x + 0.5 * p.y) < 1.5 || glm::length(p) < 4 ? 1.0 : 0.0;
@@ -81,8 +88,9 @@ void report(int scenes, int seeds) {
             again += result.attempts > 1 ? 1 : 0;
             wide += result.bound / error;
         }
-        fmt::print("scene {:>2}: {} pixels, tolerance {}: bound below the error in {} of {} runs, tolerance met in {}\n", i,
-                   all.pixels.size(), i % 2 == 0 ? 0.02 : 0.007, failed, seeds, metHere);
+        fmt::print(
+            "scene {:>2}: {} pixels, tolerance {}: bound below the error in {} of {} runs, tolerance met in {}\n", i,
+            all.pixels.size(), i % 2 == 0 ? 0.02 : 0.007, failed, seeds, metHere);
     }
     fmt::print("{} runs: true error below its bound in {:.1f} % (bound {:.2f} times the error on average)\n", runs,
                100.0 * bounded / runs, wide / runs);

@@ -46,8 +46,8 @@ ViewScene load(const std::string& file) {
                     {}, 0);
 }
 
-/// The camera, density and key light of the first picture that `scrim render ASSET` gives, in grey, without its fill and
-/// ambient light, and with isotropic scattering: what all the tools can render.
+/// The camera, density and key light of the first picture that `scrim render ASSET` gives, in grey, without its fill
+/// and ambient light, and with isotropic scattering: what all the tools can render.
 std::string sceneText(const std::string& asset, const ViewScene& framed) {
     const Camera& camera = framed.camera;
     const Vec3 eye = camera.wsPosition, target = eye + viewingAxis(camera) * glm::length(eye);

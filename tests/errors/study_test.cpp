@@ -53,15 +53,17 @@ TEST_F(ToleranceOption, ThatIsMissedIsStatusFiveAndThePictureSaysSo) {
     EXPECT_EQ(result.status, 5) << result.err;
     const auto frame = nlohmann::json::parse(readBytes(file("stats.json"))).at(0);
     EXPECT_FALSE(frame.at("tolerance").at("met").get<bool>());
-    EXPECT_EQ(result.lastErrorLine().rfind("scrim: error: frame 1: written, but its error may be ", 0), 0u) << result.err;
+    EXPECT_EQ(result.lastErrorLine().rfind("scrim: error: frame 1: written, but its error may be ", 0), 0u)
+        << result.err;
     EXPECT_EQ(readExrAttributes(file("scene.exr")).at("scrim:tolerance:met"), "0");
 }
 
 // What emits without density has no alpha: it was once taken for nothing, and nothing for a tolerance that is met.
 TEST_F(ToleranceOption, OfWhatOnlyEmitsLooksAtPixels) {
-    write("flame.toml", kCamera +
-                            "[[volume]]\nfile = \"smoke.vdb\"\ndensity = { scale = 0.0 }\n[volume.medium]\nemission = { "
-                            "grid = \"density\", ramp = [[0, [0, 0, 0]], [1, [1, 0.5, 0.1]]], scale = 2.0 }\n");
+    write("flame.toml",
+          kCamera +
+              "[[volume]]\nfile = \"smoke.vdb\"\ndensity = { scale = 0.0 }\n[volume.medium]\nemission = { "
+              "grid = \"density\", ramp = [[0, [0, 0, 0]], [1, [1, 0.5, 0.1]]], scale = 2.0 }\n");
     run({"render", "flame.toml", "--tolerance", "0.02", "--stats", "stats.json"});
     const auto frame = nlohmann::json::parse(readBytes(file("stats.json"))).at(0);
     EXPECT_GT(frame.at("verification").at("pixels").get<int>(), 50);
@@ -88,14 +90,16 @@ TEST_F(VerifyOption, OfAllKnowsTheErrorExactly) {
 }
 
 TEST_F(VerifyOption, OfAnEmptyPictureSaysThatItIsEmpty) {
-    const ProgramResult result = runWell({"render", "scene.toml", "--verify", "50", "--set", "volume.volume1.density.scale=0"});
+    const ProgramResult result =
+        runWell({"render", "scene.toml", "--verify", "50", "--set", "volume.volume1.density.scale=0"});
     EXPECT_NE(result.err.find("nothing to verify"), std::string::npos) << result.err;
 }
 
 TEST_F(VerifyOption, EndsAtItsLimit) {
     const ProgramResult result = runWell({"render", "scene.toml", "--verify", "all", "--verify-limit", "0.000001"});
     EXPECT_NE(result.err.find("--verify-limit ended the verification after"), std::string::npos) << result.err;
-    expectFailure({"render", "scene.toml", "--verify-limit", "0"}, 2, "--verify-limit 0: expected seconds, more than 0");
+    expectFailure({"render", "scene.toml", "--verify-limit", "0"}, 2,
+                  "--verify-limit 0: expected seconds, more than 0");
     expectFailure({"render", "scene.toml", "--verify", "some"}, 2,
                   "--verify some: expected 'all' or a whole number from 0 to 2147483646");
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fuzz target: every scene that is not refused gives a picture that obeys physics (finite, no negative light, alpha from
-// 0 to 1, no brighter than its lights can make it) and is the same, bit by bit, on one thread and on two.
+// Fuzz target: every scene that is not refused gives a picture that obeys physics (finite, no negative light, alpha
+// from 0 to 1, no brighter than its lights can make it) and is the same, bit by bit, on one thread and on two.
 #include "require.h"
 #include "scene_of_bytes.h"
 

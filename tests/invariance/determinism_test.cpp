@@ -53,9 +53,7 @@ double brightest(const Image& image) {
 TEST(Threads, DoNotChangeABit) {
     const tbb::global_control seven(tbb::global_control::max_allowed_parallelism, 7);  // on however few processors
     const ViewScene scene = smokeScene();
-    const auto with = [&](int threads) {
-        return render(scene, makePlan(scene, threads)).image.rgba;
-    };
+    const auto with = [&](int threads) { return render(scene, makePlan(scene, threads)).image.rgba; };
     const auto one = with(1);
     EXPECT_EQ(one, with(2));
     EXPECT_EQ(one, with(7));
@@ -80,9 +78,7 @@ TEST(Slides, AreTheSameForThreadsCropsAndInstructionSets) {
         ViewScene scene = smokeScene();
         scene.dials.shade = mode;
         scene.lights.push_back(projector({-70, 60, 50}, 30, quarters(48)));
-        const auto with = [&](int threads) {
-            return render(scene, makePlan(scene, threads)).image;
-        };
+        const auto with = [&](int threads) { return render(scene, makePlan(scene, threads)).image; };
         const Image whole = with(1);
         EXPECT_EQ(whole.rgba, with(3).rgba);
         ViewScene part = scene;

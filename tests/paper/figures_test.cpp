@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The paper's figures (Zhang and Crawfis 2002, "ZC02"), each scene of examples/paper rendered small: what the paper says
-// that a figure shows, as numbers. Where shadows fall is computed here from the geometry alone; how dark they are from
-// closed forms where there are any; brute force judges the rest.
+// The paper's figures (Zhang and Crawfis 2002, "ZC02"), each scene of examples/paper rendered small: what the paper
+// says that a figure shows, as numbers. Where shadows fall is computed here from the geometry alone; how dark they are
+// from closed forms where there are any; brute force judges the rest.
 //
 // Pictures have 128 x 128 pixels and rougher dials than the gallery's, so that all of them take seconds.
 #include "support/data.h"
@@ -62,8 +62,8 @@ void expectShadowsOnlyDarken(const PaperPicture& with, const PaperPicture& witho
     EXPECT_LE(brighter, kPaperResolution * kPaperResolution / 200);
 }
 
-/// Renders a scene at texels and sheets of `size` voxels, and of half of that, each against brute force at the same pixels,
-/// and expects the error to fall with `order` at least. The finer picture.
+/// Renders a scene at texels and sheets of `size` voxels, and of half of that, each against brute force at the same
+/// pixels, and expects the error to fall with `order` at least. The finer picture.
 PaperPicture expectPaperConverges(const std::string& name, const Settings& settings, double size, int pixels,
                                   double order) {
     const auto at = [&](double dial) {
@@ -75,7 +75,8 @@ PaperPicture expectPaperConverges(const std::string& name, const Settings& setti
     const PaperPicture coarse = at(size);
     PaperPicture fine = at(0.5 * size);
     testing::Test::RecordProperty("errors", fmt::format("{} {}", coarse.error(), fine.error()));
-    EXPECT_LE(fine.error(), std::max(std::exp2(-order) * coarse.error(), kFloor)) << name << ", coarse: " << coarse.error();
+    EXPECT_LE(fine.error(), std::max(std::exp2(-order) * coarse.error(), kFloor))
+        << name << ", coarse: " << coarse.error();
     return fine;
 }
 
@@ -542,8 +543,8 @@ TEST(Perpendicular, SheetsLieHalfWay) {
             all.push_back(group.at("axis").get<std::vector<double>>());
         return all;
     };
-    // (0, 0.5, 0.5) normalised, up to sign (ZC02 section 6), for an eye so far that its rays are parallel. A light that is
-    // just perpendicular is served from both sides: by the paper's axis and by that of the other order.
+    // (0, 0.5, 0.5) normalised, up to sign (ZC02 section 6), for an eye so far that its rays are parallel. A light that
+    // is just perpendicular is served from both sides: by the paper's axis and by that of the other order.
     int paper = 0;
     for (const auto& axis : axes({"camera.position=[0, 0, 12000]", "camera.fov=0.4"})) {
         EXPECT_NEAR(axis.at(0), 0, 1e-6);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Eyes where the geometry is degenerate: inside the volume, on a voxel, on the plane between two sheets, cut by the near
-// plane; and with fields of view from half a degree to 150 degrees.
+// Eyes where the geometry is degenerate: inside the volume, on a voxel, on the plane between two sheets, cut by the
+// near plane; and with fields of view from half a degree to 150 degrees.
 #include "stability/scenes.h"
 #include "support/verified.h"
 
@@ -44,10 +44,11 @@ void PrintTo(const Stand& s, std::ostream* out) {
 }
 class EyeAt : public testing::TestWithParam<Stand> {};
 
-// How far the way through the haze may be off, in voxels, where the eye stands in it. At pixels: rays that begin within a
-// sheet see a part of it, which in even haze is exact (at its rim, tents' ramps are taken for even: a sixteenth). Per view: footprints of a sheet whose middle lies behind the eye
-// fall nowhere, which is at most the half of a sheet. At texels the sheet next to the eye is seen at slants that change by
-// more than they are from texel to texel, which counts it up to two and a half times: `auto` takes pixels here.
+// How far the way through the haze may be off, in voxels, where the eye stands in it. At pixels: rays that begin within
+// a sheet see a part of it, which in even haze is exact (at its rim, tents' ramps are taken for even: a sixteenth). Per
+// view: footprints of a sheet whose middle lies behind the eye fall nowhere, which is at most the half of a sheet. At
+// texels the sheet next to the eye is seen at slants that change by more than they are from texel to texel, which
+// counts it up to two and a half times: `auto` takes pixels here.
 double stated(const Way& way) {
     return way.splat == SplatMode::perView ? 0.55 : way.shade == ShadeMode::texel ? 1.8 : 0.08;
 }
@@ -103,8 +104,8 @@ TEST(EyeAmongVolumes, IsShadedAtPixels) {
     EXPECT_FALSE(makePlan(parallel, 1).shadeAtPixels);
 }
 
-// The near plane, before, in and behind the volume, on and between the planes of sheets, for both kinds of camera and both
-// orders.
+// The near plane, before, in and behind the volume, on and between the planes of sheets, for both kinds of camera and
+// both orders.
 TEST(NearPlane, CutsTheVolumeWhereItStands) {
     for (const bool perspective : {true, false})
         for (const Way& way : {kTexels, kPixels, kPerView})
@@ -117,15 +118,16 @@ TEST(NearPlane, CutsTheVolumeWhereItStands) {
                     scene.lights = {distantLight({0, 0, side}, 0.01)};
                     const Frame frame = renderScene(scene);
                     ASSERT_TRUE(sane(frame.image)) << way.name << " " << near;
-                    // Where the plane cuts a sheet with the tents' ramp in it, a sixteenth of a voxel is taken for even.
+                    // Where the plane cuts a sheet with the tents' ramp in it, a sixteenth of a voxel is taken for
+                    // even.
                     const double length = std::max(0.0, std::min(24.0, 52.5 - near));
                     EXPECT_NEAR(-std::log1p(-pixelOf(frame, 12, 12)[3]) / kExtinction, length, near == 52 ? 0.2 : 0.07)
                         << way.name << " near " << near << " light " << side << (perspective ? "" : " orthographic");
                 }
 }
 
-// Half a degree, from as far away as that makes the picture as large as ever: the same as a parallel view to the change of
-// directions, and to brute force.
+// Half a degree, from as far away as that makes the picture as large as ever: the same as a parallel view to the change
+// of directions, and to brute force.
 TEST(NarrowEye, OfHalfADegreeAgreesWithBruteForceAndWithAParallelOne) {
     for (const Way& way : {kTexels, kPixels, kPerView}) {
         Medium medium;
@@ -139,16 +141,16 @@ TEST(NarrowEye, OfHalfADegreeAgreesWithBruteForceAndWithAParallelOne) {
         const Frame frame = renderScene(scene);
         ASSERT_TRUE(sane(frame.image)) << way.name;
         expectConvergence(scene, 40, 1, way.name);
-        // Ten voxels before and behind the middle are 1 % larger and smaller: a fiftieth of a voxel at the rim. Per view
-        // the two kinds of camera have splatters of their own (3 % measured).
+        // Ten voxels before and behind the middle are 1 % larger and smaller: a fiftieth of a voxel at the rim. Per
+        // view the two kinds of camera have splatters of their own (3 % measured).
         EXPECT_LT(changeOf(std::string(way.name) + "Change", parallel, frame.image),
                   way.splat == SplatMode::perView ? 0.04 : 0.004)
             << way.name;
     }
 }
 
-// 150 degrees, from outside, where all of the volume is in the picture's middle, and from within, where texels are off for
-// the reason above: a test says by how much.
+// 150 degrees, from outside, where all of the volume is in the picture's middle, and from within, where texels are off
+// for the reason above: a test says by how much.
 TEST(WideEye, Of150DegreesAgreesWithBruteForceFromOutsideAndInside) {
     for (const Way& way : {kAutomatic, kPixels, kTexels}) {
         for (const Vec3& from : {Vec3(1, 2, 30), Vec3(1.3, -2.1, 6.2)}) {
@@ -169,8 +171,8 @@ TEST(WideEye, Of150DegreesAgreesWithBruteForceFromOutsideAndInside) {
     }
 }
 
-// Over all fields of view a ray is the same ray: the picture's middle pixel does not change (a pixel at 150 degrees is as
-// wide as the box; rays are points).
+// Over all fields of view a ray is the same ray: the picture's middle pixel does not change (a pixel at 150 degrees is
+// as wide as the box; rays are points).
 TEST(MiddleRay, IsTheSameAtEveryFieldOfView) {
     for (const Way& way : {kTexels, kPixels, kPerView})
         for (const double fov : {0.5, 5.0, 45.0, 89.0, 91.0, 120.0, 150.0}) {

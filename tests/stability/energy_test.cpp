@@ -58,8 +58,8 @@ TEST_P(EnergyOfMedia, OfAWhiteFurnaceIsAlpha) {
         }
 }
 
-// Single scattering of irradiance E with phase 1 / 4 pi: at most E / 4 pi where light leaves at once, as the integral of
-// sigma e^-tau along the ray is at most alpha. Opaque or not, no pixel is brighter.
+// Single scattering of irradiance E with phase 1 / 4 pi: at most E / 4 pi where light leaves at once, as the integral
+// of sigma e^-tau along the ray is at most alpha. Opaque or not, no pixel is brighter.
 TEST_P(Energy, OfOneLightIsNoMoreThanAllOfItScatteredOnce) {
     for (const double extinction : {0.3, 30.0, 1e5})
         for (const ViewScene& scene : scenes(extinction, Rgb(1))) {

@@ -61,8 +61,8 @@ TEST_P(Slab, HasItsClosedFormAtEveryOpticalDepth) {
 
 INSTANTIATE_TEST_SUITE_P(Depths, Slab, testing::ValuesIn(everyDepth()));
 
-// The same slab in `count` sheets: each adds its rounding to a running sum of tau (half a last bit of the sum, always to
-// the same side while the sum keeps its exponent), and to the pixel.
+// The same slab in `count` sheets: each adds its rounding to a running sum of tau (half a last bit of the sum, always
+// to the same side while the sum keeps its exponent), and to the pixel.
 struct Sheetful {
     const char* name;
     int voxels;

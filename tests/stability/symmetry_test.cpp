@@ -88,9 +88,10 @@ std::shared_ptr<SparseField> part(const SparseField& whole, bool odd) {
     return field;
 }
 
-// A chessboard of leaves, to a stated error. Shared sheets are sharpened (unblur) and clamped at 0, each grid by itself:
-// cut faces lose what was sharpened below 0, up to a twelfth of the change there (measured: 1.5 % of the brightest).
-// Per-view footprints are tabulated along the ray through the middle of each grid, and the middles differ (0.1 %).
+// A chessboard of leaves, to a stated error. Shared sheets are sharpened (unblur) and clamped at 0, each grid by
+// itself: cut faces lose what was sharpened below 0, up to a twelfth of the change there (measured: 1.5 % of the
+// brightest). Per-view footprints are tabulated along the ray through the middle of each grid, and the middles differ
+// (0.1 %).
 TEST_P(SameMedium, CutIntoTwoGridsLeafByLeafIsTheSamePicture) {
     ViewScene scene = smallScene(GetParam());
     const Image before = renderScene(scene).image;

@@ -35,8 +35,8 @@ inline ViewScene refined(ViewScene scene) {
 
 /// Agreement with brute force without a tolerance of its own: what the dials are to blame for goes away with them. The
 /// error, colour's and alpha's, at half their size must be at most 2^-order of what it was. Both are taken at the same
-/// pixels, so that which ones were drawn hardly matters. Below kFloor no order is asked for: the reference itself has steps
-/// of half a voxel, and in per-view splatting the raster is the picture's, which does not get finer.
+/// pixels, so that which ones were drawn hardly matters. Below kFloor no order is asked for: the reference itself has
+/// steps of half a voxel, and in per-view splatting the raster is the picture's, which does not get finer.
 constexpr double kFloor = 0.002;
 inline void expectConvergence(const ViewScene& scene, int pixels, double order, const std::string& name = "") {
     PixelSample sample = samplePixels(scene, renderScene(scene).image, pixels, 7);
@@ -45,8 +45,10 @@ inline void expectConvergence(const ViewScene& scene, int pixels, double order, 
     const Verification finer = summarise(sample);
     EXPECT_EQ(at.pixels, pixels) << name;
     testing::Test::RecordProperty(name + "Errors", fmt::format("{} {}", at.error, finer.error));
-    EXPECT_LE(finer.error, std::max(std::exp2(-order) * at.error, kFloor)) << name << ": error " << at.error << ", worst pixel " << at.worst;
-    EXPECT_LE(finer.alphaError, std::max(std::exp2(-order) * at.alphaError, kFloor)) << name << ": error of alpha " << at.alphaError;
+    EXPECT_LE(finer.error, std::max(std::exp2(-order) * at.error, kFloor))
+        << name << ": error " << at.error << ", worst pixel " << at.worst;
+    EXPECT_LE(finer.alphaError, std::max(std::exp2(-order) * at.alphaError, kFloor))
+        << name << ": error of alpha " << at.alphaError;
 }
 
 }  // namespace scrim::test

@@ -10,15 +10,16 @@
 
 namespace scrim {
 
-/// Calls `task(i)` once for every i in [0, count), in any order and on any thread. A task should be worth at
-/// least some microseconds, and runs with denormal floats flushed to zero. The first exception a task throws is rethrown after the others have stopped.
+/// Calls `task(i)` once for every i in [0, count), in any order and on any thread. A task should be worth at least some
+/// microseconds, and runs with denormal floats flushed to zero. The first exception a task throws is rethrown after the
+/// others have stopped.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task);
 
 /// Number of threads `parallelFor` may use where it is called now.
 int threadCount();
 
-/// So many threads (0: as many as the caller has; at most those that the machine has) for what runs in it, and for nothing
-/// else in the process.
+/// So many threads (0: as many as the caller has; at most those that the machine has) for what runs in it, and for
+/// nothing else in the process.
 class TaskArena {
   public:
     explicit TaskArena(int threads);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which vector instructions the inner loops use. Normally the best the processor has; a farm whose machines must agree to
-// the bit pins them all to one. A value that every render hands down to its loops: nothing of it belongs to the process,
-// so that renders side by side may use unlike ones.
+// Which vector instructions the inner loops use. Normally the best the processor has; a farm whose machines must agree
+// to the bit pins them all to one. A value that every render hands down to its loops: nothing of it belongs to the
+// process, so that renders side by side may use unlike ones.
 #pragma once
 
 #include <cstddef>

@@ -186,8 +186,12 @@ void ShadowBuffer::sharpen(int s) {
 
 // Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
 FloatPlane ShadowBuffer::entryPlane(int s) const {
-    return {m_entry.data() + static_cast<std::size_t>(s) * entryStride(), windowWidth(), m_windowTilesY * kTileEdge,
-            m_windowTileX * kTileEdge, m_windowTileY * kTileEdge, m_simd};
+    return {m_entry.data() + static_cast<std::size_t>(s) * entryStride(),
+            windowWidth(),
+            m_windowTilesY * kTileEdge,
+            m_windowTileX * kTileEdge,
+            m_windowTileY * kTileEdge,
+            m_simd};
 }
 
 void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {

@@ -37,9 +37,9 @@ class ShadowBuffer final : public ShadowLookup {
 
     const LightView& view() const { return m_view; }
 
-    /// Prepares sheets [firstSheet, firstSheet + count), of which `extinction` holds the planes: decides which tiles of the
-    /// raster take part. `covered` has active tiles wherever there is extinction, and wherever else the buffer will be
-    /// looked into.
+    /// Prepares sheets [firstSheet, firstSheet + count), of which `extinction` holds the planes: decides which tiles of
+    /// the raster take part. `covered` has active tiles wherever there is extinction, and wherever else the buffer will
+    /// be looked into.
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered);
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
         beginBatch(firstSheet, count, extinction, extinction);
@@ -52,9 +52,9 @@ class ShadowBuffer final : public ShadowLookup {
     /// extinction times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    /// Makes up beforehand for the blur of the look-ups to come, as unblur.h does for sheets: tau at entry of sheet s of
-    /// the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`; what the buffer
-    /// carries on stays as it is.
+    /// Makes up beforehand for the blur of the look-ups to come, as unblur.h does for sheets: tau at entry of sheet s
+    /// of the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`; what the
+    /// buffer carries on stays as it is.
     void sharpen(int s);
 
     void lookUpTile(int s, int texelX, int texelY, float* tau) const override;

@@ -2,12 +2,12 @@
 // The slide of a light over a tile's worth of samples of one sheet, filtered.
 //
 // What a sample stands for is not a point: it is as wide as the samples are apart, and as long as the way of the eye's
-// ray through the sheet. A ray marcher would see the slide's average along that way, and so does this: the
-// footprint on the slide is the parallelepiped of the two spacings and the ray's segment, flattened; its covariance
-// (a box of edge e has e^2 / 12) gives a long and a short axis. Along the long one several taps are averaged, the
-// short one picks the level of the mip pyramid (between levels: trilinear). A footprint smaller than a pixel of the
-// slide needs no filter: magnified slides stay as sharp as they are. The picture's border is sharp whatever the size of its
-// pixels: a tap counts as much as the part of its box that lies within.
+// ray through the sheet. A ray marcher would see the slide's average along that way, and so does this: the footprint on
+// the slide is the parallelepiped of the two spacings and the ray's segment, flattened; its covariance (a box of edge e
+// has e^2 / 12) gives a long and a short axis. Along the long one several taps are averaged, the short one picks the
+// level of the mip pyramid (between levels: trilinear). A footprint smaller than a pixel of the slide needs no filter:
+// magnified slides stay as sharp as they are. The picture's border is sharp whatever the size of its pixels: a tap
+// counts as much as the part of its box that lies within.
 #pragma once
 
 #include <scrim/base/simd.h>

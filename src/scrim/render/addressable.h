@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sizes of sheets and rasters, checked before they become whole numbers: a transform that squeezes one axis to a millionth
-// asks for millions of sheets, or for more than an int holds.
+// Sizes of sheets and rasters, checked before they become whole numbers: a transform that squeezes one axis to a
+// millionth asks for millions of sheets, or for more than an int holds.
 #pragma once
 
 #include <string>

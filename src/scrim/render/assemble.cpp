@@ -69,9 +69,10 @@ std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vecto
         for (const ViewEmission& emission : volume.emission) add(emission.field.field);
     }
     if (bytes >= limit)
-        throw Error(ErrorKind::memory,
-                    fmt::format("what is made of the volumes' grids takes {}, more than the {} that the memory limit leaves",
-                                bytesText(bytes), bytesText(limit)));
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("what is made of the volumes' grids takes {}, more than the {} that the memory limit leaves",
+                        bytesText(bytes), bytesText(limit)));
     return limit - bytes;
 }
 

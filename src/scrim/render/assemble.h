@@ -30,10 +30,9 @@ enum class VolumesOf { picture, scene };
 std::vector<std::string> unseenVolumes(const Scene& scene,
                                        const std::vector<std::optional<std::vector<Vec3>>>& wsCorners);
 
-/// `fields[i]` belongs to `scene.volumes[i]`. `crop` limits the region to pixels of it (display window coordinates). Ramps are applied, and
-/// coarser levels built where the dial `lod` asks for them.
-/// Fields that are made of others come out of `memoryLimit`; throws
-/// Error(memory) where they are more.
+/// `fields[i]` belongs to `scene.volumes[i]`. `crop` limits the region to pixels of it (display window coordinates).
+/// Ramps are applied, and coarser levels built where the dial `lod` asks for them. Fields that are made of others come
+/// out of `memoryLimit`; throws Error(memory) where they are more.
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
                    std::size_t memoryLimit, VolumesOf volumesOf = VolumesOf::picture);
 

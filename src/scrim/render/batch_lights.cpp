@@ -41,8 +41,8 @@ BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPl
             if (plan.perView)
                 m_ownSheets[i]->shadows.emplace_back(light.raster, group.sheets, filter, group.batchSheets, plan.simd);
             else
-                m_shadows[row(i, r)] =
-                    std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd);
+                m_shadows[row(i, r)] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps,
+                                                                      group.batchSheets, plan.simd);
         }
     }
 }

@@ -84,8 +84,8 @@ HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
     return through(lastLane(texel), state, texel);
 }
 
-// One sample into a pixel's state, whatever pictures there are. quad(q): the sample's quads. Returns what tells how much
-// the sample hides, in its last lane.
+// One sample into a pixel's state, whatever pictures there are. quad(q): the sample's quads. Returns what tells how
+// much the sample hides, in its last lane.
 template <bool kFrontToBack, bool kColoured, class Quad>
 HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, float* state) {
     const int last = quads - 1;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compositing: 256 pixels walk their rays through the shaded sheets of a batch (ZC02 eq. 1 and 2).
 //
-// A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is
-// state += (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
+// A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is state +=
+// (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
 // transmittance is what is kept: where a volume is thin, 1 - T would lose it. So it is for each quad of a sample's
-// layout (sample_layout.h), under its own opacity or, where extinction is coloured, channel by channel under that of all.
+// layout (sample_layout.h), under its own opacity or, where extinction is coloured, channel by channel under that of
+// all.
 #pragma once
 
 #include <scrim/base/simd.h>

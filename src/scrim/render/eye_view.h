@@ -33,8 +33,8 @@ class EyeView {
     /// N = `reference`.
     RayTile rays(int x0, int y0, double reference) const;
 
-    /// The raster of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view splatting
-    /// fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
+    /// The raster of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view
+    /// splatting fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
     ViewRaster raster(const PixelWindow& region, int guardTiles) const;
 
     /// Slopes of eye rays at texels, for shading.

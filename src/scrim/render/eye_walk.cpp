@@ -56,8 +56,8 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
     const double reference = blockBegin(range.sheet) + 0.5;
     const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
 
-    // First the four corners: a batch that misses the tile must cost next to nothing. Not beyond the picture's edge, where
-    // rays of a wide eye may run away from the planes.
+    // First the four corners: a batch that misses the tile must cost next to nothing. Not beyond the picture's edge,
+    // where rays of a wide eye may run away from the planes.
     const int x1 = std::min(x0 + kTileEdge, m_tiles.region().x1), y1 = std::min(y0 + kTileEdge, m_tiles.region().y1);
     PixelRay corners[4];
     for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? x1 : x0, i & 2 ? y1 : y0, reference);
@@ -135,7 +135,8 @@ EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const Plane
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
         if (listed == 0) return;
-        compositeTile(walk.rays, {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout, m_eye.simd()},
+        compositeTile(walk.rays,
+                      {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout, m_eye.simd()},
                       m_frontToBack, mayStop ? m_cutoff : 0.0f, states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
@@ -195,8 +196,8 @@ EyeWalk::Work EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetSha
         }
         m_eye.setDepth(walk.block + step + 0.5, points);
         work.shade += shade(p, points, samples);
-        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()}, m_frontToBack, states,
-                         depth ? &*depth : nullptr);
+        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()},
+                         m_frontToBack, states, depth ? &*depth : nullptr);
         work.pixelSheets += kTileSize;
     }
     return work;

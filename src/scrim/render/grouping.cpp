@@ -209,7 +209,8 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
         double bestSlant = limit;
         for (std::size_t g = 0; g < groups.size(); ++g) {
             if (groups[g].sameSide != item.sameSide) continue;
-            const double slant = angleOf(cones[g].with(item.part.wsDirections, std::cos(bestSlant) - kCosSlack).cosAngle);
+            const double slant =
+                angleOf(cones[g].with(item.part.wsDirections, std::cos(bestSlant) - kCosSlack).cosAngle);
             if (slant <= bestSlant) {
                 bestSlant = slant;
                 best = g;

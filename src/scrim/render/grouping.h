@@ -41,11 +41,11 @@ constexpr double kSlantLimit = 1.4835;  // 85 degrees
 ///
 /// A light that is perpendicular to the eye to within the dial `cross_fade` is served from both sides, in shares that
 /// change smoothly with its angle: where it crosses, the axis turns by 90 degrees and the order of the sheets flips,
-/// and two independent discretisations would meet in a visible jump (ZC02 section 6 admits it).
-/// `useless`: for each light why it is left out, if it is; none: all take part. Throws Error (render) where the eye's own rays are too wide
+/// and two independent discretisations would meet in a visible jump (ZC02 section 6 admits it). `useless`: for each
+/// light why it is left out, if it is; none: all take part. Throws Error (render) where the eye's own rays are too wide
 /// for image-aligned sheets.
-std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye,
-                                    const std::vector<std::string>& useless = {},
-                                    const Checkpoint& checkpoint = [] {});
+std::vector<LightGroup> groupLights(
+    const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye,
+    const std::vector<std::string>& useless = {}, const Checkpoint& checkpoint = [] {});
 
 }  // namespace scrim

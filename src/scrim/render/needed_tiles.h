@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The part of a sweep's sheets that the picture needs: what its pixels see, and what light passes on its way there.
-// Sheets and tiles keep their places; what is not needed is left out of the splat, so that a crop's pixels come out as in
-// the whole picture.
+// Sheets and tiles keep their places; what is not needed is left out of the splat, so that a crop's pixels come out as
+// in the whole picture.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -25,7 +25,8 @@ struct NeededTiles {
 };
 
 /// `window`: the pixels of the sweep. `lights`: of the sweep, those that throw shadows.
-NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets,
-                        const std::vector<const Light*>& shadowed, const Checkpoint& checkpoint = [] {});
+NeededTiles neededTiles(
+    const ViewScene& scene, const PixelWindow& window, const Sheets& sheets, const std::vector<const Light*>& shadowed,
+    const Checkpoint& checkpoint = [] {});
 
 }  // namespace scrim

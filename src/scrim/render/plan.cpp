@@ -25,7 +25,8 @@ namespace {
 constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
 constexpr int kLeastBatch = 16;
 
-// Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help. Radians.
+// Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help.
+// Radians.
 constexpr double kSteepestSlant = 1.0472;  // 60 degrees
 
 int roundUpToTile(int texels) {
@@ -163,8 +164,9 @@ void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
     for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
     const std::size_t bytes = count * sizeof(PlaneStack::TileBounds);
     if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
-        throw Error(ErrorKind::memory, fmt::format("planning {} sheets takes {}, more than the {} that the memory limit leaves",
-                                                   count, bytesText(bytes), bytesText(scene.memoryLimit)));
+        throw Error(ErrorKind::memory,
+                    fmt::format("planning {} sheets takes {}, more than the {} that the memory limit leaves", count,
+                                bytesText(bytes), bytesText(scene.memoryLimit)));
 }
 
 GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
@@ -191,8 +193,8 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
     return g;
 }
 
-// Where one sheet at a time, with the shadow buffers of all of a group's lights, is more than the limit leaves, the lights
-// take turns: the sweep is repeated for a part of them at a time, along the same axis.
+// Where one sheet at a time, with the shadow buffers of all of a group's lights, is more than the limit leaves, the
+// lights take turns: the sweep is repeated for a part of them at a time, along the same axis.
 void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan) {
     if (scene.memoryLimit == 0) return;
     const auto fits = [&](const GroupPlan& group) {

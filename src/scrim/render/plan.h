@@ -42,7 +42,8 @@ struct GroupPlan {
     double primary = 0;       ///< share of alpha and ambient that it owns
     bool sameSide = true;
     double slant = 0;  ///< radians
-    int pass = 1, passes = 1;  ///< which of the sweeps along this axis, where the memory limit allows but some lights at a time
+    int pass = 1,
+        passes = 1;  ///< which of the sweeps along this axis, where the memory limit allows but some lights at a time
     Sheets sheets;
     int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
@@ -70,8 +71,8 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 
 struct Plan {
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
-    int threads = 1;  ///< that the render takes
-    Simd simd;        ///< vector instructions that it uses
+    int threads = 1;                ///< that the render takes
+    Simd simd;                      ///< vector instructions that it uses
     ExtinctionRows extinction;
     bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
@@ -84,9 +85,9 @@ struct Plan {
     ExpectedWork work;
 };
 
-/// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too wide,
-/// more sheets or texels than can be addressed), memory (not one sheet and light fits the scene's memory limit, or not the
-/// plan), interrupted (where `progress`, which is asked now and then, and always with 0, wished it).
+/// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too
+/// wide, more sheets or texels than can be addressed), memory (not one sheet and light fits the scene's memory limit,
+/// or not the plan), interrupted (where `progress`, which is asked now and then, and always with 0, wished it).
 Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress = {});
 
 }  // namespace scrim

@@ -87,15 +87,15 @@ std::string placesText(const std::vector<std::string>& where) {
 
 std::string passText(const GroupPlan& group) {
     if (group.passes == 1) return "";
-    return fmt::format(" (pass {} of {}: the memory limit holds {} of their lights at a time)", group.pass, group.passes,
-                       group.lights.size());
+    return fmt::format(" (pass {} of {}: the memory limit holds {} of their lights at a time)", group.pass,
+                       group.passes, group.lights.size());
 }
 
 std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
     const Vec3 axis = axisOf(group);
-    std::string text = fmt::format("group {}{}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n", number,
-                                   group.primary > 0 ? " (primary: alpha and ambient)" : "", passText(group), axis.x,
-                                   axis.y, axis.z, group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
+    std::string text = fmt::format("group {}{}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n",
+                                   number, group.primary > 0 ? " (primary: alpha and ambient)" : "", passText(group),
+                                   axis.x, axis.y, axis.z, group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
     text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
                         group.batchSheets);
     text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
@@ -133,8 +133,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
 std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     std::string text;
     for (const Effect& e : effectsOf(scene, plan))
-        text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason,
-                            placesText(e.where));
+        text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason, placesText(e.where));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
     text += fmt::format("{:<23} {} x {} rays\n", "picture", plan.region.width(), plan.region.height());
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);

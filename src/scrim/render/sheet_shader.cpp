@@ -140,8 +140,8 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, float* out)
     Rows rows(*this, m_lights.onSheet(p).lights.size());
     gather(
         [&](const PlaneStack& planes, float* to) {
-            samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, samples.u, samples.v, false,
-                         kTileSize, to);
+            samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, samples.u, samples.v,
+                         false, kTileSize, to);
         },
         rows);
     return shadeGathered(p, samples, samples, 0, 0, rows, out);

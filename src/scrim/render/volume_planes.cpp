@@ -174,8 +174,13 @@ GradientStep VolumePlanes::step(int p, int tx, int ty) const {
 }
 
 ValuePlanes VolumePlanes::values(int p) const {
-    return {m_values.plane(0),         m_values.planeStride(), m_values.planes(),
-            planeOf(m_firstSheet + p), m_values.width(),       m_values.height(),   m_simd};
+    return {m_values.plane(0),
+            m_values.planeStride(),
+            m_values.planes(),
+            planeOf(m_firstSheet + p),
+            m_values.width(),
+            m_values.height(),
+            m_simd};
 }
 
 std::size_t VolumePlanes::bytes() const {

@@ -52,8 +52,8 @@ std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read&
         Item item = read(table, fmt::format("{}{}", key, items.size() + 1));
         const auto [known, isNew] = numbers.emplace(item.name, items.size() + 1);
         if (!isNew)
-            table.fail(fmt::format("[[{}]] number {} is called '{}', and so is number {}; expected different names", key,
-                                   items.size() + 1, item.name, known->second));
+            table.fail(fmt::format("[[{}]] number {} is called '{}', and so is number {}; expected different names",
+                                   key, items.size() + 1, item.name, known->second));
         items.push_back(std::move(item));
     }
     return items;

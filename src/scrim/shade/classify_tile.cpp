@@ -99,8 +99,8 @@ void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const
         sampleBetween(planes, samples, -step.rsVoxel[axis], lower);
         sampleBetween(planes, samples, step.rsVoxel[axis], upper);
         for (int c = 0; c < 3; ++c) {
-            // Out of the denser side: down the gradient. In units of the vague one: squares of gradients neither overflow
-            // nor vanish, whatever the units of the field and the size of its voxels.
+            // Out of the denser side: down the gradient. In units of the vague one: squares of gradients neither
+            // overflow nor vanish, whatever the units of the field and the size of its voxels.
             const auto part = static_cast<float>(-step.ssFromDifference[axis][c] / vagueGradient);
             for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
         }

@@ -16,7 +16,8 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Light that passes the sheet on its way to the samples and from there to the eye, for one channel: all rows are its own.
+// Light that passes the sheet on its way to the samples and from there to the eye, for one channel: all rows are its
+// own.
 struct Passage {
     const float* extinction;
     const float* tauIn;

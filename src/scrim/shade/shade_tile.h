@@ -107,8 +107,8 @@ struct ShadeInput {
     const SampleTile* samples;
     float texel, thickness;  ///< world units
     bool sameSide;           ///< eye and light meet the same side of a sheet first (s = +1)
-    /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it is
-    /// the sum over `rows` of a row times its tint, and so is tau at entry.
+    /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
+    /// is the sum over `rows` of a row times its tint, and so is tau at entry.
     const float* extinction[3];
     bool coloured;
     int rows;  ///< 1, where not coloured

@@ -112,8 +112,8 @@ TransferTable::TransferTable(const Classified& classified) {
     if (points.back().extinction > 0) m_opaque.emplace_back(points.back().value, infinity);
 }
 
-void TransferTable::mean(const Function& f, const float* a, const float* b, const float* c, int count,
-                         float* out, Simd simd) const {
+void TransferTable::mean(const Function& f, const float* a, const float* b, const float* c, int count, float* out,
+                         Simd simd) const {
     SCRIM_ON_TARGET(simd, meanOnTarget)
     (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<float>(1 / m_cell), a, b, c, count, out);
 }
@@ -123,8 +123,8 @@ void TransferTable::meanExtinction(const float* a, const float* b, const float* 
     mean(m_functions[0], a, b, c, count, out, simd);
 }
 
-void TransferTable::meanEmission(int channel, const float* a, const float* b, const float* c, int count,
-                                 float* out, Simd simd) const {
+void TransferTable::meanEmission(int channel, const float* a, const float* b, const float* c, int count, float* out,
+                                 Simd simd) const {
     mean(m_functions[1 + channel], a, b, c, count, out, simd);
 }
 

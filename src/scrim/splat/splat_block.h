@@ -34,9 +34,9 @@ struct BlockPlace {
     float fractionU, fractionV, fractionN;
 };
 
-/// Adds the footprints of the voxels [first, second) of the lattice order, with `values` (512 floats in
-/// `blockOffset` order) times scale, at most `most`, to the sheets. Voxels of value 0 are skipped. Returns the number of
-/// footprints (voxel and sheet pairs) that were added.
+/// Adds the footprints of the voxels [first, second) of the lattice order, with `values` (512 floats in `blockOffset`
+/// order) times scale, at most `most`, to the sheets. Voxels of value 0 are skipped. Returns the number of footprints
+/// (voxel and sheet pairs) that were added.
 std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first, int second);
 
 }  // namespace scrim

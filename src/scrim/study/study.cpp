@@ -63,7 +63,7 @@ class Run {
     const Clock::time_point m_start = Clock::now();
     Study m_study;
     std::map<Kernel, std::vector<VerifiedPixel>> m_truth;
-    double m_shown = 0;          // of the progress, last
+    double m_shown = 0;           // of the progress, last
     double m_scale = 1;           // measured over expected time
     double m_referenceTime = 0;  // seconds a pixel
 };
@@ -196,8 +196,8 @@ void Run::repeat() {
     }
 }
 
-// RMS distance from the finest picture over the `counted` of the reference's pixels that show something: free of what the
-// other dials cost.
+// RMS distance from the finest picture over the `counted` of the reference's pixels that show something: free of what
+// the other dials cost.
 double distance(const Trial& a, const Trial& b, int counted) {
     double squares = 0;
     for (std::size_t i = 0; i < a.seen.size(); ++i)

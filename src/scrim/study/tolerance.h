@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a tolerance to dials: how the error of a scene grows with its texels and sheets is measured in two quick renders,
-// and the cheapest setting that should stay below the tolerance is taken.
+// From a tolerance to dials: how the error of a scene grows with its texels and sheets is measured in two quick
+// renders, and the cheapest setting that should stay below the tolerance is taken.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -21,8 +21,8 @@ struct Pilot {
 /// error^2 = (texels texel^p)^2 + (sheets thickness^p)^2: the errors of the two are independent, and of about the same
 /// order.
 struct ToleranceModel {
-    /// p. Studies of smoke, clouds and scans find 1.5 to 2 for either: kinks of the field, and opaque edges, take a little
-    /// off the second order of smooth fields.
+    /// p. Studies of smoke, clouds and scans find 1.5 to 2 for either: kinks of the field, and opaque edges, take a
+    /// little off the second order of smooth fields.
     static constexpr double kOrder = 1.8;
 
     double texels = 0, sheets = 0;
@@ -30,8 +30,8 @@ struct ToleranceModel {
     double predict(double texel, double thickness) const;
 };
 
-/// Where to measure: two settings about as accurate as `tolerance`, since orders only hold so far; the second has sheets
-/// half as thick. Their errors are 0.
+/// Where to measure: two settings about as accurate as `tolerance`, since orders only hold so far; the second has
+/// sheets half as thick. Their errors are 0.
 std::array<Pilot, 2> pilotsFor(double tolerance);
 
 /// The model through both.
@@ -51,8 +51,8 @@ struct ToleranceChoice {
 ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim = 0.7,
                             const ProgressSink& progress = {});
 
-/// Renders the pilots of `scene` and fills in their errors against the reference of `truth` (the same scene with all its
-/// volumes at full resolution) at `pixels` pixels drawn with `seed`. Throws Error.
+/// Renders the pilots of `scene` and fills in their errors against the reference of `truth` (the same scene with all
+/// its volumes at full resolution) at `pixels` pixels drawn with `seed`. Throws Error.
 void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewScene& truth, int pixels, unsigned seed,
                const ProgressSink& progress = {});
 
@@ -60,11 +60,11 @@ struct ToleranceOptions {
     double tolerance = 0.01;  ///< relative RMSE
     int pixels = 300;         ///< of each verification; kAllPixels: all
     int pilotPixels = 96;
-    int attempts = 3;         ///< renders at most
+    int attempts = 3;  ///< renders at most
     unsigned seed = 1;
-    double seconds = 0;       ///< each verification ends after this time; 0: never
+    double seconds = 0;  ///< each verification ends after this time; 0: never
     ProgressSink progress = {};
-    std::function<void(double)> announce = {};  ///< as SampleOptions has it
+    std::function<void(double)> announce = {};                        ///< as SampleOptions has it
     std::function<void(const ViewScene&, const Plan&)> planned = {};  ///< called before each render but the pilots'
 };
 
@@ -74,8 +74,8 @@ struct ToleranceResult {
     Dials dials;
     double predicted = 0;  ///< error, of the setting that was rendered last
     Verification verification;
-    /// The error, and that of alpha, is below this with a confidence of 97.5 % each, however many attempts were made: each has its share of what is
-    /// left.
+    /// The error, and that of alpha, is below this with a confidence of 97.5 % each, however many attempts were made:
+    /// each has its share of what is left.
     double bound = 0;
     bool outOfTime = false;  ///< the verification ended early
     int attempts = 0;        ///< renders
@@ -85,9 +85,9 @@ struct ToleranceResult {
     } seconds;
 };
 
-/// Renders `scene` with the cheapest dials that pilots predict to do, and checks them at pixels drawn at random. Where the
-/// bound misses the tolerance, tries finer dials, on fresh pixels: those that asked for finer dials cannot judge them.
-/// `truth`: the same scene with all volumes at full resolution. Throws Error.
+/// Renders `scene` with the cheapest dials that pilots predict to do, and checks them at pixels drawn at random. Where
+/// the bound misses the tolerance, tries finer dials, on fresh pixels: those that asked for finer dials cannot judge
+/// them. `truth`: the same scene with all volumes at full resolution. Throws Error.
 ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, const ToleranceOptions& options);
 
 }  // namespace scrim

@@ -31,8 +31,8 @@ struct Trial {
 /// Whether two settings would render the same.
 bool sameDials(const Dials& a, const Dials& b);
 
-/// Settings that did the same work, to the last count, take the same time: whatever their clocks said. Gives each of them
-/// all repeats of all.
+/// Settings that did the same work, to the last count, take the same time: whatever their clocks said. Gives each of
+/// them all repeats of all.
 void shareTimes(std::vector<Trial>& trials);
 
 /// Is `a` slower than `b` by more than noise: by a tenth in the median, and in every repeat than in any of `b`?
@@ -42,8 +42,8 @@ bool isSlower(const Trial& a, const Trial& b);
 /// returns their places from fast to accurate.
 std::vector<std::size_t> markFront(std::vector<Trial>& trials, Kernel kernel);
 
-/// The place of the fastest trial whose error is at most `tolerance`, among those of `kernel` that were run; of those whose
-/// times do not differ the first one.
+/// The place of the fastest trial whose error is at most `tolerance`, among those of `kernel` that were run; of those
+/// whose times do not differ the first one.
 std::optional<std::size_t> cheapestWithin(const std::vector<Trial>& trials, Kernel kernel, double tolerance);
 
 }  // namespace scrim

@@ -14,10 +14,10 @@
 namespace scrim {
 namespace {
 
-constexpr double kLeastAlpha = 1e-3;            // pixels below this do not count, unless they shine
-constexpr double kLeastLight = 1e-3;            // of the brightest reference
-constexpr std::size_t kPixelsPerStep = 16;      // between two reports of progress
-constexpr double kAnnounceAfter = 0.5;          // seconds of a verification
+constexpr double kLeastAlpha = 1e-3;        // pixels below this do not count, unless they shine
+constexpr double kLeastLight = 1e-3;        // of the brightest reference
+constexpr std::size_t kPixelsPerStep = 16;  // between two reports of progress
+constexpr double kAnnounceAfter = 0.5;      // seconds of a verification
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double mostLight(const std::array<double, 4>& rgba) {
@@ -50,8 +50,8 @@ class RelativeError {
     explicit RelativeError(std::vector<Term> terms) : m_terms(std::move(terms)) {}
 
     double value() const { return valueOf(m_terms).error; }
-    /// Ends of the interval of `confidence`, where deviations are `scale` times as large as of pixels that are few among
-    /// many.
+    /// Ends of the interval of `confidence`, where deviations are `scale` times as large as of pixels that are few
+    /// among many.
     std::array<double, 2> interval(double confidence, double scale) const;
 
   private:
@@ -82,13 +82,12 @@ RelativeError::Value RelativeError::valueOf(const Terms& terms) {
     s /= n;
     m /= n;
     const double error = std::sqrt(s) / m;
-    const double variance =
-        ((ss / n / (s * s) - 1) / 4 - (sm / n / (s * m) - 1) + (mm / n / (m * m) - 1)) / n;
+    const double variance = ((ss / n / (s * s) - 1) / 4 - (sm / n / (s * m) - 1) + (mm / n / (m * m) - 1)) / n;
     return {error, std::log(error), std::sqrt(std::max(variance, 0.0))};
 }
 
-// Bootstrap-t of the logarithm (B. Efron and R. Tibshirani, An Introduction to the Bootstrap, ch. 12): squares of errors
-// have long tails, and percentiles of plain resamples would promise too much.
+// Bootstrap-t of the logarithm (B. Efron and R. Tibshirani, An Introduction to the Bootstrap, ch. 12): squares of
+// errors have long tails, and percentiles of plain resamples would promise too much.
 std::array<double, 2> RelativeError::interval(double confidence, double scale) const {
     const Value own = valueOf(m_terms);
     if (own.deviation == 0 || scale == 0 || m_terms.size() < 2) return {own.error, own.error};
@@ -107,10 +106,12 @@ std::array<double, 2> RelativeError::interval(double confidence, double scale) c
     std::sort(pivots.begin(), pivots.end());
     const double tail = 0.5 * (1 - confidence);
     const auto at = [&](double part) {
-        return pivots[static_cast<std::size_t>(std::clamp(part * double(pivots.size()), 0.0, double(pivots.size() - 1)))];
+        return pivots[static_cast<std::size_t>(
+            std::clamp(part * double(pivots.size()), 0.0, double(pivots.size() - 1)))];
     };
     const double step = scale * own.deviation;
-    return {own.error * std::exp(std::min(-step * at(1 - tail), 0.0)), own.error * std::exp(std::max(-step * at(tail), 0.0))};
+    return {own.error * std::exp(std::min(-step * at(1 - tail), 0.0)),
+            own.error * std::exp(std::max(-step * at(tail), 0.0))};
 }
 
 Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidates, double confidence) {

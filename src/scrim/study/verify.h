@@ -22,15 +22,16 @@ struct VerifiedPixel {
 };
 
 /// Relative RMSE over the pixels that count: those where the reference or the picture has an alpha above 1e-3, or light
-/// above a thousandth of the reference's brightest. The error is the RMS of the difference over R, G and B, divided by the
-/// mean of the reference; that of alpha is alike. Where the reference is black, alpha decides: the error is that of alpha,
-/// or that of colour in units of the reference's alpha where it is larger. A value that is not finite makes it infinite.
+/// above a thousandth of the reference's brightest. The error is the RMS of the difference over R, G and B, divided by
+/// the mean of the reference; that of alpha is alike. Where the reference is black, alpha decides: the error is that of
+/// alpha, or that of colour in units of the reference's alpha where it is larger. A value that is not finite makes it
+/// infinite.
 struct Verification {
-    int pixels = 0;         ///< that counted
-    std::size_t looked = 0; ///< pixels whose reference was evaluated
-    bool complete = false;  ///< no pixel that may show something was left out: the error is known exactly
-    double error = 0;       ///< 0 where no pixel counted
-    double lower = 0;       ///< confidence interval of it: bootstrap-t over the pixels, of the logarithm
+    int pixels = 0;          ///< that counted
+    std::size_t looked = 0;  ///< pixels whose reference was evaluated
+    bool complete = false;   ///< no pixel that may show something was left out: the error is known exactly
+    double error = 0;        ///< 0 where no pixel counted
+    double lower = 0;        ///< confidence interval of it: bootstrap-t over the pixels, of the logarithm
     double upper = 0;
     double alphaError = 0, alphaUpper = 0;
     double mean = 0;   ///< of the reference over R, G and B: what the error of colour is relative to
@@ -61,8 +62,8 @@ struct SampleOptions {
 };
 
 /// Draws pixels (see verificationOrder) until `count` of them count, and evaluates their references. Fewer where there
-/// are fewer. `image` is in the working space; `truth` is its scene with all volumes, those too that a render leaves out.
-/// Throws Error(interrupted) where `progress` wishes it.
+/// are fewer. `image` is in the working space; `truth` is its scene with all volumes, those too that a render leaves
+/// out. Throws Error(interrupted) where `progress` wishes it.
 PixelSample samplePixels(const ViewScene& truth, const Image& image, const SampleOptions& options);
 PixelSample samplePixels(const ViewScene& truth, const Image& image, int count, unsigned seed,
                          const ProgressSink& progress = {});

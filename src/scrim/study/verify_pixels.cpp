@@ -48,8 +48,12 @@ std::vector<BoxTest> boxTests(const ViewScene& scene) {
             test.isBox = field.field->isBounds();
             test.isBox.lower -= radius;
             test.isBox.upper += radius;
-            test.isRays = {transformPoint(isFromWs, ws.origin0), linear * ws.originX,    linear * ws.originY,
-                           linear * ws.direction0,               linear * ws.directionX, linear * ws.directionY,
+            test.isRays = {transformPoint(isFromWs, ws.origin0),
+                           linear * ws.originX,
+                           linear * ws.originY,
+                           linear * ws.direction0,
+                           linear * ws.directionX,
+                           linear * ws.directionY,
                            ws.near};
         }
     return tests;
@@ -112,7 +116,8 @@ std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, 
     for (std::size_t row = 0; row < rows.size(); ++row)
         for (const int x : rows[row]) alongCurve.emplace_back(x, region.y0 + static_cast<int>(row));
     const auto place = [&](const Int2& p) {
-        return spread(static_cast<std::uint32_t>(p.x - region.x0)) | spread(static_cast<std::uint32_t>(p.y - region.y0)) << 1;
+        return spread(static_cast<std::uint32_t>(p.x - region.x0)) | spread(static_cast<std::uint32_t>(p.y - region.y0))
+                                                                         << 1;
     };
     std::sort(alongCurve.begin(), alongCurve.end(), [&](const Int2& a, const Int2& b) { return place(a) < place(b); });
 

@@ -108,11 +108,10 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
 
 /// Has OpenVDB parse `bytes`, and returns the grids; everything it can throw becomes an Error.
 openvdb::GridPtrVec parse(VdbFile::Content& content, std::span<char> bytes) {
-    const std::string damaged =
-        content.layout.isNewer
-            ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ", content.layout.fileVersion,
-                          openvdb::getLibraryVersionString())
-            : "truncated or damaged: ";
+    const std::string damaged = content.layout.isNewer
+                                    ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ",
+                                                  content.layout.fileVersion, openvdb::getLibraryVersionString())
+                                    : "truncated or damaged: ";
     openvdb::GridPtrVec grids;
     try {
         MemoryBuffer buffer(bytes);

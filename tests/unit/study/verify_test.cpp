@@ -247,8 +247,8 @@ TEST(SamplePixels, ComparesWithTheReference) {
     EXPECT_LT(v.error, 0.1);  // one voxel a texel, in a ball of eight
 }
 
-// Every beginning of the order is spread evenly: each quarter of the picture (of a scene that fills it) has its share of
-// the first 4 n pixels to within a few. Independent draws would be off by more than this in most of the seeds.
+// Every beginning of the order is spread evenly: each quarter of the picture (of a scene that fills it) has its share
+// of the first 4 n pixels to within a few. Independent draws would be off by more than this in most of the seeds.
 TEST(VerificationOrder, IsStratified) {
     ViewScene scene = orthographicScene(boxField({-20, -20, -2}, {19, 19, 1}), {0.3, Rgb(0.9), {}}, 32, 32);
     const Image image = emptyImage(scene.region);
