@@ -2,15 +2,13 @@
 // Real volumes against the brute-force reference at random pixels: one light from the side, one that faces the eye,
 // one behind the eye, and two on opposite sides.
 //
-// No closed form here, so the tolerances are measured ones: 1.5 times the relative RMSE that the method showed when
-// they were set (dials of half a voxel, 60 pixels, fixed seed). The errors are recorded, so that a change for the
-// better can be claimed as well.
+// No closed form here: what is asked for is that the picture converges to the reference, from one voxel a texel and
+// sheet to half of one, with the first order at least (rough fields have less than the second). The errors are recorded.
 #include "support/data.h"
-#include "support/fields.h"
+#include "support/verified.h"
 
 #include <scrim/geometry/camera.h>
 #include <scrim/study/reference.h>
-#include <scrim/study/verify.h>
 #include <scrim/volume/vdb_file.h>
 
 #include <gtest/gtest.h>
@@ -46,7 +44,6 @@ struct Case {
     std::string file;
     double scale;  // of density: an optical depth of about 3 along the median ray that meets the volume
     Lit lit;
-    double tolerance;  // on the relative RMSE: 1.5 times the measured one
 };
 void PrintTo(const Case& c, std::ostream* out) {
     *out << c.file << " lit " << c.lit.name;
@@ -68,8 +65,7 @@ ViewScene sceneOf(const Case& c) {
     scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, ws.center(), {0, 1, 0});
     for (const Vec3& d : c.lit.directions)
         scene.lights.push_back(distantLight(scene.camera.wsFromCamera * Vec3(d.x, d.y, -d.z)));
-    scene.dials.texel = 0.5;
-    scene.dials.sheetThickness = 0.5;
+    scene.dials.texel = scene.dials.sheetThickness = 1;
     return scene;
 }
 
@@ -99,33 +95,27 @@ TEST_P(RealFile, AgreesWithTheReference) {
     EXPECT_GT(depth, 1.5);  // neither a wisp nor a wall: the case is what it says
     EXPECT_LT(depth, 6);
 
-    const Verification v = summarise(samplePixels(scene, renderScene(scene).image, kPixels, 1));
-    RecordProperty("error", fmt::format("{:.5f} [{:.5f}, {:.5f}]", v.error, v.lower, v.upper));
-    RecordProperty("bias", fmt::format("{:.5f}", v.bias));
-    RecordProperty("worst", fmt::format("{:.5f} at {},{}", v.worst, v.worstX, v.worstY));
     RecordProperty("medianDepth", fmt::format("{:.2f}", depth));
-    EXPECT_EQ(v.pixels, kPixels);
-    EXPECT_LT(v.error, c.tolerance) << "interval " << v.lower << " to " << v.upper << ", worst pixel " << v.worst
-                                    << " at " << v.worstX << "," << v.worstY;
-    EXPECT_LT(std::abs(v.bias), 0.01);
+    expectConvergence(scene, kPixels, 1);
 }
 
 // The same light as the reference sees it, but from elsewhere, must be found out: the test above can fail.
 TEST(RealFile, UnderAnotherLightDisagrees) {
     SCRIM_NEEDS_DATA("vdb/smoke1.vdb");
-    const ViewScene scene = sceneOf({"smoke1", 2.0, kSide, 0});
+    const ViewScene scene = sceneOf({"smoke1", 2.0, kSide});
     ViewScene other = scene;
     other.lights[0].wsDirection = glm::normalize(other.lights[0].wsDirection + 0.1 * viewingAxis(scene.camera));
-    EXPECT_GT(summarise(samplePixels(scene, renderScene(other).image, kPixels, 1)).error, 0.05);
+    // What finer dials do not mend.
+    EXPECT_GT(verified(scene, renderScene(refined(other)), kPixels).error, 2 * errorOf(refined(scene), kPixels));
 }
 
 INSTANTIATE_TEST_SUITE_P(EveryLight, RealFile,
-                         testing::Values(Case{"smoke1", 2.0, kSide, 0.043}, Case{"smoke1", 2.0, kFacing, 0.029},
-                                         Case{"smoke1", 2.0, kBehind, 0.014}, Case{"smoke1", 2.0, kOpposite, 0.010},
-                                         Case{"wdas_cloud_sixteenth", 0.035, kSide, 0.010},
-                                         Case{"wdas_cloud_sixteenth", 0.035, kFacing, 0.013},
-                                         Case{"wdas_cloud_sixteenth", 0.035, kBehind, 0.011},
-                                         Case{"wdas_cloud_sixteenth", 0.035, kOpposite, 0.0065}),
+                         testing::Values(Case{"smoke1", 2.0, kSide}, Case{"smoke1", 2.0, kFacing},
+                                         Case{"smoke1", 2.0, kBehind}, Case{"smoke1", 2.0, kOpposite},
+                                         Case{"wdas_cloud_sixteenth", 0.035, kSide},
+                                         Case{"wdas_cloud_sixteenth", 0.035, kFacing},
+                                         Case{"wdas_cloud_sixteenth", 0.035, kBehind},
+                                         Case{"wdas_cloud_sixteenth", 0.035, kOpposite}),
                          [](const auto& test) { return test.param.file + "_" + test.param.lit.name; });
 
 }  // namespace
