@@ -8,7 +8,7 @@ build="$root/build-tsan"
 tbb="$build/tbb"
 sudo=""
 [ "$(id -u)" -eq 0 ] || sudo="sudo"
-bash "$root/src/cmake/install_packages.sh" libgtest-dev libbenchmark-dev
+bash "$root/src/cmake/install_packages.sh" libgtest-dev libbenchmark-dev xz-utils
 
 if [ ! -e "$tbb/lib/libtbb.so" ]; then
     echo "== building oneTBB with the thread sanitizer"
