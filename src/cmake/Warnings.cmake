@@ -4,7 +4,9 @@ add_library(scrim_build_settings INTERFACE)
 target_compile_features(scrim_build_settings INTERFACE cxx_std_20)
 target_compile_options(
     scrim_build_settings
-    INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
+    INTERFACE # No fused multiply-add but those that the code names: pixels then do not depend on what gets inlined where.
+              -ffp-contract=off
+              -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wold-style-cast -Woverloaded-virtual
               # GCC 12 sees overlapping copies in the concatenation of strings where there are none (its bug 105651).
               $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict> $<$<BOOL:${SCRIM_WERROR}>:-Werror>)
 if(SCRIM_SANITIZE)
