@@ -5,7 +5,7 @@
 #include "guarded_load.h"
 #include "options.h"
 
-#include <scrim/render/assemble.h>
+#include <scrim/shot/assemble.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
 

@@ -3,8 +3,8 @@
 // metadata.
 #pragma once
 
-#include <scrim/render/frame.h>
-#include <scrim/study/verify.h>
+#include <scrim/engine/frame.h>
+#include <scrim/verify/verify.h>
 
 #include <chrono>
 #include <cstddef>

@@ -2,7 +2,7 @@
 #include "interrupt.h"
 
 #include <scrim/base/error.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 
 #include <atomic>
 #include <csignal>

@@ -4,7 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/scene/frame_range.h>
 #include <scrim/scene/quality.h>
-#include <scrim/study/verify.h>
+#include <scrim/verify/verify.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

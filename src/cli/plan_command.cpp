@@ -9,8 +9,8 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/render/assemble.h>
-#include <scrim/render/plan_text.h>
+#include <scrim/shot/assemble.h>
+#include <scrim/engine/plan/report.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -11,13 +11,13 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 #include <scrim/image/exr.h>
-#include <scrim/render/assemble.h>
-#include <scrim/render/plan_text.h>
-#include <scrim/render/renderer.h>
-#include <scrim/study/tolerance.h>
-#include <scrim/study/verify.h>
+#include <scrim/shot/assemble.h>
+#include <scrim/engine/plan/report.h>
+#include <scrim/engine/renderer.h>
+#include <scrim/verify/tolerance.h>
+#include <scrim/verify/verify.h>
 
 #include <fmt/format.h>
 

@@ -9,9 +9,9 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 #include <scrim/image/exr.h>
-#include <scrim/render/assemble.h>
+#include <scrim/shot/assemble.h>
 #include <scrim/study/study.h>
 #include <scrim/study/study_data.h>
 #include <scrim/study/study_page.h>

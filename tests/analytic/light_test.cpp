@@ -3,7 +3,7 @@
 #include "support/fields.h"
 
 #include <scrim/geometry/camera.h>
-#include <scrim/shade/phase.h>
+#include <scrim/scene/medium.h>
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include "support/verified.h"
 
 #include <scrim/geometry/camera.h>
-#include <scrim/study/reference.h>
+#include <scrim/verify/reference.h>
 #include <scrim/volume/vdb_file.h>
 
 #include <gtest/gtest.h>

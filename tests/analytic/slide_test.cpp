@@ -4,7 +4,7 @@
 #include "support/slides.h"
 
 #include <scrim/geometry/camera.h>
-#include <scrim/study/reference.h>
+#include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>
 

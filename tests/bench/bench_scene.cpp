@@ -2,7 +2,7 @@
 #include "bench_scene.h"
 
 #include <scrim/image/colour.h>
-#include <scrim/render/assemble.h>
+#include <scrim/shot/assemble.h>
 #include <scrim/scene/framing.h>
 #include <scrim/scene/scene_reader.h>
 #include <scrim/volume/source.h>

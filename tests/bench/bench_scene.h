@@ -2,7 +2,7 @@
 // The scenes that benchmarks measure: one volume, framed as `scrim render ASSET` frames it, under one light.
 #pragma once
 
-#include <scrim/render/view_scene.h>
+#include <scrim/scene/view_scene.h>
 
 #include <string>
 

@@ -7,8 +7,8 @@
 #include "dense_marcher.h"
 
 #include <scrim/base/parallel.h>
-#include <scrim/render/renderer.h>
-#include <scrim/study/verify.h>
+#include <scrim/engine/renderer.h>
+#include <scrim/verify/verify.h>
 
 #include <algorithm>
 #include <chrono>

@@ -7,7 +7,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/base/simd.h>
-#include <scrim/render/renderer.h>
+#include <scrim/engine/renderer.h>
 
 #include <sys/resource.h>
 

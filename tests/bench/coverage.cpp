@@ -6,7 +6,7 @@
 #include "support/fields.h"
 
 #include <scrim/scene/quality.h>
-#include <scrim/study/tolerance.h>
+#include <scrim/verify/tolerance.h>
 
 #include <fmt/format.h>
 

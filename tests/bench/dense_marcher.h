@@ -5,7 +5,7 @@
 #pragma once
 
 #include <scrim/image/image.h>
-#include <scrim/render/view_scene.h>
+#include <scrim/scene/view_scene.h>
 
 #include <vector>
 

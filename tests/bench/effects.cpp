@@ -5,9 +5,9 @@
 //     scrim_effects [--rounds N] [--pixels N] ASSET...      an ASSET is a .vdb or noise:RESOLUTION
 #include "bench_scene.h"
 
-#include <scrim/render/derived_fields.h>
-#include <scrim/render/renderer.h>
-#include <scrim/study/verify.h>
+#include <scrim/shot/derived_fields.h>
+#include <scrim/engine/renderer.h>
+#include <scrim/verify/verify.h>
 
 #include <algorithm>
 #include <chrono>

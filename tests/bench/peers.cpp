@@ -11,15 +11,15 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 #include <scrim/image/colour.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_read.h>
-#include <scrim/render/assemble.h>
-#include <scrim/render/renderer.h>
+#include <scrim/shot/assemble.h>
+#include <scrim/engine/renderer.h>
 #include <scrim/scene/framing.h>
 #include <scrim/scene/scene_reader.h>
-#include <scrim/study/verify.h>
+#include <scrim/verify/verify.h>
 #include <scrim/volume/vdb_file.h>
 
 #include <chrono>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner loops alone, on data that fits the caches: what a stage costs per core and unit of its work.
 #include <scrim/base/parallel.h>
-#include <scrim/light/plane_sampling.h>
-#include <scrim/render/composite_tile.h>
-#include <scrim/splat/field_splatter.h>
+#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/composite/composite_tile.h>
+#include <scrim/engine/splat/splatter.h>
 
 #include <benchmark/benchmark.h>
 

@@ -3,9 +3,9 @@
 #include "scenes.h"
 #include "support/verified.h"
 
-#include <scrim/render/effects.h>
-#include <scrim/render/light_use.h>
-#include <scrim/render/view_frustum.h>
+#include <scrim/engine/plan/effects.h>
+#include <scrim/engine/plan/light_use.h>
+#include <scrim/engine/plan/view_frustum.h>
 
 #include <gtest/gtest.h>
 

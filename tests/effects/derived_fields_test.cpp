@@ -3,9 +3,9 @@
 #include "support/expect_error.h"
 #include "support/fields.h"
 
-#include <scrim/render/assemble.h>
-#include <scrim/render/derived_fields.h>
-#include <scrim/splat/field_probe.h>
+#include <scrim/shot/assemble.h>
+#include <scrim/shot/derived_fields.h>
+#include <scrim/engine/splat/field_probe.h>
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "scenes.h"
 #include "support/verified.h"
 
-#include <scrim/shade/phase.h>
+#include <scrim/scene/medium.h>
 
 #include <gtest/gtest.h>
 

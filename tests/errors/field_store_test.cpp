@@ -2,7 +2,7 @@
 // Which grids of a volume are read, and what is said where they cannot be.
 #include <cli/field_store.h>
 
-#include <scrim/render/assemble.h>
+#include <scrim/shot/assemble.h>
 #include <scrim/base/error.h>
 
 #include "support/expect_error.h"

@@ -6,7 +6,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/render/renderer.h>
+#include <scrim/engine/renderer.h>
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 #include "scene_of_bytes.h"
 
 #include <scrim/image/colour.h>
-#include <scrim/render/assemble.h>
+#include <scrim/shot/assemble.h>
 #include <scrim/scene/scene_reader.h>
 
 #include <array>

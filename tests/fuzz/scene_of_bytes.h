@@ -3,7 +3,7 @@
 // choices are the plainest. The scene is text first, so that only what a user can write is ever rendered.
 #pragma once
 
-#include <scrim/render/view_scene.h>
+#include <scrim/scene/view_scene.h>
 
 #include <cstddef>
 #include <cstdint>

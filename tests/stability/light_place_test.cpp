@@ -3,7 +3,7 @@
 // voxel, on the camera, in the corner of the volume's box; and a hair beside each.
 #include "stability/scenes.h"
 
-#include <scrim/study/reference.h>
+#include <scrim/verify/reference.h>
 
 namespace scrim::test {
 namespace {

@@ -4,7 +4,7 @@
 #include "stability/scenes.h"
 #include "support/verified.h"
 
-#include <scrim/study/reference.h>
+#include <scrim/verify/reference.h>
 
 namespace scrim::test {
 namespace {

@@ -4,7 +4,7 @@
 // light across in steps, with and without the cross-fade: this is about the two sides themselves.
 #include "stability/scenes.h"
 
-#include <scrim/study/reference.h>
+#include <scrim/verify/reference.h>
 
 namespace scrim::test {
 namespace {

@@ -3,7 +3,7 @@
 // float, so that only the rounding of the input itself is left.
 #include "stability/scenes.h"
 
-#include <scrim/study/reference.h>
+#include <scrim/verify/reference.h>
 
 namespace scrim::test {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/double_twin.h"
 
-#include <scrim/render/eye_view.h>
-#include <scrim/render/volume_planes.h>
+#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/splat/field_planes.h>
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 // round. Same plan, same sheets and texels, same footprint table, the same look-ups; no tiles, no vectors, no threads.
 #pragma once
 
-#include <scrim/render/plan.h>
+#include <scrim/engine/plan/plan.h>
 
 #include <array>
 #include <vector>

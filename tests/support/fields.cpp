@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/fields.h"
 
+#include <scrim/scene/quality.h>
+
 #include <scrim/base/parallel.h>
 
 #include <algorithm>
@@ -88,6 +90,12 @@ Light lamp(const Vec3& wsPosition, double intensity, double radius) {
 
 Frame renderScene(const ViewScene& scene) {
     return render(scene, makePlan(scene, threadCount()));
+}
+
+std::string nameOf(Kernel kernel) {
+    Dials dials;
+    dials.kernel = kernel;
+    return dialText(dials, "kernel");
 }
 
 std::array<double, 4> pixelOf(const Frame& frame, int x, int y) {

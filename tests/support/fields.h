@@ -2,12 +2,13 @@
 // Small fields made in code, and scenes around them, for tests that need no files.
 #pragma once
 
-#include <scrim/render/renderer.h>
-#include <scrim/render/view_scene.h>
+#include <scrim/engine/renderer.h>
+#include <scrim/scene/view_scene.h>
 
 #include <array>
 #include <functional>
 #include <memory>
+#include <string>
 
 namespace scrim::test {
 
@@ -34,6 +35,9 @@ Light lamp(const Vec3& wsPosition, double intensity, double radius = 0);
 
 /// Plan and render in one go.
 Frame renderScene(const ViewScene& scene);
+
+/// "linear".
+std::string nameOf(Kernel kernel);
 
 /// RGBA of pixel (x, y).
 std::array<double, 4> pixelOf(const Frame& frame, int x, int y);

@@ -4,7 +4,7 @@
 
 #include "support/fields.h"
 
-#include <scrim/study/verify.h>
+#include <scrim/verify/verify.h>
 
 #include <algorithm>
 #include <cmath>

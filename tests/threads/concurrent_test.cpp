@@ -3,7 +3,7 @@
 // threads. Each must come out as it does alone. Also built with the thread sanitizer (tests/run.sh --threads).
 #include "support/fields.h"
 
-#include <scrim/study/verify.h>
+#include <scrim/verify/verify.h>
 
 #include <tbb/global_control.h>
 

@@ -20,8 +20,8 @@ namespace scrim::test {
 namespace {
 
 // From the bottom up: a file includes its own folder and those before it.
-const std::vector<std::string> kLayers{"base",  "geometry", "image", "volume", "splat",
-                                       "light", "shade",    "scene", "render", "study"};
+const std::vector<std::string> kLayers{"base",  "geometry", "image",  "volume", "scene",
+                                       "engine", "verify", "shot", "study"};
 
 constexpr int kMostLines = 600, kManyLines = 400, kMedianLines = 150;
 
@@ -82,8 +82,8 @@ std::vector<SourceFile> filesBelow(const std::string& folder) {
         std::ifstream in(entry.path());
         std::stringstream text;
         text << in.rdbuf();
-        SourceFile file{
-            fs::relative(entry.path(), root).string(), entry.path().parent_path().filename().string(), text.str(), {}};
+        const fs::path below = fs::relative(entry.path(), root / folder);
+        SourceFile file{fs::relative(entry.path(), root).string(), below.begin()->string(), text.str(), {}};
         file.code = withoutComments(file.text);
         files.push_back(std::move(file));
     }

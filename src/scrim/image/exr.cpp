@@ -3,7 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 
 #include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>

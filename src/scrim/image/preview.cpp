@@ -2,7 +2,7 @@
 #include <scrim/image/preview.h>
 
 #include <scrim/base/error.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>

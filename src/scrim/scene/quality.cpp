@@ -87,7 +87,7 @@ std::vector<Dial> makeDials() {
                                     "as in the paper"));
     all.push_back(choice<ShadeMode>("shade", {"auto", "texel", "pixel"}, &Dials::shade,
                                     "where light is added up: at texels (many lights are cheap) or at pixels"));
-    all.push_back(choice<Kernel>("kernel", kernelNames(), &Dials::kernel,
+    all.push_back(choice<Kernel>("kernel", {"linear", "gaussian", "bspline"}, &Dials::kernel,
                                  "reconstruction kernel: what the field is between its voxels"));
     all.push_back(integer("footprint_steps", "steps a voxel", "a power of two from 2 to 128", isFootprintSteps,
                           &Dials::footprintSteps,

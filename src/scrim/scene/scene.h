@@ -5,12 +5,12 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/geometry/spaces.h>
-#include <scrim/light/light.h>
+#include <scrim/scene/light.h>
 #include <scrim/scene/dials.h>
 #include <scrim/scene/frame_path.h>
 #include <scrim/scene/scene_lines.h>
-#include <scrim/shade/classified.h>
-#include <scrim/shade/medium.h>
+#include <scrim/scene/classified.h>
+#include <scrim/scene/medium.h>
 
 #include <memory>
 #include <optional>

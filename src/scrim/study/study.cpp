@@ -3,10 +3,10 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/render/renderer.h>
+#include <scrim/engine/renderer.h>
 #include <scrim/scene/quality.h>
 #include <scrim/study/convergence_order.h>
-#include <scrim/study/expected_time.h>
+#include <scrim/engine/plan/expected_time.h>
 
 #include <algorithm>
 #include <cctype>

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
-#include <scrim/render/view_scene.h>
+#include <scrim/scene/view_scene.h>
 #include <scrim/study/dial_sweep.h>
 #include <scrim/study/trial.h>
 

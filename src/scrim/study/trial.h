@@ -2,9 +2,9 @@
 // One setting of the dials, tried on a scene: what it costs, and how far it is from the truth.
 #pragma once
 
-#include <scrim/render/frame.h>
+#include <scrim/engine/frame.h>
 #include <scrim/scene/dials.h>
-#include <scrim/study/verify.h>
+#include <scrim/verify/verify.h>
 
 #include <cstddef>
 #include <optional>

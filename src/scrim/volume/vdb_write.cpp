@@ -2,7 +2,7 @@
 #include <scrim/volume/vdb_write.h>
 
 #include <scrim/base/error.h>
-#include <scrim/image/atomic_file.h>
+#include <scrim/base/atomic_file.h>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/io/File.h>

@@ -1,0 +1,348 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/composite/composite_tile.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/composite/composite_tile.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using DF = hn::CappedTag<float, kTileEdge>;
+using DI = hn::RebindToSigned<DF>;
+
+// The four channels of a texel. The scalar target has vectors of one lane only, so there they are an array.
+#if HWY_TARGET == HWY_SCALAR
+struct V4 {
+    float c[4];
+};
+template <class Each>
+V4 each(const Each& value) {
+    return {{value(0), value(1), value(2), value(3)}};
+}
+HWY_INLINE V4 load4(const float* from) {
+    return {{from[0], from[1], from[2], from[3]}};
+}
+HWY_INLINE void store4(V4 v, float* to) {
+    std::copy_n(v.c, 4, to);
+}
+HWY_INLINE V4 times(V4 v, float by) {
+    return each([&](int i) { return v.c[i] * by; });
+}
+HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
+    return each([&](int i) { return a.c[i] + t * (b.c[i] - a.c[i]); });
+}
+// b + (1 + hidden) * a, where `hidden` is an opacity below 0.
+HWY_INLINE V4 through(V4 hidden, V4 a, V4 b) {
+    return each([&](int i) { return b.c[i] + (1 + hidden.c[i]) * a.c[i]; });
+}
+HWY_INLINE V4 lastLane(V4 v) {
+    return each([&](int) { return v.c[3]; });
+}
+HWY_INLINE float lane3(V4 v) {
+    return v.c[3];
+}
+#else
+using D4 = hn::CappedTag<float, 4>;
+using V4 = hn::Vec<D4>;
+
+HWY_ATTR HWY_INLINE V4 load4(const float* from) {
+    return hn::LoadU(D4(), from);
+}
+HWY_ATTR HWY_INLINE void store4(V4 v, float* to) {
+    hn::StoreU(v, D4(), to);
+}
+HWY_ATTR HWY_INLINE V4 times(V4 v, float by) {
+    return hn::Mul(v, hn::Set(D4(), by));
+}
+HWY_ATTR HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
+    return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b, a), a);
+}
+HWY_ATTR HWY_INLINE V4 through(V4 hidden, V4 a, V4 b) {
+    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hidden), a, b);
+}
+HWY_ATTR HWY_INLINE V4 lastLane(V4 v) {
+    return hn::Broadcast<3>(v);
+}
+HWY_ATTR HWY_INLINE float lane3(V4 v) {
+    return hn::GetLane(hn::Broadcast<3>(v));
+}
+#endif
+
+HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
+    return through(lastLane(state), texel, state);
+}
+HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
+    return through(lastLane(texel), state, texel);
+}
+
+// One sample into a pixel's state, whatever pictures there are. quad(q): the sample's quads. Returns what tells how
+// much the sample hides, in its last lane.
+template <bool kFrontToBack, bool kColoured, class Quad>
+HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, float* state) {
+    const int last = quads - 1;
+    const V4 hides = quad(last);
+    if constexpr (kColoured) {
+        const V4 hidden = load4(state + 4 * last);
+        for (int q = 0; q < last; ++q) {
+            const V4 own = quad(q), gathered = load4(state + 4 * q);
+            store4(kFrontToBack ? through(hidden, own, gathered) : through(hides, gathered, own), state + 4 * q);
+        }
+        store4(kFrontToBack ? through(hidden, hides, hidden) : through(hides, hidden, hides), state + 4 * last);
+    } else {
+        for (int q = 0; q <= last; ++q) {
+            const V4 own = quad(q), gathered = load4(state + 4 * q);
+            store4(kFrontToBack ? before(gathered, own) : behind(gathered, own), state + 4 * q);
+        }
+    }
+    return hides;
+}
+
+// Front to back the first visible sheet counts, back to front the last one.
+template <bool kFrontToBack>
+HWY_ATTR HWY_INLINE void noteDepth(const FirstDepth& first, int k, float hides, float depth) {
+    if (-hides > FirstDepth::kVisible && !(kFrontToBack && first.depth[k] != 0)) first.depth[k] = depth;
+}
+
+// Where the rays of a tile meet one plane.
+struct Addresses {
+    alignas(64) std::int32_t texel[kTileSize];  // offset of its first channel
+    alignas(64) float u[kTileSize];             // fractions
+    alignas(64) float v[kTileSize];
+};
+
+// Whole part and fraction of a coordinate, clamped to the plane, whose border is zeros.
+HWY_ATTR HWY_INLINE void split(hn::Vec<DF> x, int size, hn::Vec<DI>& whole, hn::Vec<DF>& fraction) {
+    const DF d;
+    x = hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, static_cast<float>(size - 2)));
+    const auto floor = hn::Floor(x);
+    whole = hn::ConvertTo(DI(), floor);
+    fraction = hn::Sub(x, floor);
+}
+
+HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, int floats, Addresses& at) {
+    const DF d;
+    const DI di;
+    const auto steps = hn::Set(d, step);
+    for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(d))) {
+        hn::Vec<DI> column, row;
+        hn::Vec<DF> fu, fv;
+        split(hn::MulAdd(steps, hn::Load(d, rays.stepU + k), hn::Load(d, rays.u + k)), width, column, fu);
+        split(hn::MulAdd(steps, hn::Load(d, rays.stepV + k), hn::Load(d, rays.v + k)), height, row, fv);
+        const auto texel = hn::Add(hn::Mul(row, hn::Set(di, width)), column);
+        hn::Store(hn::Mul(texel, hn::Set(di, floats)), di, at.texel + k);
+        hn::Store(fu, d, at.u + k);
+        hn::Store(fv, d, at.v + k);
+    }
+}
+
+HWY_ATTR HWY_INLINE V4 bilinear(const float* texel, std::ptrdiff_t rowStride, int floats, float u, float v) {
+    const float* below = texel + rowStride;
+    return lerp4(lerp4(load4(texel), load4(texel + floats), u), lerp4(load4(below), load4(below + floats), u), v);
+}
+
+HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
+    const hn::CappedTag<double, kTileEdge> d;
+    const hn::Rebind<float, decltype(d)> df;
+    for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
+        const auto column = hn::Iota(d, static_cast<double>(i));
+        const auto at = [&](const double* start, const double* step, int axis)
+                            HWY_ATTR { return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis])); };
+        const auto directionN = at(row.direction, row.directionStep, 2);
+        const auto inverse = hn::Div(hn::Set(d, 1.0), directionN);
+        const auto away = hn::Sub(hn::Set(d, row.reference), at(row.origin, row.originStep, 2));
+        const auto slopeU = hn::Mul(at(row.direction, row.directionStep, 0), inverse);
+        const auto slopeV = hn::Mul(at(row.direction, row.directionStep, 1), inverse);
+        const int k = j * kTileEdge + i;
+        const auto store = [&](auto value, float* to) HWY_ATTR { hn::StoreU(hn::DemoteTo(df, value), df, to + k); };
+        store(hn::MulAdd(slopeU, away, at(row.origin, row.originStep, 0)), tile.u);
+        store(hn::MulAdd(slopeV, away, at(row.origin, row.originStep, 1)), tile.v);
+        store(slopeU, tile.stepU);
+        store(slopeV, tile.stepV);
+        store(hn::MulSub(hn::Set(d, row.near), directionN, away), tile.startN);
+        store(hn::Mul(away, inverse), tile.depth);
+        store(inverse, tile.stepDepth);
+    }
+}
+
+// The pixels of a tile that are not opaque yet.
+struct OpenPixels {
+    std::int32_t pixels[kTileSize];
+    int count = 0;
+};
+template <bool kFrontToBack>
+HWY_ATTR void findOpen(const float* states, int floats, float cutoff, OpenPixels& open) {
+    for (int k = 0; k < kTileSize; ++k) {
+        open.pixels[open.count] = k;
+        open.count += !kFrontToBack || 1 + states[floats * k + floats - 1] >= cutoff ? 1 : 0;
+    }
+}
+
+// Plane by plane and pixel by pixel: neighbours do not wait for each other, as the sheets of one pixel do.
+// add(k, texel, u, v, rowStride, s) composites pixel k over the texels behind address `texel`.
+template <bool kFrontToBack, class Add>
+HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, float cutoff, const float* states,
+                              const Add& add) {
+    const int floats = sheets.layout.floats();
+    const std::ptrdiff_t rowStride = static_cast<std::ptrdiff_t>(floats) * sheets.width;
+    OpenPixels open;
+    findOpen<kFrontToBack>(states, floats, cutoff, open);
+    if (open.count == 0) return;
+    Addresses at;
+    for (int s = 0; s < sheets.count; ++s) {
+        locate(rays, sheets.steps[s], sheets.width, sheets.height, floats, at);
+        const float* plane = sheets.planes[s];
+        for (int i = 0; i < open.count; ++i) {
+            const int k = open.pixels[i];
+            add(k, plane + at.texel[k], at.u[k], at.v[k], rowStride, s);
+        }
+    }
+}
+
+// Nothing but the beauty under grey extinction.
+template <bool kFrontToBack>
+HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
+    walk<kFrontToBack>(rays, sheets, cutoff, states,
+                       [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, int) HWY_ATTR {
+                           const auto texel = bilinear(at, rowStride, 4, u, v);
+                           const auto state = load4(states + 4 * k);
+                           store4(kFrontToBack ? before(state, texel) : behind(state, texel), states + 4 * k);
+                       });
+}
+
+template <bool kFrontToBack, bool kColoured, bool kDepth>
+HWY_ATTR void walkPictures(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
+                           [[maybe_unused]] const FirstDepth* first) {
+    const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
+    walk<kFrontToBack>(
+        rays, sheets, cutoff, states,
+        [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
+            const auto quad = [&](int q) HWY_ATTR { return bilinear(at + 4 * q, rowStride, floats, u, v); };
+            [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
+            if constexpr (kDepth)
+                noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
+        });
+}
+
+template <bool kFrontToBack>
+HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, float cutoff, float* state,
+                      const FirstDepth* first) {
+    if (sheets.layout == SampleLayout{})
+        walkBeauty<kFrontToBack>(rays, sheets, cutoff, state);
+    else if (sheets.layout.coloured && first)
+        walkPictures<kFrontToBack, true, true>(rays, sheets, cutoff, state, first);
+    else if (sheets.layout.coloured)
+        walkPictures<kFrontToBack, true, false>(rays, sheets, cutoff, state, first);
+    else if (first)
+        walkPictures<kFrontToBack, false, true>(rays, sheets, cutoff, state, first);
+    else
+        walkPictures<kFrontToBack, false, false>(rays, sheets, cutoff, state, first);
+}
+
+HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff,
+                                    float* state, const FirstDepth* first) {
+    if (frontToBack)
+        walkAny<true>(rays, sheets, cutoff, state, first);
+    else
+        walkAny<false>(rays, sheets, cutoff, state, first);
+}
+
+HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const float* plane, int width, int height,
+                                  const SampleLayout& layout, float* samples) {
+    const int floats = layout.floats();
+    for (int k = 0; k < kTileSize; ++k) {
+        const float u = std::clamp(rays.u[k] + at[k] * rays.stepU[k], 0.0f, static_cast<float>(width - 2));
+        const float v = std::clamp(rays.v[k] + at[k] * rays.stepV[k], 0.0f, static_cast<float>(height - 2));
+        const float column = std::floor(u), row = std::floor(v);
+        const float* texel =
+            plane + floats * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
+        for (int q = 0; q < layout.quads(); ++q)
+            store4(bilinear(texel + 4 * q, static_cast<std::ptrdiff_t>(floats) * width, floats, u - column, v - row),
+                   samples + floats * k + 4 * q);
+    }
+}
+
+// A part f of the sheet has tau f: opacity 1 - (1 - alpha)^f. What share of the opacity -hides that is.
+float shownShare(float hides, float part) {
+    const float alpha = std::clamp(-hides, 0.0f, 1.0f);
+    if (alpha <= 1e-20f) return part;
+    const float shown = alpha < 1 ? -std::expm1(part * std::log1p(-alpha)) : (part > 0 ? 1.0f : 0.0f);
+    return shown / alpha;
+}
+
+// Leaves the part of a sample that is seen: radiance in proportion to its opacity.
+void keepPart(const SampleLayout& layout, float part, const float* from, float* to) {
+    const int last = layout.floats() - 4;
+    for (int c = 0; c < 4; ++c) {
+        const float share = shownShare(from[last + (layout.coloured ? c : 3)], part);
+        for (int q = 0; q <= last; q += 4) to[q + c] = from[q + c] * share;
+    }
+}
+
+template <bool kFrontToBack>
+HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* states, const FirstDepth* first) {
+    const int floats = sheet.layout.floats(), quads = sheet.layout.quads();
+    std::array<float, 4 * 256> kept;
+    for (int k = 0; k < kTileSize; ++k) {
+        const float* sample = sheet.samples + floats * k;
+        if (sheet.part && sheet.part[k] < 1) {
+            keepPart(sheet.layout, sheet.part[k], sample, kept.data());
+            sample = kept.data();
+        }
+        float* state = states + floats * k;
+        const auto quad = [&](int q) HWY_ATTR { return load4(sample + 4 * q); };
+        const V4 hides = sheet.layout.coloured ? addSample<kFrontToBack, true>(quads, quad, state)
+                                               : addSample<kFrontToBack, false>(quads, quad, state);
+        if (first) noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
+    }
+}
+
+HWY_ATTR void compositeSamplesOnTarget(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* states,
+                                       const FirstDepth* first) {
+    if (frontToBack)
+        addSamples<true>(rays, sheet, states, first);
+    else
+        addSamples<false>(rays, sheet, states, first);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(fillRaysOnTarget);
+HWY_EXPORT(compositeTileOnTarget);
+HWY_EXPORT(samplePlaneOnTarget);
+HWY_EXPORT(compositeSamplesOnTarget);
+
+void fillRays(const RayRow& row, int j, RayTile& tile) {
+    SCRIM_ON_TARGET(row.simd, fillRaysOnTarget)(row, j, tile);
+}
+
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
+                   const FirstDepth* first) {
+    SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
+}
+
+void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
+                 const SampleLayout& layout, float* samples, Simd simd) {
+    SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
+}
+
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
+                      const FirstDepth* first) {
+    SCRIM_ON_TARGET(sheet.simd, compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
+}
+
+}  // namespace scrim
+#endif

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Compositing: 256 pixels walk their rays through the shaded sheets of a batch (ZC02 eq. 1 and 2).
+//
+// A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is state +=
+// (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
+// transmittance is what is kept: where a volume is thin, 1 - T would lose it. So it is for each quad of a sample's
+// layout (sample_layout.h), under its own opacity or, where extinction is coloured, channel by channel under that of
+// all.
+#pragma once
+
+#include <scrim/base/simd.h>
+#include <scrim/geometry/sheets.h>
+#include <scrim/engine/shade/sample_layout.h>
+
+#include <cstddef>
+
+namespace scrim {
+
+/// The rays of a tile of pixels: texel position at the batch's first plane, and step from plane to plane.
+struct RayTile {
+    alignas(64) float u[kTileSize];
+    alignas(64) float v[kTileSize];
+    alignas(64) float stepU[kTileSize];
+    alignas(64) float stepV[kTileSize];
+    alignas(64) float startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
+    alignas(64) float depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
+    alignas(64) float stepDepth[kTileSize];
+};
+
+/// Looks for the first thing that a ray shows: the depth of its first sheet (the last to come, back to front) of more
+/// opacity than `kVisible`. Not where there is nothing but the beauty.
+struct FirstDepth {
+    static constexpr float kVisible = 1e-3f;
+    float* depth;  ///< of 256 pixels; 0: nothing yet
+};
+
+/// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
+/// likewise for directions. In double: an eye may be far away.
+struct RayRow {
+    double origin[3], originStep[3], direction[3], directionStep[3];
+    double near;       ///< depth at which rays begin, in units of the direction
+    double reference;  ///< N of the plane that positions are wanted on
+    Simd simd = {};
+};
+
+/// Fills row j of a tile.
+void fillRays(const RayRow& row, int j, RayTile& tile);
+
+struct SheetList {
+    const float* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
+    const float* steps;          ///< its place in the batch: planes from the batch's first
+    int count;
+    int width, height;  ///< of the planes, texels
+    SampleLayout layout = {};
+    Simd simd = {};
+};
+
+/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `first`: null
+/// where nobody asks.
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
+                   const FirstDepth* first = nullptr);
+
+/// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the part in [0, 1] of the sheet that
+/// lies before the eye (nullptr: all of it).
+struct SheetSamples {
+    const float* samples;
+    const float* part;
+    const float* at = nullptr;  ///< read where the first depth is looked for
+    SampleLayout layout = {};
+    Simd simd = {};
+};
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
+                      const FirstDepth* first = nullptr);
+
+/// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
+void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
+                 const SampleLayout& layout, float* samples, Simd simd = {});
+
+}  // namespace scrim

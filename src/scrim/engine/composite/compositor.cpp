@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/composite/compositor.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+namespace scrim {
+namespace {
+
+// Positions on rays are floats relative to a plane every so many sheets, and rays end at those planes: results
+// must not depend on how many sheets a batch has.
+constexpr int kBlock = 8;
+
+int blockBegin(int sheet) {
+    return sheet / kBlock * kBlock;
+}
+
+// Room for a tile's samples, kept by each thread.
+float* sampleScratch(const SampleLayout& layout) {
+    struct alignas(64) Line {
+        float values[16];
+    };
+    thread_local std::vector<Line> scratch;
+    const auto lines = static_cast<std::size_t>(layout.floats() * kTileSize / 16);
+    if (scratch.size() < lines) scratch.resize(lines);
+    return scratch.front().values;
+}
+
+}  // namespace
+
+// A tile's rays, and what they meet in a batch.
+struct EyeWalk::TileWalk {
+    RayTile rays;
+    float startLeast, startMost;     // extremes of rays.startN
+    int block;                       // the block's first sheet
+    int firstStep;                   // place of plane 0 among the block's sheets
+    std::array<int, kBlock> planes;  // those with active texels under the tile
+    int planeCount = 0;
+
+    void setRays(const RayTile& tile) {
+        rays = tile;
+        startLeast = *std::min_element(rays.startN, rays.startN + kTileSize);
+        startMost = *std::max_element(rays.startN, rays.startN + kTileSize);
+    }
+};
+
+// Sets up the rays of a tile, and finds the planes whose active texels they may meet.
+EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack& planes) const {
+    TileWalk walk;
+    walk.block = blockBegin(range.sheet);
+    walk.firstStep = range.sheet - walk.block - range.firstPlane;
+    const double reference = blockBegin(range.sheet) + 0.5;
+    const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
+
+    // First the four corners: a batch that misses the tile must cost next to nothing. Not beyond the picture's edge,
+    // where rays of a wide eye may run away from the planes.
+    const int x1 = std::min(x0 + kTileEdge, m_tiles.region().x1), y1 = std::min(y0 + kTileEdge, m_tiles.region().y1);
+    PixelRay corners[4];
+    for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? x1 : x0, i & 2 ? y1 : y0, reference);
+    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
+        const int step = p + walk.firstStep;
+        double u0 = 1e30, u1 = -1e30, v0 = 1e30, v1 = -1e30;
+        for (const PixelRay& ray : corners) {
+            const double u = ray.u + step * ray.slopeU, v = ray.v + step * ray.slopeV;
+            u0 = std::min(u0, u);
+            u1 = std::max(u1, u);
+            v0 = std::min(v0, v);
+            v1 = std::max(v1, v);
+        }
+        if (u1 < 0 || v1 < 0 || u0 >= planes.width() || v0 >= planes.height()) continue;
+        const auto tileOf = [](double texel, int size) {
+            return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
+        };
+        if (planes.anyActive(p, tileOf(u0, planes.width()), tileOf(v0, planes.height()), tileOf(u1 + 1, planes.width()),
+                             tileOf(v1 + 1, planes.height())))
+            walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
+    }
+    if (walk.planeCount > 0) walk.setRays(m_eye.rays(x0, y0, reference));
+    return walk;
+}
+
+// The same in the eye's own raster, where a tile meets the same tile of every plane.
+EyeWalk::TileWalk EyeWalk::enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const {
+    TileWalk walk;
+    walk.block = blockBegin(range.sheet);
+    walk.firstStep = range.sheet - walk.block - range.firstPlane;
+    const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
+    for (int p = range.firstPlane; p < range.lastPlane; ++p)
+        if (planes.active(p, tx, ty)) walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
+    if (walk.planeCount > 0)
+        walk.setRays(m_eye.rays(m_tiles.cornerX(tile), m_tiles.cornerY(tile), blockBegin(range.sheet) + 0.5));
+    return walk;
+}
+
+namespace {
+
+enum class Before { all, part, none };
+
+// How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies beyond the start of the rays?
+Before seenPart(int step, float startLeast, float startMost, bool frontToBack) {
+    const float near = static_cast<float>(step) - 0.5f, far = near + 1;
+    if (frontToBack) return startMost <= near ? Before::all : startLeast >= far ? Before::none : Before::part;
+    return startLeast >= far ? Before::all : startMost <= near ? Before::none : Before::part;
+}
+
+// The seen part of a slab that the rays begin in, and the place in the middle of it.
+void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float* at) {
+    for (int k = 0; k < kTileSize; ++k) {
+        float near = static_cast<float>(step) - 0.5f, far = near + 1;
+        if (frontToBack)
+            near = std::clamp(rays.startN[k], near, far);
+        else
+            far = std::clamp(rays.startN[k], near, far);
+        part[k] = far - near;
+        at[k] = 0.5f * (near + far);
+    }
+}
+
+}  // namespace
+
+EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
+    const TileWalk walk = enter(tile, range, shaded);
+    float* states = m_tiles.states(tile);
+    const SampleLayout& layout = m_tiles.layout();
+    const auto depth = firstDepth(tile);
+    const FirstDepth* first = depth ? &*depth : nullptr;
+    std::array<const float*, kBlock> planes;
+    std::array<float, kBlock> steps{};
+    int listed = 0;
+    std::uint64_t walked = 0;
+    const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
+    const auto flush = [&] {
+        if (listed == 0) return;
+        compositeTile(walk.rays,
+                      {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout, m_eye.simd()},
+                      m_frontToBack, mayStop ? m_cutoff : 0.0f, states, first);
+        walked += static_cast<std::uint64_t>(listed) * kTileSize;
+        listed = 0;
+    };
+    for (int i = 0; i < walk.planeCount; ++i) {
+        const int p = walk.planes[static_cast<std::size_t>(i)];
+        const int step = p + walk.firstStep;
+        switch (seenPart(step, walk.startLeast, walk.startMost, m_frontToBack)) {
+            case Before::none:
+                break;
+            case Before::all:
+                planes[static_cast<std::size_t>(listed)] = shaded.plane(p);
+                steps[static_cast<std::size_t>(listed++)] = static_cast<float>(step);
+                break;
+            case Before::part: {
+                flush();
+                alignas(64) float part[kTileSize], at[kTileSize];
+                float* samples = sampleScratch(layout);
+                cutSlab(walk.rays, step, m_frontToBack, part, at);
+                samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
+                            m_eye.simd());
+                compositeSamples(walk.rays, {samples, part, at, layout, m_eye.simd()}, m_frontToBack, states, first);
+                walked += kTileSize;
+            }
+        }
+    }
+    flush();
+    return {walked, {}};
+}
+
+// Shades where the tile's rays meet each plane: shade(plane, points, samples).
+template <class Shade>
+EyeWalk::Work EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
+    float* states = m_tiles.states(tile);
+    const SampleLayout& layout = m_tiles.layout();
+    const auto depth = firstDepth(tile);
+    Work work;
+    SampleTile points;
+    alignas(64) float part[kTileSize], at[kTileSize];
+    float* samples = sampleScratch(layout);
+    for (int i = 0; i < walk.planeCount; ++i) {
+        const int p = walk.planes[static_cast<std::size_t>(i)];
+        const int step = p + walk.firstStep;
+        const Before seen = seenPart(step, walk.startLeast, walk.startMost, m_frontToBack);
+        if (seen == Before::none) continue;
+        if (seen == Before::part)
+            cutSlab(walk.rays, step, m_frontToBack, part, at);
+        else
+            std::fill(at, at + kTileSize, static_cast<float>(step));
+        points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
+        const auto toSlope = static_cast<float>(shader.slopeScale());
+        for (int k = 0; k < kTileSize; ++k) {
+            points.u[k] = walk.rays.u[k] + at[k] * walk.rays.stepU[k];
+            points.v[k] = walk.rays.v[k] + at[k] * walk.rays.stepV[k];
+            points.eyeA[k] = walk.rays.stepU[k] * toSlope;
+            points.eyeB[k] = walk.rays.stepV[k] * toSlope;
+        }
+        m_eye.setDepth(walk.block + step + 0.5, points);
+        work.shade += shade(p, points, samples);
+        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()},
+                         m_frontToBack, states, depth ? &*depth : nullptr);
+        work.pixelSheets += kTileSize;
+    }
+    return work;
+}
+
+std::optional<FirstDepth> EyeWalk::firstDepth(int tile) {
+    if (!m_tiles.keepsDepth()) return std::nullopt;
+    return FirstDepth{m_tiles.depths(tile)};
+}
+
+void EyeWalk::markIfOpaque(int tile) {
+    if (!m_frontToBack) return;
+    const float* states = m_tiles.states(tile);
+    const int floats = m_tiles.layout().floats();  // the last of which is the least opacity
+    for (int k = 0; k < kTileSize; ++k)
+        if (1 + states[floats * k + floats - 1] >= m_cutoff) return;
+    m_tiles.setOpaque(tile);
+}
+
+// The tiles of the picture that may see an active texel of the range: most see none, and should cost nothing.
+ImageTiles::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& planes) const {
+    const ImageTiles::TileBox all{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
+    EyeView::Box seen{1e30, 1e30, -1e30, -1e30};
+    for (int p = range.firstPlane; p < range.lastPlane; ++p) {
+        const PlaneStack::TileBounds active = planes.activeBounds(p);
+        if (active.x1 < active.x0) continue;
+        const auto box = m_eye.seenBy(active.x0 * kTileEdge - 1, active.y0 * kTileEdge - 1, (active.x1 + 1) * kTileEdge,
+                                      (active.y1 + 1) * kTileEdge, range.sheet + p - range.firstPlane + 0.5);
+        if (!box) return all;
+        seen = {std::min(seen.x0, box->x0), std::min(seen.y0, box->y0), std::max(seen.x1, box->x1),
+                std::max(seen.y1, box->y1)};
+    }
+    return m_tiles.tilesIn(seen.x0, seen.y0, seen.x1, seen.y1);
+}
+
+template <class BoxOf, class Walk>
+EyeWalk::Work EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
+    struct Part {
+        Range range;
+        ImageTiles::TileBox box;
+        bool endsBlock;
+    };
+    std::vector<Part> parts;
+    for (int p = 0; p < count;) {
+        const int sheet = firstSheet + p, blockEnd = blockBegin(sheet) + kBlock;
+        const int last = std::min(count, p + blockEnd - sheet);
+        const Range range{sheet, p, last};
+        parts.push_back({range, boxOf(range), firstSheet + last == blockEnd});
+        p = last;
+    }
+    std::vector<Work> walked(static_cast<std::size_t>(m_tiles.tilesY()));
+    parallelFor(static_cast<std::size_t>(m_tiles.tilesY()), [&](std::size_t row) {
+        const int ty = static_cast<int>(row);
+        for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
+            const int tile = ty * m_tiles.tilesX() + tx;
+            for (const Part& part : parts) {
+                if (m_tiles.opaque(tile)) break;
+                if (tx >= part.box.x0 && tx <= part.box.x1 && ty >= part.box.y0 && ty <= part.box.y1)
+                    walked[row] += walk(tile, part.range);
+                if (part.endsBlock) markIfOpaque(tile);
+            }
+        }
+    });
+    Work sum;
+    for (const Work& w : walked) sum += w;
+    return sum;
+}
+
+EyeWalk::Work EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
+    return forOpenTiles(
+        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, shaded); },
+        [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
+}
+
+EyeWalk::Work EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader) {
+    return forOpenTiles(
+        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
+        [&](int tile, const Range& range) {
+            return shadeAlong(
+                enter(tile, range, covered), tile, shader,
+                [&](int p, const SampleTile& points, float* out) { return shader.shadePoints(p, points, out); });
+        });
+}
+
+EyeWalk::Work EyeWalk::throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
+                                    const SheetShader& shader) {
+    return forOpenTiles(
+        firstSheet, count,
+        [&](const Range&) {
+            return ImageTiles::TileBox{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
+        },
+        [&](int tile, const Range& range) {
+            const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
+            return shadeAlong(
+                enterCells(tile, range, covered, guardTiles), tile, shader,
+                [&](int p, const SampleTile& points, float* out) { return shader.shadeCells(p, points, tx, ty, out); });
+        });
+}
+
+bool EyeWalk::allOpaque() const {
+    for (int tile = 0; tile < m_tiles.count(); ++tile)
+        if (!m_tiles.opaque(tile)) return false;
+    return true;
+}
+
+}  // namespace scrim

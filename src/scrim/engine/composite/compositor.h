@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stage 5 of a batch: every pixel's ray through the batch's sheets, front to back or back to front.
+#pragma once
+
+#include <scrim/engine/composite/composite_tile.h>
+#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/composite/pixel_tiles.h>
+#include <scrim/engine/shade/sheet_shader.h>
+#include <scrim/engine/splat/plane_stack.h>
+
+#include <cstdint>
+#include <optional>
+
+namespace scrim {
+
+class EyeWalk {
+  public:
+    EyeWalk(const EyeView& eye, ImageTiles& tiles, bool frontToBack, float cutoff)
+        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
+
+    /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
+    struct Work {
+        std::uint64_t pixelSheets = 0;
+        ShadeWork shade;
+
+        Work& operator+=(const Work& other) {
+            pixelSheets += other.pixelSheets;
+            shade += other.shade;
+            return *this;
+        }
+    };
+
+    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p.
+    Work throughTexels(int firstSheet, int count, const PlaneStack& shaded);
+
+    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the tiles where anything is.
+    Work throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader);
+
+    /// The same where every pixel has cells of its own (per-view splatting): `covered` is of the eye's raster, which
+    /// has `guardTiles` tiles around the picture.
+    Work throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles, const SheetShader& shader);
+
+    /// Are all pixels opaque? Only ever so front to back.
+    bool allOpaque() const;
+
+  private:
+    struct TileWalk;
+    struct Range {
+        int sheet;       ///< that plane `firstPlane` holds
+        int firstPlane;  ///< planes [firstPlane, lastPlane) of the batch, within one block of sheets
+        int lastPlane;
+    };
+    TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
+    Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    template <class Shade>
+    Work shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
+    TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const;
+    template <class BoxOf, class Walk>
+    Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
+    ImageTiles::TileBox tilesThatSee(const Range& range, const PlaneStack& planes) const;
+    void markIfOpaque(int tile);
+    std::optional<FirstDepth> firstDepth(int tile);
+
+    const EyeView& m_eye;
+    ImageTiles& m_tiles;
+    bool m_frontToBack;
+    float m_cutoff;
+};
+
+}  // namespace scrim

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/composite/eye_rays.h>
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+
+EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
+    : m_orthographic(camera.type == CameraType::orthographic), m_simd(simd) {
+    const RayFamily ws = wsRays(camera);
+    m_ts.near = ws.near;
+    m_ts.origin0 = sheets.tsPoint(ws.origin0);
+    m_ts.originX = sheets.tsVector(ws.originX);
+    m_ts.originY = sheets.tsVector(ws.originY);
+    m_ts.direction0 = sheets.tsVector(ws.direction0);
+    m_ts.directionX = sheets.tsVector(ws.directionX);
+    m_ts.directionY = sheets.tsVector(ws.directionY);
+    if (m_orthographic)
+        m_rasterFromOffset = glm::inverse(Mat3(m_ts.originX, m_ts.originY, m_ts.direction0));
+    else
+        m_rasterFromOffset = glm::inverse(Mat3(m_ts.directionX, m_ts.directionY, m_ts.direction0));
+
+    const double toSlope = sheets.texel / sheets.thickness;
+    m_slopes.parallel = m_orthographic;
+    m_slopes.a = m_ts.direction0.x / m_ts.direction0.z * toSlope;
+    m_slopes.b = m_ts.direction0.y / m_ts.direction0.z * toSlope;
+    m_slopes.tsEye = m_ts.origin0;
+}
+
+PixelRay EyeView::ray(double x, double y, double reference) const {
+    const Vec3 o = m_ts.origin(x, y), d = m_ts.direction(x, y);
+    const double slopeU = d.x / d.z, slopeV = d.y / d.z;
+    const double away = reference - o.z;
+    return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
+}
+
+RayTile EyeView::rays(int x0, int y0, double reference) const {
+    RayTile tile;
+    RayRow row{};
+    row.near = m_ts.near;
+    row.reference = reference;
+    row.simd = m_simd;
+    for (int j = 0; j < kTileEdge; ++j) {
+        const Vec3 o = m_ts.origin(x0 + 0.5, y0 + j + 0.5), d = m_ts.direction(x0 + 0.5, y0 + j + 0.5);
+        for (int axis = 0; axis < 3; ++axis) {
+            row.origin[axis] = o[axis];
+            row.originStep[axis] = m_ts.originX[axis];
+            row.direction[axis] = d[axis];
+            row.directionStep[axis] = m_ts.directionX[axis];
+        }
+        fillRays(row, j, tile);
+    }
+    return tile;
+}
+
+ViewRaster EyeView::raster(const PixelWindow& region, int guardTiles) const {
+    ViewRaster raster;
+    raster.parallel = m_orthographic;
+    const auto edge = [&](int pixels) { return ((pixels + kTileEdge - 1) / kTileEdge + 2 * guardTiles) * kTileEdge; };
+    raster.width = edge(region.width());
+    raster.height = edge(region.height());
+    // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; then pixels' centres to whole numbers.
+    const Mat3& m = m_rasterFromOffset;
+    const double shift[2] = {guardTiles * kTileEdge - region.x0 - 0.5, guardTiles * kTileEdge - region.y0 - 0.5};
+    const auto row = [&](int i) {
+        return glm::dvec4(m[0][i], m[1][i], m[2][i], -glm::dot(Vec3(m[0][i], m[1][i], m[2][i]), m_ts.origin0));
+    };
+    const glm::dvec4 w = m_orthographic ? glm::dvec4(0, 0, 0, 1) : row(2);
+    const glm::dvec4 x = row(0) + shift[0] * w, y = row(1) + shift[1] * w;
+    for (int c = 0; c < 4; ++c) raster.rsFromTs[c] = {x[c], y[c], c == 2 ? 1.0 : 0.0, w[c]};
+    return raster;
+}
+
+SampleSpacing EyeView::pixelSpacing(double middle) const {
+    SampleSpacing spacing;
+    // Rays from the eye: a step of a pixel is one of their direction, times how far along the ray the sample lies; and
+    // that is what the last row of the inverse tells.
+    const Vec3 &x = m_orthographic ? m_ts.originX : m_ts.directionX,
+               &y = m_orthographic ? m_ts.originY : m_ts.directionY;
+    for (int axis = 0; axis < 3; ++axis) {
+        spacing.x[axis] = static_cast<float>(x[axis]);
+        spacing.y[axis] = static_cast<float>(y[axis]);
+    }
+    if (m_orthographic) return spacing;
+    const double tu = m_rasterFromOffset[0].z, tv = m_rasterFromOffset[1].z;
+    const Vec3 atOrigin = m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0);
+    spacing.t0 = static_cast<float>(atOrigin.z);
+    spacing.tu = static_cast<float>(tu);
+    spacing.tv = static_cast<float>(tv);
+    return spacing;
+}
+
+// The last row of the inverse tells how far along a ray, and so how deep, a point lies.
+void EyeView::setDepth(double middle, SampleTile& samples) const {
+    samples.depth = static_cast<float>((m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0)).z);
+    samples.depthU = static_cast<float>(m_rasterFromOffset[0].z);
+    samples.depthV = static_cast<float>(m_rasterFromOffset[1].z);
+}
+
+std::optional<EyeView::Box> EyeView::seenBy(double u0, double v0, double u1, double v1, double middle) const {
+    Box box{1e30, 1e30, -1e30, -1e30};
+    for (const double u : {u0, u1})
+        for (const double v : {v0, v1}) {
+            Vec3 p = m_rasterFromOffset * (Vec3(u, v, middle) - m_ts.origin0);
+            if (!m_orthographic) {
+                if (p.z <= 0) return std::nullopt;  // behind the eye: (x t, y t, t) with t <= 0
+                p.x /= p.z;
+                p.y /= p.z;
+            }
+            box = {std::min(box.x0, p.x), std::min(box.y0, p.y), std::max(box.x1, p.x), std::max(box.y1, p.y)};
+        }
+    return box;
+}
+
+}  // namespace scrim

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture while a sweep is under way: pixels in tiles of 16 x 16, so that a task's states lie together.
+#pragma once
+
+#include <scrim/geometry/sheets.h>
+#include <scrim/image/image.h>
+#include <scrim/engine/shade/sample_layout.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace scrim {
+
+class ImageTiles {
+  public:
+    /// `depth`: keeps the depth of the first thing visible, too.
+    explicit ImageTiles(const PixelWindow& region, const SampleLayout& layout = {}, bool depth = false)
+        : m_region(region),
+          m_layout(layout),
+          m_keepsDepth(depth),
+          m_tilesX((region.width() + kTileEdge - 1) / kTileEdge),
+          m_tilesY((region.height() + kTileEdge - 1) / kTileEdge) {
+        reset();
+    }
+
+    /// All pixels black and transparent.
+    void reset() {
+        m_states.assign(static_cast<std::size_t>(count()) * tileFloats(), 0.0f);
+        m_depth.assign(m_keepsDepth ? static_cast<std::size_t>(count()) * kTileSize : 0, 0.0f);
+        m_opaque.assign(static_cast<std::size_t>(count()), 0);
+    }
+
+    const PixelWindow& region() const { return m_region; }
+    int count() const { return m_tilesX * m_tilesY; }
+    int tilesX() const { return m_tilesX; }
+    int tilesY() const { return m_tilesY; }
+    /// Raster position of the tile's corner.
+    int cornerX(int tile) const { return m_region.x0 + tile % m_tilesX * kTileEdge; }
+    int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
+    const SampleLayout& layout() const { return m_layout; }
+    /// Of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
+    float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
+    const float* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
+    /// Of pixel (x, y) of the region.
+    const float* state(int x, int y) const {
+        const Place at = placeOf(x, y);
+        return states(at.tile) + at.pixel * m_layout.floats();
+    }
+    /// Depths of a tile's pixels; 0: nothing is visible. Only where they are kept.
+    bool keepsDepth() const { return m_keepsDepth; }
+    float* depths(int tile) { return m_depth.data() + static_cast<std::size_t>(tile) * kTileSize; }
+    float depth(int x, int y) const {
+        const Place at = placeOf(x, y);
+        return m_depth[static_cast<std::size_t>(at.tile) * kTileSize + static_cast<std::size_t>(at.pixel)];
+    }
+    std::size_t bytes() const { return (m_states.size() + m_depth.size()) * sizeof(float); }
+    bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
+    void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
+
+    /// The tiles that the closed box of raster positions touches, closed; x1 < x0 or y1 < y0 where there are none.
+    struct TileBox {
+        int x0, y0, x1, y1;
+    };
+    TileBox tilesIn(double x0, double y0, double x1, double y1) const;
+
+    /// Is there a pixel in the closed box of raster positions whose tile is not opaque?
+    bool anyOpen(double x0, double y0, double x1, double y1) const;
+
+  private:
+    struct Place {
+        int tile, pixel;
+    };
+    Place placeOf(int x, int y) const {
+        const int dx = x - m_region.x0, dy = y - m_region.y0;
+        return {dy / kTileEdge * m_tilesX + dx / kTileEdge, dy % kTileEdge * kTileEdge + dx % kTileEdge};
+    }
+    std::size_t tileFloats() const { return static_cast<std::size_t>(kTileSize * m_layout.floats()); }
+
+    PixelWindow m_region;
+    SampleLayout m_layout;
+    bool m_keepsDepth;
+    int m_tilesX, m_tilesY;
+    std::vector<float> m_states, m_depth;
+    std::vector<std::uint8_t> m_opaque;
+};
+
+}  // namespace scrim

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/composite/resolve.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+
+namespace scrim {
+namespace {
+
+FrameLayer* find(Frame& frame, Layer layer, int light = -1) {
+    for (FrameLayer& l : frame.layers)
+        if (l.layer == layer && l.light == light) return &l;
+    return nullptr;
+}
+
+// Where the pictures of a group go, and how much of each.
+struct Target {
+    int quad;
+    FrameLayer* layer;
+    double share;
+};
+
+std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
+    std::vector<Target> targets;
+    for (std::size_t p = 0; p < group.pictures.size(); ++p) {
+        const PicturePlan& picture = group.pictures[p];
+        // Lights have their share in them already, and so have ambient light and emission.
+        const bool seen = picture.layer == Layer::albedo || picture.layer == Layer::depth;
+        targets.push_back({group.layout.quadOf(static_cast<int>(p) + 1), find(frame, picture.layer, picture.light),
+                           seen ? group.primary : 1.0});
+    }
+    return targets;
+}
+
+// A pixel's rays: the sums of their states, quad by quad, and the least depth of any.
+struct PixelSum {
+    std::vector<float> floats;
+    float first = 0;
+
+    void clear() {
+        std::fill(floats.begin(), floats.end(), 0.0f);
+        first = 0;
+    }
+};
+
+void sumRays(const ImageTiles& tiles, int n, int x, int y, PixelSum& sum) {
+    sum.clear();
+    const int count = tiles.layout().floats();
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const float* state = tiles.state(x * n + i, y * n + j);
+            for (int f = 0; f < count; ++f) sum.floats[static_cast<std::size_t>(f)] += state[f];
+            if (!tiles.keepsDepth()) continue;
+            const float depth = tiles.depth(x * n + i, y * n + j);
+            if (depth > 0 && (sum.first == 0 || depth < sum.first)) sum.first = depth;
+        }
+}
+
+}  // namespace
+
+Frame emptyFrame(const ViewScene& scene) {
+    Frame frame;
+    frame.image = emptyImage(scene.region);
+    const auto add = [&](Layer layer, int light) {
+        FrameLayer& out = frame.layers.emplace_back(FrameLayer{layer, light, {}});
+        out.data.assign(out.channels() * scene.region.pixelCount(), 0.0f);
+    };
+    for (const Layer layer : scene.layers) {
+        if (layer == Layer::light)
+            for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i));
+        else
+            add(layer, -1);
+    }
+    return frame;
+}
+
+void gather(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ImageTiles& tiles, Frame& frame) {
+    const EyePart& part = plan.eyeParts[group.eyePart];
+    const int n = scene.dials.antialias;
+    const std::vector<Target> targets = targetsOf(group, frame);
+    FrameLayer* const transmittance = group.primary > 0 ? find(frame, Layer::transmittance) : nullptr;
+    const SampleLayout& layout = tiles.layout();
+    const std::size_t opacities = static_cast<std::size_t>(layout.floats() - 4);
+    const auto beauties = static_cast<std::size_t>(layout.beauty ? 1 : layout.quadOf(group.targets.addends));
+    parallelFor(static_cast<std::size_t>(part.window.height()), [&](std::size_t row) {
+        PixelSum sum{std::vector<float>(static_cast<std::size_t>(layout.floats())), 0};
+        const int y = part.window.y0 + static_cast<int>(row);
+        for (int x = part.window.x0; x < part.window.x1; ++x) {
+            sumRays(tiles, n, x, y, sum);
+            const double weight = part.weight(x + 0.5, y + 0.5) / (n * n);
+            const std::size_t at = frame.image.indexOf(x, y);
+            // Interpolation between texels rounds: what is nothing may come out a hair below, and opaque above.
+            const auto radiance = [&](std::size_t f, double share) {
+                return static_cast<float>(weight * share) * std::max(sum.floats[f], 0.0f);
+            };
+            float* pixel = frame.image.rgba.data() + at;
+            // The beauty's quad, or those that add up to it: they come first either way.
+            for (std::size_t q = 0; q < beauties; ++q)
+                for (std::size_t c = 0; c < 3; ++c) pixel[c] += radiance(4 * q + c, 1);
+            float hidden[3];
+            for (std::size_t c = 0; c < 3; ++c)
+                hidden[c] = static_cast<float>(weight * group.primary) *
+                            -sum.floats[layout.coloured ? opacities + c : opacities + 3];
+            const float alpha = layout.coloured ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
+            pixel[3] = std::clamp(pixel[3] + alpha, 0.0f, 1.0f);
+
+            for (const Target& target : targets) {
+                const auto quad = static_cast<std::size_t>(4 * target.quad);
+                if (target.layer->layer == Layer::depth) {
+                    float* depth = target.layer->data.data() + at / 4 * 2;
+                    if (sum.first > 0 && (depth[0] == 0 || sum.first < depth[0])) depth[0] = sum.first;
+                    for (std::size_t c = 0; c < 3; ++c) depth[1] += radiance(quad + c, target.share / 3);
+                } else {
+                    float* rgb = target.layer->data.data() + at / 4 * 3;
+                    for (std::size_t c = 0; c < 3; ++c) rgb[c] += radiance(quad + c, target.share);
+                }
+            }
+            if (transmittance)
+                for (std::size_t c = 0; c < 3; ++c) transmittance->data[at / 4 * 3 + c] += hidden[c];
+        }
+    });
+}
+
+void finishLayers(Frame& frame) {
+    for (FrameLayer& layer : frame.layers) {
+        if (layer.layer == Layer::transmittance)
+            for (float& value : layer.data) value = std::clamp(1 - value, 0.0f, 1.0f);
+        if (layer.layer != Layer::depth) continue;
+        for (std::size_t i = 0; i < layer.data.size(); i += 2) {
+            const float alpha = frame.image.rgba[2 * i + 3];
+            layer.data[i + 1] = alpha > 0 ? layer.data[i + 1] / alpha : 0.0f;
+        }
+    }
+}
+
+}  // namespace scrim

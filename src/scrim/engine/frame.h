@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a render yields: the picture, and counts of the work it took.
+#pragma once
+
+#include <scrim/image/image.h>
+#include <scrim/scene/scene.h>
+#include <scrim/engine/shade/shade_work.h>
+
+#include <cstdint>
+#include <vector>
+
+namespace scrim {
+
+/// Counts of work done, not of time: equal scenes give equal numbers on every machine.
+struct RenderWork {
+    std::uint64_t voxelsFed = 0;     ///< voxels of value > 0, once a sweep and field
+    std::uint64_t footprints = 0;    ///< voxel and sheet pairs splatted
+    std::uint64_t texelsShaded = 0;  ///< samples of `shade` that are texels, and not where pixels' rays meet sheets
+    std::uint64_t lightSamples = 0;  ///< cells of shadow buffers walked
+    std::uint64_t pixelSheets = 0;   ///< pixel and sheet pairs composited
+    std::uint64_t layerSamples = 0;  ///< the same of quads beyond the first: more pictures, coloured opacities
+    std::uint64_t sheets = 0;
+    ShadeWork shade;
+
+    /// Address space of buffers, of the sweep that takes most.
+    struct Bytes {
+        std::uint64_t fields = 0;   ///< sheets of fields, with the tables of footprints
+        std::uint64_t shadows = 0;  ///< shadow buffers, with what lights splat for themselves
+        std::uint64_t shaded = 0;   ///< sheets of shaded texels
+        std::uint64_t picture = 0;  ///< pixels on the way
+
+        std::uint64_t total() const { return fields + shadows + shaded + picture; }
+        bool operator==(const Bytes&) const = default;
+    } bytes;
+
+    bool operator==(const RenderWork&) const = default;
+};
+
+/// Seconds spent in each stage, wall clock.
+struct StageTimes {
+    double prepare = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
+};
+
+/// A picture beside the beauty, of the same window.
+struct FrameLayer {
+    Layer layer = Layer::light;
+    int light = -1;  ///< of a light's: index into ViewScene::lights
+    /// light, ambient, emission: the part of the beauty, RGB. albedo: times what it hides, RGB. transmittance: RGB. depth:
+    /// along the viewing axis, world units, of the first thing visible and of the mean over what is seen; 0, 0 where
+    /// nothing is.
+    std::vector<float> data;
+
+    std::size_t channels() const { return layer == Layer::depth ? 2 : 3; }
+};
+
+struct Frame {
+    Image image;                     ///< premultiplied, scene-linear, working space
+    std::vector<FrameLayer> layers;  ///< as ViewScene::layers has them; of lights one each, in the scene's order
+    RenderWork work;
+    StageTimes times;
+};
+
+}  // namespace scrim

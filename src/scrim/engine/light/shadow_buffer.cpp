@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/light/shadow_buffer.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scrim {
+namespace {
+
+struct TileRange {
+    int first = 0, last = -1;  // closed
+};
+
+// The raster tiles that the texels of one row or column of sheet tiles look at, with one cell and one texel to
+// spare, so that bilinear look-ups stay within tiles that take part.
+TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles) {
+    const double lower = (sheetTile * kTileEdge - 1 - offset) / scale - 1;
+    const double upper = (sheetTile * kTileEdge + kTileEdge - offset) / scale + 1;
+    const double limit = rasterTiles * kTileEdge - 1.0;
+    const auto tile = [&](double cell) {
+        return static_cast<int>(std::floor(std::clamp(cell, 0.0, limit))) / kTileEdge;
+    };
+    return {tile(lower), tile(upper)};
+}
+
+// One tile's part of a row, sharpened by `strength` times its second differences, but not beyond its neighbours: where
+// an opaque edge lies between two cells, the lit one stays as it is.
+void sharpenSpan(const float* above, const float* here, const float* below, float strength, float* out) {
+    for (int x = 0; x < kTileEdge; ++x) {
+        const float left = here[x - 1], right = here[x + 1], own = here[x];
+        const float least = std::min(std::min(std::min(left, right), std::min(above[x], below[x])), own);
+        const float most = std::max(std::max(std::max(left, right), std::max(above[x], below[x])), own);
+        const float around = left + right + above[x] + below[x];
+        out[x] = std::min(std::max(own - strength * (around - 4 * own), least), most);
+    }
+}
+
+}  // namespace
+
+ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps,
+                           int batchSheets, Simd simd)
+    : m_view(view),
+      m_simd(simd),
+      m_thickness(sheets.thickness),
+      m_nearest(filter == ShadowFilter::nearest),
+      m_sharpening(m_nearest ? 0.0f : static_cast<float>(lookUps) / 12) {
+    m_tau.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+    m_used.reserve(static_cast<std::size_t>(batchSheets));
+}
+
+// The part of its own sheet that a lamp inside the volume shines through: no raster resolves it, so every ray takes
+// the extinction at the lamp.
+void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
+    alignas(64) float u[kTileSize], v[kTileSize], sigma[kTileSize];
+    std::fill(u, u + kTileSize, static_cast<float>(m_view.tsSource.x));
+    std::fill(v, v + kTileSize, static_cast<float>(m_view.tsSource.y));
+    samplePoints(extinction, u, v, false, kTileEdge, sigma);
+    for (int y = 0; y < m_view.height; ++y)
+        for (int x = 0; x < m_view.width; ++x) {
+            const double a = (m_view.first.x + x * m_view.cell) * m_view.slopeScale;
+            const double b = (m_view.first.y + y * m_view.cell) * m_view.slopeScale;
+            m_tau[static_cast<std::size_t>(y) * static_cast<std::size_t>(m_view.width) + static_cast<std::size_t>(x)] +=
+                static_cast<float>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
+        }
+}
+
+void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) {
+    m_firstSheet = firstSheet;
+    m_count = count;
+    for (int s = 0; s < count; ++s)
+        if (const double part = m_view.litPart(firstSheet + s); part > 0 && part < 1)
+            leaveTheSource(part, {extinction.plane(s), extinction.width(), extinction.height(), 0, 0, m_simd});
+    const int tilesX = covered.tilesX(), tilesY = covered.tilesY();
+    const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
+
+    // Which raster tiles each column and row of sheet tiles looks at, sheet by sheet.
+    const auto perSheet = static_cast<std::size_t>(tilesX + tilesY);
+    std::vector<TileRange> ranges(static_cast<std::size_t>(count) * perSheet);
+    const auto columns = [&](int s) { return ranges.data() + static_cast<std::size_t>(s) * perSheet; };
+    const auto rows = [&](int s) { return columns(s) + tilesX; };
+    TileRange windowX{rasterX, -1}, windowY{rasterY, -1};
+    for (int s = 0; s < count; ++s) {
+        if (!m_view.reaches(firstSheet + s)) continue;
+        const CellMap map = m_view.at(firstSheet + s);
+        for (int tx = 0; tx < tilesX; ++tx) columns(s)[tx] = cellTiles(tx, map.offsetU, map.scale, rasterX);
+        for (int ty = 0; ty < tilesY; ++ty) rows(s)[ty] = cellTiles(ty, map.offsetV, map.scale, rasterY);
+        for (int ty = 0; ty < tilesY; ++ty)
+            for (int tx = 0; tx < tilesX; ++tx) {
+                if (!covered.active(s, tx, ty)) continue;
+                windowX = {std::min(windowX.first, columns(s)[tx].first), std::max(windowX.last, columns(s)[tx].last)};
+                windowY = {std::min(windowY.first, rows(s)[ty].first), std::max(windowY.last, rows(s)[ty].last)};
+            }
+    }
+    m_windowTilesX = std::max(0, windowX.last - windowX.first + 1);
+    m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
+    m_windowTileX = windowX.first;
+    m_windowTileY = windowY.first;
+    if (m_entry.size() < entryStride() * static_cast<std::size_t>(count))
+        m_entry.resize(entryStride() * static_cast<std::size_t>(count));
+
+    const auto tilesPerSheet = static_cast<std::size_t>(m_windowTilesX) * static_cast<std::size_t>(m_windowTilesY);
+    m_used.assign(tilesPerSheet * static_cast<std::size_t>(count), 0);
+    for (int s = 0; s < count; ++s) {
+        if (!m_view.reaches(firstSheet + s)) continue;
+        for (int ty = 0; ty < tilesY; ++ty)
+            for (int tx = 0; tx < tilesX; ++tx) {
+                if (!covered.active(s, tx, ty)) continue;
+                for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
+                    for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
+                        m_used[static_cast<std::size_t>(s) * tilesPerSheet +
+                               static_cast<std::size_t>((y - m_windowTileY) * m_windowTilesX + x - m_windowTileX)] = 1;
+            }
+    }
+}
+
+std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
+    const int tileY = m_windowTileY + task;
+    const auto tilesPerSheet = static_cast<std::size_t>(m_windowTilesX) * static_cast<std::size_t>(m_windowTilesY);
+    std::uint64_t samples = 0;
+    for (int s = 0; s < m_count; ++s) {
+        const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s) * tilesPerSheet +
+                                   static_cast<std::size_t>(task * m_windowTilesX);
+        if (std::find(used, used + m_windowTilesX, 1) == used + m_windowTilesX) continue;
+        const CellMap map = m_view.at(m_firstSheet + s);
+
+        AttenuateTile tile{};
+        tile.extinction = {extinction.plane(s), extinction.width(), extinction.height(), 0, 0, m_simd};
+        tile.nearest = m_nearest;
+        tile.path = static_cast<float>(m_thickness);
+        tile.step = static_cast<float>(map.scale);
+        tile.tauStride = m_view.width;
+        tile.entryStride = windowWidth();
+        for (int x = 0; x < m_windowTilesX; ++x) {
+            if (!used[x]) continue;
+            const int cellX = (m_windowTileX + x) * kTileEdge, cellY = tileY * kTileEdge;
+            tile.u = static_cast<float>(map.offsetU + cellX * map.scale);
+            tile.v = static_cast<float>(map.offsetV + cellY * map.scale);
+            const double s0 = m_view.slopeScale;
+            if (m_view.distant) {
+                tile.slopeA = static_cast<float>(m_view.tsSource.x * s0);
+                tile.slopeB = static_cast<float>(m_view.tsSource.y * s0);
+            } else {
+                tile.slopeA = static_cast<float>((m_view.first.x + cellX * m_view.cell) * s0);
+                tile.slopeB = static_cast<float>((m_view.first.y + cellY * m_view.cell) * s0);
+                tile.slopeStep = static_cast<float>(m_view.cell * s0);
+            }
+            tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
+            tile.entry = m_entry.data() + static_cast<std::size_t>(s) * entryStride() +
+                         static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
+            attenuateTile(tile);
+            samples += kTileSize;
+        }
+    }
+    return samples;
+}
+
+void ShadowBuffer::sharpen(int s) {
+    if (m_sharpening == 0 || !lit(s)) return;
+    const auto tiles = static_cast<std::size_t>(m_windowTilesX);
+    const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s * m_windowTilesY) * tiles;
+    const auto isUsed = [&](int x, int y) {
+        return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY &&
+               used[static_cast<std::size_t>(y) * tiles + static_cast<std::size_t>(x)] != 0;
+    };
+    // Rows as they were, with a cell on either side. Tiles that take no part hold nothing: their cells stand in for the
+    // neighbours that they border on.
+    const int width = windowWidth();
+    std::vector<float> above(static_cast<std::size_t>(width) + 2), here(static_cast<std::size_t>(width) + 2);
+    float* row = m_entry.data() + static_cast<std::size_t>(s) * entryStride();
+    for (int y = 0; y < m_windowTilesY * kTileEdge; ++y, row += width) {
+        const int ty = y / kTileEdge, inTile = y % kTileEdge;
+        std::copy_n(row, width, here.begin() + 1);
+        for (int tx = 0; tx < m_windowTilesX; ++tx) {
+            if (!isUsed(tx, ty)) continue;
+            const int x = tx * kTileEdge;
+            float* own = here.data() + 1 + x;
+            if (!isUsed(tx - 1, ty)) own[-1] = own[0];
+            if (!isUsed(tx + 1, ty)) own[kTileEdge] = own[kTileEdge - 1];
+            const float* up = inTile == 0 && !isUsed(tx, ty - 1) ? own : above.data() + 1 + x;
+            const float* down = inTile == kTileEdge - 1 && !isUsed(tx, ty + 1) ? own : row + width + x;
+            sharpenSpan(up, own, down, m_sharpening, row + x);
+        }
+        std::swap(above, here);
+    }
+}
+
+// Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
+FloatPlane ShadowBuffer::entryPlane(int s) const {
+    return {m_entry.data() + static_cast<std::size_t>(s) * entryStride(),
+            windowWidth(),
+            m_windowTilesY * kTileEdge,
+            m_windowTileX * kTileEdge,
+            m_windowTileY * kTileEdge,
+            m_simd};
+}
+
+void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {
+    if (!lit(s)) {
+        std::fill(tau, tau + kTileSize, 0.0f);
+        return;
+    }
+    const CellMap map = m_view.at(m_firstSheet + s);
+    sampleLattice(entryPlane(s), static_cast<float>((texelX - map.offsetU) / map.scale),
+                  static_cast<float>((texelY - map.offsetV) / map.scale), static_cast<float>(1 / map.scale), m_nearest,
+                  tau);
+}
+
+void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, float* tau) const {
+    if (!lit(s)) {
+        std::fill(tau, tau + kTileSize, 0.0f);
+        return;
+    }
+    const CellMap map = m_view.at(m_firstSheet + s);
+    alignas(64) float cellU[kTileSize], cellV[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        cellU[k] = static_cast<float>((u[k] - map.offsetU) / map.scale);
+        cellV[k] = static_cast<float>((v[k] - map.offsetV) / map.scale);
+    }
+    samplePoints(entryPlane(s), cellU, cellV, m_nearest, kTileSize, tau);
+}
+
+std::size_t ShadowBuffer::bytes() const {
+    return (m_tau.size() + m_entry.size()) * sizeof(float) + m_used.size();
+}
+
+std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
+    const auto raster = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    // The window of a batch: the sheet's raster, moved along by the slant of the light, in cells.
+    const double least = view.distant ? view.cell : view.cell * std::max(0.5, -view.tsSource.z + 0.5);
+    const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
+    const double window =
+        (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
+    const auto entry =
+        static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) * static_cast<std::size_t>(batchSheets);
+    return (raster + entry) * sizeof(float);
+}
+
+}  // namespace scrim

@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/light/slide_sampler.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/light/slide_sampler.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+// What does not depend on the target.
+#ifndef SCRIM_SLIDE_TILE_ONCE
+#define SCRIM_SLIDE_TILE_ONCE
+namespace scrim {
+namespace {
+
+// Taps at most. A longer footprint is seen through a coarser level: less sharp across, never aliased.
+constexpr int kMostTaps = 16;
+
+// Footprints shorter than this part of a pixel of the slide are points.
+constexpr float kPoint = 0.5f;
+
+// A footprint that is longer than wide by less than this part of its width is round: one tap does.
+constexpr float kNearlyRound = 0.25f;
+
+// The map of one tile in float: slide positions relative to `corner`, the position of the tile's first sample,
+// so that nothing is lost however far that is from the picture's origin, and however far from the world's.
+struct TileMap {
+    float u0, v0;
+    float at[3], perU[3], perV[3], perN[3];  // (X - cornerX W, Y - cornerY W, W)
+    double cornerX, cornerY;
+};
+
+TileMap tileMap(const SheetSlide& slide, float u0, float v0) {
+    const SheetMap& m = slide.map;
+    const double width = slide.image->width(), height = slide.image->height();
+    const Vec3 base = m.atOrigin + double(u0) * m.perU + double(v0) * m.perV;
+    TileMap out{};
+    out.u0 = u0;
+    out.v0 = v0;
+    const bool inFront = base.z > 0;
+    out.cornerX = inFront ? base.x / base.z : 0.5 * width;
+    out.cornerY = inFront ? base.y / base.z : 0.5 * height;
+    if (slide.outside != SlideOutside::repeat) {
+        out.cornerX = std::clamp(out.cornerX, -width, 2 * width);
+        out.cornerY = std::clamp(out.cornerY, -height, 2 * height);
+    }
+    // W counts in world units, of any size: relative to the corner's it is near 1.
+    const double scale = inFront ? 1 / base.z : 1;
+    const auto put = [&](const Vec3& h, float* to) {
+        to[0] = static_cast<float>(scale * (h.x - out.cornerX * h.z));
+        to[1] = static_cast<float>(scale * (h.y - out.cornerY * h.z));
+        to[2] = static_cast<float>(scale * h.z);
+    };
+    put(base, out.at);
+    put(m.perU, out.perU);
+    put(m.perV, out.perV);
+    put(m.perN, out.perN);
+    return out;
+}
+
+// Where the tile's corner lies on one level, pixel centres at integers.
+struct LevelPlace {
+    const float* pixels;
+    int width, height;
+    int x, y;              // whole part
+    float fx, fy;          // and rest
+    float scaleX, scaleY;  // level pixels a pixel of the picture
+};
+constexpr std::size_t kMostLevels = 32;
+
+void splitPlace(double corner, int whole, int part, SlideOutside outside, int& index, float& rest, float& scale) {
+    const double ratio = double(part) / whole;
+    if (outside == SlideOutside::repeat) corner -= whole * std::floor(corner / whole);
+    const double at = corner * ratio - 0.5, floor = std::floor(at);
+    index = static_cast<int>(floor);
+    rest = static_cast<float>(at - floor);
+    scale = static_cast<float>(ratio);
+}
+
+}  // namespace
+}  // namespace scrim
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using DF = hn::CappedTag<float, kTileEdge>;
+using VF = hn::Vec<DF>;
+
+// The four channels of a pixel: one vector, or four where a target has no vectors.
+using DP = hn::CappedTag<float, 4>;
+constexpr std::size_t kPixelParts = 4 / hn::MaxLanes(DP());
+struct Pixel {
+    hn::Vec<DP> part[kPixelParts];
+};
+
+template <class Make>
+HWY_ATTR HWY_INLINE Pixel pixelOf(const Make& make) {
+    Pixel out;
+    for (std::size_t i = 0; i < kPixelParts; ++i) out.part[i] = make(i);
+    return out;
+}
+HWY_ATTR HWY_INLINE Pixel loadPixel(const float* from) {
+    return pixelOf([&](std::size_t i) HWY_ATTR { return hn::LoadU(DP(), from + i * hn::MaxLanes(DP())); });
+}
+// a + t (b - a)
+HWY_ATTR HWY_INLINE Pixel lerp(const Pixel& a, const Pixel& b, float t) {
+    return pixelOf([&](std::size_t i)
+                       HWY_ATTR { return hn::MulAdd(hn::Set(DP(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
+}
+
+// One footprint a sample: everything in pixels of the picture, positions relative to the tile's corner.
+struct Footprints {
+    alignas(64) float x[kTileSize], y[kTileSize];          // centre
+    alignas(64) float stepX[kTileSize], stepY[kTileSize];  // from tap to tap
+    alignas(64) float taps[kTileSize];                     // how many; 0: unlit
+    alignas(64) float size[kTileSize];                     // what a tap must be averaged over
+    alignas(64) float boxX[kTileSize], boxY[kTileSize];    // edges of a tap's own box
+};
+
+HWY_ATTR HWY_INLINE VF constant(float value) {
+    return hn::Set(DF(), value);
+}
+
+// How the slide position moves along (dX, dY, dW), at position (x, y): the derivative of X / W.
+HWY_ATTR HWY_INLINE VF moved(VF d, VF dW, VF at, VF inverseW) {
+    return hn::Mul(hn::NegMulAdd(at, dW, d), inverseW);
+}
+
+struct Vector3 {
+    VF x, y, w;
+};
+
+HWY_ATTR HWY_INLINE Vector3 combined(const TileMap& m, VF u, VF v, VF n) {
+    const auto part = [&](int i) HWY_ATTR {
+        return hn::MulAdd(u, constant(m.perU[i]), hn::MulAdd(v, constant(m.perV[i]), hn::Mul(n, constant(m.perN[i]))));
+    };
+    return {part(0), part(1), part(2)};
+}
+
+HWY_ATTR void layFootprints(const TileMap& m, const SlideSamples& samples, Footprints& out) {
+    const DF d;
+    const SampleSpacing& spacing = samples.spacing;
+    const auto zero = constant(0), one = constant(1);
+    for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(d))) {
+        const auto u = hn::Load(d, samples.u + k), v = hn::Load(d, samples.v + k);
+        const auto du = hn::Sub(u, constant(m.u0)), dv = hn::Sub(v, constant(m.v0));
+        const auto place = [&](int i) HWY_ATTR {
+            return hn::MulAdd(du, constant(m.perU[i]), hn::MulAdd(dv, constant(m.perV[i]), constant(m.at[i])));
+        };
+        // Behind the light, and too near for floats: no light.
+        const auto w = place(2);
+        const auto lit = hn::Gt(w, constant(1e-12f));
+        const auto inverse = hn::Div(one, hn::IfThenElse(lit, w, one));
+        // Beyond that nothing is told apart any more; squares must stay finite.
+        const auto far = constant(1e7f);
+        const auto x = hn::Max(hn::Min(hn::Mul(place(0), inverse), far), hn::Neg(far));
+        const auto y = hn::Max(hn::Min(hn::Mul(place(1), inverse), far), hn::Neg(far));
+
+        // The footprint's three edges: a step to either neighbour, and the eye's way through the sheet.
+        const auto toTexels = constant(samples.toTexels);
+        const auto slopeU = hn::Mul(hn::Load(d, samples.eyeA + k), toTexels);
+        const auto slopeV = hn::Mul(hn::Load(d, samples.eyeB + k), toTexels);
+        const auto t = hn::MulAdd(u, constant(spacing.tu), hn::MulAdd(v, constant(spacing.tv), constant(spacing.t0)));
+        auto xx = zero, xy = zero, yy = zero;
+        const auto include = [&](VF edgeU, VF edgeV, VF edgeN) HWY_ATTR {
+            const auto edge = combined(m, edgeU, edgeV, edgeN);
+            const auto ex = hn::Max(hn::Min(moved(edge.x, edge.w, x, inverse), far), hn::Neg(far));
+            const auto ey = hn::Max(hn::Min(moved(edge.y, edge.w, y, inverse), far), hn::Neg(far));
+            xx = hn::MulAdd(ex, ex, xx);
+            xy = hn::MulAdd(ex, ey, xy);
+            yy = hn::MulAdd(ey, ey, yy);
+        };
+        for (const float* step : {spacing.x, spacing.y}) {
+            const auto n = constant(step[2]);
+            include(hn::Mul(t, hn::NegMulAdd(slopeU, n, constant(step[0]))),
+                    hn::Mul(t, hn::NegMulAdd(slopeV, n, constant(step[1]))), zero);
+        }
+        include(slopeU, slopeV, one);
+
+        // Squares of the lengths of the two axes: eigenvalues of the covariance times 12.
+        const auto half = constant(0.5f);
+        const auto mean = hn::Mul(half, hn::Add(xx, yy)), difference = hn::Mul(half, hn::Sub(xx, yy));
+        const auto root = hn::Sqrt(hn::MulAdd(difference, difference, hn::Mul(xy, xy)));
+        const auto longer = hn::Sqrt(hn::Add(mean, root));
+        const auto shorter = hn::Sqrt(hn::Max(hn::Sub(mean, root), zero));
+        auto taps = hn::Ceil(hn::Sub(hn::Div(longer, hn::Max(shorter, constant(kPoint))), constant(kNearlyRound)));
+        taps = hn::Min(hn::Max(taps, one), constant(kMostTaps));
+        const auto part = hn::Div(longer, taps);
+
+        // The long axis' direction, from whichever column of the matrix is the longer one.
+        const auto steep = hn::Lt(difference, zero);
+        auto axisX = hn::IfThenElse(steep, xy, hn::Add(difference, root));
+        auto axisY = hn::IfThenElse(steep, hn::Sub(root, difference), xy);
+        const auto norm = hn::Sqrt(hn::MulAdd(axisX, axisX, hn::Mul(axisY, axisY)));
+        const auto round = hn::Lt(norm, constant(1e-20f));
+        const auto toUnit = hn::Div(one, hn::IfThenElse(round, one, norm));
+        axisX = hn::IfThenElse(round, one, hn::Mul(axisX, toUnit));
+        axisY = hn::IfThenElse(round, zero, hn::Mul(axisY, toUnit));
+
+        hn::Store(x, d, out.x + k);
+        hn::Store(y, d, out.y + k);
+        hn::Store(hn::Mul(part, axisX), d, out.stepX + k);
+        hn::Store(hn::Mul(part, axisY), d, out.stepY + k);
+        hn::Store(hn::IfThenElseZero(lit, taps), d, out.taps + k);
+        hn::Store(hn::Max(shorter, part), d, out.size + k);
+        // What remains of the footprint once the taps have their share. A thousandth of a pixel keeps quotients finite.
+        const auto taken = hn::Mul(hn::Mul(longer, longer), hn::Sub(one, hn::Div(one, hn::Mul(taps, taps))));
+        const auto least = constant(1e-6f);
+        hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisX, axisX), xx), least)), d, out.boxX + k);
+        hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisY, axisY), yy), least)), d, out.boxY + k);
+    }
+}
+
+template <SlideOutside kOutside>
+HWY_INLINE int placed(int i, int size) {
+    if constexpr (kOutside == SlideOutside::repeat) {
+        if (static_cast<unsigned>(i) < static_cast<unsigned>(size)) return i;
+        const int rest = i % size;
+        return rest < 0 ? rest + size : rest;
+    }
+    return std::min(std::max(i, 0), size - 1);
+}
+
+template <SlideOutside kOutside>
+HWY_ATTR HWY_INLINE Pixel bilinear(const LevelPlace& level, float x, float y) {
+    const float ax = level.fx + x * level.scaleX, ay = level.fy + y * level.scaleY;
+    const float floorX = std::floor(ax), floorY = std::floor(ay);
+    const int ix = level.x + static_cast<int>(floorX), iy = level.y + static_cast<int>(floorY);
+    const auto column = [&](int i) { return 4 * static_cast<std::ptrdiff_t>(placed<kOutside>(i, level.width)); };
+    const auto row = [&](int i) {
+        return level.pixels + 4 * static_cast<std::ptrdiff_t>(level.width) * placed<kOutside>(i, level.height);
+    };
+    const std::ptrdiff_t left = column(ix), right = column(ix + 1);
+    const float *top = row(iy), *bottom = row(iy + 1);
+    return lerp(lerp(loadPixel(top + left), loadPixel(top + right), ax - floorX),
+                lerp(loadPixel(bottom + left), loadPixel(bottom + right), ax - floorX), ay - floorY);
+}
+
+// The part of a tap's box, along one axis, that lies within the picture.
+HWY_INLINE float within(float middle, float box, float begin, float end) {
+    // Counted from both borders, so that well inside it is 1 to the last bit, however small the box.
+    const float left = std::min((middle - begin) / box + 0.5f, 1.0f),
+                right = std::min((end - middle) / box + 0.5f, 1.0f);
+    return std::max(left + right - 1, 0.0f);
+}
+
+struct Levels {
+    std::array<LevelPlace, kMostLevels> places;
+    int count;
+    float beginX, beginY, endX, endY;  // the picture, relative to the tile's corner
+};
+
+// All taps of sample k.
+template <SlideOutside kOutside>
+HWY_ATTR Pixel tapped(const Levels& levels, const Footprints& prints, int k) {
+    const int taps = static_cast<int>(prints.taps[k]);
+    // A size of 2^l needs level l; between them, in proportion. A float holds both: as exponent and mantissa.
+    const auto bits = std::bit_cast<std::uint32_t>(std::max(prints.size[k], 1.0f));
+    int level = static_cast<int>(bits >> 23) - 127;
+    float between = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1;
+    if (level >= levels.count - 1) {
+        level = levels.count - 1;
+        between = 0;
+    }
+    Pixel sum = pixelOf([](std::size_t) HWY_ATTR { return hn::Zero(DP()); });
+    for (int i = 0; i < taps; ++i) {
+        const float offset = static_cast<float>(i) - 0.5f * static_cast<float>(taps - 1);
+        const float x = prints.x[k] + offset * prints.stepX[k], y = prints.y[k] + offset * prints.stepY[k];
+        float weight = 1;
+        if constexpr (kOutside == SlideOutside::black) {
+            weight = within(x, prints.boxX[k], levels.beginX, levels.endX) *
+                     within(y, prints.boxY[k], levels.beginY, levels.endY);
+            if (weight == 0) continue;
+        }
+        auto value = bilinear<kOutside>(levels.places[static_cast<std::size_t>(level)], x, y);
+        if (between > 0)
+            value = lerp(value, bilinear<kOutside>(levels.places[static_cast<std::size_t>(level + 1)], x, y), between);
+        weight /= static_cast<float>(taps);
+        sum = pixelOf([&](std::size_t part)
+                          HWY_ATTR { return hn::MulAdd(hn::Set(DP(), weight), value.part[part], sum.part[part]); });
+    }
+    return sum;
+}
+
+template <SlideOutside kOutside>
+HWY_ATTR bool tintWith(const Levels& levels, const Footprints& prints, float* tint) {
+    float most = 0;
+    for (int k = 0; k < kTileSize; ++k) {
+        alignas(16) float value[4] = {0, 0, 0, 0};
+        if (prints.taps[k] > 0) {
+            const Pixel colour = tapped<kOutside>(levels, prints, k);
+            for (std::size_t i = 0; i < kPixelParts; ++i)
+                hn::Store(colour.part[i], DP(), value + i * hn::MaxLanes(DP()));
+            most = std::max({most, value[0], value[1], value[2]});
+        }
+        for (int c = 0; c < 3; ++c) tint[c * kTileSize + k] = value[c];
+    }
+    return most > 0;
+}
+
+HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SlideSamples& samples, float* tint) {
+    const TileMap map = tileMap(slide, samples.u[0], samples.v[0]);
+    Footprints prints;
+    layFootprints(map, samples, prints);
+
+    const Texture& image = *slide.image;
+    Levels levels;
+    levels.count = static_cast<int>(std::min(image.levels().size(), kMostLevels));
+    levels.beginX = static_cast<float>(-map.cornerX);
+    levels.beginY = static_cast<float>(-map.cornerY);
+    levels.endX = static_cast<float>(image.width() - map.cornerX);
+    levels.endY = static_cast<float>(image.height() - map.cornerY);
+    for (int i = 0; i < levels.count; ++i) {
+        const Texture::Level& level = image.levels()[static_cast<std::size_t>(i)];
+        LevelPlace& place = levels.places[static_cast<std::size_t>(i)];
+        place.pixels = level.rgba.data();
+        place.width = level.width;
+        place.height = level.height;
+        splitPlace(map.cornerX, image.width(), level.width, slide.outside, place.x, place.fx, place.scaleX);
+        splitPlace(map.cornerY, image.height(), level.height, slide.outside, place.y, place.fy, place.scaleY);
+    }
+    switch (slide.outside) {
+        case SlideOutside::black:
+            return tintWith<SlideOutside::black>(levels, prints, tint);
+        case SlideOutside::clamp:
+            return tintWith<SlideOutside::clamp>(levels, prints, tint);
+        case SlideOutside::repeat:
+            break;
+    }
+    return tintWith<SlideOutside::repeat>(levels, prints, tint);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(tintTileOnTarget);
+
+bool tintTile(const SheetSlide& slide, const SlideSamples& samples, float* tint) {
+    return SCRIM_ON_TARGET(slide.simd, tintTileOnTarget)(slide, samples, tint);
+}
+
+}  // namespace scrim
+#endif

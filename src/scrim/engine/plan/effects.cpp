@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/effects.h>
+
+#include <scrim/scene/layer_names.h>
+
+#include <algorithm>
+#include <functional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace scrim {
+namespace {
+
+// Collects what has or lacks something, and where the scene says so.
+class Finder {
+  public:
+    explicit Finder(const ViewScene& scene) : m_scene(scene) {}
+
+    void add(const std::string& text, const std::string& path) {
+        m_texts.push_back(text);
+        addPlace(path);
+    }
+    void addPlace(const std::string& path) {
+        if (!m_scene.lines) return;
+        if (const std::string where = m_scene.lines->of(path); !where.empty()) m_where.push_back(where);
+    }
+    bool any() const { return !m_texts.empty(); }
+    std::string texts() const {
+        constexpr std::size_t kMostNamed = 12;  // of thousands of lights nobody reads all
+        const auto end = m_texts.begin() + static_cast<std::ptrdiff_t>(std::min(m_texts.size(), kMostNamed));
+        const std::string more =
+            m_texts.size() > kMostNamed ? fmt::format(" and {} more", m_texts.size() - kMostNamed) : "";
+        return fmt::format("{}{}", fmt::join(m_texts.begin(), end, ", "), more);
+    }
+
+    /// On where anything was found: "`before` a, b"; else off with the text for that.
+    Effect effect(const std::string& name, const std::string& before, const std::string& otherwise) const {
+        if (!any()) return {name, false, otherwise, {}};
+        return {name, true, before + texts(), m_where};
+    }
+    const std::vector<std::string>& where() const { return m_where; }
+
+  private:
+    const ViewScene& m_scene;
+    std::vector<std::string> m_texts, m_where;
+};
+
+std::string quoted(const std::string& name) {
+    return "'" + name + "'";
+}
+
+// Those lights of the plan, or volumes, for which say() has something to say.
+template <class Say>
+Finder lightsThat(const ViewScene& scene, const Plan& plan, const std::string& key, const Say& say) {
+    Finder found(scene);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        if (i < plan.uselessLights.size() && !plan.uselessLights[i].empty()) continue;
+        const Light& light = scene.lights[i];
+        if (const std::string text = say(light); !text.empty()) found.add(text, "light." + light.name + key);
+    }
+    return found;
+}
+template <class Say>
+Finder volumesThat(const ViewScene& scene, const std::string& key, const Say& say) {
+    Finder found(scene);
+    for (const ViewVolume& volume : scene.volumes)
+        if (const std::string text = say(volume); !text.empty()) found.add(text, "volume." + volume.name + key);
+    return found;
+}
+
+Effect shadows(const ViewScene& scene, const Plan& plan) {
+    if (scene.lights.empty()) return {"shadows", false, "there are no lights", {}};
+    const Finder with =
+        lightsThat(scene, plan, "", [](const Light& l) { return l.shadows ? quoted(l.name) : std::string(); });
+    const Finder without =
+        lightsThat(scene, plan, ".shadows", [](const Light& l) { return l.shadows ? std::string() : quoted(l.name); });
+    Effect effect =
+        with.effect("shadows", "of ", without.any() ? "every light has shadows = false" : "no light is used");
+    if (without.any()) {
+        if (effect.on) effect.reason += fmt::format("; none of {}: shadows = false", without.texts());
+        effect.where = without.where();
+    }
+    return effect;
+}
+
+Effect slides(const ViewScene& scene, const Plan& plan) {
+    return lightsThat(scene, plan, ".slide", [](const Light& l) { return l.slide ? quoted(l.name) : std::string(); })
+        .effect("slides", "of ", "no light has a slide");
+}
+
+Effect droppedLights(const ViewScene& scene, const Plan& plan) {
+    Finder found(scene);
+    for (std::size_t i = 0; i < plan.uselessLights.size(); ++i)
+        if (!plan.uselessLights[i].empty())
+            found.add(fmt::format("{}: {}", quoted(scene.lights[i].name), plan.uselessLights[i]),
+                      "light." + scene.lights[i].name);
+    return found.effect("lights left out", "", "every light lights something in view");
+}
+
+Effect unseenVolumes(const ViewScene& scene) {
+    Finder found(scene);
+    for (const auto& [name, reason] : scene.unseen)
+        found.add(fmt::format("{}: {}", quoted(name), reason), "volume." + name);
+    return found.effect("volumes left out", "", "every volume is in view or throws a shadow into it");
+}
+
+Effect surfaces(const ViewScene& scene) {
+    return volumesThat(scene, ".classified",
+                       [](const ViewVolume& v) { return v.classified ? quoted(v.name) : std::string(); })
+        .effect("surfaces", "gradients and a transfer function of ",
+                "no volume is classified: no gradients, no transfer function");
+}
+
+// Of media: classified volumes have none of these.
+template <class Say>
+Effect ofMedia(const ViewScene& scene, const std::string& key, const Say& say, const std::string& name,
+               const std::string& before, const std::string& otherwise) {
+    return volumesThat(scene, key,
+                       [&](const ViewVolume& v) { return v.classified ? std::string() : std::string(say(v)); })
+        .effect(name, before, otherwise);
+}
+
+std::string phaseName(const Phase& phase) {
+    if (phase.isotropic()) return "";
+    if (phase.type == PhaseType::twoLobe) return "two lobes";
+    return phase.type == PhaseType::rayleigh ? "Rayleigh" : fmt::format("g = {}", phase.g);
+}
+
+Effect emission(const ViewScene& scene) {
+    Finder found(scene);
+    for (const ViewVolume& volume : scene.volumes) {
+        if (volume.emission.empty()) continue;
+        const std::string medium = "volume." + volume.name + ".medium.";
+        found.add(fmt::format("{}: {} field{}, which light nothing else", quoted(volume.name), volume.emission.size(),
+                              volume.emission.size() > 1 ? "s" : ""),
+                  medium + "emission");
+        found.addPlace(medium + "blackbody");
+    }
+    return found.effect("emission", "of ", "no medium has emission or blackbody");
+}
+
+void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effect>& effects) {
+    Effect coloured = ofMedia(
+        scene, ".medium.extinction_tint",
+        [](const ViewVolume& v) { return v.medium.relativeTint() == Rgb(1) ? "" : quoted(v.name); },
+        "coloured extinction", "of ", "every extinction_tint is grey: one tau for all channels");
+    if (coloured.on)
+        coloured.reason +=
+            fmt::format("; {} row{} of extinction", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");
+    effects.push_back(coloured);
+    effects.push_back(ofMedia(
+        scene, ".medium.albedo.grid",
+        [](const ViewVolume& v) { return v.scatter.empty() ? "" : quoted(v.name) + ": three more fields"; },
+        "albedo grids", "of ", "every albedo is one colour"));
+    effects.push_back(emission(scene));
+    effects.push_back(ofMedia(
+        scene, ".medium.phase",
+        [](const ViewVolume& v) {
+            const std::string name = phaseName(v.medium.phase);
+            return name.empty() ? name : fmt::format("{} ({})", quoted(v.name), name);
+        },
+        "directional scattering", "of ", "every phase function is isotropic"));
+    effects.push_back(ofMedia(
+        scene, ".medium.octaves",
+        [](const ViewVolume& v) {
+            const int count = v.medium.octaves.count;
+            return count > 1 ? fmt::format("{} ({})", quoted(v.name), count) : std::string();
+        },
+        "octaves", "of ", "no medium has octaves: single scattering"));
+}
+
+Effect lightLinking(const ViewScene& scene) {
+    return volumesThat(scene, ".lights",
+                       [](const ViewVolume& v) {
+                           const auto lit = std::count(v.lights.begin(), v.lights.end(), true);
+                           return v.lights.empty()
+                                      ? std::string()
+                                      : fmt::format("{} by {} of {} lights", quoted(v.name), lit, v.lights.size());
+                       })
+        .effect("light linking", "", "all lights light all volumes");
+}
+
+Effect crossFade(const ViewScene& scene, const Plan& plan) {
+    for (const GroupPlan& group : plan.groups)
+        for (const LightPlan& light : group.lights)
+            if (light.share < 1)
+                return {"cross-fade",
+                        true,
+                        fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
+                                    "sides",
+                                    scene.lights[static_cast<std::size_t>(light.light)].name, scene.dials.crossFade),
+                        {}};
+    return {"cross-fade", false, "no light is perpendicular to the eye", {}};
+}
+
+Effect layers(const ViewScene& scene) {
+    Finder found(scene);
+    for (const Layer layer : scene.layers) found.add(nameOf(layer), "output.layers");
+    Effect effect = found.effect("layers", "", "no layers are asked for");
+    if (effect.where.size() > 1) effect.where.resize(1);
+    return effect;
+}
+
+// An effect that one key of [render] decides.
+Effect ofDial(const ViewScene& scene, const std::string& name, const std::string& key, bool on,
+              const std::string& reason) {
+    Finder found(scene);
+    found.add(reason, key);
+    return {name, on, reason, found.where()};
+}
+
+Effect culledTiles(const Plan& plan) {
+    double needed = 0, all = 0;
+    for (const GroupPlan& group : plan.groups) {
+        const double tiles = double(group.sheets.tilesX()) * group.sheets.tilesY() * group.sheets.count;
+        needed += group.needed.share(group.sheets) * tiles;
+        all += tiles;
+    }
+    if (all == 0 || plan.perView) return {"tiles left out", false, "every sheet is the view's own", {}};
+    const bool some = needed < 0.999 * all;
+    return {"tiles left out",
+            some,
+            some ? fmt::format("{:.0f} % of all: neither eye nor light passes them", 100 * (1 - needed / all))
+                 : "eye or light may pass all of them",
+            {}};
+}
+
+}  // namespace
+
+std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
+    std::vector<Effect> effects{shadows(scene, plan), slides(scene, plan), surfaces(scene)};
+    addMediumEffects(scene, plan, effects);
+    effects.push_back(lightLinking(scene));
+    effects.push_back(ofDial(scene, "ambient light", "ambient", scene.ambient != Rgb(0),
+                             scene.ambient != Rgb(0) ? "[ambient] has a color" : "[ambient] is black"));
+    effects.push_back(layers(scene));
+    effects.push_back(crossFade(scene, plan));
+    const Dials& dials = scene.dials;
+    effects.push_back(ofDial(scene, "antialiasing", "render.antialias", dials.antialias > 1,
+                             fmt::format("{0} x {0} rays a pixel", dials.antialias)));
+    effects.push_back(ofDial(scene, "level of detail", "render.lod", dials.lod > 0,
+                             dials.lod > 0 ? fmt::format("voxels may shrink to {} pixels", dials.lod) : "lod is 0"));
+    effects.push_back({"wide eye",
+                       plan.eyeParts.size() > 1,
+                       plan.eyeParts.size() > 1 ? fmt::format("its rays are swept in {} parts", plan.eyeParts.size())
+                                                : "one sweep holds all of its rays",
+                       {}});
+    effects.push_back(ofDial(scene, "per-view splatting", "render.splat", plan.perView,
+                             plan.perView ? "the scene says so: a splat for the eye and one for every shadow"
+                                          : "all views share one splat"));
+    effects.push_back(ofDial(scene, "shading at pixels", "render.shade", plan.shadeAtPixels,
+                             plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason));
+    effects.push_back(droppedLights(scene, plan));
+    effects.push_back(unseenVolumes(scene));
+    effects.push_back(culledTiles(plan));
+    return effects;
+}
+
+}  // namespace scrim

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/light_groups.h>
+
+#include <scrim/base/error.h>
+#include <scrim/geometry/enclosing_cone.h>
+#include <scrim/engine/plan/light_beam.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+constexpr double kCosSlack = 1e-12;  // rounding of a cosine and back
+
+double angleOf(double cosine) {
+    return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+// 42 directions spread evenly over the sphere: the corners of an icosahedron and the middles of its edges. No
+// direction is further than 21 degrees from one of them, so windows of 32 degrees overlap well.
+const std::vector<Vec3>& windowAxes() {
+    static const std::vector<Vec3> axes = [] {
+        const double golden = (1 + std::sqrt(5.0)) / 2;
+        std::vector<Vec3> corners;
+        for (const double a : {-1.0, 1.0})
+            for (const double b : {-golden, golden})
+                for (int axis = 0; axis < 3; ++axis) {
+                    Vec3 p(0);
+                    p[(axis + 1) % 3] = a;
+                    p[(axis + 2) % 3] = b;
+                    corners.push_back(p);
+                }
+        std::vector<Vec3> all;
+        for (const Vec3& p : corners) all.push_back(glm::normalize(p));
+        for (std::size_t i = 0; i < corners.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                if (glm::distance(corners[i], corners[j]) < 2.1)  // edges have length 2
+                    all.push_back(glm::normalize(corners[i] + corners[j]));
+        return all;
+    }();
+    return axes;
+}
+
+// Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and its own beam.
+void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<LightPart>& parts) {
+    const std::vector<Vec3>& axes = windowAxes();
+    const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::acos(-1.0);
+    for (const Vec3& axis : axes) {
+        if (angleOf(glm::dot(axis, cone.axis)) > volumeAngle + kWindowAngle) continue;
+        if (angleOf(glm::dot(axis, light.wsDirection)) > beam.angle + kWindowAngle) continue;
+        LightPart part;
+        part.light = index;
+        part.wsDirections = rimOfCone(axis, kWindowAngle);
+        for (const Vec3& other : axes) {
+            if (angleOf(glm::dot(axis, other)) >= 2 * kWindowAngle) continue;
+            if (other == axis) part.window = static_cast<int>(part.wsWindows.size());
+            part.wsWindows.push_back(other);
+        }
+        parts.push_back(std::move(part));
+    }
+}
+
+void addParts(int index, const Light& light, const std::vector<Vec3>& corners, std::vector<LightPart>& parts) {
+    if (light.type == LightType::distant) {
+        parts.push_back({index, {light.wsDirection}, {}, 0});
+        return;
+    }
+    std::vector<Vec3> directions;
+    const Cone cone = coneToCorners(light.wsPosition, corners, directions);
+    const Beam beam = beamOf(light);
+    const double volumeAngle = angleOf(cone.cosAngle);
+    // A picture that passes the volume by is no work at all, and one that is narrower leaves most of it alone.
+    if (passesBy(light, beam, cone)) return;
+    if (light.slide && beam.angle < std::min(volumeAngle, kWidestView)) {
+        parts.push_back({index, beam.directions, {}, 0});
+        return;
+    }
+    if (volumeAngle <= kWidestView) {
+        parts.push_back({index, std::move(directions), {}, 0});
+        return;
+    }
+    // A spot's own cone may be narrow enough where the volume is not.
+    if (beam.angle <= kWidestView) {
+        parts.push_back({index, beam.directions, {}, 0});
+        return;
+    }
+    addWindows(index, light, beam, cone, parts);
+}
+
+// The eye's rays, turned where eye and light look at each other.
+std::vector<Vec3> turnedEye(const std::vector<Vec3>& eye, bool sameSide) {
+    std::vector<Vec3> directions;
+    for (const Vec3& d : eye) directions.push_back(sameSide ? d : -d);
+    return directions;
+}
+
+// The cone around them and the lights' rays.
+Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const LightPart*>& parts, bool sameSide) {
+    std::vector<Vec3> directions = turnedEye(eye, sameSide);
+    for (const LightPart* part : parts)
+        directions.insert(directions.end(), part->wsDirections.begin(), part->wsDirections.end());
+    return enclosingCone(directions);
+}
+
+Vec3 meanDirection(const std::vector<Vec3>& directions) {
+    Vec3 sum(0);
+    for (const Vec3& d : directions) sum += d;
+    return sum;
+}
+
+struct Item {
+    LightPart part;
+    bool sameSide;
+    bool fading;   // the same part is served from the other side, too
+    double slant;  // of the best sweep for this part alone
+    Vec3 mean;
+    std::string name;
+};
+
+// The share of the sweep with s = +1 in a light whose angle to the eye has this cosine.
+double shareOfSameSide(double cosine, double crossFade) {
+    const double edge = std::sin(crossFade * std::acos(-1.0) / 180);
+    // Rounding must not decide the side of a light that is perpendicular to the eye.
+    if (edge <= 0) return cosine >= -1e-9 ? 1 : 0;
+    const double t = std::clamp(0.5 + 0.5 * cosine / edge, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+}
+
+// Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
+std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
+                               const std::vector<std::string>& useless, const Checkpoint& checkpoint) {
+    std::vector<LightPart> parts;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        if (useless.empty() || useless[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
+
+    const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
+    std::vector<Item> items;
+    for (const LightPart& part : parts) {
+        checkpoint();
+        const Vec3 mean = meanDirection(part.wsDirections);
+        const double same = shareOfSameSide(glm::dot(mean, axis) / glm::length(mean), scene.dials.crossFade);
+        for (const bool sameSide : {true, false}) {
+            const double share = sameSide ? same : 1 - same;
+            if (share <= 0) continue;
+            const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
+            items.push_back(
+                {part, sameSide, share < 1, slant, mean, scene.lights[static_cast<std::size_t>(part.light)].name});
+            items.back().part.share = share;
+        }
+    }
+    std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
+        return std::tie(a.slant, a.mean.x, a.mean.y, a.mean.z, a.name) <
+               std::tie(b.slant, b.mean.x, b.mean.y, b.mean.z, b.name);
+    });
+    return items;
+}
+
+void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>& eye) {
+    std::vector<const LightPart*> parts;
+    for (const LightPart& part : group.parts) parts.push_back(&part);
+    const Cone cone = groupCone(eye, parts, group.sameSide);
+    group.wsAxis = cone.axis;
+    group.slant = angleOf(cone.cosAngle);
+    if (scene.dials.sheets == SheetAxis::imageAligned) {
+        group.wsAxis = group.sameSide ? viewingAxis(scene.camera) : -viewingAxis(scene.camera);
+        double least = 1;
+        for (const Vec3& d : eye) least = std::min(least, std::abs(glm::dot(d, group.wsAxis)));
+        for (const LightPart* part : parts)
+            for (const Vec3& d : part->wsDirections) least = std::min(least, glm::dot(d, group.wsAxis));
+        group.slant = angleOf(least);
+    }
+}
+
+// Alpha and ambient belong to the first group; where its leading light fades into the other side, so do they.
+void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& groups) {
+    groups.front().primary = 1;
+    if (items.empty() || !items.front().fading) return;
+    const LightPart& lead = items.front().part;
+    groups.front().primary = lead.share;
+    for (LightGroup& group : groups)
+        for (const LightPart& part : group.parts)
+            if (group.sameSide != items.front().sameSide && part.light == lead.light && part.share < 1 &&
+                part.wsDirections == lead.wsDirections)
+                group.primary = 1 - lead.share;
+}
+
+}  // namespace
+
+std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
+                                    const std::vector<std::string>& useless, const Checkpoint& checkpoint) {
+    const std::vector<Vec3>& eye = part.wsDirections;
+    const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
+
+    // Each part joins the group in which it costs the least slant, or opens its own.
+    std::vector<LightGroup> groups;
+    std::vector<GrowingCone> cones;
+    const std::vector<Item> items = orderedParts(scene, corners, part, useless, checkpoint);
+    for (const Item& item : items) {
+        checkpoint();
+        std::size_t best = groups.size();
+        double bestSlant = limit;
+        for (std::size_t g = 0; g < groups.size(); ++g) {
+            if (groups[g].sameSide != item.sameSide) continue;
+            const double slant =
+                angleOf(cones[g].with(item.part.wsDirections, std::cos(bestSlant) - kCosSlack).cosAngle);
+            if (slant <= bestSlant) {
+                bestSlant = slant;
+                best = g;
+            }
+        }
+        if (best == groups.size()) {
+            groups.push_back({});
+            groups.back().sameSide = item.sameSide;
+            cones.emplace_back(turnedEye(eye, item.sameSide));
+        }
+        groups[best].parts.push_back(item.part);
+        cones[best].add(item.part.wsDirections);
+    }
+    if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
+    sharePrimary(items, groups);
+    for (LightGroup& group : groups) setAxis(group, scene, eye);
+
+    const double degrees = 180 / std::acos(-1.0);
+    for (const LightGroup& group : groups) {
+        if (group.slant <= kSlantLimit) continue;
+        // The paper's own sheets are crossed by lights at any slant, and show it (ZC02 Fig. 17).
+        if (scene.dials.sheets == SheetAxis::imageAligned && scene.dials.splat == SplatMode::perView) continue;
+        const std::string_view cause = scene.dials.sheets == SheetAxis::imageAligned
+                                           ? "image-aligned sheets do not suit this scene (sheets = \"half-way\" "
+                                             "does)"
+                                           : "the camera's field of view is too wide";
+        throw Error(ErrorKind::render,
+                    fmt::format("{}: rays lean {:.1f} degrees from the sweep's axis, at most {:.0f} can be rendered",
+                                cause, group.slant * degrees, kSlantLimit * degrees));
+    }
+    return groups;
+}
+
+}  // namespace scrim

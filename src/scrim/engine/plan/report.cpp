@@ -1,0 +1,148 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/report.h>
+
+#include <scrim/base/error.h>
+#include <scrim/engine/plan/effects.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include <string>
+#include <vector>
+
+namespace scrim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector(const Vec3& v) {
+    return Json::array({v.x, v.y, v.z});
+}
+
+/// The axis of a group's sweep in world space: the third row of the rotation into sweep space.
+Vec3 axisOf(const GroupPlan& group) {
+    const Mat3& m = group.sheets.ssFromWs;
+    return {m[0][2], m[1][2], m[2][2]};
+}
+
+const Light& lightOf(const ViewScene& scene, const LightPlan& light) {
+    return scene.lights[static_cast<std::size_t>(light.light)];
+}
+
+const std::string& lightName(const ViewScene& scene, const LightPlan& light) {
+    return lightOf(scene, light).name;
+}
+
+Json lightJson(const ViewScene& scene, const LightPlan& light) {
+    Json out{{"name", lightName(scene, light)}, {"shadowed", light.shadowed}};
+    if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
+    if (const auto& slide = lightOf(scene, light).slide)
+        out["slide"] = {{"file", slide->file}, {"pixels", {slide->image->width(), slide->image->height()}}};
+    if (!light.ssWindows.empty()) {
+        out["window"] = light.window;
+        out["windows"] = light.ssWindows.size();
+    }
+    return out;
+}
+
+Json groupJson(const ViewScene& scene, const GroupPlan& group) {
+    Json lights = Json::array();
+    for (const LightPlan& light : group.lights) lights.push_back(lightJson(scene, light));
+    return {{"primary", group.primary > 0},
+            {"eye_part", group.eyePart},
+            {"axis", vector(axisOf(group))},
+            {"s", group.sameSide ? 1 : -1},
+            {"slant", glm::degrees(group.slant)},
+            {"sheets", group.sheets.count},
+            {"needed_sheets", {group.needed.first, group.needed.last}},
+            {"pass", group.pass},
+            {"passes", group.passes},
+            {"sheet_thickness", group.sheets.thickness},
+            {"raster", {group.sheets.width, group.sheets.height}},
+            {"texel", group.sheets.texel},
+            {"batch_sheets", group.batchSheets},
+            {"bytes", group.bytes},
+            {"lights", lights}};
+}
+
+std::string lightLine(const ViewScene& scene, const LightPlan& light) {
+    std::string line = fmt::format("  light '{}'", lightName(scene, light));
+    if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
+    if (const auto& slide = lightOf(scene, light).slide)
+        line += fmt::format(", slide of {} x {} pixels", slide->image->width(), slide->image->height());
+    line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
+                           : std::string(": no shadows\n");
+    return line;
+}
+
+std::string placesText(const std::vector<std::string>& where) {
+    constexpr std::size_t kMostNamed = 12;
+    if (where.empty()) return "";
+    const auto end = where.begin() + static_cast<std::ptrdiff_t>(std::min(where.size(), kMostNamed));
+    return fmt::format(" ({}{})", fmt::join(where.begin(), end, ", "), where.size() > kMostNamed ? ", …" : "");
+}
+
+std::string passText(const GroupPlan& group) {
+    if (group.passes == 1) return "";
+    return fmt::format(" (pass {} of {}: the memory limit holds {} of their lights at a time)", group.pass,
+                       group.passes, group.lights.size());
+}
+
+std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
+    const Vec3 axis = axisOf(group);
+    std::string text = fmt::format("group {}{}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n",
+                                   number, group.primary > 0 ? " (primary: alpha and ambient)" : "", passText(group),
+                                   axis.x, axis.y, axis.z, group.sameSide ? "+1" : "-1", glm::degrees(group.slant));
+    text += fmt::format("  sheets   {} x {:.6g}, {} a batch\n", group.sheets.count, group.sheets.thickness,
+                        group.batchSheets);
+    text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
+                        group.sheets.texel);
+    text += fmt::format("  memory   {}\n", bytesText(group.bytes));
+    for (const LightPlan& light : group.lights) text += lightLine(scene, light);
+    return text;
+}
+
+}  // namespace
+
+std::string planAsJson(const ViewScene& scene, const Plan& plan) {
+    Json effects = Json::array();
+    for (const Effect& e : effectsOf(scene, plan))
+        effects.push_back({{"name", e.name}, {"on", e.on}, {"reason", e.reason}, {"where", e.where}});
+    Json groups = Json::array();
+    for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, group));
+    const PixelWindow& r = plan.region;
+    const Json out{{"voxel", plan.voxel},
+                   {"region", {r.x0, r.y0, r.x1, r.y1}},
+                   {"splat", plan.perView ? "per-view" : "shared"},
+                   {"shade", plan.shadeAtPixels ? "pixel" : "texel"},
+                   {"shade_reason", plan.shadeReason},
+                   {"effects", effects},
+                   {"groups", groups},
+                   {"bytes", plan.bytes},
+                   {"expected_work",
+                    {{"footprints", plan.work.footprints},
+                     {"texels", plan.work.texels},
+                     {"light_samples", plan.work.lightSamples},
+                     {"pixel_sheets", plan.work.pixelSheets}}}};
+    return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string planAsTable(const ViewScene& scene, const Plan& plan) {
+    std::string text;
+    for (const Effect& e : effectsOf(scene, plan))
+        text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason, placesText(e.where));
+    text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
+    text += fmt::format("{:<23} {} x {} rays\n", "picture", plan.region.width(), plan.region.height());
+    for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);
+    if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";
+    text += fmt::format("{:<23} {}\n", "memory without fields", bytesText(plan.bytes));
+    text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
+                        "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
+                        plan.work.pixelSheets);
+    return text;
+}
+
+}  // namespace scrim

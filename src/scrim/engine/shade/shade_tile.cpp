@@ -1,0 +1,366 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/shade/shade_tile.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/shade/shade_tile.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <scrim/engine/shade/scatter-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Light that passes the sheet on its way to the samples and from there to the eye, for one channel: all rows are its
+// own.
+struct Passage {
+    const float* extinction;
+    const float* tauIn;
+    const float* tauEye;
+    float pathScale;  // of a light's path through the sheet
+    float depth;      // optical depths towards the light count this much
+};
+
+// Radiance that one light adds per unit of intensity, scattering coefficient and phase function.
+template <bool kShadowed, bool kSameSide>
+HWY_ATTR void transmit(const Passage& p, const Incidence& in, const float* pathEye, float* out) {
+    const DF d;
+    [[maybe_unused]] const auto depth = constant(p.depth), scale = constant(p.depth * p.pathScale);
+    forSamples([&](int k) HWY_ATTR {
+        const auto te = load(p.tauEye, k);
+        VF light = psi(te);
+        if constexpr (kShadowed) {
+            const auto tl = hn::Mul(load(p.extinction, k), hn::Mul(load(in.slant, k), scale));
+            const auto entry = hn::Mul(depth, load(p.tauIn, k));
+            if constexpr (kSameSide)
+                light = hn::Mul(expMinus(entry), psi(hn::Add(te, tl)));
+            else
+                light = hn::Mul(expMinus(hn::Add(entry, hn::Min(te, tl))), psi(hn::AbsDiff(te, tl)));
+        }
+        hn::Store(hn::Mul(hn::Mul(light, load(in.irradiance, k)), load(pathEye, k)), d, out + k);
+    });
+}
+
+// Where extinction is grey the three rows of a quantity are one and the same: the first.
+struct Rows {
+    alignas(64) float values[3][kTileSize];
+};
+
+struct Work {
+    alignas(64) float slantEye[kTileSize];
+    alignas(64) float pathEye[kTileSize];
+    Rows extinction, tauIn;  // coloured only
+    Rows tauEye, light, through;
+    Rows beauty;
+    Incidence in;
+    ShadeWork done;
+};
+
+// Sum over the input's rows of a row times its tint.
+HWY_ATTR void mix(const ShadeInput& input, const float* const* rows, Rows& out) {
+    const DF d;
+    for (int c = 0; c < 3; ++c)
+        forSamples([&](int k) HWY_ATTR {
+            auto sum = hn::Mul(load(rows[0], k), constant(input.tints[0][c]));
+            for (int r = 1; r < input.rows; ++r) sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
+            hn::Store(sum, d, out.values[c] + k);
+        });
+}
+
+float* pictureRow(const ShadeInput& input, Work& w, int picture, int channel) {
+    if (picture == 0) return w.beauty.values[channel];
+    return input.pictures + ((picture - 1) * 3 + channel) * kTileSize;
+}
+
+// The light that is left of one light at the samples, through `depth` times the extinction that there is.
+HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const float* tauIn, float depth, Work& w) {
+    const int channels = input.coloured ? 3 : 1;
+    for (int c = 0; c < channels; ++c) {
+        const Passage passage{input.coloured ? w.extinction.values[c] : input.extinction[0],
+                              input.coloured ? w.tauIn.values[c] : tauIn, w.tauEye.values[c],
+                              light.withinSheet ? input.thickness : 0.0f, depth};
+        float* out = w.light.values[c];
+        if (!light.shadowed)
+            transmit<false, true>(passage, w.in, w.pathEye, out);
+        else if (input.sameSide)
+            transmit<true, true>(passage, w.in, w.pathEye, out);
+        else
+            transmit<true, false>(passage, w.in, w.pathEye, out);
+    }
+    w.done.exponentials += static_cast<std::uint64_t>(channels * (light.shadowed ? 2 : 1) * kTileSize);
+}
+
+template <bool kTinted>
+HWY_ATTR void scatterInto(const ShadeInput& input, const Lit& lit, const SheetMedium& medium, const Phase& phase,
+                          float part, Work& w) {
+    if (input.coloured || medium.scatter[1] != medium.scatter[0])
+        addScattered<kTinted, true>(lit, medium, phase, part);
+    else
+        addScattered<kTinted, false>(lit, medium, phase, part);
+    if (!phase.isotropic()) w.done.phases += kTileSize;
+}
+
+bool lights(const SheetLight& light, const std::vector<bool>* lit) {
+    return !lit || (*lit)[static_cast<std::size_t>(light.index)];
+}
+
+// The first octave is single scattering, which surfaces know too; the others are of media that have them.
+template <bool kTinted>
+HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const float* tauIn, const Lit& lit,
+                           Work& w) {
+    transmitAll(input, light, tauIn, 1, w);
+    for (int m = 0; m < input.mediumCount; ++m)
+        if (lights(light, input.media[m].lit))
+            scatterInto<kTinted>(input, lit, input.media[m], input.media[m].phase, 1, w);
+    for (int s = 0; s < input.surfaceCount; ++s)
+        if (lights(light, input.surfaces[s].lit)) addReflected<kTinted>(lit, input.surfaces[s]);
+    for (int m = 0; m < input.mediumCount; ++m) {
+        const SheetMedium& medium = input.media[m];
+        if (!lights(light, medium.lit)) continue;
+        const Octaves& o = medium.octaves;
+        for (int n = 1; n < o.count; ++n) {
+            transmitAll(input, light, tauIn, static_cast<float>(std::pow(o.extinction, n)), w);
+            scatterInto<kTinted>(input, lit, medium, flattened(medium.phase, std::pow(o.phase, n)),
+                                 static_cast<float>(std::pow(o.contribution, n)), w);
+            w.done.octaves += kTileSize;
+        }
+    }
+}
+
+HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
+    const SheetLight& light = input.lights[index];
+    if (light.slide.image) {
+        const SampleTile& s = *input.samples;
+        const SlideSamples samples{s.u, s.v, s.eyeA, s.eyeB, input.thickness / input.texel, s.spacing};
+        w.done.slideLookups += kTileSize;
+        if (!tintTile(light.slide, samples, w.in.tint)) return;  // outside of the picture
+    }
+    if (light.distant)
+        meetDistant(light, w.in);
+    else
+        meetPoint(input, light, w.in);
+    if (light.spot) limitToCone(light, w.in);
+    if (light.windows) limitToWindow(light, w.in);
+    w.done.lightLookups += kTileSize;
+
+    const float* tauIn = input.tauIn + index * input.rows * kTileSize;
+    if (input.coloured && light.shadowed) {
+        const float* rows[3];
+        for (int r = 0; r < input.rows; ++r) rows[r] = tauIn + r * kTileSize;
+        mix(input, rows, w.tauIn);
+    }
+    Lit lit{&input, &light, &w.in, w.slantEye, {}, {}};
+    for (int c = 0; c < 3; ++c) {
+        lit.amount[c] = w.light.values[input.coloured ? c : 0];
+        lit.to[c] = pictureRow(input, w, light.picture, c);
+    }
+    if (light.slide.image)
+        addToVolumes<true>(input, light, tauIn, lit, w);
+    else
+        addToVolumes<false>(input, light, tauIn, lit, w);
+}
+
+// What part of radiance per world unit leaves the sheet towards the eye: its mean transmittance times the path.
+HWY_ATTR void fillThrough(const ShadeInput& input, Work& w) {
+    const DF d;
+    const int channels = input.coloured ? 3 : 1;
+    for (int c = 0; c < channels; ++c)
+        forSamples([&](int k) HWY_ATTR {
+            hn::Store(hn::Mul(load(w.pathEye, k), psi(load(w.tauEye.values[c], k))), d, w.through.values[c] + k);
+        });
+    w.done.exponentials += static_cast<std::uint64_t>(channels * kTileSize);
+}
+
+HWY_ATTR void addSource(const ShadeInput& input, const float* coefficient, float color, int channel, int picture,
+                        Work& w) {
+    const DF d;
+    if (color == 0) return;
+    const float* through = w.through.values[input.coloured ? channel : 0];
+    float* to = pictureRow(input, w, picture, channel);
+    forSamples([&](int k) HWY_ATTR {
+        const auto part = hn::Mul(load(coefficient, k), load(through, k));
+        hn::Store(hn::MulAdd(part, constant(color), load(to, k)), d, to + k);
+    });
+}
+
+// What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
+template <class SurfaceShare>
+HWY_ATTR void addEnvironment(const ShadeInput& input, const float* radiance, int picture, const SurfaceShare& share,
+                             Work& w) {
+    for (int c = 0; c < 3; ++c) {
+        for (int m = 0; m < input.mediumCount; ++m)
+            addSource(input, input.media[m].scatter[c], radiance[c] * input.media[m].albedo[c], c, picture, w);
+        for (int s = 0; s < input.surfaceCount; ++s)
+            addSource(input, input.surfaces[s].emission[c], radiance[c] * share(input.surfaces[s]), c, picture, w);
+    }
+}
+
+// All that is not a light's.
+HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
+    const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
+    if (!ambient && input.emissionCount == 0 && input.targets.albedo < 0) return;
+    fillThrough(input, w);
+    if (ambient) {
+        addEnvironment(
+            input, input.ambient, input.targets.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
+        w.done.ambients += kTileSize;
+    }
+    for (int e = 0; e < input.emissionCount; ++e) {
+        const SheetEmission& emission = input.emissions[e];
+        for (int c = 0; c < 3; ++c)
+            addSource(input, emission.coefficient, emission.color[c], c, input.targets.emission, w);
+        w.done.emissions += kTileSize;
+    }
+    constexpr float kWhite[3] = {1, 1, 1};
+    if (input.targets.albedo >= 0)
+        addEnvironment(
+            input, kWhite, input.targets.albedo, [](const SheetSurface&) { return 1.0f; }, w);
+}
+
+HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
+    const DF d;
+    const int channels = input.coloured ? 3 : 1;
+    if (input.coloured) mix(input, input.extinction, w.extinction);
+    forSamples([&](int k) HWY_ATTR {
+        const auto a = load(input.samples->eyeA, k), b = load(input.samples->eyeB, k);
+        const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, constant(1))));
+        hn::Store(slant, d, w.slantEye + k);
+        hn::Store(hn::Mul(slant, constant(input.thickness)), d, w.pathEye + k);
+    });
+    for (int c = 0; c < channels; ++c) {
+        const float* extinction = input.coloured ? w.extinction.values[c] : input.extinction[0];
+        forSamples([&](int k) HWY_ATTR {
+            hn::Store(hn::Mul(load(w.pathEye, k), load(extinction, k)), d, w.tauEye.values[c] + k);
+        });
+    }
+    for (auto& channel : w.beauty.values) forSamples([&](int k) HWY_ATTR { hn::Store(constant(0), d, channel + k); });
+    std::fill(input.pictures, input.pictures + (input.layout.pictures - 1) * 3 * kTileSize, 0.0f);
+    w.done.samples = kTileSize;
+}
+
+// The usual case: grey extinction and nothing but the beauty.
+HWY_ATTR void writeBeauty(Work& w, float* out) {
+    const DF d;
+    forSamples([&](int k) HWY_ATTR {
+        hn::StoreInterleaved4(load(w.beauty.values[0], k), load(w.beauty.values[1], k), load(w.beauty.values[2], k),
+                              hn::Neg(oneMinusExp(load(w.tauEye.values[0], k))), d, out + 4 * k);
+    });
+}
+
+// Depth of the samples times their opacities.
+HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
+    const DF d;
+    const SampleTile& s = *input.samples;
+    for (int c = 0; c < 3; ++c) {
+        const float* hides = opacity.values[input.coloured ? c : 0];
+        float* to = pictureRow(input, w, input.targets.depth, c);
+        forSamples([&](int k) HWY_ATTR {
+            const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
+                                          hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
+            hn::Store(hn::Mul(depth, load(hides, k)), d, to + k);
+        });
+    }
+}
+
+// The beauty's parts into the beauty.
+HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
+    const DF d;
+    for (int p = 1; p < input.targets.addends; ++p)
+        for (int c = 0; c < 3; ++c) {
+            const float* from = pictureRow(input, w, p, c);
+            float* to = w.beauty.values[c];
+            forSamples([&](int k) HWY_ATTR { hn::Store(hn::Add(load(to, k), load(from, k)), d, to + k); });
+        }
+}
+
+HWY_ATTR void writePictures(const ShadeInput& input, Work& w, float* out) {
+    const DF d;
+    const SampleLayout& layout = input.layout;
+    Rows& opacity = w.light;  // no longer needed
+    for (int c = 0; c < (input.coloured ? 3 : 1); ++c)
+        forSamples([&](int k)
+                       HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
+    if (layout.beauty) addUp(input, w);
+    if (input.targets.depth >= 0) fillDepth(input, opacity, w);
+    const int stride = layout.floats();
+    for (int p = layout.beauty ? 0 : 1; p < layout.pictures; ++p) {
+        float* quad = out + 4 * layout.quadOf(p);
+        const float* const rows[3] = {pictureRow(input, w, p, 0), pictureRow(input, w, p, 1),
+                                      pictureRow(input, w, p, 2)};
+        for (int k = 0; k < kTileSize; ++k, quad += stride) {
+            for (int c = 0; c < 3; ++c) quad[c] = rows[c][k];
+            quad[3] = input.coloured ? 0 : -opacity.values[0][k];
+        }
+    }
+    if (!layout.coloured) return;
+    float* quad = out + 4 * layout.pictureQuads();
+    for (int k = 0; k < kTileSize; ++k, quad += stride) {
+        const float alpha[3] = {opacity.values[0][k], opacity.values[1][k], opacity.values[2][k]};
+        for (int c = 0; c < 3; ++c) quad[c] = -alpha[c];
+        quad[3] = -std::min({alpha[0], alpha[1], alpha[2]});
+    }
+}
+
+HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, float* out) {
+    Work w;
+    enterSheet(input, w);
+    for (int i = 0; i < input.lightCount; ++i) addLight(input, i, w);
+    addSources(input, w);
+    if (input.layout == SampleLayout{})
+        writeBeauty(w, out);
+    else
+        writePictures(input, w, out);
+    w.done.exponentials += static_cast<std::uint64_t>((input.coloured ? 3 : 1) * kTileSize);
+    return w.done;
+}
+
+HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
+                                   SampleTile& samples) {
+    const DF d;
+    // Rays from a point: slope = offset / distance along w. Within half a sheet of the eye slopes grow without
+    // bound; texels there are seen by no ray that has crossed a sheet, and must only stay finite.
+    double away = middle - eye.tsEye.z;
+    if (away > -0.25 && away < 0.25) away = away < 0 ? -0.25 : 0.25;
+    const double scale = sheets.texel / (sheets.thickness * away);
+    const auto step = constant(static_cast<float>(scale));
+    const float a0 = static_cast<float>((texelX - eye.tsEye.x) * scale);
+    for (int j = 0; j < kTileEdge; ++j) {
+        const float b = static_cast<float>(eye.parallel ? eye.b : (texelY + j - eye.tsEye.y) * scale);
+        for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
+            const int k = j * kTileEdge + i;
+            const auto column = hn::Iota(d, static_cast<float>(i));
+            hn::Store(hn::Add(column, constant(static_cast<float>(texelX))), d, samples.u + k);
+            hn::Store(constant(static_cast<float>(texelY + j)), d, samples.v + k);
+            hn::Store(eye.parallel ? constant(static_cast<float>(eye.a)) : hn::MulAdd(column, step, constant(a0)), d,
+                      samples.eyeA + k);
+            hn::Store(constant(b), d, samples.eyeB + k);
+        }
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(shadeTileOnTarget);
+HWY_EXPORT(texelSamplesOnTarget);
+
+ShadeWork shadeTile(const ShadeInput& input, float* out) {
+    return SCRIM_ON_TARGET(input.simd, shadeTileOnTarget)(input, out);
+}
+
+void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
+                  SampleTile& samples, Simd simd) {
+    SCRIM_ON_TARGET(simd, texelSamplesOnTarget)(sheets, eye, middle, texelX, texelY, samples);
+}
+
+}  // namespace scrim
+#endif

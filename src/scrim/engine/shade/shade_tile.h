@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shading of a tile's worth of samples of one sheet: extinction and light in, radiance and opacity out.
+//
+// The samples may be texels (shared by all views, the default) or the points where pixels' rays meet the sheet.
+// Work is cut into passes over 256 samples that fit the first-level cache; what a light or a volume does not need
+// (distance, cone, slide, phase, shadow, octaves) is a pass that is not run, never a test per sample. Passes are
+// instantiated on the few things that change what a sample is: shadowed or not and from which side, with a slide or
+// not, one extinction or one for each channel, and the kinds of phase functions. They multiply only within a pass
+// (scattering: 2 x 2 x 4 loops), so that a new effect is a new pass and not twice as many of all the others.
+#pragma once
+
+#include <scrim/base/simd.h>
+#include <scrim/geometry/sheets.h>
+#include <scrim/geometry/spaces.h>
+#include <scrim/engine/light/slide_sampler.h>
+#include <scrim/scene/medium.h>
+#include <scrim/engine/shade/sample_layout.h>
+#include <scrim/engine/shade/shade_work.h>
+
+#include <vector>
+
+namespace scrim {
+
+/// 256 samples of one sheet, in texel coordinates of its raster.
+struct SampleTile {
+    alignas(64) float u[kTileSize];
+    alignas(64) float v[kTileSize];
+    alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
+    alignas(64) float eyeB[kTileSize];
+    SampleSpacing spacing;  ///< texels, unless said otherwise
+    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the picture of it.
+    float depth = 0, depthU = 0, depthV = 0;
+};
+
+/// Eye rays in texel space: parallel ones have constant slopes; those from a point meet at `tsEye`.
+struct EyeSlopes {
+    bool parallel = true;
+    double a = 0, b = 0;  ///< parallel: du/dw and dv/dw
+    Vec3 tsEye{0};        ///< otherwise
+};
+
+/// Fills in the 16 x 16 texels from (texelX, texelY) of the sheet whose plane is at N = `middle`.
+void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
+                  SampleTile& samples, Simd simd = {});
+
+/// A light over one sheet. Directions are in sweep space, along which the light travels with +w.
+struct SheetLight {
+    bool distant = true;
+    bool spot = false;
+    bool shadowed = true;
+    bool withinSheet = true;  ///< counts what the sheet itself takes of the light
+    bool decay = true;
+    float slopeA = 0, slopeB = 0;           ///< distant: du/dw, dv/dw
+    float texelU = 0, texelV = 0;           ///< otherwise: the source, in texels
+    float distanceW = 0;                    ///< and its distance to the sheet's plane along w, world units, > 0
+    float radius2 = 0;                      ///< world units squared, > 0 where decay
+    float axisU = 0, axisV = 0, axisW = 1;  ///< spot
+    float cosOuter = -1, cosInner = -0.9f;  ///< spot: light fades between them
+    // Windows cut a light into overlapping parts (light close to the volume): this part's share of a direction
+    // is its window's value there over the sum of all. None: 0.
+    const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
+    int window = 0;
+    float windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
+    float intensity[3] = {1, 1, 1};
+    int picture = 0;  ///< of SampleLayout: where what it lights goes; one that adds to the beauty, or the beauty
+    int index = 0;    ///< among the scene's lights
+    SheetSlide slide;
+};
+
+/// A medium's part in a sheet.
+struct SheetMedium {
+    /// 256 values for each channel: scattering coefficient, per world unit, is this times `albedo`. All three are the
+    /// medium's extinction, unless its albedo is a grid.
+    const float* scatter[3];
+    float albedo[3];  ///< times extinction's tint
+    Phase phase;
+    Octaves octaves;
+    const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
+};
+
+/// A part of what a sheet sends out by itself: 256 coefficients times a colour are radiance per world unit.
+struct SheetEmission {
+    const float* coefficient;
+    float color[3];
+};
+
+/// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
+struct SheetSurface {
+    const float* extinction;
+    const float* emission[3];  ///< extinction times colour
+    const float* normal[3];    ///< unit, in sweep space, out of the denser side
+    const float* weight;       ///< of the normal
+    float ambient, diffuse, specular, exponent;
+    bool twoSided;
+    const std::vector<bool>* lit = nullptr;  ///< as a medium's
+};
+
+/// Where what is not a light's goes: pictures of SampleLayout; -1: nowhere, for what is not wanted.
+struct PictureTargets {
+    int ambient = 0, emission = 0;  ///< 0: into the beauty
+    int albedo = -1, depth = -1;
+    int addends = 1;  ///< pictures [1, addends) are parts of the beauty, which is added up from them in the end
+};
+
+/// Buffers of samples (all rows and `pictures`) must be aligned to 64 bytes.
+struct ShadeInput {
+    const SampleTile* samples;
+    float texel, thickness;  ///< world units
+    bool sameSide;           ///< eye and light meet the same side of a sheet first (s = +1)
+    /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
+    /// is the sum over `rows` of a row times its tint, and so is tau at entry.
+    const float* extinction[3];
+    bool coloured;
+    int rows;  ///< 1, where not coloured
+    float tints[3][3];
+    const SheetMedium* media;
+    int mediumCount;
+    const SheetSurface* surfaces;
+    int surfaceCount;
+    const SheetEmission* emissions;
+    int emissionCount;
+    const SheetLight* lights;
+    int lightCount;
+    const float* tauIn;  ///< `rows` x 256 values a light: tau at entry (read for shadowed lights)
+    float ambient[3];    ///< radiance of an unshadowed environment; all 0: none
+    SampleLayout layout;
+    PictureTargets targets;
+    float* pictures;  ///< scratch: 3 x 256 floats for each picture beyond the beauty
+    Simd simd;
+};
+
+/// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns what it did.
+ShadeWork shadeTile(const ShadeInput& input, float* out);
+
+}  // namespace scrim

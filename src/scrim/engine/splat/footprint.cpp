@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/splat/footprint.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+// Half the extent of the kernel along each axis of texel space.
+Vec3 kernelExtents(Kernel kernel, const Mat4& tsFromIs) {
+    Vec3 extent;
+    for (int axis = 0; axis < 3; ++axis)
+        extent[axis] = kernelExtent(kernel, {tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]});
+    return extent;
+}
+
+}  // namespace
+
+struct FootprintTable::Shape {
+    Vec3 extent;
+    Range columns, rows, sheets;
+    int rowStride;
+};
+
+FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
+    const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
+        const double most = 1 - 1.0 / texelSteps;
+        const int first = static_cast<int>(std::floor(-extent)) + 1;
+        const int last = static_cast<int>(std::ceil(most + extent)) - 1;
+        return Range{first, last - first + 1};
+    };
+    Shape shape;
+    shape.extent = kernelExtents(kernel, tsFromIs);
+    shape.columns = texels(shape.extent.x);
+    shape.rows = texels(shape.extent.y);
+    // Slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
+    const double most = 1 - 1.0 / sheetSteps;
+    const int firstSheet = static_cast<int>(std::floor(-shape.extent.z - 1)) + 1;
+    const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
+    shape.sheets = {firstSheet, lastSheet - firstSheet + 1};
+    shape.rowStride = (shape.columns.count + 3) / 4 * 4;
+    return shape;
+}
+
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
+                                  FootprintLookup lookup) {
+    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
+    const std::size_t parts = lookup == FootprintLookup::sloped ? 4 : 1;
+    return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
+           static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
+}
+
+FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
+    // A voxel's size along an axis of texel space: the length of its three edges there, taken together.
+    const auto voxelAlong = [&](int axis) {
+        const Vec3 edges(tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]);
+        return glm::length(edges);
+    };
+    const auto steps = [&](double voxel) {
+        int n = 2;
+        while (n < 128 && n * voxel < 0.75 * stepsPerVoxel) n *= 2;
+        return n;
+    };
+    return {steps(std::min(voxelAlong(0), voxelAlong(1))), steps(voxelAlong(2))};
+}
+
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
+                               FootprintLookup lookup)
+    : m_parts(lookup == FootprintLookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
+    m_extent = shape.extent;
+    m_columns = shape.columns;
+    m_rows = shape.rows;
+    m_sheets = shape.sheets;
+    m_rowStride = shape.rowStride;
+    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(float));
+
+    const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
+    parallelFor(static_cast<std::size_t>(texelSteps),
+                [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
+    if (sloped())
+        parallelFor(static_cast<std::size_t>(texelSteps),
+                    [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
+}
+
+// Central differences over a step on either side. One step past a texel's last is the first of the next texel, where
+// the footprint has moved on by one.
+void FootprintTable::addSlopes(int stepV) {
+    const auto weight = [&](int stepU, int v, int stepN, int slab, int row, int column) {
+        const auto wrap = [](int& step, int steps, int& place) {
+            if (step < 0) {
+                step += steps;
+                ++place;
+            } else if (step >= steps) {
+                step -= steps;
+                --place;
+            }
+        };
+        wrap(stepU, m_texelSteps, column);
+        wrap(v, m_texelSteps, row);
+        wrap(stepN, m_sheetSteps, slab);
+        if (column < 0 || column >= m_columns.count || row < 0 || row >= m_rows.count || slab < 0 ||
+            slab >= m_sheets.count)
+            return 0.0f;
+        return m_weights[offset(stepU, v, stepN) +
+                         static_cast<std::size_t>(slab * sheetStride() + row * m_rowStride + column)];
+    };
+    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
+        for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
+            for (int slab = 0; slab < m_sheets.count; ++slab)
+                for (int row = 0; row < m_rows.count; ++row)
+                    for (int column = 0; column < m_columns.count; ++column) {
+                        const auto change = [&](int u, int v, int n) {
+                            return 0.5f * (weight(stepU + u, stepV + v, stepN + n, slab, row, column) -
+                                           weight(stepU - u, stepV - v, stepN - n, slab, row, column));
+                        };
+                        float* entry = m_weights.data() + offset(stepU, stepV, stepN) + slab * sheetStride() +
+                                       row * m_rowStride + column;
+                        entry[partStride()] = change(1, 0, 0);
+                        entry[2 * partStride()] = change(0, 1, 0);
+                        entry[3 * partStride()] = change(0, 0, 1);
+                    }
+}
+
+// Fills the entries of one quantised fraction in v. For each texel of the footprint: integrate the kernel
+// along w once, cumulatively in the table's steps, then read every sheet's share as a difference.
+void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
+    const int fineCount = (m_sheets.count + 1) * m_sheetSteps;
+    const double fine = 1.0 / m_sheetSteps;
+    const double depth0 = m_sheets.first - 1.0;  // N of the cumulative integral's first point
+    // Two-point Gauss quadrature is exact for the cubics that `linear` is made of, kinks aside.
+    // Where rays of a view lie almost within the sheets a step of the table is many voxels long: cut it up.
+    constexpr double kLongestStep = 0.25;  // voxels
+    const int cuts = std::max(1, static_cast<int>(std::ceil(glm::length(isFromTs[2]) * fine / kLongestStep - 1e-9)));
+    const double cut = fine / cuts, gauss = 0.5 * cut / std::sqrt(3.0);
+    std::vector<double> cumulative(static_cast<std::size_t>(fineCount) + 1);
+
+    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
+        for (int row = 0; row < m_rows.count; ++row)
+            for (int column = 0; column < m_columns.count; ++column) {
+                const double x = m_columns.first + column - double(stepU) / m_texelSteps;
+                const double y = m_rows.first + row - double(stepV) / m_texelSteps;
+                const Vec3 at0 = isFromTs * Vec3(x, y, 0);
+                double sum = 0;
+                cumulative[0] = 0;
+                for (int i = 0; i < fineCount; ++i) {
+                    for (int c = 0; c < cuts; ++c) {
+                        const double middle = depth0 + i * fine + (c + 0.5) * cut;
+                        if (std::abs(middle) < m_extent.z + fine)
+                            sum += 0.5 * cut *
+                                   (kernelValue(kernel, at0 + isFromTs[2] * (middle - gauss)) +
+                                    kernelValue(kernel, at0 + isFromTs[2] * (middle + gauss)));
+                    }
+                    cumulative[static_cast<std::size_t>(i) + 1] = sum;
+                }
+                for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
+                    const auto read = [&](int slab) {
+                        return cumulative[static_cast<std::size_t>((slab + 1) * m_sheetSteps - stepN)];
+                    };
+                    float* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
+                    for (int slab = 0; slab < m_sheets.count; ++slab)
+                        entry[slab * sheetStride()] = static_cast<float>(read(slab + 1) - read(slab));
+                }
+            }
+}
+
+}  // namespace scrim

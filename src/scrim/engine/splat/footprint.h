@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: Apache-2.0
+// Footprints: what one voxel's kernel adds to the texels of the sheets it reaches (ZC02 section 2).
+//
+// A footprint depends on nothing but the voxel's fractional position against texels and sheets, so it is
+// tabulated over quantised fractions. Each weight is the mean of the kernel over
+// the sheet's thickness, along w through the texel's centre: numerically integrated once, which makes every
+// kernel, rotation, shear and anisotropic voxel equally cheap. Because one cumulative integral along w serves
+// all sheets, the weights of a texel sum over the sheets to the kernel's line integral for every thickness.
+//
+// Rounding a position to its step moves the voxel: an error of first order in the step, which flickers when a camera
+// or a light moves, and which gradients show. A table may therefore hold the slopes of its weights, too; what is left
+// is of second order.
+#pragma once
+
+#include <scrim/geometry/spaces.h>
+#include <scrim/engine/splat/kernel.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace scrim {
+
+/// How a position between the steps of a table is served.
+enum class FootprintLookup {
+    nearest,  ///< by the nearest step
+    sloped,   ///< by the nearest step and the slopes there
+};
+
+class FootprintTable {
+  public:
+    /// `tsFromIs`: the grid's map to texel space (its linear part counts). Positions are quantised to `texelSteps`
+    /// a texel along U and V and `sheetSteps` a sheet along N: powers of two in [2, 128].
+    FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
+                   FootprintLookup lookup = FootprintLookup::nearest);
+
+    bool sloped() const { return m_parts > 1; }
+    int texelSteps() const { return m_texelSteps; }
+    int sheetSteps() const { return m_sheetSteps; }
+
+    // A position is rounded to the nearest step, so that lattices which fall on the steps are exact. For a voxel at
+    // (rounded) (U, V, N) the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
+    // likewise, and sheets floor(N) + firstSheet() + [0, sheets()).
+    int firstColumn() const { return m_columns.first; }
+    int firstRow() const { return m_rows.first; }
+    int firstSheet() const { return m_sheets.first; }
+    int columns() const { return m_columns.count; }
+    int rows() const { return m_rows.count; }
+    int sheets() const { return m_sheets.count; }
+    int rowStride() const { return m_rowStride; }  ///< columns() rounded up to a multiple of 4; 0 beyond
+    int partStride() const { return m_rowStride * m_rows.count; }
+    /// A sheet has one part, its weights, or four: weights, and their changes over one step in U, V and N.
+    int sheetStride() const { return partStride() * m_parts; }
+    double extentN() const { return m_extent.z; }    ///< half the kernel's extent along w, in sheets
+    const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
+
+    /// Offset of the weights for quantised fractions (each below its number of steps), sheets() x parts x rows()
+    /// x rowStride() of them.
+    std::size_t offset(int stepU, int stepV, int stepN) const {
+        return static_cast<std::size_t>((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
+               static_cast<std::size_t>(sheetStride() * m_sheets.count);
+    }
+    const float* weights() const { return m_weights.data(); }
+    std::size_t bytes() const { return m_weights.size() * sizeof(float); }
+
+    /// Bytes a table would take, without building it.
+    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
+                             FootprintLookup lookup = FootprintLookup::nearest);
+
+  private:
+    struct Range {
+        int first = 0, count = 0;
+    };
+    struct Shape;
+    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
+    void fill(Kernel kernel, const Mat3& isFromTs, int stepV);
+    void addSlopes(int stepV);
+
+    int m_parts = 1, m_texelSteps = 0, m_sheetSteps = 0, m_rowStride = 0;
+    Vec3 m_extent{0};
+    Range m_columns, m_rows, m_sheets;
+    std::vector<float> m_weights;
+};
+
+/// How finely to quantise positions: powers of two, and at least 3/4 of `stepsPerVoxel` for a voxel of the size that
+/// `tsFromIs` gives it.
+struct FootprintSteps {
+    int texel, sheet;
+};
+FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
+
+}  // namespace scrim

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/splat/plane_sampling.h>
+
+#include <scrim/geometry/sheets.h>
+
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/splat/plane_sampling.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using DF = hn::CappedTag<float, kTileEdge>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+
+// A coordinate as index on an axis of `size` places from `first`, and fraction; clamped so that index and index + 1
+// lie on the axis.
+struct Split {
+    VI whole;
+    VF fraction;
+};
+
+HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest) {
+    const DF d;
+    const DI di;
+    x = hn::Min(hn::Max(x, hn::Set(d, static_cast<float>(first))), hn::Set(d, static_cast<float>(first + size - 1)));
+    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<float>(first + size - 2)));
+    auto fraction = hn::Sub(x, floor);
+    if (nearest) fraction = hn::Floor(hn::Add(fraction, hn::Set(d, 0.5f)));
+    return {hn::Sub(hn::ConvertTo(di, floor), hn::Set(di, first)), fraction};
+}
+
+HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
+    return hn::MulAdd(t, hn::Sub(b, a), a);
+}
+
+// Bilinear sample with its own position in every lane.
+HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Split& v) {
+    const DF d;
+    const DI di;
+    const auto at = hn::Add(hn::Mul(v.whole, hn::Set(di, plane.width)), u.whole);
+    const float* below = plane.data + plane.width;
+    const auto top = lerp(hn::GatherIndex(d, plane.data, at), hn::GatherIndex(d, plane.data + 1, at), u.fraction);
+    const auto bottom = lerp(hn::GatherIndex(d, below, at), hn::GatherIndex(d, below + 1, at), u.fraction);
+    return lerp(top, bottom, v.fraction);
+}
+
+HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count,
+                                   float* out) {
+    const DF d;
+    for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
+        const auto su = split(hn::LoadU(d, u + k), plane.x0, plane.width, nearest);
+        const auto sv = split(hn::LoadU(d, v + k), plane.y0, plane.height, nearest);
+        hn::StoreU(gather(plane, su, sv), d, out + k);
+    }
+}
+
+// Calls consume(j, i, samples) for the lattice of 16 x 16 positions, a vector of columns at a time.
+template <class Consume>
+HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, float u, float v, float step, bool nearest,
+                                    const Consume& consume) {
+    const DF d;
+    const int lanes = static_cast<int>(hn::Lanes(d));
+    const float floorU = std::floor(u);
+    const float column = floorU - static_cast<float>(plane.x0);
+    const bool streaming = step == 1.0f && column >= 0 && column + kTileEdge < static_cast<float>(plane.width);
+    for (int j = 0; j < kTileEdge; ++j) {
+        const auto sv = split(hn::Set(d, v + static_cast<float>(j) * step), plane.y0, plane.height, nearest);
+        if (streaming) {
+            // One texel a cell: the whole row shares its fractions, and neighbours are consecutive floats.
+            float fraction = u - floorU;
+            if (nearest) fraction = std::floor(fraction + 0.5f);
+            const auto t = hn::Set(d, fraction);
+            const float* top = plane.data + hn::GetLane(sv.whole) * static_cast<std::ptrdiff_t>(plane.width) +
+                               static_cast<std::ptrdiff_t>(column);
+            const float* bottom = top + plane.width;
+            for (int i = 0; i < kTileEdge; i += lanes)
+                consume(j, i,
+                        lerp(lerp(hn::LoadU(d, top + i), hn::LoadU(d, top + i + 1), t),
+                             lerp(hn::LoadU(d, bottom + i), hn::LoadU(d, bottom + i + 1), t), sv.fraction));
+        } else {
+            for (int i = 0; i < kTileEdge; i += lanes) {
+                const auto at = hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, step), hn::Set(d, u));
+                consume(j, i, gather(plane, split(at, plane.x0, plane.width, nearest), sv));
+            }
+        }
+    }
+}
+
+HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {
+    const DF d;
+    forLattice(plane, u, v, step, nearest,
+               [&](int j, int i, VF sample) HWY_ATTR { hn::StoreU(sample, d, out + j * kTileEdge + i); });
+}
+
+HWY_ATTR void attenuateTileOnTarget(const AttenuateTile& tile) {
+    const DF d;
+    forLattice(tile.extinction, tile.u, tile.v, tile.step, tile.nearest, [&](int j, int i, VF sigma) HWY_ATTR {
+        const auto a =
+            hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, tile.slopeStep), hn::Set(d, tile.slopeA));
+        const auto b = hn::Set(d, tile.slopeB + static_cast<float>(j) * tile.slopeStep);
+        const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, 1.0f))));
+        float* tau = tile.tau + j * tile.tauStride + i;
+        const auto before = hn::LoadU(d, tau);
+        hn::StoreU(before, d, tile.entry + j * tile.entryStride + i);
+        hn::StoreU(hn::MulAdd(sigma, hn::Mul(slant, hn::Set(d, tile.path)), before), d, tau);
+    });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(samplePointsOnTarget);
+HWY_EXPORT(sampleLatticeOnTarget);
+HWY_EXPORT(attenuateTileOnTarget);
+
+void samplePoints(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count, float* out) {
+    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out);
+}
+
+void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {
+    SCRIM_ON_TARGET(plane.simd, sampleLatticeOnTarget)(plane, u, v, step, nearest, out);
+}
+
+void attenuateTile(const AttenuateTile& tile) {
+    SCRIM_ON_TARGET(tile.extinction.simd, attenuateTileOnTarget)(tile);
+}
+
+}  // namespace scrim
+#endif

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/medium.h>
+
+#include <cmath>
+
+namespace scrim {
+namespace {
+
+const double kFourPi = 4 * std::acos(-1.0);
+
+double henyeyGreenstein(double g, double cosTheta) {
+    return (1 - g * g) / (kFourPi * std::pow(1 + g * g - 2 * g * cosTheta, 1.5));
+}
+
+}  // namespace
+
+double phaseValue(const Phase& phase, double cosTheta) {
+    switch (phase.type) {
+        case PhaseType::twoLobe:
+            return (1 - phase.blend) * henyeyGreenstein(phase.g, cosTheta) +
+                   phase.blend * henyeyGreenstein(phase.g2, cosTheta);
+        case PhaseType::rayleigh:
+            return (1 + phase.strength * (0.75 * (1 + cosTheta * cosTheta) - 1)) / kFourPi;
+        default:
+            return henyeyGreenstein(phase.g, cosTheta);
+    }
+}
+
+Phase flattened(const Phase& phase, double part) {
+    Phase flat = phase;
+    flat.g *= part;
+    flat.g2 *= part;
+    flat.strength *= part;
+    return flat;
+}
+
+}  // namespace scrim

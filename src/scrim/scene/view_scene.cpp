@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/view_scene.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+
+std::vector<ViewField> fieldsOf(const ViewVolume& volume) {
+    std::vector<ViewField> fields{{volume.field, volume.wsFromIs}};
+    for (const ViewEmission& emission : volume.emission) fields.push_back(emission.field);
+    std::erase_if(fields, [](const ViewField& field) { return field.field->empty(); });
+    return fields;
+}
+
+std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
+    std::vector<Vec3> corners;
+    for (const ViewField& field : fieldsOf(volume)) {
+        Bounds is = field.field->isBounds();
+        const double radius = kernelRadius(kernel);
+        is.lower -= radius;
+        is.upper += radius;
+        for (const Vec3& corner : is.corners()) corners.push_back(transformPoint(field.wsFromIs, corner));
+    }
+    return corners;
+}
+
+std::vector<Vec3> wsCorners(const ViewScene& scene) {
+    std::vector<Vec3> corners;
+    for (const ViewVolume& volume : scene.volumes) {
+        const std::vector<Vec3> own = wsCorners(volume, scene.dials.kernel);
+        corners.insert(corners.end(), own.begin(), own.end());
+    }
+    return corners;
+}
+
+PixelWindow wholePicture(const ViewScene& scene) {
+    if (!scene.picture.empty()) return scene.picture;
+    const PixelWindow& r = scene.region;
+    return {std::min(r.x0, 0), std::min(r.y0, 0), std::max(r.x1, scene.camera.resolution.x),
+            std::max(r.y1, scene.camera.resolution.y)};
+}
+
+double voxelUnit(const ViewScene& scene) {
+    double unit = std::numeric_limits<double>::infinity();
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewField& field : fieldsOf(volume))
+            for (int axis = 0; axis < 3; ++axis) unit = std::min(unit, glm::length(Vec3(field.wsFromIs[axis])));
+    return unit < std::numeric_limits<double>::infinity() ? unit : 1.0;
+}
+
+}  // namespace scrim

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a sweep needs to know of a scene at one frame: fields in memory, no files, no names to resolve.
+#pragma once
+
+#include <scrim/geometry/camera.h>
+#include <scrim/image/image.h>
+#include <scrim/scene/light.h>
+#include <scrim/scene/dials.h>
+#include <scrim/scene/scene.h>
+#include <scrim/scene/classified.h>
+#include <scrim/scene/medium.h>
+#include <scrim/volume/sparse_field.h>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scrim {
+
+/// A further field of a volume.
+struct ViewField {
+    std::shared_ptr<const SparseField> field;
+    Mat4 wsFromIs{1.0};
+};
+
+/// Radiance per world unit = field value times `color`.
+struct ViewEmission {
+    ViewField field;
+    Rgb color{1};
+};
+
+struct ViewVolume {
+    std::string name;
+    std::shared_ptr<const SparseField> field;
+    Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
+    Medium medium;
+    std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead of as a medium
+    /// Where the albedo is a grid: of red, green and blue the density times the albedo, on the lattice of `field`. What is
+    /// scattered is this times medium.densityScale; medium.albedo does not count.
+    std::vector<ViewField> scatter = {};
+    std::vector<ViewEmission> emission = {};  ///< they add up
+    std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
+};
+
+struct ViewScene {
+    Camera camera;
+    PixelWindow region;   ///< the pixels to render, within the display window or beyond it (overscan)
+    PixelWindow picture;  ///< the whole picture that `region` is a crop of; empty: region and display window
+    std::vector<ViewVolume> volumes;
+    std::vector<Light> lights;
+    Rgb ambient{0};  ///< radiance of an unshadowed environment
+    Dials dials;
+    /// Volumes that are left out, and why: names and reasons, for the plan.
+    std::vector<std::pair<std::string, std::string>> unseen;
+    std::vector<Layer> layers;                ///< to render beside the beauty
+    std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
+    std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
+};
+
+/// The fields of a volume that are not empty, each on a lattice of its own: density and emission.
+std::vector<ViewField> fieldsOf(const ViewVolume& volume);
+
+/// World-space corners of a volume's boxes, kernels included; eight a field that is not empty.
+std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
+
+/// World-space corners of all volumes' boxes, kernels included.
+std::vector<Vec3> wsCorners(const ViewScene& scene);
+
+/// The pixels of the whole picture, overscan included.
+PixelWindow wholePicture(const ViewScene& scene);
+
+/// The smallest edge of the finest grid, world units: the unit of the dials. 1 where all volumes are empty.
+double voxelUnit(const ViewScene& scene);
+
+}  // namespace scrim

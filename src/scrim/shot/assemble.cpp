@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/assemble.h>
+
+#include <scrim/base/error.h>
+#include <scrim/shot/derived_fields.h>
+#include <scrim/engine/plan/light_use.h>
+#include <scrim/volume/coarser.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+// Pixels that the edge of a voxel covers where the volume comes closest to the camera.
+double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
+    double edge = 1e300;
+    for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(wsFromIs[axis])));
+    const RayFamily rays = wsRays(camera);
+    if (camera.type == CameraType::orthographic) return edge / glm::length(rays.originX);
+    const Bounds ws = transformed(wsFromIs, field.isBounds());
+    const double distance = glm::distance(glm::clamp(camera.wsPosition, ws.lower, ws.upper), camera.wsPosition);
+    return edge / std::max(glm::length(rays.directionX) * distance, 1e-300);
+}
+
+// Halves the resolution as long as the voxels stay below `lod` pixels.
+std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, double lod, const Mat4& wsFromAsset,
+                                                     std::shared_ptr<const SparseField> field) {
+    if (field->empty()) return field;
+    while (2 * voxelInPixels(camera, *field, wsFromAsset * field->wsFromIs) <= lod && field->activeVoxels > 1)
+        field = std::make_shared<SparseField>(coarser(*field));
+    return field;
+}
+
+PixelWindow pictureOf(const Scene& scene) {
+    const Int2 size = scene.camera.resolution;
+    return {-scene.overscan, -scene.overscan, size.x + scene.overscan, size.y + scene.overscan};
+}
+
+// For each light of the scene: does it light the volume? Empty: all do.
+std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
+    std::vector<bool> lit;
+    if (!volume.lights) return lit;
+    for (const Light& light : scene.lights)
+        lit.push_back(std::find(volume.lights->begin(), volume.lights->end(), light.name) != volume.lights->end());
+    return lit;
+}
+
+// What is left of a limit (0: none) beside the fields that were made of those of `fields`.
+std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vector<VolumeFields>& fields,
+                        std::size_t limit) {
+    if (limit == 0) return 0;
+    std::set<FieldPointer> given, made;
+    for (const VolumeFields& of : fields) {
+        given.insert(of.density);
+        given.insert(of.emission.begin(), of.emission.end());
+    }
+    std::size_t bytes = 0;
+    const auto add = [&](const FieldPointer& field) {
+        if (!given.contains(field) && made.insert(field).second) bytes += field->bytes();
+    };
+    for (const ViewVolume& volume : volumes) {
+        add(volume.field);
+        for (const ViewField& scatter : volume.scatter) add(scatter.field);
+        for (const ViewEmission& emission : volume.emission) add(emission.field.field);
+    }
+    if (bytes >= limit)
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("what is made of the volumes' grids takes {}, more than the {} that the memory limit leaves",
+                        bytesText(bytes), bytesText(limit)));
+    return limit - bytes;
+}
+
+// A volume with what its grids make of it; nothing where all of it is empty.
+std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields) {
+    const auto placed = [&](FieldPointer field) {
+        if (scene.dials.lod > 0)
+            field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
+        const Mat4 wsFromIs = volume.wsFromAsset * field->wsFromIs;
+        return ViewField{std::move(field), wsFromIs};
+    };
+    ViewVolume out;
+    out.name = volume.name;
+    out.medium = volume.medium;
+    out.classified = volume.classified;
+    out.lights = lightsOf(scene, volume);
+    FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
+    if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
+    if (!volume.classified) {
+        for (std::size_t i = 0; i < fields.emission.size(); ++i)
+            if (fields.emission[i] && !fields.emission[i]->empty())
+                for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i]))
+                    out.emission.push_back({placed(emitted.field), emitted.color});
+        if (volume.albedoGrid && fields.albedo[0] && !density->empty())
+            for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
+                out.scatter.push_back(placed(channel));
+    }
+    if (density->empty() && out.emission.empty()) return std::nullopt;
+    const ViewField own = placed(density);
+    out.field = own.field;
+    out.wsFromIs = own.wsFromIs;
+    return out;
+}
+
+}  // namespace
+
+ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
+                   std::size_t memoryLimit, VolumesOf volumesOf) {
+    ViewScene out;
+    out.camera = scene.camera;
+    out.region = out.picture = pictureOf(scene);
+    if (crop) {
+        const PixelWindow part = intersection(out.region, *crop);
+        if (part.empty())
+            throw Error(
+                ErrorKind::usage,
+                fmt::format("the crop {},{},{},{} holds no pixel of the picture, which is {},{},{},{}", crop->x0,
+                            crop->y0, crop->x1, crop->y1, out.region.x0, out.region.y0, out.region.x1, out.region.y1));
+        out.region = part;
+    }
+    out.lights = scene.lights;
+    out.ambient = scene.ambient;
+    out.dials = scene.dials;
+    out.layers = scene.output.layers;
+    out.lines = scene.lines;
+    std::vector<std::optional<std::vector<Vec3>>> corners;
+    std::vector<std::optional<ViewVolume>> volumes;
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+        volumes.push_back(viewOf(scene, scene.volumes[i], fields[i]));
+        corners.push_back(volumes[i] ? wsCorners(*volumes[i], scene.dials.kernel) : std::vector<Vec3>{});
+    }
+    const std::vector<std::string> reasons = unseenVolumes(scene, corners);
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
+        const std::string& reason = fields[i].unseen.empty() ? reasons[i] : fields[i].unseen;
+        if (volumes[i] && (reason.empty() || volumesOf == VolumesOf::scene))
+            out.volumes.push_back(std::move(*volumes[i]));
+        else if (volumes[i] || !fields[i].unseen.empty())
+            out.unseen.emplace_back(scene.volumes[i].name, reason);
+    }
+    out.memoryLimit = limitBeside(out.volumes, fields, memoryLimit);
+    return out;
+}
+
+std::vector<std::string> unseenVolumes(const Scene& scene,
+                                       const std::vector<std::optional<std::vector<Vec3>>>& wsCorners) {
+    std::vector<VolumeBox> boxes;
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i)
+        boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});
+    return uselessVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
+}
+
+}  // namespace scrim

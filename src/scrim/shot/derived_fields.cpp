@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/derived_fields.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/splat/field_probe.h>
+#include <scrim/volume/field_builder.h>
+
+#include <algorithm>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+using Ramp = std::vector<std::pair<double, double>>;
+
+float ramped(const Ramp& ramp, double value) {
+    const auto next =
+        std::upper_bound(ramp.begin(), ramp.end(), value, [](double v, const auto& point) { return v < point.first; });
+    if (next == ramp.begin()) return static_cast<float>(next->second);
+    const auto& before = *(next - 1);
+    if (next == ramp.end()) return static_cast<float>(before.second);
+    const double t = (value - before.first) / (next->first - before.first);
+    return static_cast<float>(before.second + t * (next->second - before.second));
+}
+
+// An albedo grid at the voxels of another grid.
+class AlbedoProbe {
+  public:
+    AlbedoProbe(const SparseField& density, const std::array<FieldPointer, 3>& albedo, const ColourGrid& look)
+        : m_look(look), m_toAlbedo(glm::inverse(albedo[0]->wsFromIs) * density.wsFromIs), m_aligned(true) {
+        for (std::size_t c = 0; c < 3; ++c) m_probes.emplace_back(*albedo[c], Kernel::linear);
+        constexpr double kRounding = 1e-9;
+        for (int axis = 0; axis < 4; ++axis)
+            for (int row = 0; row < 3; ++row)
+                m_aligned = m_aligned && std::abs(m_toAlbedo[axis][row] - (axis == row ? 1 : 0)) < kRounding;
+    }
+    Rgb at(const Int3& voxel) const {
+        Rgb value;
+        for (int c = 0; c < 3; ++c) {
+            const FieldProbe& probe = m_probes[static_cast<std::size_t>(c)];
+            value[c] = m_aligned ? probe.voxel(voxel) : probe.value(transformPoint(m_toAlbedo, Vec3(voxel)));
+        }
+        return glm::clamp(m_look.scale * (m_look.workingFromGrid * value), Rgb(0), Rgb(1));
+    }
+
+  private:
+    const ColourGrid& m_look;
+    Mat4 m_toAlbedo;
+    bool m_aligned;
+    std::vector<FieldProbe> m_probes;
+};
+
+// All blocks that a field's voxels lie in, tiles cut into them.
+struct Block {
+    Int3 origin;
+    const float* values;  // null: `constant` everywhere
+    float constant;
+};
+std::vector<Block> blocksOf(const SparseField& field) {
+    std::vector<Block> blocks;
+    for (std::size_t b = 0; b < field.blockCount(); ++b) blocks.push_back({field.blockOrigins[b], field.block(b), 0});
+    for (const ConstantTile& tile : field.tiles)
+        for (int x = 0; x < tile.edge; x += kBlockEdge)
+            for (int y = 0; y < tile.edge; y += kBlockEdge)
+                for (int z = 0; z < tile.edge; z += kBlockEdge)
+                    blocks.push_back({tile.origin + Int3(x, y, z), nullptr, tile.value});
+    return blocks;
+}
+
+}  // namespace
+
+FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
+    auto out = std::make_shared<SparseField>(field);
+    auto values = std::make_shared<std::vector<float>>(field.blockCount() * kBlockVoxels);
+    parallelFor(field.blockCount(), [&](std::size_t b) {
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            const float v = field.block(b)[i];
+            (*values)[b * kBlockVoxels + static_cast<std::size_t>(i)] = v > 0 ? ramped(ramp, v) : 0.0f;
+        }
+    });
+    out->blockValues = std::shared_ptr<const float>(values, values->data());
+    out->maxValue = 0;
+    for (const float v : *values) out->maxValue = std::max(out->maxValue, v);
+    for (ConstantTile& tile : out->tiles) {
+        tile.value = ramped(ramp, tile.value);
+        out->maxValue = std::max(out->maxValue, tile.value);
+    }
+    return out;
+}
+
+std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
+                                           const ColourGrid& look) {
+    const AlbedoProbe probe(density, albedo, look);
+    const std::vector<Block> blocks = blocksOf(density);
+    std::array<std::vector<float>, 3> values;
+    for (auto& channel : values) channel.resize(blocks.size() * kBlockVoxels);
+    parallelFor(blocks.size(), [&](std::size_t b) {
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            const float value = blocks[b].values ? blocks[b].values[i] : blocks[b].constant;
+            if (value == 0) continue;
+            const Int3 within(i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge);
+            const Rgb color = probe.at(blocks[b].origin + within);
+            for (std::size_t c = 0; c < 3; ++c)
+                values[c][b * kBlockVoxels + static_cast<std::size_t>(i)] =
+                    value * static_cast<float>(color[static_cast<int>(c)]);
+        }
+    });
+    std::vector<FieldPointer> fields;
+    for (const std::vector<float>& channel : values) {
+        FieldPieces pieces;
+        pieces.name = density.name;
+        pieces.wsFromIs = density.wsFromIs;
+        for (const Block& block : blocks) pieces.blockOrigins.push_back(block.origin);
+        pieces.fill = [&](std::size_t i, float* to) {
+            std::copy_n(channel.data() + i * kBlockVoxels, kBlockVoxels, to);
+        };
+        fields.push_back(std::make_shared<SparseField>(buildField(std::move(pieces))));
+    }
+    return fields;
+}
+
+std::vector<EmittedField> emittedFields(const FieldPointer& field, const Emission& emission) {
+    if (emission.ramp.empty()) return {{field, Rgb(emission.scale)}};
+    // The brightest point's colour; do all others have it, too?
+    Rgb color(0);
+    for (const auto& [value, rgb] : emission.ramp)
+        if (glm::length(rgb) > glm::length(color)) color = rgb;
+    if (color == Rgb(0)) return {};
+    bool shades = true;
+    Ramp strength;
+    for (const auto& [value, rgb] : emission.ramp) {
+        const double s = glm::dot(rgb, color) / glm::dot(color, color);
+        shades = shades && glm::length(rgb - s * color) <= 1e-6 * glm::length(color);
+        strength.emplace_back(value, s);
+    }
+    if (shades) return {{withRamp(*field, strength), emission.scale * color}};
+    std::vector<EmittedField> fields;
+    for (int c = 0; c < 3; ++c) {
+        Ramp channel;
+        for (const auto& [value, rgb] : emission.ramp) channel.emplace_back(value, rgb[c]);
+        Rgb only(0);
+        only[c] = emission.scale;
+        fields.push_back({withRamp(*field, channel), only});
+    }
+    return fields;
+}
+
+}  // namespace scrim

@@ -1,0 +1,289 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/reference.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Empty space is measured in balls of this many voxels: half a block's edge.
+constexpr double kEmptyRadius = 4;
+
+// A step passes over at most this many pixels of a slide, unless that takes more than so many steps for one.
+constexpr double kSlidePixels = 0.5;
+constexpr double kMostSlideSteps = 64;
+
+double most(const Rgb& v) {
+    return std::max({v.x, v.y, v.z});
+}
+double least(const Rgb& v) {
+    return std::min({v.x, v.y, v.z});
+}
+
+}  // namespace
+
+Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
+    : m_scene(scene), m_options(options), m_voxel(voxelUnit(scene)) {
+    m_step = options.step * m_voxel;
+    // A transfer function may jump within a voxel.
+    for (const ViewVolume& volume : scene.volumes)
+        if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
+    for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
+    for (const Light& light : scene.lights)
+        m_slides.push_back(light.slide ? std::optional(slideMap(light)) : std::nullopt);
+    for (const ViewVolume& volume : scene.volumes) {
+        Volume& own = m_volumes.emplace_back();
+        own.look = &volume;
+        if (!volume.field->empty()) own.density.emplace(probeOf({volume.field, volume.wsFromIs}));
+        for (const ViewField& field : volume.scatter) own.scatter.push_back(probeOf(field));
+        for (const ViewEmission& emission : volume.emission)
+            own.emission.push_back({probeOf(emission.field), emission.color});
+    }
+}
+
+Reference::Probe Reference::probeOf(const ViewField& field) const {
+    const Mat4 isFromWs = glm::inverse(field.wsFromIs);
+    double longest = 0;
+    for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
+    return {FieldProbe(*field.field, m_scene.dials.kernel), isFromWs, longest * std::sqrt(3.0)};
+}
+
+// The part of a step that the pixels of slides allow: light that varies within a step would be missed.
+double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) const {
+    double most = 1;
+    for (const auto& map : m_slides) {
+        if (!map) continue;
+        const Vec3 a = map->homogeneous(ws), b = map->homogeneous(ws + step * direction);
+        if (a.z > 0 && b.z > 0)
+            most = std::max(most, glm::distance(Vec2(a) / a.z, Vec2(b) / b.z) / kSlidePixels);
+        else if (a.z > 0 || b.z > 0)
+            most = kMostSlideSteps;  // into the light, or out of it
+    }
+    return step / std::min(most, kMostSlideSteps);
+}
+
+Rgb Reference::extinction(const Vec3& ws) const {
+    Rgb sum(0);
+    for (const Volume& v : m_volumes) sum += extinction(v, ws);
+    return sum;
+}
+
+Rgb Reference::extinction(const Volume& v, const Vec3& ws) const {
+    if (!v.density) return Rgb(0);
+    const double value = v.density->value(ws);
+    if (v.look->classified) return Rgb(classify(*v.look->classified, value).extinction);
+    return v.look->medium.densityScale * value * v.look->medium.extinctionTint;
+}
+
+// Scattering coefficient of a medium.
+Rgb Reference::scattering(const Volume& v, const Vec3& ws) const {
+    const Medium& medium = v.look->medium;
+    if (v.scatter.empty()) return extinction(v, ws) * medium.albedo;
+    const Rgb value(v.scatter[0].value(ws), v.scatter[1].value(ws), v.scatter[2].value(ws));
+    return medium.densityScale * value * medium.extinctionTint;
+}
+
+// Central differences over a voxel on either side, along the lattice's axes.
+Vec3 Reference::gradient(const Volume& v, const Vec3& ws) const {
+    const Vec3 is = transformPoint(v.density->isFromWs, ws);
+    Vec3 difference;
+    for (int axis = 0; axis < 3; ++axis) {
+        Vec3 step(0);
+        step[axis] = 1;
+        difference[axis] = v.density->field.value(is + step) - v.density->field.value(is - step);
+    }
+    return glm::transpose(Mat3(v.density->isFromWs)) * (0.5 * difference);
+}
+
+// A distance within which all fields are 0; 0 where none is known.
+double Reference::emptyDistance(const Vec3& ws) const {
+    double distance = kInfinity;
+    const auto isEmpty = [&](const Probe& probe) {
+        distance = std::min(distance, kEmptyRadius / probe.isPerWs);
+        return probe.field.emptyAround(transformPoint(probe.isFromWs, ws), kEmptyRadius);
+    };
+    for (const Volume& v : m_volumes) {
+        if (v.density && !isEmpty(*v.density)) return 0;
+        for (const Volume::Emission& e : v.emission)
+            if (!isEmpty(e.probe)) return 0;
+    }
+    return distance;
+}
+
+Reference::Span Reference::clip(const Vec3& o, const Vec3& d, double begin, double end) const {
+    for (int axis = 0; axis < 3; ++axis) {
+        double a = (m_wsBounds.lower[axis] - o[axis]) / d[axis], b = (m_wsBounds.upper[axis] - o[axis]) / d[axis];
+        if (d[axis] == 0) {
+            const bool inside = o[axis] >= m_wsBounds.lower[axis] && o[axis] <= m_wsBounds.upper[axis];
+            a = inside ? -kInfinity : kInfinity;
+            b = inside ? kInfinity : -kInfinity;
+        }
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    return {begin, end};
+}
+
+Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
+    const double length = glm::distance(a, b);
+    if (length == 0 || m_volumes.empty()) return Rgb(0);
+    const Vec3 direction = (b - a) / length;
+    const Span span = clip(a, direction, 0, length);
+    // Steps of two-point Gauss quadrature, exact for the cubics of a trilinear field within a cell.
+    const double gauss = 0.5 / std::sqrt(3.0);
+    Rgb tau(0);
+    for (double t = span.begin; t < span.end;) {
+        if (const double empty = emptyDistance(a + t * direction); empty > 0) {
+            t += empty;
+            continue;
+        }
+        const double step = std::min(m_step, span.end - t);
+        const Vec3 middle = a + (t + 0.5 * step) * direction;
+        const Rgb lower = extinction(middle - gauss * step * direction);
+        const Rgb upper = extinction(middle + gauss * step * direction);
+        tau += 0.5 * step * (lower + upper);
+        t += step;
+    }
+    return tau;
+}
+
+// Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
+Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
+    const Classified& look = *v.look->classified;
+    const ClassifiedValue value = classify(look, v.density->value(ws));
+    if (value.extinction == 0) return Rgb(0);
+    const Vec3 slope = gradient(v, ws);
+    const double length = glm::length(slope);
+    const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
+    const Reflected share = phong(look, normal, normalWeight(look, length, m_voxel), toLight, toEye);
+    return value.extinction / std::acos(-1.0) * (share.diffuse * value.color + share.specular);
+}
+
+// Radiance per world unit that one light adds at `ws`.
+Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const {
+    const Light& light = m_scene.lights[index];
+    Vec3 travel = light.wsDirection;
+    double irradiance = 1, distance = 0;
+    if (light.type != LightType::distant) {
+        travel = ws - light.wsPosition;
+        distance = glm::length(travel);
+        if (distance == 0) return Rgb(0);
+        travel /= distance;
+        if (light.decay) irradiance = 1 / std::max(distance * distance, light.radius * light.radius);
+        if (light.type == LightType::spot) {
+            const double half = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
+            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - light.blend), half - 1e-4));
+            const double t = std::clamp((glm::dot(travel, light.wsDirection) - outer) / (inner - outer), 0.0, 1.0);
+            irradiance *= t * t * (3 - 2 * t);
+        }
+    }
+    Rgb arriving = light.intensity * irradiance;
+    if (light.slide) arriving *= slideValue(light, *m_slides[index], ws);
+    if (arriving == Rgb(0)) return arriving;
+    Rgb tau(0);
+    if (light.shadows)
+        tau = opticalDepth(light.type == LightType::distant
+                               ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel)
+                               : light.wsPosition,
+                           ws);
+    Rgb sum(0);
+    for (const Volume& v : m_volumes) {
+        if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;
+        if (v.look->classified) {
+            sum += reflect(v, ws, -travel, -eye) * glm::exp(-tau);
+            continue;
+        }
+        const Medium& medium = v.look->medium;
+        const Rgb coefficient = scattering(v, ws);
+        for (int n = 0; n < medium.octaves.count; ++n) {
+            const Phase phase = flattened(medium.phase, std::pow(medium.octaves.phase, n));
+            sum += std::pow(medium.octaves.contribution, n) * phaseValue(phase, -glm::dot(travel, eye)) * coefficient *
+                   glm::exp(-std::pow(medium.octaves.extinction, n) * tau);
+        }
+    }
+    return arriving * sum;
+}
+
+Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
+    Sample out;
+    for (const Volume& v : m_volumes)
+        for (const Volume::Emission& e : v.emission) out.source += e.probe.value(ws) * e.color;
+    out.extinction = extinction(ws);
+    if (most(out.extinction) == 0) return out;
+    for (std::size_t i = 0; i < m_scene.lights.size(); ++i) out.source += scatter(i, ws, eye);
+    for (const Volume& v : m_volumes) {
+        if (!v.density) continue;
+        if (v.look->classified) {
+            const ClassifiedValue value = classify(*v.look->classified, v.density->value(ws));
+            out.source += value.extinction * v.look->classified->ambient * value.color * m_scene.ambient;
+        } else {
+            out.source += scattering(v, ws) * m_scene.ambient;
+        }
+    }
+    return out;
+}
+
+std::array<double, 4> Reference::ray(double x, double y) const {
+    const RayFamily rays = wsRays(m_scene.camera);
+    const Vec3 origin = rays.origin(x, y);
+    Vec3 direction = rays.direction(x, y);
+    const double depthScale = glm::length(direction);
+    direction /= depthScale;
+    if (m_volumes.empty()) return {0, 0, 0, 0};
+
+    const Span span = clip(origin, direction, rays.near * depthScale, kInfinity);
+    const double gauss = 0.5 / std::sqrt(3.0);
+    Rgb radiance(0);
+    Rgb tau(0);
+    for (double t = span.begin; t < span.end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
+        if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
+            t += empty;
+            continue;
+        }
+        // A step is as long as its optical depth allows.
+        double step = std::min(m_step, span.end - t);
+        step = slideStep(origin + t * direction, direction, step);
+        for (int halvings = 0; halvings < 40; ++halvings) {
+            const double densest = std::max({most(extinction(origin + t * direction)),
+                                             most(extinction(origin + (t + 0.5 * step) * direction)),
+                                             most(extinction(origin + (t + step) * direction))});
+            if (densest * step <= m_options.mostTau) break;
+            step = std::max(0.5 * step, m_options.mostTau / densest);
+            if (step * densest <= m_options.mostTau * 1.0001) break;
+        }
+        // Two Gauss points; each sees half of the step's optical depth in front of or behind it.
+        const double middle = t + 0.5 * step;
+        const Sample near = sample(origin + (middle - gauss * step) * direction, direction);
+        const Sample far = sample(origin + (middle + gauss * step) * direction, direction);
+        const Rgb stepTau = 0.5 * step * (near.extinction + far.extinction);
+        const double fraction = 0.5 - gauss;
+        radiance += 0.5 * step *
+                    (near.source * glm::exp(-tau - fraction * step * near.extinction) +
+                     far.source * glm::exp(-tau - stepTau + fraction * step * far.extinction));
+        tau += stepTau;
+        t += step;
+    }
+    const double alpha = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
+    return {radiance.x, radiance.y, radiance.z, alpha};
+}
+
+std::array<double, 4> Reference::pixel(int x, int y) const {
+    const int n = m_scene.dials.antialias;
+    std::array<double, 4> sum{0, 0, 0, 0};
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const std::array<double, 4> one = ray(x + (i + 0.5) / n, y + (j + 0.5) / n);
+            for (std::size_t c = 0; c < 4; ++c) sum[c] += one[c] / (n * n);
+        }
+    return sum;
+}
+
+}  // namespace scrim

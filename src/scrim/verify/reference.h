@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The brute-force reference: one pixel at a time, double precision, small adaptive steps, a shadow ray marched
+// from every sample to every light. Slow, and meant to be obviously right: everything else is judged by it.
+#pragma once
+
+#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/view_scene.h>
+#include <scrim/engine/splat/field_probe.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+struct ReferenceOptions {
+    double step = 0.5;                 ///< voxels, at most
+    double mostTau = 0.1;              ///< optical depth of a step, at most: denser places take smaller steps
+    double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
+    double classifiedStep = 0.0625;    ///< voxels, at most, where a volume is classified
+};
+
+class Reference {
+  public:
+    /// `scene` must outlive this.
+    explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {});
+
+    /// Premultiplied RGBA along the ray through raster position (x, y). A pixel's centre is at + 1/2.
+    std::array<double, 4> ray(double x, double y) const;
+
+    /// Mean over the n x n rays of pixel (x, y), n = the scene's antialias dial.
+    std::array<double, 4> pixel(int x, int y) const;
+
+    /// Optical depth from `a` to `b`, world space, of each channel.
+    Rgb opticalDepth(const Vec3& wsA, const Vec3& wsB) const;
+
+    /// Radiance per world unit of path at `ws`, scattered and emitted, for an eye ray of direction `wsDirection` (unit,
+    /// away from the eye), and the extinction there.
+    struct Sample {
+        Rgb source{0};
+        Rgb extinction{0};
+    };
+    Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
+
+  private:
+    struct Probe {
+        FieldProbe field;
+        Mat4 isFromWs;
+        double isPerWs;  // longest index-space length of a world unit
+
+        double value(const Vec3& ws) const { return field.value(transformPoint(isFromWs, ws)); }
+    };
+    struct Volume {
+        std::optional<Probe> density;  // none where it is empty
+        std::vector<Probe> scatter;    // of the three channels, where the albedo is a grid
+        struct Emission {
+            Probe probe;
+            Rgb color;
+        };
+        std::vector<Emission> emission;
+        const ViewVolume* look;
+    };
+    struct Span {
+        double begin, end;
+    };
+    Probe probeOf(const ViewField& field) const;
+    Rgb extinction(const Vec3& ws) const;
+    double emptyDistance(const Vec3& ws) const;
+    Span clip(const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
+    Rgb extinction(const Volume& volume, const Vec3& ws) const;
+    Rgb scattering(const Volume& volume, const Vec3& ws) const;
+    Vec3 gradient(const Volume& volume, const Vec3& ws) const;
+    Rgb reflect(const Volume& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
+    double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
+    Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
+
+    const ViewScene& m_scene;
+    ReferenceOptions m_options;
+    std::vector<Volume> m_volumes;
+    std::vector<std::optional<SlideMap>> m_slides;  // one a light
+    Bounds m_wsBounds;
+    double m_voxel, m_step;
+};
+
+}  // namespace scrim

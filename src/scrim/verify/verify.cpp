@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/verify.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/verify/reference.h>
+#include <scrim/verify/verify_pixels.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <random>
+
+namespace scrim {
+namespace {
+
+constexpr double kLeastAlpha = 1e-3;        // pixels below this do not count, unless they shine
+constexpr double kLeastLight = 1e-3;        // of the brightest reference
+constexpr std::size_t kPixelsPerStep = 16;  // between two reports of progress
+constexpr double kAnnounceAfter = 0.5;      // seconds of a verification
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double mostLight(const std::array<double, 4>& rgba) {
+    return std::max({rgba[0], rgba[1], rgba[2]});
+}
+
+double brightestOf(std::span<const VerifiedPixel> pixels) {
+    double brightest = 0;
+    for (const VerifiedPixel& p : pixels) brightest = std::max(brightest, mostLight(p.reference));
+    return brightest;
+}
+
+bool isFinite(const std::array<double, 4>& rgba) {
+    return std::all_of(rgba.begin(), rgba.end(), [](double v) { return std::isfinite(v); });
+}
+
+bool counts(const VerifiedPixel& p, double brightest) {
+    return !isFinite(p.rendered) || std::max(p.reference[3], p.rendered[3]) > kLeastAlpha ||
+           std::max(mostLight(p.reference), mostLight(p.rendered)) > kLeastLight * brightest;
+}
+
+// What one pixel adds: to the squares of differences, and to the mean that they are measured by.
+struct Term {
+    double square = 0, mean = 0;
+};
+
+// Sums over pixels whose relative RMSE is asked for.
+class RelativeError {
+  public:
+    explicit RelativeError(std::vector<Term> terms) : m_terms(std::move(terms)) {}
+
+    double value() const { return valueOf(m_terms).error; }
+    /// Ends of the interval of `confidence`, where deviations are `scale` times as large as of pixels that are few
+    /// among many.
+    std::array<double, 2> interval(double confidence, double scale) const;
+
+  private:
+    struct Value {
+        double error = 0;
+        double logError = 0, deviation = 0;  // of the logarithm; deviation 0: unknown
+    };
+    template <typename Terms>
+    static Value valueOf(const Terms& terms);
+
+    std::vector<Term> m_terms;
+};
+
+// Deviation by the delta method: error = sqrt(mean square) / mean.
+template <typename Terms>
+RelativeError::Value RelativeError::valueOf(const Terms& terms) {
+    double s = 0, m = 0, ss = 0, sm = 0, mm = 0;
+    const auto n = static_cast<double>(terms.size());
+    for (const Term& t : terms) {
+        s += t.square;
+        m += t.mean;
+        ss += t.square * t.square;
+        sm += t.square * t.mean;
+        mm += t.mean * t.mean;
+    }
+    if (n == 0 || s == 0) return {};
+    if (!(m > 0) || !std::isfinite(s)) return {kInfinity, kInfinity, 0};
+    s /= n;
+    m /= n;
+    const double error = std::sqrt(s) / m;
+    const double variance = ((ss / n / (s * s) - 1) / 4 - (sm / n / (s * m) - 1) + (mm / n / (m * m) - 1)) / n;
+    return {error, std::log(error), std::sqrt(std::max(variance, 0.0))};
+}
+
+// Bootstrap-t of the logarithm (B. Efron and R. Tibshirani, An Introduction to the Bootstrap, ch. 12): squares of
+// errors have long tails, and percentiles of plain resamples would promise too much.
+std::array<double, 2> RelativeError::interval(double confidence, double scale) const {
+    const Value own = valueOf(m_terms);
+    if (own.deviation == 0 || scale == 0 || m_terms.size() < 2) return {own.error, own.error};
+    constexpr double kWork = 2e7;  // terms that are drawn, at most
+    const auto n = m_terms.size();
+    const auto count = static_cast<std::size_t>(std::clamp(kWork / double(n), 200.0, 4000.0));
+    std::mt19937_64 random(1);
+    std::vector<double> pivots;
+    std::vector<Term> drawn(n);
+    for (std::size_t b = 0; b < count; ++b) {
+        for (Term& term : drawn) term = m_terms[static_cast<std::size_t>(random() % n)];
+        const Value other = valueOf(drawn);
+        if (other.deviation > 0) pivots.push_back((other.logError - own.logError) / other.deviation);
+    }
+    if (pivots.empty()) return {own.error, own.error};
+    std::sort(pivots.begin(), pivots.end());
+    const double tail = 0.5 * (1 - confidence);
+    const auto at = [&](double part) {
+        return pivots[static_cast<std::size_t>(
+            std::clamp(part * double(pivots.size()), 0.0, double(pivots.size() - 1)))];
+    };
+    const double step = scale * own.deviation;
+    return {own.error * std::exp(std::min(-step * at(1 - tail), 0.0)),
+            own.error * std::exp(std::max(-step * at(tail), 0.0))};
+}
+
+Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidates, double confidence) {
+    Verification v;
+    v.looked = pixels.size();
+    v.complete = candidates > 0 && pixels.size() == candidates;
+    const double brightest = brightestOf(pixels);
+    std::vector<Term> colour, alpha;
+    double signedSum = 0, mean = 0;
+    for (const VerifiedPixel& p : pixels) {
+        if (!counts(p, brightest)) continue;
+        Term c, a;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double e = p.rendered[k] - p.reference[k];
+            c.square += e * e / 3;
+            c.mean += p.reference[k] / 3;
+            signedSum += e / 3;
+        }
+        a.square = (p.rendered[3] - p.reference[3]) * (p.rendered[3] - p.reference[3]);
+        a.mean = p.reference[3];
+        if (!isFinite(p.rendered)) c.square = a.square = kInfinity;
+        if (brightest == 0) c.mean = a.mean;  // nothing is lit: what shines all the same is measured by what covers
+        mean += c.mean;
+        if (c.square >= v.worst) {
+            v.worst = c.square;
+            v.worstX = p.x;
+            v.worstY = p.y;
+        }
+        colour.push_back(c);
+        alpha.push_back(a);
+    }
+    v.pixels = static_cast<int>(colour.size());
+    if (colour.empty()) return v;
+    v.mean = mean / v.pixels;
+    v.bias = mean > 0 ? signedSum / mean : 0;
+    v.worst = mean > 0 ? std::sqrt(v.worst) / v.mean : v.worst > 0 ? kInfinity : 0;
+    // Of a picture that was looked at as a whole the error is known.
+    const double left = candidates > 0 ? 1 - double(pixels.size()) / double(candidates) : 1;
+    const RelativeError ofColour(std::move(colour)), ofAlpha(std::move(alpha));
+    v.error = ofColour.value();
+    v.alphaError = ofAlpha.value();
+    std::array<double, 2> ends = ofColour.interval(confidence, std::sqrt(left));
+    const std::array<double, 2> alphaEnds = ofAlpha.interval(confidence, std::sqrt(left));
+    v.alphaUpper = alphaEnds[1];
+    if (brightest == 0 && v.alphaError > v.error) {
+        v.error = v.alphaError;
+        ends = alphaEnds;
+    }
+    v.lower = ends[0];
+    v.upper = ends[1];
+    return v;
+}
+
+}  // namespace
+
+PixelSample samplePixels(const ViewScene& truth, const Image& image, const SampleOptions& options) {
+    using Clock = std::chrono::steady_clock;
+    const auto start = Clock::now();
+    const auto spent = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+    PixelSample sample;
+    if (options.count <= 0) return sample;
+    const std::vector<Int2> order = verificationOrder(truth, image, options.seed);
+    sample.candidates = order.size();
+    const Reference reference(truth);
+    const auto wanted = static_cast<std::size_t>(options.count);
+    const double prepared = spent();
+    bool announced = false;
+    std::size_t counted = 0, judged = 0;  // of the first `judged` pixels
+    double brightest = 0;
+    for (std::size_t first = 0; first < order.size() && counted < wanted; first += kPixelsPerStep) {
+        const std::size_t step = std::min(kPixelsPerStep, order.size() - first);
+        for (std::size_t i = first; i < first + step; ++i) sample.pixels.push_back({order[i].x, order[i].y, {}, {}});
+        const std::span<VerifiedPixel> fresh = std::span(sample.pixels).subspan(first);
+        parallelFor(step, [&](std::size_t i) { fresh[i].reference = reference.pixel(fresh[i].x, fresh[i].y); });
+        setRendered(fresh, image);
+        if (const double now = std::max(brightest, brightestOf(fresh)); now > brightest) {
+            brightest = now;  // what counted in its shade may not count any more
+            counted = judged = 0;
+        }
+        for (; judged < sample.pixels.size() && counted < wanted; ++judged)
+            counted += counts(sample.pixels[judged], brightest) ? 1 : 0;
+        sample.pixels.resize(judged);
+        const double done = std::max(double(counted) / double(wanted), double(first + step) / double(order.size()));
+        // Not of the very first pixels, which find cold caches.
+        if (!announced && options.announce && spent() - prepared > kAnnounceAfter) {
+            announced = true;
+            options.announce(prepared + (spent() - prepared) / done);
+        }
+        if (options.progress && !options.progress(std::min(done, 1.0)))
+            throw Error(ErrorKind::interrupted, "the verification was interrupted");
+        if (options.seconds > 0 && spent() > options.seconds && counted < wanted) {
+            sample.outOfTime = sample.pixels.size() < order.size();
+            break;
+        }
+        if (options.enough && options.enough(sample)) break;
+    }
+    return sample;
+}
+
+PixelSample samplePixels(const ViewScene& truth, const Image& image, int count, unsigned seed,
+                         const ProgressSink& progress) {
+    SampleOptions options;
+    options.count = count;
+    options.seed = seed;
+    options.progress = progress;
+    return samplePixels(truth, image, options);
+}
+
+void evaluateReferences(const ViewScene& truth, std::span<VerifiedPixel> pixels, const ProgressSink& progress) {
+    const Reference reference(truth);
+    for (std::size_t first = 0; first < pixels.size(); first += kPixelsPerStep) {
+        const std::size_t step = std::min(kPixelsPerStep, pixels.size() - first);
+        parallelFor(step, [&](std::size_t i) {
+            VerifiedPixel& p = pixels[first + i];
+            p.reference = reference.pixel(p.x, p.y);
+        });
+        if (progress && !progress(double(first + step) / double(pixels.size())))
+            throw Error(ErrorKind::interrupted, "the verification was interrupted");
+    }
+}
+
+void setRendered(std::span<VerifiedPixel> pixels, const Image& image) {
+    for (VerifiedPixel& p : pixels) {
+        p.rendered = {};
+        if (!image.window.contains(p.x, p.y)) continue;
+        const float* rgba = image.rgba.data() + image.indexOf(p.x, p.y);
+        std::copy(rgba, rgba + 4, p.rendered.begin());
+    }
+}
+
+Verification summarise(const PixelSample& sample, double confidence) {
+    return summary(sample.pixels, sample.candidates, confidence);
+}
+
+Verification summarise(std::span<const VerifiedPixel> pixels, double confidence) {
+    return summary(pixels, 0, confidence);
+}
+
+}  // namespace scrim

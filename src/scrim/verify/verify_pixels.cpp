@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/verify_pixels.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/splat/kernel.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <limits>
+
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+// A field's box, kernels included, and the eye's rays in its index space.
+struct BoxTest {
+    Bounds isBox;
+    RayFamily isRays;
+
+    bool meets(double x, double y) const {
+        const Vec3 origin = isRays.origin(x, y), direction = isRays.direction(x, y);
+        double begin = isRays.near, end = std::numeric_limits<double>::infinity();
+        for (int axis = 0; axis < 3; ++axis) {
+            if (direction[axis] == 0) {
+                if (origin[axis] < isBox.lower[axis] || origin[axis] > isBox.upper[axis]) return false;
+                continue;
+            }
+            const double a = (isBox.lower[axis] - origin[axis]) / direction[axis];
+            const double b = (isBox.upper[axis] - origin[axis]) / direction[axis];
+            begin = std::max(begin, std::min(a, b));
+            end = std::min(end, std::max(a, b));
+        }
+        return begin <= end;
+    }
+};
+
+std::vector<BoxTest> boxTests(const ViewScene& scene) {
+    const RayFamily ws = wsRays(scene.camera);
+    const double radius = kernelRadius(scene.dials.kernel);
+    std::vector<BoxTest> tests;
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewField& field : fieldsOf(volume)) {
+            const Mat4 isFromWs = glm::inverse(field.wsFromIs);
+            const Mat3 linear(isFromWs);
+            BoxTest& test = tests.emplace_back();
+            test.isBox = field.field->isBounds();
+            test.isBox.lower -= radius;
+            test.isBox.upper += radius;
+            test.isRays = {transformPoint(isFromWs, ws.origin0),
+                           linear * ws.originX,
+                           linear * ws.originY,
+                           linear * ws.direction0,
+                           linear * ws.directionX,
+                           linear * ws.directionY,
+                           ws.near};
+        }
+    return tests;
+}
+
+bool shows(const Image& image, int x, int y) {
+    if (!image.window.contains(x, y)) return false;
+    const float* rgba = image.rgba.data() + image.indexOf(x, y);
+    return std::any_of(rgba, rgba + 4, [](float v) { return v != 0; });  // a NaN shows
+}
+
+// The bits of x at even places.
+std::uint64_t spread(std::uint32_t x) {
+    std::uint64_t v = x;
+    v = (v | v << 16) & 0x0000ffff0000ffff;
+    v = (v | v << 8) & 0x00ff00ff00ff00ff;
+    v = (v | v << 4) & 0x0f0f0f0f0f0f0f0f;
+    v = (v | v << 2) & 0x3333333333333333;
+    return (v | v << 1) & 0x5555555555555555;
+}
+
+// S. Vigna's splitmix64.
+std::uint64_t hashed(std::uint64_t v) {
+    v += 0x9e3779b97f4a7c15;
+    v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9;
+    v = (v ^ v >> 27) * 0x94d049bb133111eb;
+    return v ^ v >> 31;
+}
+
+// The i-th point of a scrambled van der Corput sequence, in steps of 2^-bits. A permutation of [0, 2^bits).
+std::uint64_t scrambledPoint(std::uint64_t i, int bits, std::uint64_t seed) {
+    std::uint64_t point = 0;
+    for (int b = 0; b < bits; ++b) {
+        // Every node of the tree of halvings swaps its halves or does not.
+        const std::uint64_t node = std::uint64_t{1} << b | point;
+        point = point << 1 | ((i >> b & 1) ^ (hashed(hashed(seed) ^ node) & 1));
+    }
+    return point;
+}
+
+}  // namespace
+
+std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed) {
+    const PixelWindow& region = truth.region;
+    const std::vector<BoxTest> tests = boxTests(truth);
+    const int n = truth.dials.antialias;
+    const auto mayShow = [&](int x, int y) {
+        for (const BoxTest& test : tests)
+            for (int j = 0; j < n; ++j)
+                for (int i = 0; i < n; ++i)
+                    if (test.meets(x + (i + 0.5) / n, y + (j + 0.5) / n)) return true;
+        return shows(image, x, y);
+    };
+    std::vector<std::vector<int>> rows(static_cast<std::size_t>(region.height()));
+    parallelFor(rows.size(), [&](std::size_t row) {
+        for (int x = region.x0; x < region.x1; ++x)
+            if (mayShow(x, region.y0 + static_cast<int>(row))) rows[row].push_back(x);
+    });
+    std::vector<Int2> alongCurve;
+    for (std::size_t row = 0; row < rows.size(); ++row)
+        for (const int x : rows[row]) alongCurve.emplace_back(x, region.y0 + static_cast<int>(row));
+    const auto place = [&](const Int2& p) {
+        return spread(static_cast<std::uint32_t>(p.x - region.x0)) | spread(static_cast<std::uint32_t>(p.y - region.y0))
+                                                                         << 1;
+    };
+    std::sort(alongCurve.begin(), alongCurve.end(), [&](const Int2& a, const Int2& b) { return place(a) < place(b); });
+
+    const std::size_t count = alongCurve.size();
+    const int bits = count > 1 ? static_cast<int>(std::bit_width(count - 1)) : 0;
+    std::vector<Int2> order;
+    order.reserve(count);
+    for (std::uint64_t i = 0; i < std::uint64_t{1} << bits && order.size() < count; ++i)
+        if (const std::uint64_t at = scrambledPoint(i, bits, seed); at < count) order.push_back(alongCurve[at]);
+    return order;
+}
+
+}  // namespace scrim

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "support/fields.h"
+
+#include <scrim/engine/splat/field_probe.h>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+// A number of its own for every voxel.
+double number(const Vec3& is) {
+    return 1 + std::sin(12.9 * is.x + 78.2 * is.y + 37.7 * is.z);
+}
+
+class Random {
+  public:
+    double in(double lower, double upper) { return std::uniform_real_distribution<double>(lower, upper)(m_engine); }
+    Vec3 vector(double lower, double upper) { return {in(lower, upper), in(lower, upper), in(lower, upper)}; }
+
+  private:
+    std::mt19937 m_engine{3};
+};
+
+TEST(FieldProbe, KnowsEveryVoxelAndZeroElsewhere) {
+    const Int3 lower(-11, -3, 5), upper(9, 12, 20);
+    const auto field = makeField(lower, upper, 1, number);
+    const FieldProbe probe(*field, Kernel::linear);
+    for (int x = lower.x - 9; x <= upper.x + 9; ++x)
+        for (int y = lower.y - 9; y <= upper.y + 9; ++y)
+            for (int z = lower.z - 9; z <= upper.z + 9; ++z) {
+                const Int3 p(x, y, z);
+                const bool inside = glm::all(glm::greaterThanEqual(p, lower)) && glm::all(glm::lessThanEqual(p, upper));
+                ASSERT_EQ(probe.voxel(p), inside ? double(static_cast<float>(number(Vec3(p)))) : 0);
+            }
+    EXPECT_EQ(probe.voxel(Int3(1 << 28, -(1 << 28), 0)), 0);
+}
+
+TEST(FieldProbe, KnowsTiles) {
+    SparseField field;
+    field.tiles = {{{-16, 0, 8}, 8, 0.5f}, {{32, 32, 32}, 32, 2.0f}};
+    const FieldProbe probe(field, Kernel::linear);
+    EXPECT_EQ(probe.voxel({-16, 0, 8}), 0.5);
+    EXPECT_EQ(probe.voxel({-9, 7, 15}), 0.5);
+    EXPECT_EQ(probe.voxel({-8, 7, 15}), 0);
+    EXPECT_EQ(probe.voxel({-17, 7, 15}), 0);
+    EXPECT_EQ(probe.voxel({63, 63, 63}), 2);
+    EXPECT_EQ(probe.value({40.3, 50.1, 60.9}), 2);
+    EXPECT_NEAR(probe.value({63.25, 50, 50}), 1.5, 1e-12);
+}
+
+TEST(FieldProbe, WithTheLinearKernelIsTrilinear) {
+    const auto field = makeField({-10, -10, -10}, {10, 10, 10}, 1, number);
+    const FieldProbe probe(*field, Kernel::linear);
+    Random random;
+    for (int i = 0; i < 500; ++i) {
+        const Vec3 p = random.vector(-11.5, 11.5), base = glm::floor(p), t = p - base;
+        const auto lerp = [](double a, double b, double x) { return a + x * (b - a); };
+        const auto at = [&](int x, int y, int z) { return probe.voxel(Int3(base) + Int3(x, y, z)); };
+        const double expected =
+            lerp(lerp(lerp(at(0, 0, 0), at(1, 0, 0), t.x), lerp(at(0, 1, 0), at(1, 1, 0), t.x), t.y),
+                 lerp(lerp(at(0, 0, 1), at(1, 0, 1), t.x), lerp(at(0, 1, 1), at(1, 1, 1), t.x), t.y), t.z);
+        ASSERT_NEAR(probe.value(p), expected, 1e-12);
+    }
+}
+
+// The sum of all voxels' kernels, over all voxels there are.
+TEST(FieldProbe, IsTheSumOfAllKernels) {
+    const auto field = makeField({-4, -4, -4}, {4, 4, 4}, 1, number);
+    Random random;
+    for (const Kernel kernel : {Kernel::linear, Kernel::gaussian, Kernel::bspline}) {
+        const FieldProbe probe(*field, kernel);
+        for (int i = 0; i < 40; ++i) {
+            // Corners, whole and half positions too: where a kernel's support begins and ends.
+            const Vec3 p = i < 10 ? glm::round(2.0 * random.vector(-6.5, 6.5)) / 2.0 : random.vector(-6.5, 6.5);
+            double expected = 0;
+            for (int x = -4; x <= 4; ++x)
+                for (int y = -4; y <= 4; ++y)
+                    for (int z = -4; z <= 4; ++z)
+                        expected +=
+                            double(static_cast<float>(number(Vec3(x, y, z)))) * kernelValue(kernel, p - Vec3(x, y, z));
+            ASSERT_NEAR(probe.value(p), expected, 1e-12) << test::nameOf(kernel);
+        }
+    }
+}
+
+// A promise that must never be broken: where it says empty, nothing is.
+TEST(FieldProbe, IsZeroWhereItSaysEmpty) {
+    SparseField field = *boxField({-3, -3, -3}, {4, 4, 4});
+    field.tiles = {{{16, 16, 16}, 8, 1.0f}};
+    Random random;
+    for (const Kernel kernel : {Kernel::linear, Kernel::bspline}) {
+        const FieldProbe probe(field, kernel);
+        int empty = 0;
+        for (int i = 0; i < 2000; ++i) {
+            const Vec3 p = random.vector(-25, 40);
+            const double radius = random.in(0.5, 6);
+            if (!probe.emptyAround(p, radius)) continue;
+            ++empty;
+            for (int k = 0; k < 20; ++k) {
+                const Vec3 d = random.vector(-1, 1);
+                ASSERT_EQ(probe.value(p + radius * d / std::max(1.0, glm::length(d))), 0);
+            }
+        }
+        EXPECT_GT(empty, 500);
+        EXPECT_FALSE(probe.emptyAround({0, 0, 0}, 0.1));
+        EXPECT_FALSE(probe.emptyAround({20, 20, 20}, 0.1));
+        EXPECT_TRUE(probe.emptyAround({100, 0, 0}, 50));
+    }
+}
+
+}  // namespace
+}  // namespace scrim::test
