@@ -15,7 +15,7 @@
 #include <scrim/image/exr.h>
 #include <scrim/shot/assemble.h>
 #include <scrim/engine/plan/report.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/verify/tolerance.h>
 #include <scrim/verify/verify.h>
 

@@ -42,7 +42,7 @@ TEST(PointLight, FallsOffWithTheSquareOfDistance) {
     ViewScene scene = thinLayer();
     Light light;
     light.name = "bulb";
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     light.wsPosition = {5, -3, 80};
     light.intensity = Rgb(1e6);
     scene.lights.push_back(light);
@@ -57,10 +57,10 @@ TEST(PointLight, FallsOffWithTheSquareOfDistance) {
 TEST(PointLight, WithoutDecayIsAsBrightEverywhere) {
     ViewScene scene = thinLayer();
     Light light;
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     light.wsPosition = {5, -3, 80};
     light.intensity = Rgb(1e6);
-    light.decay = false;
+    light.point().decay = false;
     scene.lights.push_back(light);
     const Frame frame = renderScene(scene);
     EXPECT_NEAR(pixelOf(frame, 5, 5)[0], pixelOf(frame, 50, 40)[0], 5e-3 * pixelOf(frame, 5, 5)[0]);
@@ -69,9 +69,9 @@ TEST(PointLight, WithoutDecayIsAsBrightEverywhere) {
 TEST(PointLight, IsNoBrighterThanAtItsRadius) {
     ViewScene scene = thinLayer();
     Light light;
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     light.wsPosition = {0, 0, 120};
-    light.radius = 200;
+    light.point().radius = 200;
     light.intensity = Rgb(1e6);
     scene.lights.push_back(light);
     const double expected = 1e6 / (200 * 200) * 16 * kExtinction / (4 * kPi);
@@ -81,12 +81,12 @@ TEST(PointLight, IsNoBrighterThanAtItsRadius) {
 TEST(SpotLight, LightsItsConeOnlyAndFadesOverItsBlend) {
     ViewScene scene = thinLayer();
     Light light;
-    light.type = LightType::spot;
+    light.kind = Light::Spot{};
     light.wsPosition = {0, 0, 99.5};
     light.wsDirection = {0, 0, -1};
-    light.coneAngle = 24;
-    light.blend = 0.5;
-    light.decay = false;
+    std::get<Light::Spot>(light.kind).coneAngle = 24;
+    std::get<Light::Spot>(light.kind).blend = 0.5;
+    light.point().decay = false;
     light.intensity = Rgb(1);
     scene.lights.push_back(light);
     const Frame frame = renderScene(scene);

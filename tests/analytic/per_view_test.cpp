@@ -34,7 +34,7 @@ void makePerspective(ViewScene& scene) {
 Light pointLight(const Vec3& wsPosition) {
     Light light;
     light.name = "lamp";
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     light.wsPosition = wsPosition;
     light.intensity = Rgb(3000);
     return light;

@@ -7,7 +7,7 @@
 #include "dense_marcher.h"
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/verify/verify.h>
 
 #include <algorithm>

@@ -7,7 +7,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/base/simd.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 
 #include <sys/resource.h>
 

@@ -6,7 +6,7 @@
 #include "bench_scene.h"
 
 #include <scrim/shot/derived_fields.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/verify/verify.h>
 
 #include <algorithm>

@@ -16,7 +16,7 @@
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_read.h>
 #include <scrim/shot/assemble.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/scene/framing.h>
 #include <scrim/scene/scene_reader.h>
 #include <scrim/verify/verify.h>

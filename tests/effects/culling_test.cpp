@@ -4,8 +4,7 @@
 #include "support/verified.h"
 
 #include <scrim/engine/plan/effects.h>
-#include <scrim/engine/plan/light_use.h>
-#include <scrim/engine/plan/view_frustum.h>
+#include <scrim/engine/plan/culling.h>
 
 #include <gtest/gtest.h>
 
@@ -129,7 +128,7 @@ TEST(UselessVolumes, AreOutOfViewAndThrowNoShadowIntoIt) {
     const std::vector<VolumeBox> volumes{boxAt({0, 0, 0}), boxAt({0, 20, 0}), boxAt({20, 0, 0}), boxAt({0, 0, 30})};
     const auto useless = [&](const std::vector<Light>& lights) {
         std::vector<bool> out;
-        for (const std::string& reason : uselessVolumes(camera, picture, lights, volumes))
+        for (const std::string& reason : culledVolumes(camera, picture, lights, volumes))
             out.push_back(!reason.empty());
         return out;
     };
@@ -149,9 +148,9 @@ TEST(UselessVolumes, StayWhereTheyMightShadeOneOfUnknownPlace) {
     camera.resolution = {40, 40};
     camera.wsPosition = {0, 0, 10};
     const std::vector<VolumeBox> volumes{{}, boxAt({0, 0, 50})};
-    EXPECT_EQ(uselessVolumes(camera, {0, 0, 40, 40}, {distantLight({0, -1, 0})}, volumes)[1], "");
-    EXPECT_NE(uselessVolumes(camera, {0, 0, 40, 40}, {}, volumes)[1], "");
-    EXPECT_EQ(uselessVolumes(camera, {0, 0, 40, 40}, {}, volumes)[0], "");
+    EXPECT_EQ(culledVolumes(camera, {0, 0, 40, 40}, {distantLight({0, -1, 0})}, volumes)[1], "");
+    EXPECT_NE(culledVolumes(camera, {0, 0, 40, 40}, {}, volumes)[1], "");
+    EXPECT_EQ(culledVolumes(camera, {0, 0, 40, 40}, {}, volumes)[0], "");
 }
 
 TEST(UselessLights, AreNamedWithTheirReasons) {
@@ -161,18 +160,18 @@ TEST(UselessLights, AreNamedWithTheirReasons) {
     scene.lights.resize(5, scene.lights[0]);
     scene.lights[1].intensity = Rgb(0);
     scene.lights[4] = lamp({60, 0, 0}, 1e4);
-    scene.lights[4].type = LightType::spot;
+    scene.lights[4].kind = Light::Spot{};
     scene.lights[4].wsDirection = {1, 0, 0};
     scene.volumes[0].lights = {true, true, false, false, true};
     scene.volumes[1].lights = {false, false, false, true, false};
-    const std::vector<std::string> reasons = uselessLights(scene);
+    const std::vector<std::string> reasons = culledLights(scene);
     EXPECT_EQ(reasons[0], "");
     EXPECT_EQ(reasons[1], "it is black");
     EXPECT_EQ(reasons[2], "no volume is linked to it");
     EXPECT_EQ(reasons[3], "it lights nothing in view");
     EXPECT_EQ(reasons[4], "its beam passes by all that it could light in view");
     for (ViewVolume& volume : scene.volumes) volume.medium.albedo = Rgb(0);
-    EXPECT_EQ(uselessLights(scene)[0], "no volume scatters light");
+    EXPECT_EQ(culledLights(scene)[0], "no volume scatters light");
     const std::vector<Effect> effects = effectsOf(scene, makePlan(scene, 2));
     EXPECT_TRUE(effectOf(effects, "lights left out").on);
     EXPECT_NE(effectOf(effects, "lights left out").reason.find("'key': no volume scatters light"), std::string::npos);

@@ -5,7 +5,7 @@
 
 #include <scrim/shot/assemble.h>
 #include <scrim/shot/derived_fields.h>
-#include <scrim/engine/splat/field_probe.h>
+#include <scrim/engine/splat/kernel.h>
 
 #include <gtest/gtest.h>
 

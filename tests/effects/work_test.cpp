@@ -89,7 +89,7 @@ const std::vector<Off>& offs() {
         {"spot that looks away",
          [](ViewScene& s) {
              s.lights.push_back(lamp({60, 0, 0}, 1e4));
-             s.lights.back().type = LightType::spot;
+             s.lights.back().kind = Light::Spot{};
              s.lights.back().wsDirection = {1, 0, 0};
          }},
         {"no antialiasing", [](ViewScene& s) { s.dials.antialias = 1; }}};
@@ -206,8 +206,8 @@ TEST(LayerWork, IsDoneByTheGroupThatOwnsTheLight) {
     scene.layers = {Layer::light, Layer::depth, Layer::albedo};
     const Plan plan = makePlan(scene, 2);
     ASSERT_EQ(plan.groups.size(), 2u);
-    EXPECT_EQ(plan.groups[0].pictures.size(), 3u);
-    EXPECT_EQ(plan.groups[1].pictures.size(), 1u);
+    EXPECT_EQ(plan.groups[0].outputs.list.size(), 3u);
+    EXPECT_EQ(plan.groups[1].outputs.list.size(), 1u);
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +24,8 @@ constexpr double kLargest = 1e30;   // beyond this floats may overflow, and need
 
 /// The most irradiance (distant) that `light` gives anywhere; infinite where nothing bounds it.
 double mostOf(const Light& light, int c) {
-    if (light.type == LightType::distant || !light.decay) return light.intensity[c];
-    return light.intensity[c] == 0 ? 0 : light.intensity[c] / (light.radius * light.radius);
+    if (light.distant() || !light.point().decay) return light.intensity[c];
+    return light.intensity[c] == 0 ? 0 : light.intensity[c] / (light.point().radius * light.point().radius);
 }
 
 /// The radiance in front of a medium or surface that lets nothing through, if all light reached it unshadowed and was

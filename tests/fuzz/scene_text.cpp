@@ -76,8 +76,9 @@ void checkLight(const Light& light) {
     require(finite(light.wsPosition) && finite(light.wsUp), "a light that is nowhere");
     require(finite(light.intensity) && light.intensity.x >= 0 && light.intensity.y >= 0 && light.intensity.z >= 0,
             "intensity {} {} {}", light.intensity.x, light.intensity.y, light.intensity.z);
-    require(light.radius >= 0 && std::isfinite(light.radius), "radius {}", light.radius);
-    require(light.type != LightType::projector || light.slide, "a projector without a slide");
+    if (light.distant()) return;
+    const double radius = light.point().radius;
+    require(radius >= 0 && std::isfinite(radius), "radius {}", radius);
 }
 
 void checkScene(const Scene& scene) {

@@ -6,7 +6,7 @@
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_read.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/volume/field_builder.h>
 
 #include <cmath>

@@ -30,7 +30,7 @@ ViewScene smokeScene() {
     scene.lights.push_back(distantLight({0.3, -0.2, 1}, 0.5));
     Light bulb;
     bulb.name = "bulb";
-    bulb.type = LightType::point;
+    bulb.kind = Light::Point{};
     bulb.wsPosition = {60, 50, 40};
     bulb.intensity = Rgb(2000, 1000, 500);
     scene.lights.push_back(bulb);
@@ -146,7 +146,7 @@ TEST(SizeOfTheScene, AThousandthWithAThousandTimesTheExtinctionIsTheSamePicture)
     scene.volumes[0].medium.densityScale /= factor;
     for (Light& light : scene.lights) {
         light.wsPosition *= factor;
-        if (light.type != LightType::distant) light.intensity *= factor * factor;
+        if !(light.distant()) light.intensity *= factor * factor;
     }
     EXPECT_LT(largestDifference(here, renderScene(scene).image), 1e-5 * brightest(here));
 }

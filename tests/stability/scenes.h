@@ -105,8 +105,8 @@ inline ViewScene moved(ViewScene scene, double scale, const Mat3& rotation, cons
         light.wsPosition = place(light.wsPosition);
         light.wsDirection = rotation * light.wsDirection;
         light.wsUp = rotation * light.wsUp;
-        light.radius *= scale;
-        if (light.type != LightType::distant && light.decay) light.intensity *= scale * scale;
+        light.point().radius *= scale;
+        if !(light.distant() && light.point().point().decay) light.intensity *= scale * scale;
     }
     scene.camera.wsPosition = place(scene.camera.wsPosition);
     scene.camera.wsFromCamera = rotation * scene.camera.wsFromCamera;

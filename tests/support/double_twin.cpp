@@ -53,7 +53,7 @@ Quantised quantise(double at, int steps) {
 // Stage 1: extinction of one volume, sheet by sheet.
 void splat(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, std::vector<Plane>& planes) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
-    const FootprintSteps steps = footprintSteps(tsFromIs, VolumePlanes::footprintStepsOf(volume, dials));
+    const FootprintSteps steps = footprintSteps(tsFromIs, dials.footprintSteps);
     const FootprintTable table(dials.kernel, tsFromIs, steps.texel, steps.sheet, FootprintLookup::sloped);
     const SparseField& field = *volume.field;
     for (std::size_t b = 0; b < field.blockCount(); ++b)

@@ -81,10 +81,10 @@ Light distantLight(const Vec3& direction, double irradiance) {
 Light lamp(const Vec3& wsPosition, double intensity, double radius) {
     Light light;
     light.name = "lamp";
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     light.wsPosition = wsPosition;
     light.intensity = Rgb(intensity);
-    light.radius = radius;
+    light.point().radius = radius;
     return light;
 }
 

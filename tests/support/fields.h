@@ -2,7 +2,7 @@
 // Small fields made in code, and scenes around them, for tests that need no files.
 #pragma once
 
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/scene/view_scene.h>
 
 #include <array>

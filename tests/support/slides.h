@@ -47,9 +47,9 @@ inline Light distantSlide(const Vec3& direction, double width, std::shared_ptr<c
 /// A projector at `position` that looks at the origin, without decay.
 inline Light projector(const Vec3& position, double fov, std::shared_ptr<const Texture> image) {
     Light light = distantSlide(-position, 1, std::move(image));
-    light.type = LightType::projector;
+    light.kind = Light::Point{};
     light.wsPosition = position;
-    light.decay = false;
+    light.point().decay = false;
     light.slide->fov = fov;
     return light;
 }

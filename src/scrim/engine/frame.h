@@ -4,12 +4,39 @@
 
 #include <scrim/image/image.h>
 #include <scrim/scene/scene.h>
-#include <scrim/engine/shade/shade_work.h>
 
 #include <cstdint>
 #include <vector>
 
 namespace scrim {
+
+/// Counts of what shading did. Passes over a tile count themselves, once a tile, so that a pass that is not run is seen to
+/// be absent, and loops over samples know nothing of it.
+struct ShadeWork {
+    std::uint64_t samples = 0;       ///< shaded: texels, or points where pixels' rays meet sheets
+    std::uint64_t lightLookups = 0;  ///< light and sample pairs
+    std::uint64_t slideLookups = 0;
+    std::uint64_t phases = 0;        ///< evaluations of a phase function that is not isotropic
+    std::uint64_t octaves = 0;       ///< light and sample pairs of octaves beyond the first
+    std::uint64_t gradients = 0;     ///< normals of classified volumes
+    std::uint64_t emissions = 0;     ///< samples of emission
+    std::uint64_t ambients = 0;      ///< samples of ambient light
+    std::uint64_t exponentials = 0;  ///< of optical depths
+
+    ShadeWork& operator+=(const ShadeWork& o) {
+        samples += o.samples;
+        lightLookups += o.lightLookups;
+        slideLookups += o.slideLookups;
+        phases += o.phases;
+        octaves += o.octaves;
+        gradients += o.gradients;
+        emissions += o.emissions;
+        ambients += o.ambients;
+        exponentials += o.exponentials;
+        return *this;
+    }
+    bool operator==(const ShadeWork&) const = default;
+};
 
 /// Counts of work done, not of time: equal scenes give equal numbers on every machine.
 struct RenderWork {
@@ -33,12 +60,16 @@ struct RenderWork {
         bool operator==(const Bytes&) const = default;
     } bytes;
 
+    /// Counts add up; bytes are those of whichever takes more.
+    RenderWork& operator+=(const RenderWork& o);
     bool operator==(const RenderWork&) const = default;
 };
 
 /// Seconds spent in each stage, wall clock.
 struct StageTimes {
     double prepare = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
+
+    StageTimes& operator+=(const StageTimes& o);
 };
 
 /// A picture beside the beauty, of the same window.

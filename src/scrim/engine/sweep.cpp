@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights. Each stage is parallel;
+// the end of a stage is the only barrier.
 #include <scrim/engine/sweep.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/composite/compositor.h>
+#include <scrim/engine/composite/resolve.h>
+#include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/sheet_shader.h>
+#include <scrim/engine/splat/extinction_sum.h>
 
 #include <algorithm>
 #include <chrono>
@@ -28,22 +32,20 @@ class Stopwatch {
 };
 
 // Stage 4 at texels: shades the active tiles of a batch that an open pixel may see.
-ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const ImageTiles& tiles, const PlaneStack& covered,
+ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelTiles& tiles, const PlaneStack& covered,
                      int firstSheet, int count, PlaneStack& shaded) {
     const int tilesY = shaded.tilesY();
     const int floats = shaded.channels();
     for (int p = 0; p < count; ++p) shaded.begin(p);
-    std::vector<ShadeWork> work(static_cast<std::size_t>(count * tilesY));
+    std::vector<ShadeWork> work(std::size_t(count) * tilesY);
     parallelFor(work.size(), [&](std::size_t task) {
         const int p = static_cast<int>(task) / tilesY, ty = static_cast<int>(task) % tilesY;
         const int sheet = firstSheet + p;
-        std::vector<float> out(static_cast<std::size_t>(floats * kTileSize));
+        std::vector<float> out(std::size_t(floats) * kTileSize);
         for (int tx = 0; tx < shaded.tilesX(); ++tx) {
             if (!covered.active(p, tx, ty)) continue;
-            // A texel serves bilinear look-ups up to one texel around it.
-            const auto seen = eye.seenBy(tx * kTileEdge - 1, ty * kTileEdge - 1, (tx + 1) * kTileEdge,
-                                         (ty + 1) * kTileEdge, sheet + 0.5);
-            if (seen && !tiles.anyOpen(seen->x0, seen->y0, seen->x1, seen->y1)) continue;
+            const auto seen = eye.seenBy(texelsAround({tx, ty, tx + 1, ty + 1}), sheet + 0.5);
+            if (seen && !tiles.anyOpen(*seen)) continue;
             work[task] += shader.shadeTexels(p, sheet, tx, ty, out.data());
             shaded.replace(p, tx, ty);
             float* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
@@ -60,69 +62,99 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const ImageT
 
 // ZC02 Fig. 5, line 3: what falls on opaque pixels alone need not be splatted for the eye. (For lights it must: hidden
 // voxels still cast shadows.) Normals look a little around a pixel, hence the guard.
-TileCull occlusionMap(const ImageTiles& tiles, int guardTiles) {
-    return [&tiles, guardTiles](int tx0, int ty0, int tx1, int ty1) {
-        for (int ty = std::max(0, ty0 - 2 * guardTiles); ty <= std::min(tiles.tilesY() - 1, ty1); ++ty)
-            for (int tx = std::max(0, tx0 - 2 * guardTiles); tx <= std::min(tiles.tilesX() - 1, tx1); ++tx)
-                if (!tiles.opaque(ty * tiles.tilesX() + tx)) return false;
-        return true;
+TileCull occlusionMap(const PixelTiles& tiles, int guardTiles) {
+    return [&tiles, guard = 2 * guardTiles](const Box2<int>& box) {
+        return !tiles.anyOpen(Box2<int>{box.x0 - guard, box.y0 - guard, box.x1, box.y1});
     };
 }
 
-}  // namespace
+struct Swept {
+    PixelTiles tiles;
+    RenderWork work;
+    StageTimes times;
+};
 
-void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group, ImageTiles& tiles,
-              RenderWork& work, StageTimes& times, const SweepProgress& progress) {
+Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
+            const std::function<void(double)>& progress) {
     Stopwatch watch;
-    const Sheets& sheets = group.sheets;
-    const EyeView eye(camera, sheets, plan.simd);
-    BatchFields fields(scene, plan.extinction, sheets, plan.perView ? group.eyeRaster : sharedRaster(sheets),
-                       group.batchSheets, plan.voxel, sheetsForEye(group));
-    BatchLights lights(scene, plan, group);
-    const SheetShader shader(scene, plan, group, fields, lights, eye);
-    EyeWalk walk(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));
+    const int n = scene.dials.antialias;
+    const OutputLayout& layout = group.outputs.layout;
+    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}};
+    auto& [tiles, work, times] = swept;
+    const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
+    ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets,
+                             ExtinctionSum::eyeOf(group));
+    LightSweep lights(scene, plan, group);
+    const SheetShader shader(scene, plan, group, extinction, lights, eye);
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));
     std::optional<PlaneStack> shaded;
-    if (!plan.shadeAtPixels) shaded.emplace(group.batchSheets, sheets.width, sheets.height, group.layout.floats());
-    const TileCull cull = plan.perView && group.sameSide ? occlusionMap(tiles, group.guardTiles) : TileCull{};
-    work.voxelsFed += fields.voxels();
-    times.prepare += watch.lap();
+    if (!plan.shadeAtPixels)
+        shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
+    // The eye's own lattice holds what it needs and no more; of the shared one tiles are culled beforehand.
+    const bool own = !group.lattice.shared();
+    const TileCull cull = own && group.sameSide ? occlusionMap(tiles, group.lattice.guardTiles) : TileCull{};
+    const NeededTiles* needed = own ? nullptr : &group.needed;
+    work.voxelsFed = extinction.voxels();
+    times.prepare = watch.lap();
 
-    // Rasters of views hold what they need and no more.
-    const NeededTiles* needed = plan.perView ? nullptr : &group.needed;
     for (int first = group.needed.first; first < group.needed.last; first += group.batchSheets) {
         const int count = std::min(group.batchSheets, group.needed.last - first);
         work.sheets += static_cast<std::uint64_t>(count);
-        work.footprints += fields.splat(first, count, needed, cull).footprints;
+        // 1, 2: voxels into sheets, and what is extinct there.
+        work.footprints += extinction.splat(first, count, needed, cull);
         times.splat += watch.lap();
-
-        const BatchLights::Work light = lights.attenuate(first, count, fields);
+        // 3: light through the sheets.
+        const LightSweep::Work light = lights.attenuate(first, count, extinction);
         work.lightSamples += light.samples;
         work.footprints += light.footprints;
         times.attenuate += watch.lap();
-
-        EyeWalk::Work seen;
+        // 4 and 5: the sheets shaded and composited, at texels or where pixels' rays meet them.
+        Compositor::Work seen;
         if (shaded) {
-            const ShadeWork texels = shadeBatch(shader, eye, tiles, fields.covered(), first, count, *shaded);
+            const ShadeWork texels = shadeBatch(shader, eye, tiles, extinction.covered(), first, count, *shaded);
             work.shade += texels;
             work.texelsShaded += texels.samples;
             times.shade += watch.lap();
-            seen = walk.throughTexels(first, count, *shaded);
+            seen = compositor.throughTexels(first, count, *shaded);
         } else {
-            seen = plan.perView ? walk.throughCells(first, count, fields.covered(), group.guardTiles, shader)
-                                : walk.throughPixels(first, count, fields.covered(), shader);
+            seen = compositor.throughPixels(first, count, extinction.covered(), group.lattice, shader);
         }
         work.shade += seen.shade;
         work.pixelSheets += seen.pixelSheets;
-        work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(group.layout.quads() - 1);
+        work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(layout.quads() - 1);
         times.composite += watch.lap();
 
         progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first));
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
-        if (group.sameSide && walk.allOpaque()) break;
+        if (group.sameSide && compositor.allOpaque()) break;
     }
-    RenderWork::Bytes bytes{fields.bytes(), lights.bytes(), 0, tiles.bytes()};
-    if (shaded) bytes.shaded = PlaneStack::bytes(group.batchSheets, sheets.width, sheets.height, group.layout.floats());
-    if (bytes.total() > work.bytes.total()) work.bytes = bytes;
+    work.bytes = {extinction.bytes(), lights.bytes(), 0, tiles.bytes()};
+    if (shaded)
+        work.bytes.shaded = PlaneStack::bytes(shaded->planes(), shaded->width(), shaded->height(), layout.floats());
+    return swept;
+}
+
+Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
+    Frame frame = emptyFrame(scene);
+    for (std::size_t g = 0; g < plan.groups.size(); ++g) {
+        const Swept swept = sweep(scene, plan, plan.groups[g], [&](double done) {
+            const double all = (double(g) + done) / double(plan.groups.size());
+            if (progress && !progress(all)) throw Error(ErrorKind::interrupted, "the render was interrupted");
+        });
+        resolve(scene, plan, plan.groups[g], swept.tiles, frame);
+        frame.work += swept.work;
+        frame.times += swept.times;
+    }
+    finishLayers(frame);
+    return frame;
+}
+
+}  // namespace
+
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
+    Frame frame;
+    TaskArena(plan.threads).run([&] { frame = renderHere(scene, plan, progress); });
+    return frame;
 }
 
 }  // namespace scrim

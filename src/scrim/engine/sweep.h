@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// One sweep: batch by batch through the sheets of a group, each stage parallel, the batch boundary the only
-// barrier between stages.
+// Renders one frame as planned: one sweep a group, and the sum of what they left in the pixels.
 #pragma once
 
 #include <scrim/base/messages.h>
 #include <scrim/engine/frame.h>
-#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/plan/plan.h>
 
 namespace scrim {
 
-/// Called after each batch with the finished part of the sweep in [0, 1].
-using SweepProgress = std::function<void(double)>;
-
-/// Runs the sweep of `group` into `tiles`, which must be freshly reset. `camera` has the resolution of the
-/// antialiasing raster.
-void runSweep(const ViewScene& scene, const Camera& camera, const Plan& plan, const GroupPlan& group, ImageTiles& tiles,
-              RenderWork& work, StageTimes& times, const SweepProgress& progress);
+/// Renders `scene` as `plan` (made from it) says. The picture covers scene.region. Bit-identical for every
+/// number of threads. Touches no state of the process: any number of renders may be under way at once, each with the
+/// threads and vector instructions of its own plan. Throws Error: memory, interrupted (where `progress` said so).
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress = {});
 
 }  // namespace scrim

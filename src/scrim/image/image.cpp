@@ -5,10 +5,6 @@
 
 namespace scrim {
 
-PixelWindow intersection(const PixelWindow& a, const PixelWindow& b) {
-    return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};
-}
-
 Image emptyImage(const PixelWindow& window) {
     return {window, std::vector<float>(4 * window.pixelCount(), 0.0f)};
 }

@@ -3,33 +3,16 @@
 // renderers, tests and writers share it without pulling those in.
 #pragma once
 
+#include <scrim/geometry/box2.h>
+
 #include <cstddef>
 #include <vector>
 
 namespace scrim {
 
-/// A half-open box of pixels [x0, x1) x [y0, y1): x to the right, y down. The display window starts at (0,
-/// 0); a data window may begin at negative coordinates (overscan).
-struct PixelWindow {
-    int x0 = 0;
-    int y0 = 0;
-    int x1 = 0;
-    int y1 = 0;
-
-    int width() const { return x1 > x0 ? x1 - x0 : 0; }
-    int height() const { return y1 > y0 ? y1 - y0 : 0; }
-    bool empty() const { return x1 <= x0 || y1 <= y0; }
-    std::size_t pixelCount() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
-    bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
-    /// True where every pixel of `other` lies inside (always, where `other` is empty).
-    bool contains(const PixelWindow& other) const {
-        return other.empty() || (other.x0 >= x0 && other.x1 <= x1 && other.y0 >= y0 && other.y1 <= y1);
-    }
-    bool operator==(const PixelWindow&) const = default;
-};
-
-/// The pixels that lie in both windows; may be empty.
-PixelWindow intersection(const PixelWindow& a, const PixelWindow& b);
+/// A half-open box of pixels. The display window starts at (0, 0); a data window may begin at negative coordinates
+/// (overscan).
+using PixelWindow = Box2<int>;
 
 /// Premultiplied scene-linear RGBA: 4 floats a pixel, rows from top to bottom. `rgba` holds exactly
 /// 4 * window.pixelCount() floats.

@@ -8,6 +8,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 
 namespace scrim {
 
@@ -27,23 +29,37 @@ struct Slide {
     std::shared_ptr<const Texture> image;  ///< null until it is loaded
 };
 
-enum class LightType { distant, point, spot, projector };
-
+/// A light, in world space, with its colour in the working space.
 struct Light {
+    struct Distant {};
+    struct Point {
+        double radius = 0;  ///< world units; keeps 1/r^2 finite
+        bool decay = true;  ///< false: the paper's lights, whose intensity is the irradiance everywhere
+    };
+    struct Spot : Point {
+        double coneAngle = 45;  ///< full angle, degrees
+        double blend = 0.15;    ///< part of the cone, from its border inwards, over which light fades
+    };
+
     std::string name;
-    LightType type = LightType::distant;
+    std::variant<Distant, Point, Spot> kind;
+    Vec3 wsPosition{0};          ///< point, spot; distant: the centre of the slide
     Vec3 wsDirection{0, 0, -1};  ///< unit; the way the light travels (distant), the axis of a cone or slide
-    Vec3 wsPosition{0};          ///< point, spot, projector; distant: the centre of the slide
     Vec3 wsUp{0, 1, 0};          ///< what is up on the slide; any length but 0
     /// Colour times intensity times 2^exposure. Distant, or without decay: irradiance. Otherwise radiant
     /// intensity: irradiance is intensity / max(r^2, radius^2), r in world units.
     Rgb intensity{1};
-    double radius = 0;           ///< world units; keeps 1/r^2 finite
-    bool decay = true;           ///< false: the paper's lights, whose intensity is the irradiance everywhere
-    double coneAngle = 45;       ///< spot: full angle, degrees
-    double blend = 0.15;         ///< spot: part of the cone, from its border inwards, over which light fades
-    std::optional<Slide> slide;  ///< multiplies the intensity; a projector always has one
+    std::optional<Slide> slide;  ///< multiplies the intensity; a projector is a point that has one
     bool shadows = true;
+
+    bool distant() const { return std::holds_alternative<Distant>(kind); }
+    const Spot* spot() const { return std::get_if<Spot>(&kind); }
+    /// Of a light that is not distant: what points and spots have in common.
+    const Point& point() const {
+        if (const Spot* s = spot()) return *s;
+        return std::get<Point>(kind);
+    }
+    Point& point() { return const_cast<Point&>(std::as_const(*this).point()); }
 };
 
 }  // namespace scrim

@@ -11,7 +11,8 @@
 namespace scrim {
 namespace {
 
-const std::vector<std::string> kTypes{"distant", "point", "spot", "projector"};  // in the order of LightType
+enum class Type { distant, point, spot, projector };
+const std::vector<std::string> kTypes{"distant", "point", "spot", "projector"};  // in this order
 
 /// Colour times intensity times 2^exposure.
 Rgb readIntensity(TomlTable& table, const ReadContext& context) {
@@ -36,12 +37,12 @@ Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) 
 /// How large the slide's picture is: an angle, or the length of a distant light's.
 void readSlideSize(TomlTable& table, const Light& light, const ReadContext& context, Slide& slide) {
     const auto fov = table.find("fov"), width = table.find("width"), height = table.find("height");
-    if (light.type != LightType::distant) {
+    if (!light.distant()) {
         if (const auto& length = width ? width : height)
             length->fail(fmt::format("{} has '{}'; expected 'fov', since its light comes from a point",
                                      table.description(), length->name()));
         // A spot's picture fills its cone unless it says otherwise.
-        if (light.type == LightType::spot) slide.fov = std::min(light.coneAngle, 179.0);
+        if (const Light::Spot* spot = light.spot()) slide.fov = std::min(spot->coneAngle, 179.0);
         if (fov) slide.fov = fov->numberAt(context.frame, Range::between(0, 180, "degrees"));
         return;
     }
@@ -53,7 +54,7 @@ void readSlideSize(TomlTable& table, const Light& light, const ReadContext& cont
     if (height) slide.height = height->numberAt(context.frame, Range::positiveLength());
 }
 
-Slide readSlide(TomlTable table, const Light& light, const ReadContext& context) {
+Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContext& context) {
     Slide slide;
     const TomlValue file = table.require("file", "the slide's picture");
     slide.where = file.where();
@@ -69,7 +70,7 @@ Slide readSlide(TomlTable table, const Light& light, const ReadContext& context)
     slide.roll = table.numberAt(context.frame, "roll", 0, Range::coordinate());
     // A projector has no light but its picture's.
     std::vector<std::string> outside{"black"};
-    if (light.type != LightType::projector) outside.insert(outside.end(), {"clamp", "repeat"});
+    if (type != Type::projector) outside.insert(outside.end(), {"clamp", "repeat"});
     slide.outside = static_cast<SlideOutside>(table.choice("outside", outside, 0));
     table.finish();
     return slide;
@@ -81,12 +82,12 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
     Light light;
     light.name = readName(table, defaultName);
     table.require("type", choices(kTypes));
-    light.type = static_cast<LightType>(table.choice("type", kTypes, 0));
-    table.describe(fmt::format("{} of type '{}'", table.description(), kTypes[static_cast<std::size_t>(light.type)]));
+    const auto type = static_cast<Type>(table.choice("type", kTypes, 0));
+    table.describe(fmt::format("{} of type '{}'", table.description(), kTypes[static_cast<std::size_t>(type)]));
 
-    if (light.type == LightType::projector) table.require("slide", "a table { file = \"...\" }: what it projects");
+    if (type == Type::projector) table.require("slide", "a table { file = \"...\" }: what it projects");
     const auto slide = table.find("slide");
-    if (light.type == LightType::distant) {
+    if (type == Type::distant) {
         light.wsDirection =
             readDirection(table.require("direction", "the way the light travels [x, y, z]"), context.frame);
         if (slide)
@@ -94,19 +95,22 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
                                    .vec3At(context.frame, Range::coordinate());
     } else {
         light.wsPosition = table.require("position", "a point [x, y, z]").vec3At(context.frame, Range::coordinate());
-        light.radius = table.numberAt(context.frame, "radius", 0, Range::length());
-        light.decay = table.choice("decay", {"inverse-square", "none"}, 0) == 0;
-    }
-    if (light.type == LightType::spot || (slide && light.type != LightType::distant))
-        light.wsDirection = readAxis(table, light, context);
-    if (light.type == LightType::spot) {
-        light.coneAngle =
-            table.numberAt(context.frame, "cone", light.coneAngle, {0, 180, true, false, "degrees (the full angle)"});
-        light.blend = table.numberAt(context.frame, "blend", light.blend, Range::fromTo(0, 1));
+        Light::Spot spot;
+        spot.radius = table.numberAt(context.frame, "radius", 0, Range::length());
+        spot.decay = table.choice("decay", {"inverse-square", "none"}, 0) == 0;
+        if (type == Type::spot || slide) light.wsDirection = readAxis(table, light, context);
+        if (type == Type::spot) {
+            spot.coneAngle = table.numberAt(context.frame, "cone", spot.coneAngle,
+                                            {0, 180, true, false, "degrees (the full angle)"});
+            spot.blend = table.numberAt(context.frame, "blend", spot.blend, Range::fromTo(0, 1));
+            light.kind = spot;
+        } else {
+            light.kind = Light::Point(spot);
+        }
     }
     if (slide) {
         if (const auto up = table.find("up")) light.wsUp = readDirection(*up, context.frame);
-        light.slide = readSlide(slide->table("'slide' of " + table.description()), light, context);
+        light.slide = readSlide(slide->table("'slide' of " + table.description()), light, type, context);
     }
     light.intensity = readIntensity(table, context);
     light.shadows = table.boolean("shadows", true);

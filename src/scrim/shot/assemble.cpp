@@ -3,7 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/shot/derived_fields.h>
-#include <scrim/engine/plan/light_use.h>
+#include <scrim/engine/plan/culling.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
@@ -151,7 +151,7 @@ std::vector<std::string> unseenVolumes(const Scene& scene,
     std::vector<VolumeBox> boxes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i)
         boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});
-    return uselessVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
+    return culledVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
 }
 
 }  // namespace scrim

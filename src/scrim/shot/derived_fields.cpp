@@ -2,7 +2,7 @@
 #include <scrim/shot/derived_fields.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/splat/field_probe.h>
+#include <scrim/engine/splat/kernel.h>
 #include <scrim/volume/field_builder.h>
 
 #include <algorithm>

@@ -3,10 +3,10 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/engine/renderer.h>
+#include <scrim/engine/sweep.h>
 #include <scrim/scene/quality.h>
 #include <scrim/study/convergence_order.h>
-#include <scrim/engine/plan/expected_time.h>
+#include <scrim/engine/plan/plan.h>
 
 #include <algorithm>
 #include <cctype>

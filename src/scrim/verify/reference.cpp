@@ -172,15 +172,16 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     const Light& light = m_scene.lights[index];
     Vec3 travel = light.wsDirection;
     double irradiance = 1, distance = 0;
-    if (light.type != LightType::distant) {
+    if !(light.distant()) {
         travel = ws - light.wsPosition;
         distance = glm::length(travel);
         if (distance == 0) return Rgb(0);
         travel /= distance;
-        if (light.decay) irradiance = 1 / std::max(distance * distance, light.radius * light.radius);
-        if (light.type == LightType::spot) {
-            const double half = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
-            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - light.blend), half - 1e-4));
+        const Light::Point& point = light.point();
+        if (point.decay) irradiance = 1 / std::max(distance * distance, point.radius * point.radius);
+        if (const Light::Spot* spot = light.spot()) {
+            const double half = 0.5 * spot->coneAngle * std::acos(-1.0) / 180;
+            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - spot->blend), half - 1e-4));
             const double t = std::clamp((glm::dot(travel, light.wsDirection) - outer) / (inner - outer), 0.0, 1.0);
             irradiance *= t * t * (3 - 2 * t);
         }
@@ -190,7 +191,7 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     if (arriving == Rgb(0)) return arriving;
     Rgb tau(0);
     if (light.shadows)
-        tau = opticalDepth(light.type == LightType::distant
+        tau = opticalDepth(light.distant()
                                ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel)
                                : light.wsPosition,
                            ws);

@@ -5,7 +5,7 @@
 
 #include <scrim/engine/light/slide_map.h>
 #include <scrim/scene/view_scene.h>
-#include <scrim/engine/splat/field_probe.h>
+#include <scrim/engine/splat/kernel.h>
 
 #include <array>
 #include <optional>

@@ -31,7 +31,7 @@ std::string lightError(const std::string& lines) {
 TEST(SceneLight, DistantNeedsOnlyADirection) {
     const Light l = light("type = \"distant\"\ndirection = [0, -3, 0]\n");
     EXPECT_EQ(l.name, "light1");
-    EXPECT_EQ(l.type, LightType::distant);
+    EXPECT_TRUE(l.distant());
     EXPECT_EQ(l.wsDirection, Vec3(0, -1, 0));
     EXPECT_EQ(l.intensity, Rgb(1));
     EXPECT_TRUE(l.shadows);
@@ -51,14 +51,14 @@ TEST(SceneLight, ReadsEveryKeyOfASpot) {
         "60\nblend = 1\n"
         "decay = \"none\"\n");
     EXPECT_EQ(l.name, "key");
-    EXPECT_EQ(l.type, LightType::spot);
+    ASSERT_TRUE(l.spot());
     EXPECT_EQ(l.wsPosition, Vec3(0, 5, 0));
     EXPECT_EQ(l.wsDirection, Vec3(1, 0, 0));
-    EXPECT_EQ(l.radius, 0.25);
-    EXPECT_EQ(l.coneAngle, 60);
-    EXPECT_EQ(l.blend, 1);
-    EXPECT_FALSE(l.decay);
-    EXPECT_TRUE(light("type = \"point\"\nposition = [0, 5, 0]\ndecay = \"inverse-square\"\n").decay);
+    EXPECT_EQ(l.point().radius, 0.25);
+    EXPECT_EQ(std::get<Light::Spot>(l.kind).coneAngle, 60);
+    EXPECT_EQ(std::get<Light::Spot>(l.kind).blend, 1);
+    EXPECT_FALSE(l.point().point().decay);
+    EXPECT_TRUE(light("type = \"point\"\nposition = [0, 5, 0]\ndecay = \"inverse-square\"\n").point().decay);
 }
 
 TEST(SceneLight, MayBeKeyed) {

@@ -29,12 +29,12 @@ TEST(SceneSlide, ReadsEveryKeyOfAProjector) {
         light(kProjector +
               "up = [0, 0, 2]\nradius = 0.5\ndecay = \"none\"\nintensity = 3\n"
               "slide = { file = \"rings.png\", colorspace = \"srgb\", fov = 50, roll = -20, outside = \"black\" }\n");
-    EXPECT_EQ(l.type, LightType::projector);
+    EXPECT_FALSE(l.distant() || l.spot());
     EXPECT_EQ(l.wsPosition, Vec3(0, 5, 0));
     EXPECT_EQ(l.wsDirection, Vec3(1, 0, 0));
     EXPECT_EQ(l.wsUp, Vec3(0, 0, 1));
-    EXPECT_EQ(l.radius, 0.5);
-    EXPECT_FALSE(l.decay);
+    EXPECT_EQ(l.point().radius, 0.5);
+    EXPECT_FALSE(l.point().point().decay);
     EXPECT_EQ(l.intensity, Rgb(3));
     ASSERT_TRUE(l.slide);
     EXPECT_EQ(l.slide->file, "/shots/rings.png");

@@ -53,8 +53,8 @@ void loseTiles(ViewScene&, Plan& plan) {
 
 void loseSheets(ViewScene&, Plan& plan) {
     for (GroupPlan& group : plan.groups) {
-        std::vector<PlaneStack::TileBounds>& sheets = group.needed.sheets;
-        for (std::size_t n = sheets.size() / 2; n < sheets.size() * 5 / 8; ++n) sheets[n] = {0, 0, -1, -1};
+        std::vector<Box2<int>>& sheets = group.needed.sheets;
+        for (std::size_t n = sheets.size() / 2; n < sheets.size() * 5 / 8; ++n) sheets[n] = {};
     }
 }
 

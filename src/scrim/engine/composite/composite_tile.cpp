@@ -8,75 +8,18 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/composite/composite_tile.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <scrim/engine/simd-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using DF = hn::CappedTag<float, kTileEdge>;
-using DI = hn::RebindToSigned<DF>;
-
-// The four channels of a texel. The scalar target has vectors of one lane only, so there they are an array.
-#if HWY_TARGET == HWY_SCALAR
-struct V4 {
-    float c[4];
-};
-template <class Each>
-V4 each(const Each& value) {
-    return {{value(0), value(1), value(2), value(3)}};
-}
-HWY_INLINE V4 load4(const float* from) {
-    return {{from[0], from[1], from[2], from[3]}};
-}
-HWY_INLINE void store4(V4 v, float* to) {
-    std::copy_n(v.c, 4, to);
-}
-HWY_INLINE V4 times(V4 v, float by) {
-    return each([&](int i) { return v.c[i] * by; });
-}
-HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
-    return each([&](int i) { return a.c[i] + t * (b.c[i] - a.c[i]); });
-}
 // b + (1 + hidden) * a, where `hidden` is an opacity below 0.
-HWY_INLINE V4 through(V4 hidden, V4 a, V4 b) {
-    return each([&](int i) { return b.c[i] + (1 + hidden.c[i]) * a.c[i]; });
+HWY_ATTR HWY_INLINE V4 through(const V4& hidden, const V4& a, const V4& b) {
+    return each4([&](std::size_t i) HWY_ATTR {
+        return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hidden.part[i]), a.part[i], b.part[i]);
+    });
 }
-HWY_INLINE V4 lastLane(V4 v) {
-    return each([&](int) { return v.c[3]; });
-}
-HWY_INLINE float lane3(V4 v) {
-    return v.c[3];
-}
-#else
-using D4 = hn::CappedTag<float, 4>;
-using V4 = hn::Vec<D4>;
-
-HWY_ATTR HWY_INLINE V4 load4(const float* from) {
-    return hn::LoadU(D4(), from);
-}
-HWY_ATTR HWY_INLINE void store4(V4 v, float* to) {
-    hn::StoreU(v, D4(), to);
-}
-HWY_ATTR HWY_INLINE V4 times(V4 v, float by) {
-    return hn::Mul(v, hn::Set(D4(), by));
-}
-HWY_ATTR HWY_INLINE V4 lerp4(V4 a, V4 b, float t) {
-    return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b, a), a);
-}
-HWY_ATTR HWY_INLINE V4 through(V4 hidden, V4 a, V4 b) {
-    return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hidden), a, b);
-}
-HWY_ATTR HWY_INLINE V4 lastLane(V4 v) {
-    return hn::Broadcast<3>(v);
-}
-HWY_ATTR HWY_INLINE float lane3(V4 v) {
-    return hn::GetLane(hn::Broadcast<3>(v));
-}
-#endif
-
 HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
     return through(lastLane(state), texel, state);
 }
@@ -108,8 +51,8 @@ HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, float* state) {
 
 // Front to back the first visible sheet counts, back to front the last one.
 template <bool kFrontToBack>
-HWY_ATTR HWY_INLINE void noteDepth(const FirstDepth& first, int k, float hides, float depth) {
-    if (-hides > FirstDepth::kVisible && !(kFrontToBack && first.depth[k] != 0)) first.depth[k] = depth;
+HWY_ATTR HWY_INLINE void noteDepth(float* first, int k, float hides, float depth) {
+    if (-hides > kLeastVisible && !(kFrontToBack && first[k] != 0)) first[k] = depth;
 }
 
 // Where the rays of a tile meet one plane.
@@ -119,34 +62,18 @@ struct Addresses {
     alignas(64) float v[kTileSize];
 };
 
-// Whole part and fraction of a coordinate, clamped to the plane, whose border is zeros.
-HWY_ATTR HWY_INLINE void split(hn::Vec<DF> x, int size, hn::Vec<DI>& whole, hn::Vec<DF>& fraction) {
-    const DF d;
-    x = hn::Min(hn::Max(x, hn::Zero(d)), hn::Set(d, static_cast<float>(size - 2)));
-    const auto floor = hn::Floor(x);
-    whole = hn::ConvertTo(DI(), floor);
-    fraction = hn::Sub(x, floor);
-}
-
 HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, int floats, Addresses& at) {
     const DF d;
     const DI di;
     const auto steps = hn::Set(d, step);
     for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(d))) {
-        hn::Vec<DI> column, row;
-        hn::Vec<DF> fu, fv;
-        split(hn::MulAdd(steps, hn::Load(d, rays.stepU + k), hn::Load(d, rays.u + k)), width, column, fu);
-        split(hn::MulAdd(steps, hn::Load(d, rays.stepV + k), hn::Load(d, rays.v + k)), height, row, fv);
-        const auto texel = hn::Add(hn::Mul(row, hn::Set(di, width)), column);
+        const Split u = split(hn::MulAdd(steps, load(rays.stepU, k), load(rays.u, k)), 0, width);
+        const Split v = split(hn::MulAdd(steps, load(rays.stepV, k), load(rays.v, k)), 0, height);
+        const auto texel = hn::Add(hn::Mul(v.whole, hn::Set(di, width)), u.whole);
         hn::Store(hn::Mul(texel, hn::Set(di, floats)), di, at.texel + k);
-        hn::Store(fu, d, at.u + k);
-        hn::Store(fv, d, at.v + k);
+        hn::Store(u.fraction, d, at.u + k);
+        hn::Store(v.fraction, d, at.v + k);
     }
-}
-
-HWY_ATTR HWY_INLINE V4 bilinear(const float* texel, std::ptrdiff_t rowStride, int floats, float u, float v) {
-    const float* below = texel + rowStride;
-    return lerp4(lerp4(load4(texel), load4(texel + floats), u), lerp4(load4(below), load4(below + floats), u), v);
 }
 
 HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
@@ -212,43 +139,43 @@ template <bool kFrontToBack>
 HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
     walk<kFrontToBack>(rays, sheets, cutoff, states,
                        [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, int) HWY_ATTR {
-                           const auto texel = bilinear(at, rowStride, 4, u, v);
+                           const auto texel = bilinear4(at, 4, rowStride, u, v);
                            const auto state = load4(states + 4 * k);
                            store4(kFrontToBack ? before(state, texel) : behind(state, texel), states + 4 * k);
                        });
 }
 
 template <bool kFrontToBack, bool kColoured, bool kDepth>
-HWY_ATTR void walkPictures(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
-                           [[maybe_unused]] const FirstDepth* first) {
+HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
+                           [[maybe_unused]] float* first) {
     const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
     walk<kFrontToBack>(
         rays, sheets, cutoff, states,
         [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
-            const auto quad = [&](int q) HWY_ATTR { return bilinear(at + 4 * q, rowStride, floats, u, v); };
+            const auto quad = [&](int q) HWY_ATTR { return bilinear4(at + 4 * q, floats, rowStride, u, v); };
             [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
             if constexpr (kDepth)
-                noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
+                noteDepth<kFrontToBack>(first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
         });
 }
 
 template <bool kFrontToBack>
 HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, float cutoff, float* state,
-                      const FirstDepth* first) {
-    if (sheets.layout == SampleLayout{})
+                      float* first) {
+    if (sheets.layout.beautyAlone())
         walkBeauty<kFrontToBack>(rays, sheets, cutoff, state);
     else if (sheets.layout.coloured && first)
-        walkPictures<kFrontToBack, true, true>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, true, true>(rays, sheets, cutoff, state, first);
     else if (sheets.layout.coloured)
-        walkPictures<kFrontToBack, true, false>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, true, false>(rays, sheets, cutoff, state, first);
     else if (first)
-        walkPictures<kFrontToBack, false, true>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, false, true>(rays, sheets, cutoff, state, first);
     else
-        walkPictures<kFrontToBack, false, false>(rays, sheets, cutoff, state, first);
+        walkOutputs<kFrontToBack, false, false>(rays, sheets, cutoff, state, first);
 }
 
 HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff,
-                                    float* state, const FirstDepth* first) {
+                                    float* state, float* first) {
     if (frontToBack)
         walkAny<true>(rays, sheets, cutoff, state, first);
     else
@@ -256,7 +183,7 @@ HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets
 }
 
 HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                                  const SampleLayout& layout, float* samples) {
+                                  const OutputLayout& layout, float* samples) {
     const int floats = layout.floats();
     for (int k = 0; k < kTileSize; ++k) {
         const float u = std::clamp(rays.u[k] + at[k] * rays.stepU[k], 0.0f, static_cast<float>(width - 2));
@@ -265,7 +192,7 @@ HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const fl
         const float* texel =
             plane + floats * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
         for (int q = 0; q < layout.quads(); ++q)
-            store4(bilinear(texel + 4 * q, static_cast<std::ptrdiff_t>(floats) * width, floats, u - column, v - row),
+            store4(bilinear4(texel + 4 * q, floats, static_cast<std::ptrdiff_t>(floats) * width, u - column, v - row),
                    samples + floats * k + 4 * q);
     }
 }
@@ -279,7 +206,7 @@ float shownShare(float hides, float part) {
 }
 
 // Leaves the part of a sample that is seen: radiance in proportion to its opacity.
-void keepPart(const SampleLayout& layout, float part, const float* from, float* to) {
+void keepPart(const OutputLayout& layout, float part, const float* from, float* to) {
     const int last = layout.floats() - 4;
     for (int c = 0; c < 4; ++c) {
         const float share = shownShare(from[last + (layout.coloured ? c : 3)], part);
@@ -288,7 +215,7 @@ void keepPart(const SampleLayout& layout, float part, const float* from, float* 
 }
 
 template <bool kFrontToBack>
-HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* states, const FirstDepth* first) {
+HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* states, float* first) {
     const int floats = sheet.layout.floats(), quads = sheet.layout.quads();
     std::array<float, 4 * 256> kept;
     for (int k = 0; k < kTileSize; ++k) {
@@ -301,12 +228,12 @@ HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* 
         const auto quad = [&](int q) HWY_ATTR { return load4(sample + 4 * q); };
         const V4 hides = sheet.layout.coloured ? addSample<kFrontToBack, true>(quads, quad, state)
                                                : addSample<kFrontToBack, false>(quads, quad, state);
-        if (first) noteDepth<kFrontToBack>(*first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
+        if (first) noteDepth<kFrontToBack>(first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
     }
 }
 
 HWY_ATTR void compositeSamplesOnTarget(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* states,
-                                       const FirstDepth* first) {
+                                       float* first) {
     if (frontToBack)
         addSamples<true>(rays, sheet, states, first);
     else
@@ -330,17 +257,17 @@ void fillRays(const RayRow& row, int j, RayTile& tile) {
 }
 
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
-                   const FirstDepth* first) {
+                   float* first) {
     SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
 }
 
 void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                 const SampleLayout& layout, float* samples, Simd simd) {
+                 const OutputLayout& layout, float* samples, Simd simd) {
     SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
 }
 
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
-                      const FirstDepth* first) {
+                      float* first) {
     SCRIM_ON_TARGET(sheet.simd, compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
 }
 

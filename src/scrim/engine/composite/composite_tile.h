@@ -4,13 +4,13 @@
 // A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is state +=
 // (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
 // transmittance is what is kept: where a volume is thin, 1 - T would lose it. So it is for each quad of a sample's
-// layout (sample_layout.h), under its own opacity or, where extinction is coloured, channel by channel under that of
+// layout (outputs.h), under its own opacity or, where extinction is coloured, channel by channel under that of
 // all.
 #pragma once
 
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
-#include <scrim/engine/shade/sample_layout.h>
+#include <scrim/engine/plan/outputs.h>
 
 #include <cstddef>
 
@@ -25,13 +25,6 @@ struct RayTile {
     alignas(64) float startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
     alignas(64) float depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
     alignas(64) float stepDepth[kTileSize];
-};
-
-/// Looks for the first thing that a ray shows: the depth of its first sheet (the last to come, back to front) of more
-/// opacity than `kVisible`. Not where there is nothing but the beauty.
-struct FirstDepth {
-    static constexpr float kVisible = 1e-3f;
-    float* depth;  ///< of 256 pixels; 0: nothing yet
 };
 
 /// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
@@ -51,29 +44,33 @@ struct SheetList {
     const float* steps;          ///< its place in the batch: planes from the batch's first
     int count;
     int width, height;  ///< of the planes, texels
-    SampleLayout layout = {};
+    OutputLayout layout = {};
     Simd simd = {};
 };
 
-/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `first`: null
-/// where nobody asks.
+/// A sample of less opacity than this is no first thing that a ray shows.
+constexpr float kLeastVisible = 1e-3f;
+
+/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `firstDepth`: of
+/// 256 pixels, the depth of the first sheet of more opacity than kLeastVisible (the last to come, back to front), and 0
+/// until there is one; null where nobody asks, as where there is nothing but the beauty.
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
-                   const FirstDepth* first = nullptr);
+                   float* firstDepth = nullptr);
 
 /// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the part in [0, 1] of the sheet that
 /// lies before the eye (nullptr: all of it).
 struct SheetSamples {
     const float* samples;
     const float* part;
-    const float* at = nullptr;  ///< read where the first depth is looked for
-    SampleLayout layout = {};
+    const float* at = nullptr;  ///< read where the first depth is asked for
+    OutputLayout layout = {};
     Simd simd = {};
 };
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
-                      const FirstDepth* first = nullptr);
+                      float* firstDepth = nullptr);
 
 /// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
 void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                 const SampleLayout& layout, float* samples, Simd simd = {});
+                 const OutputLayout& layout, float* samples, Simd simd = {});
 
 }  // namespace scrim

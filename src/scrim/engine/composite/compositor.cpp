@@ -20,7 +20,7 @@ int blockBegin(int sheet) {
 }
 
 // Room for a tile's samples, kept by each thread.
-float* sampleScratch(const SampleLayout& layout) {
+float* sampleScratch(const OutputLayout& layout) {
     struct alignas(64) Line {
         float values[16];
     };
@@ -33,7 +33,7 @@ float* sampleScratch(const SampleLayout& layout) {
 }  // namespace
 
 // A tile's rays, and what they meet in a batch.
-struct EyeWalk::TileWalk {
+struct Compositor::TileWalk {
     RayTile rays;
     float startLeast, startMost;     // extremes of rays.startN
     int block;                       // the block's first sheet
@@ -49,7 +49,7 @@ struct EyeWalk::TileWalk {
 };
 
 // Sets up the rays of a tile, and finds the planes whose active texels they may meet.
-EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack& planes) const {
+Compositor::TileWalk Compositor::enter(int tile, const Range& range, const PlaneStack& planes) const {
     TileWalk walk;
     walk.block = blockBegin(range.sheet);
     walk.firstStep = range.sheet - walk.block - range.firstPlane;
@@ -59,38 +59,31 @@ EyeWalk::TileWalk EyeWalk::enter(int tile, const Range& range, const PlaneStack&
     // First the four corners: a batch that misses the tile must cost next to nothing. Not beyond the picture's edge,
     // where rays of a wide eye may run away from the planes.
     const int x1 = std::min(x0 + kTileEdge, m_tiles.region().x1), y1 = std::min(y0 + kTileEdge, m_tiles.region().y1);
-    PixelRay corners[4];
+    EyeView::Ray corners[4];
     for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? x1 : x0, i & 2 ? y1 : y0, reference);
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {
         const int step = p + walk.firstStep;
-        double u0 = 1e30, u1 = -1e30, v0 = 1e30, v1 = -1e30;
-        for (const PixelRay& ray : corners) {
-            const double u = ray.u + step * ray.slopeU, v = ray.v + step * ray.slopeV;
-            u0 = std::min(u0, u);
-            u1 = std::max(u1, u);
-            v0 = std::min(v0, v);
-            v1 = std::max(v1, v);
-        }
-        if (u1 < 0 || v1 < 0 || u0 >= planes.width() || v0 >= planes.height()) continue;
+        auto texels = Box2<double>::nothing();
+        for (const EyeView::Ray& ray : corners) texels.include(ray.u + step * ray.slopeU, ray.v + step * ray.slopeV);
+        if (texels.x1 < 0 || texels.y1 < 0 || texels.x0 >= planes.width() || texels.y0 >= planes.height()) continue;
         const auto tileOf = [](double texel, int size) {
             return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
         };
-        if (planes.anyActive(p, tileOf(u0, planes.width()), tileOf(v0, planes.height()), tileOf(u1 + 1, planes.width()),
-                             tileOf(v1 + 1, planes.height())))
+        if (planes.anyActive(p, {tileOf(texels.x0, planes.width()), tileOf(texels.y0, planes.height()),
+                                 tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1}))
             walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
     }
     if (walk.planeCount > 0) walk.setRays(m_eye.rays(x0, y0, reference));
     return walk;
 }
 
-// The same in the eye's own raster, where a tile meets the same tile of every plane.
-EyeWalk::TileWalk EyeWalk::enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const {
+// The same on the eye's own lattice, where a tile meets the same tile of every plane: `cells`.
+Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const {
     TileWalk walk;
     walk.block = blockBegin(range.sheet);
     walk.firstStep = range.sheet - walk.block - range.firstPlane;
-    const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
     for (int p = range.firstPlane; p < range.lastPlane; ++p)
-        if (planes.active(p, tx, ty)) walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
+        if (planes.active(p, cells.x, cells.y)) walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
     if (walk.planeCount > 0)
         walk.setRays(m_eye.rays(m_tiles.cornerX(tile), m_tiles.cornerY(tile), blockBegin(range.sheet) + 0.5));
     return walk;
@@ -122,12 +115,11 @@ void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float
 
 }  // namespace
 
-EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
+Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
     float* states = m_tiles.states(tile);
-    const SampleLayout& layout = m_tiles.layout();
-    const auto depth = firstDepth(tile);
-    const FirstDepth* first = depth ? &*depth : nullptr;
+    const OutputLayout& layout = m_tiles.layout();
+    float* const first = firstDepth(tile);
     std::array<const float*, kBlock> planes;
     std::array<float, kBlock> steps{};
     int listed = 0;
@@ -167,12 +159,12 @@ EyeWalk::Work EyeWalk::compositeTexels(int tile, const Range& range, const Plane
     return {walked, {}};
 }
 
-// Shades where the tile's rays meet each plane: shade(plane, points, samples).
-template <class Shade>
-EyeWalk::Work EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade) {
+// Shades where the tile's rays meet each plane; `cells`: see SheetShader::shadePoints.
+Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells,
+                                        const SheetShader& shader) {
     float* states = m_tiles.states(tile);
-    const SampleLayout& layout = m_tiles.layout();
-    const auto depth = firstDepth(tile);
+    const OutputLayout& layout = m_tiles.layout();
+    float* const first = firstDepth(tile);
     Work work;
     SampleTile points;
     alignas(64) float part[kTileSize], at[kTileSize];
@@ -195,20 +187,19 @@ EyeWalk::Work EyeWalk::shadeAlong(const TileWalk& walk, int tile, const SheetSha
             points.eyeB[k] = walk.rays.stepV[k] * toSlope;
         }
         m_eye.setDepth(walk.block + step + 0.5, points);
-        work.shade += shade(p, points, samples);
+        work.shade += shader.shadePoints(p, points, cells, samples);
         compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()},
-                         m_frontToBack, states, depth ? &*depth : nullptr);
+                         m_frontToBack, states, first);
         work.pixelSheets += kTileSize;
     }
     return work;
 }
 
-std::optional<FirstDepth> EyeWalk::firstDepth(int tile) {
-    if (!m_tiles.keepsDepth()) return std::nullopt;
-    return FirstDepth{m_tiles.depths(tile)};
+float* Compositor::firstDepth(int tile) {
+    return m_tiles.keepsDepth() ? m_tiles.depths(tile) : nullptr;
 }
 
-void EyeWalk::markIfOpaque(int tile) {
+void Compositor::markIfOpaque(int tile) {
     if (!m_frontToBack) return;
     const float* states = m_tiles.states(tile);
     const int floats = m_tiles.layout().floats();  // the last of which is the least opacity
@@ -218,26 +209,23 @@ void EyeWalk::markIfOpaque(int tile) {
 }
 
 // The tiles of the picture that may see an active texel of the range: most see none, and should cost nothing.
-ImageTiles::TileBox EyeWalk::tilesThatSee(const Range& range, const PlaneStack& planes) const {
-    const ImageTiles::TileBox all{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
-    EyeView::Box seen{1e30, 1e30, -1e30, -1e30};
+Box2<int> Compositor::tilesThatSee(const Range& range, const PlaneStack& planes) const {
+    Box2<double> seen = Box2<double>::nothing();
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {
-        const PlaneStack::TileBounds active = planes.activeBounds(p);
-        if (active.x1 < active.x0) continue;
-        const auto box = m_eye.seenBy(active.x0 * kTileEdge - 1, active.y0 * kTileEdge - 1, (active.x1 + 1) * kTileEdge,
-                                      (active.y1 + 1) * kTileEdge, range.sheet + p - range.firstPlane + 0.5);
-        if (!box) return all;
-        seen = {std::min(seen.x0, box->x0), std::min(seen.y0, box->y0), std::max(seen.x1, box->x1),
-                std::max(seen.y1, box->y1)};
+        const Box2<int> active = planes.activeBounds(p);
+        if (active.empty()) continue;
+        const auto box = m_eye.seenBy(texelsAround(active), range.sheet + p - range.firstPlane + 0.5);
+        if (!box) return m_tiles.all();
+        seen.include(*box);
     }
-    return m_tiles.tilesIn(seen.x0, seen.y0, seen.x1, seen.y1);
+    return seen.empty() ? Box2<int>{} : m_tiles.tilesIn(seen);
 }
 
 template <class BoxOf, class Walk>
-EyeWalk::Work EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
+Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
     struct Part {
         Range range;
-        ImageTiles::TileBox box;
+        Box2<int> box;
         bool endsBlock;
     };
     std::vector<Part> parts;
@@ -255,7 +243,7 @@ EyeWalk::Work EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxO
             const int tile = ty * m_tiles.tilesX() + tx;
             for (const Part& part : parts) {
                 if (m_tiles.opaque(tile)) break;
-                if (tx >= part.box.x0 && tx <= part.box.x1 && ty >= part.box.y0 && ty <= part.box.y1)
+                if (part.box.contains(tx, ty))
                     walked[row] += walk(tile, part.range);
                 if (part.endsBlock) markIfOpaque(tile);
             }
@@ -266,38 +254,29 @@ EyeWalk::Work EyeWalk::forOpenTiles(int firstSheet, int count, const BoxOf& boxO
     return sum;
 }
 
-EyeWalk::Work EyeWalk::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
+Compositor::Work Compositor::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
     return forOpenTiles(
         firstSheet, count, [&](const Range& range) { return tilesThatSee(range, shaded); },
         [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
-EyeWalk::Work EyeWalk::throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader) {
+Compositor::Work Compositor::throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
+                                           const SheetShader& shader) {
+    if (lattice.shared())
+        return forOpenTiles(
+            firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
+            [&](int tile, const Range& range) {
+                return shadeAlong(enter(tile, range, covered), tile, std::nullopt, shader);
+            });
     return forOpenTiles(
-        firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },
+        firstSheet, count, [&](const Range&) { return m_tiles.all(); },
         [&](int tile, const Range& range) {
-            return shadeAlong(
-                enter(tile, range, covered), tile, shader,
-                [&](int p, const SampleTile& points, float* out) { return shader.shadePoints(p, points, out); });
+            const Int2 cells(tile % m_tiles.tilesX() + lattice.guardTiles, tile / m_tiles.tilesX() + lattice.guardTiles);
+            return shadeAlong(enterCells(tile, range, covered, cells), tile, cells, shader);
         });
 }
 
-EyeWalk::Work EyeWalk::throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles,
-                                    const SheetShader& shader) {
-    return forOpenTiles(
-        firstSheet, count,
-        [&](const Range&) {
-            return ImageTiles::TileBox{0, 0, m_tiles.tilesX() - 1, m_tiles.tilesY() - 1};
-        },
-        [&](int tile, const Range& range) {
-            const int tx = tile % m_tiles.tilesX() + guardTiles, ty = tile / m_tiles.tilesX() + guardTiles;
-            return shadeAlong(
-                enterCells(tile, range, covered, guardTiles), tile, shader,
-                [&](int p, const SampleTile& points, float* out) { return shader.shadeCells(p, points, tx, ty, out); });
-        });
-}
-
-bool EyeWalk::allOpaque() const {
+bool Compositor::allOpaque() const {
     for (int tile = 0; tile < m_tiles.count(); ++tile)
         if (!m_tiles.opaque(tile)) return false;
     return true;

@@ -13,9 +13,9 @@
 
 namespace scrim {
 
-class EyeWalk {
+class Compositor {
   public:
-    EyeWalk(const EyeView& eye, ImageTiles& tiles, bool frontToBack, float cutoff)
+    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, float cutoff)
         : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
 
     /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
@@ -33,12 +33,10 @@ class EyeWalk {
     /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p.
     Work throughTexels(int firstSheet, int count, const PlaneStack& shaded);
 
-    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the tiles where anything is.
-    Work throughPixels(int firstSheet, int count, const PlaneStack& covered, const SheetShader& shader);
-
-    /// The same where every pixel has cells of its own (per-view splatting): `covered` is of the eye's raster, which
-    /// has `guardTiles` tiles around the picture.
-    Work throughCells(int firstSheet, int count, const PlaneStack& covered, int guardTiles, const SheetShader& shader);
+    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the tiles where anything is, of
+    /// `lattice`, on which every pixel may have cells of its own (per-view splatting).
+    Work throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
+                       const SheetShader& shader);
 
     /// Are all pixels opaque? Only ever so front to back.
     bool allOpaque() const;
@@ -52,17 +50,16 @@ class EyeWalk {
     };
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
-    template <class Shade>
-    Work shadeAlong(const TileWalk& walk, int tile, const SheetShader& shader, const Shade& shade);
-    TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, int guardTiles) const;
+    Work shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
+    TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
     template <class BoxOf, class Walk>
     Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
-    ImageTiles::TileBox tilesThatSee(const Range& range, const PlaneStack& planes) const;
+    Box2<int> tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void markIfOpaque(int tile);
-    std::optional<FirstDepth> firstDepth(int tile);
+    float* firstDepth(int tile);
 
     const EyeView& m_eye;
-    ImageTiles& m_tiles;
+    PixelTiles& m_tiles;
     bool m_frontToBack;
     float m_cutoff;
 };

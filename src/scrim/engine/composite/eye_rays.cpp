@@ -30,7 +30,7 @@ EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
     m_slopes.tsEye = m_ts.origin0;
 }
 
-PixelRay EyeView::ray(double x, double y, double reference) const {
+EyeView::Ray EyeView::ray(double x, double y, double reference) const {
     const Vec3 o = m_ts.origin(x, y), d = m_ts.direction(x, y);
     const double slopeU = d.x / d.z, slopeV = d.y / d.z;
     const double away = reference - o.z;
@@ -56,9 +56,10 @@ RayTile EyeView::rays(int x0, int y0, double reference) const {
     return tile;
 }
 
-ViewRaster EyeView::raster(const PixelWindow& region, int guardTiles) const {
-    ViewRaster raster;
-    raster.parallel = m_orthographic;
+Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
+    Lattice raster;
+    raster.kind = m_orthographic ? Lattice::Kind::parallel : Lattice::Kind::perspective;
+    raster.guardTiles = guardTiles;
     const auto edge = [&](int pixels) { return ((pixels + kTileEdge - 1) / kTileEdge + 2 * guardTiles) * kTileEdge; };
     raster.width = edge(region.width());
     raster.height = edge(region.height());
@@ -100,17 +101,17 @@ void EyeView::setDepth(double middle, SampleTile& samples) const {
     samples.depthV = static_cast<float>(m_rasterFromOffset[1].z);
 }
 
-std::optional<EyeView::Box> EyeView::seenBy(double u0, double v0, double u1, double v1, double middle) const {
-    Box box{1e30, 1e30, -1e30, -1e30};
-    for (const double u : {u0, u1})
-        for (const double v : {v0, v1}) {
+std::optional<Box2<double>> EyeView::seenBy(const Box2<double>& texels, double middle) const {
+    auto box = Box2<double>::nothing();
+    for (const double u : {texels.x0, texels.x1})
+        for (const double v : {texels.y0, texels.y1}) {
             Vec3 p = m_rasterFromOffset * (Vec3(u, v, middle) - m_ts.origin0);
             if (!m_orthographic) {
                 if (p.z <= 0) return std::nullopt;  // behind the eye: (x t, y t, t) with t <= 0
                 p.x /= p.z;
                 p.y /= p.z;
             }
-            box = {std::min(box.x0, p.x), std::min(box.y0, p.y), std::max(box.x1, p.x), std::max(box.y1, p.y)};
+            box.include(p.x, p.y);
         }
     return box;
 }

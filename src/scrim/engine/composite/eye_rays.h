@@ -4,7 +4,7 @@
 
 #include <scrim/geometry/camera.h>
 #include <scrim/geometry/sheets.h>
-#include <scrim/geometry/view_raster.h>
+#include <scrim/geometry/lattice.h>
 #include <scrim/image/image.h>
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/shade/shade_tile.h>
@@ -13,12 +13,12 @@
 
 namespace scrim {
 
-/// One pixel's ray in texel space: (U, V) = position + slope * (N - reference).
-struct PixelRay {
-    double u, v;
-    double slopeU, slopeV;  ///< texels a sheet
-    double startN;          ///< N where the ray begins (the eye, or the near plane)
-};
+/// The texel positions that look-ups of what these tiles hold may come from: a texel serves bilinear look-ups up to one
+/// texel around it.
+inline Box2<double> texelsAround(const Box2<int>& tiles) {
+    return {double(tiles.x0 * kTileEdge - 1), double(tiles.y0 * kTileEdge - 1), double(tiles.x1 * kTileEdge),
+            double(tiles.y1 * kTileEdge)};
+}
 
 class EyeView {
   public:
@@ -26,16 +26,23 @@ class EyeView {
 
     Simd simd() const { return m_simd; }
 
+    /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference).
+    struct Ray {
+        double u, v;
+        double slopeU, slopeV;  ///< texels a sheet
+        double startN;          ///< N where the ray begins (the eye, or the near plane)
+    };
+
     /// The ray through raster position (x, y), located at the plane N = `reference`.
-    PixelRay ray(double x, double y, double reference) const;
+    Ray ray(double x, double y, double reference) const;
 
     /// The rays of the 16 x 16 pixels from (x0, y0), through their centres, for a batch whose first plane is at
     /// N = `reference`.
     RayTile rays(int x0, int y0, double reference) const;
 
-    /// The raster of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view
+    /// The lattice of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view
     /// splatting fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
-    ViewRaster raster(const PixelWindow& region, int guardTiles) const;
+    Lattice lattice(const PixelWindow& region, int guardTiles) const;
 
     /// Slopes of eye rays at texels, for shading.
     const EyeSlopes& slopes() const { return m_slopes; }
@@ -46,12 +53,8 @@ class EyeView {
     /// Writes to `samples` how deep positions on the plane N = `middle` lie.
     void setDepth(double middle, SampleTile& samples) const;
 
-    /// The pixels whose rays may pass through texels [u0, u1] x [v0, v1] of the plane N = `middle`: a closed
-    /// box of raster positions, or nothing where no bound is known (next to the eye and behind it).
-    struct Box {
-        double x0, y0, x1, y1;
-    };
-    std::optional<Box> seenBy(double u0, double v0, double u1, double v1, double middle) const;
+    /// The pixels whose rays may pass through a box of texels on the plane N = `middle`: as raster positions, or nothing where no bound is known (next to the eye and behind it).
+    std::optional<Box2<double>> seenBy(const Box2<double>& texels, double middle) const;
 
   private:
     bool m_orthographic;

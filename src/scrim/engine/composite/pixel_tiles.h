@@ -4,17 +4,17 @@
 
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
-#include <scrim/engine/shade/sample_layout.h>
+#include <scrim/engine/plan/outputs.h>
 
 #include <cstdint>
 #include <vector>
 
 namespace scrim {
 
-class ImageTiles {
+class PixelTiles {
   public:
     /// `depth`: keeps the depth of the first thing visible, too.
-    explicit ImageTiles(const PixelWindow& region, const SampleLayout& layout = {}, bool depth = false)
+    explicit PixelTiles(const PixelWindow& region, const OutputLayout& layout = {}, bool depth = false)
         : m_region(region),
           m_layout(layout),
           m_keepsDepth(depth),
@@ -32,12 +32,13 @@ class ImageTiles {
 
     const PixelWindow& region() const { return m_region; }
     int count() const { return m_tilesX * m_tilesY; }
+    Box2<int> all() const { return {0, 0, m_tilesX, m_tilesY}; }
     int tilesX() const { return m_tilesX; }
     int tilesY() const { return m_tilesY; }
     /// Raster position of the tile's corner.
     int cornerX(int tile) const { return m_region.x0 + tile % m_tilesX * kTileEdge; }
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
-    const SampleLayout& layout() const { return m_layout; }
+    const OutputLayout& layout() const { return m_layout; }
     /// Of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
     float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
     const float* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
@@ -57,14 +58,12 @@ class ImageTiles {
     bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
     void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
 
-    /// The tiles that the closed box of raster positions touches, closed; x1 < x0 or y1 < y0 where there are none.
-    struct TileBox {
-        int x0, y0, x1, y1;
-    };
-    TileBox tilesIn(double x0, double y0, double x1, double y1) const;
+    /// The tiles that a box of raster positions touches.
+    Box2<int> tilesIn(const Box2<double>& positions) const;
 
-    /// Is there a pixel in the closed box of raster positions whose tile is not opaque?
-    bool anyOpen(double x0, double y0, double x1, double y1) const;
+    /// Is one of the tiles not opaque? Those beyond the picture do not count.
+    bool anyOpen(const Box2<int>& tiles) const;
+    bool anyOpen(const Box2<double>& positions) const { return anyOpen(tilesIn(positions)); }
 
   private:
     struct Place {
@@ -77,7 +76,7 @@ class ImageTiles {
     std::size_t tileFloats() const { return static_cast<std::size_t>(kTileSize * m_layout.floats()); }
 
     PixelWindow m_region;
-    SampleLayout m_layout;
+    OutputLayout m_layout;
     bool m_keepsDepth;
     int m_tilesX, m_tilesY;
     std::vector<float> m_states, m_depth;

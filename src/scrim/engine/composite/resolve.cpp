@@ -14,7 +14,7 @@ FrameLayer* find(Frame& frame, Layer layer, int light = -1) {
     return nullptr;
 }
 
-// Where the pictures of a group go, and how much of each.
+// Where the outputs of a group go, and how much of each.
 struct Target {
     int quad;
     FrameLayer* layer;
@@ -23,12 +23,12 @@ struct Target {
 
 std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
     std::vector<Target> targets;
-    for (std::size_t p = 0; p < group.pictures.size(); ++p) {
-        const PicturePlan& picture = group.pictures[p];
+    for (std::size_t i = 0; i < group.outputs.list.size(); ++i) {
+        const Output& output = group.outputs.list[i];
         // Lights have their share in them already, and so have ambient light and emission.
-        const bool seen = picture.layer == Layer::albedo || picture.layer == Layer::depth;
-        targets.push_back({group.layout.quadOf(static_cast<int>(p) + 1), find(frame, picture.layer, picture.light),
-                           seen ? group.primary : 1.0});
+        const bool seen = output.layer == Layer::albedo || output.layer == Layer::depth;
+        targets.push_back({group.outputs.layout.quadOf(static_cast<int>(i) + 1),
+                           find(frame, output.layer, output.light), seen ? group.primary : 1.0});
     }
     return targets;
 }
@@ -44,7 +44,7 @@ struct PixelSum {
     }
 };
 
-void sumRays(const ImageTiles& tiles, int n, int x, int y, PixelSum& sum) {
+void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
     sum.clear();
     const int count = tiles.layout().floats();
     for (int j = 0; j < n; ++j)
@@ -75,14 +75,14 @@ Frame emptyFrame(const ViewScene& scene) {
     return frame;
 }
 
-void gather(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ImageTiles& tiles, Frame& frame) {
+void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame) {
     const EyePart& part = plan.eyeParts[group.eyePart];
     const int n = scene.dials.antialias;
     const std::vector<Target> targets = targetsOf(group, frame);
     FrameLayer* const transmittance = group.primary > 0 ? find(frame, Layer::transmittance) : nullptr;
-    const SampleLayout& layout = tiles.layout();
+    const OutputLayout& layout = tiles.layout();
     const std::size_t opacities = static_cast<std::size_t>(layout.floats() - 4);
-    const auto beauties = static_cast<std::size_t>(layout.beauty ? 1 : layout.quadOf(group.targets.addends));
+    const auto beauties = static_cast<std::size_t>(layout.beauty ? 1 : layout.quadOf(layout.beautyParts));
     parallelFor(static_cast<std::size_t>(part.window.height()), [&](std::size_t row) {
         PixelSum sum{std::vector<float>(static_cast<std::size_t>(layout.floats())), 0};
         const int y = part.window.y0 + static_cast<int>(row);

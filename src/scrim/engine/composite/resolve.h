@@ -12,7 +12,7 @@ namespace scrim {
 Frame emptyFrame(const ViewScene& scene);
 
 /// Adds what the sweep of `group` left in `tiles`.
-void gather(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ImageTiles& tiles, Frame& frame);
+void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame);
 
 /// After all sweeps: what only their sum tells.
 void finishLayers(Frame& frame);

@@ -25,77 +25,72 @@ double pathInSheets(const LightView& view) {
 
 }  // namespace
 
-BatchLights::BatchLights(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
-    : m_scene(scene), m_group(group), m_rows(plan.extinction), m_simd(plan.simd) {
+LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
+    : m_scene(scene), m_group(group), m_channels(plan.extinction.count()), m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
-    m_shadows.resize(row(group.lights.size(), 0));
-    m_ownSheets.resize(group.lights.size());
-    for (std::size_t i = 0; i < group.lights.size(); ++i) {
-        const LightPlan& light = group.lights[i];
+    for (const LightPlan& light : group.lights) {
+        Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
-        if (plan.perView)
-            m_ownSheets[i].reset(new OwnSheets{
-                {scene, m_rows, group.sheets, light.raster, group.batchSheets, plan.voxel, SheetsFor::light}, {}});
-        for (int r = 0; r < m_rows.count(); ++r) {
-            if (plan.perView)
-                m_ownSheets[i]->shadows.emplace_back(light.raster, group.sheets, filter, group.batchSheets, plan.simd);
+        if (!light.lattice.shared())
+            caster.ownSheets = std::make_unique<ExtinctionSum>(scene, plan, group.sheets, light.lattice,
+                                                               group.batchSheets, ExtinctionSum::For::light);
+        for (int i = 0; i < m_channels; ++i)
+            if (light.lattice.shared())
+                caster.resampled.emplace_back(light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd);
             else
-                m_shadows[row(i, r)] = std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps,
-                                                                      group.batchSheets, plan.simd);
-        }
+                caster.aligned.emplace_back(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
     }
 }
 
 // What every light does to each sheet of the batch.
-void BatchLights::enterBatch(int firstSheet, int count) {
+void LightSweep::enterBatch(int firstSheet, int count) {
     m_onSheets.assign(static_cast<std::size_t>(count), {});
     for (int p = 0; p < count; ++p)
-        for (std::size_t i = 0; i < m_group.lights.size(); ++i)
-            if (const auto light = atSheet(m_group.lights[i], firstSheet + p)) {
-                OnSheet& here = m_onSheets[static_cast<std::size_t>(p)];
+        for (std::size_t i = 0; i < m_casters.size(); ++i)
+            if (const auto light = atSheet(i, firstSheet + p)) {
+                OnSheet& here = m_onSheets[p];
+                const Caster& caster = m_casters[i];
                 here.lights.push_back(*light);
-                for (int r = 0; r < m_rows.count(); ++r) {
-                    const ShadowLookup* shadow = m_shadows[row(i, r)].get();
-                    if (m_ownSheets[i]) shadow = &m_ownSheets[i]->shadows[static_cast<std::size_t>(r)];
+                for (int c = 0; c < m_channels; ++c) {
+                    const ShadowLookup* shadow = nullptr;
+                    if (!caster.resampled.empty()) shadow = &caster.resampled[c];
+                    if (!caster.aligned.empty()) shadow = &caster.aligned[c];
                     here.shadows.push_back(shadow);
                 }
             }
 }
 
-// The paper's way (ZC02 Fig. 5, lines 10 and 17): footprints into each light's own sheets, and those into its buffer.
-BatchLights::Work BatchLights::attenuateOwn(int firstSheet, int count) {
+// The paper's way (ZC02 Fig. 5, lines 10 and 17): footprints into the light's own sheets, and those into its buffer.
+LightSweep::Work LightSweep::attenuateAligned(Caster& caster, int firstSheet, int count) {
     Work work;
-    for (const auto& own : m_ownSheets) {
-        if (!own) continue;
-        work.footprints += own->fields.splat(firstSheet, count).footprints;
-        for (std::size_t r = 0; r < own->shadows.size(); ++r) {
-            ViewShadow& shadow = own->shadows[r];
-            shadow.beginBatch(firstSheet, count);
-            std::vector<std::uint64_t> samples(static_cast<std::size_t>(shadow.taskCount()));
-            parallelFor(samples.size(), [&](std::size_t task) {
-                samples[task] = shadow.attenuate(static_cast<int>(task), own->fields.extinction(static_cast<int>(r)));
-            });
-            for (const std::uint64_t n : samples) work.samples += n;
-        }
+    work.footprints = caster.ownSheets->splat(firstSheet, count);
+    for (int c = 0; c < m_channels; ++c) {
+        ViewShadow& shadow = caster.aligned[c];
+        shadow.beginBatch(firstSheet, count);
+        std::vector<std::uint64_t> samples(static_cast<std::size_t>(shadow.taskCount()));
+        parallelFor(samples.size(), [&](std::size_t task) {
+            samples[task] = shadow.attenuate(static_cast<int>(task), caster.ownSheets->total(c));
+        });
+        for (const std::uint64_t n : samples) work.samples += n;
     }
     return work;
 }
 
-BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const BatchFields& fields) {
+LightSweep::Work LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum& extinction) {
     enterBatch(firstSheet, count);
     struct Shadowed {
         ShadowBuffer* shadow;
         const PlaneStack* extinction;
     };
     std::vector<Shadowed> shadowed;
-    for (std::size_t i = 0; i < m_group.lights.size(); ++i)
-        for (int r = 0; r < m_rows.count(); ++r)
-            if (ShadowBuffer* shadow = m_shadows[row(i, r)].get()) {
-                // A row may be empty where another is looked at: light arrives there, too.
-                shadow->beginBatch(firstSheet, count, fields.extinction(r), fields.covered());
-                shadowed.push_back({shadow, &fields.extinction(r)});
-            }
+    for (Caster& caster : m_casters)
+        for (std::size_t c = 0; c < caster.resampled.size(); ++c) {
+            // A channel may be empty where another is looked at: light arrives there, too.
+            const PlaneStack& planes = extinction.total(static_cast<int>(c));
+            caster.resampled[c].beginBatch(firstSheet, count, planes, extinction.covered());
+            shadowed.push_back({&caster.resampled[c], &planes});
+        }
     struct Task {
         Shadowed of;
         int row;
@@ -109,24 +104,30 @@ BatchLights::Work BatchLights::attenuate(int firstSheet, int count, const BatchF
     });
     const auto sheets = static_cast<std::size_t>(count);
     parallelFor(shadowed.size() * sheets,
-                [&](std::size_t i) { shadowed[i / sheets].shadow->sharpen(static_cast<int>(i % sheets)); });
-    Work work = attenuateOwn(firstSheet, count);
+                [&](std::size_t i) { shadowed[i / sheets].shadow->prefilter(static_cast<int>(i % sheets)); });
+    Work work;
     for (const Task& task : tasks) work.samples += task.samples;
+    for (Caster& caster : m_casters) {
+        if (!caster.ownSheets) continue;
+        const Work own = attenuateAligned(caster, firstSheet, count);
+        work.samples += own.samples;
+        work.footprints += own.footprints;
+    }
     return work;
 }
 
-std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet) const {
+std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
+    const LightPlan& plan = m_group.lights[i];
     constexpr double kLeastPart = 1e-3;  // of a sheet
     const double part = plan.view.litPart(sheet);
     if (part < kLeastPart) return std::nullopt;
-    const Light& light = m_scene.lights[static_cast<std::size_t>(plan.light)];
+    const Light& light = m_scene.lights[plan.light];
     const Sheets& sheets = m_group.sheets;
     SheetLight out;
     out.shadowed = plan.shadowed;
-    out.picture = plan.picture;
+    out.output = m_group.outputs.ofLights[i];
     out.index = plan.light;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
-    out.decay = light.decay;
     for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(part * plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
     if (light.slide)
@@ -141,10 +142,11 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     out.texelV = static_cast<float>(plan.view.tsSource.y);
     const double away = part < 1 ? 0.5 * part : sheet + 0.5 - plan.view.tsSource.z;
     out.distanceW = static_cast<float>(away * sheets.thickness);
-    const double radius = std::max(light.radius, kLeastRadius * sheets.thickness);
+    out.decay = light.point().decay;
+    const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
     out.radius2 = static_cast<float>(radius * radius);
-    if (light.type == LightType::spot) {
-        const double half = 0.5 * light.coneAngle * std::acos(-1.0) / 180;
+    if (const Light::Spot* spot = light.spot()) {
+        const double half = 0.5 * spot->coneAngle * std::acos(-1.0) / 180;
         const Vec3 axis = sheets.ssFromWs * light.wsDirection;
         out.spot = true;
         out.axisU = static_cast<float>(axis.x);
@@ -152,7 +154,7 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
         out.axisW = static_cast<float>(axis.z);
         out.cosOuter = static_cast<float>(std::cos(half));
         // A cone without a blend still has an edge of some width: a hundredth of a degree.
-        out.cosInner = static_cast<float>(std::cos(std::min(half * (1 - light.blend), half - 1e-4)));
+        out.cosInner = static_cast<float>(std::cos(std::min(half * (1 - spot->blend), half - 1e-4)));
     }
     if (!plan.ssWindows.empty()) {
         out.windows = &plan.ssWindows;
@@ -162,16 +164,19 @@ std::optional<SheetLight> BatchLights::atSheet(const LightPlan& plan, int sheet)
     return out;
 }
 
-std::size_t BatchLights::bytes() const {
+std::size_t LightSweep::bytes() const {
     std::size_t sum = 0;
-    for (const auto& shadow : m_shadows)
-        if (shadow) sum += shadow->bytes();
-    for (const auto& own : m_ownSheets)
-        if (own) {
-            sum += own->fields.bytes();
-            for (const ViewShadow& shadow : own->shadows) sum += shadow.bytes();
-        }
+    for (const Caster& caster : m_casters) {
+        for (const ShadowBuffer& shadow : caster.resampled) sum += shadow.bytes();
+        for (const ViewShadow& shadow : caster.aligned) sum += shadow.bytes();
+        if (caster.ownSheets) sum += caster.ownSheets->bytes();
+    }
     return sum;
+}
+
+std::size_t LightSweep::shadowBytes(const LightPlan& light, const Sheets& sheets, int batchSheets) {
+    return light.lattice.shared() ? ShadowBuffer::bytes(light.view, sheets, batchSheets)
+                                  : ViewShadow::bytes(light.lattice, batchSheets);
 }
 
 }  // namespace scrim

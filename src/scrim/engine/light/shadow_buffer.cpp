@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
 namespace scrim {
 namespace {
 
@@ -23,9 +26,9 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
     return {tile(lower), tile(upper)};
 }
 
-// One tile's part of a row, sharpened by `strength` times its second differences, but not beyond its neighbours: where
+// One tile's part of a row, prefiltered by `strength` times its second differences, but not beyond its neighbours: where
 // an opaque edge lies between two cells, the lit one stays as it is.
-void sharpenSpan(const float* above, const float* here, const float* below, float strength, float* out) {
+void prefilterSpan(const float* above, const float* here, const float* below, float strength, float* out) {
     for (int x = 0; x < kTileEdge; ++x) {
         const float left = here[x - 1], right = here[x + 1], own = here[x];
         const float least = std::min(std::min(std::min(left, right), std::min(above[x], below[x])), own);
@@ -154,34 +157,23 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
     return samples;
 }
 
-void ShadowBuffer::sharpen(int s) {
+void ShadowBuffer::prefilter(int s) {
     if (m_sharpening == 0 || !lit(s)) return;
-    const auto tiles = static_cast<std::size_t>(m_windowTilesX);
-    const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s * m_windowTilesY) * tiles;
+    const std::uint8_t* used = m_used.data() + s * m_windowTilesY * m_windowTilesX;
     const auto isUsed = [&](int x, int y) {
-        return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY &&
-               used[static_cast<std::size_t>(y) * tiles + static_cast<std::size_t>(x)] != 0;
+        return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY && used[y * m_windowTilesX + x] != 0;
     };
-    // Rows as they were, with a cell on either side. Tiles that take no part hold nothing: their cells stand in for the
-    // neighbours that they border on.
-    const int width = windowWidth();
-    std::vector<float> above(static_cast<std::size_t>(width) + 2), here(static_cast<std::size_t>(width) + 2);
-    float* row = m_entry.data() + static_cast<std::size_t>(s) * entryStride();
-    for (int y = 0; y < m_windowTilesY * kTileEdge; ++y, row += width) {
-        const int ty = y / kTileEdge, inTile = y % kTileEdge;
-        std::copy_n(row, width, here.begin() + 1);
-        for (int tx = 0; tx < m_windowTilesX; ++tx) {
-            if (!isUsed(tx, ty)) continue;
-            const int x = tx * kTileEdge;
-            float* own = here.data() + 1 + x;
-            if (!isUsed(tx - 1, ty)) own[-1] = own[0];
-            if (!isUsed(tx + 1, ty)) own[kTileEdge] = own[kTileEdge - 1];
-            const float* up = inTile == 0 && !isUsed(tx, ty - 1) ? own : above.data() + 1 + x;
-            const float* down = inTile == kTileEdge - 1 && !isUsed(tx, ty + 1) ? own : row + width + x;
-            sharpenSpan(up, own, down, m_sharpening, row + x);
-        }
-        std::swap(above, here);
-    }
+    // Tiles that take no part hold nothing: the cells that border on them stand in for theirs.
+    forPrefilteredSpans(
+        m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(), isUsed,
+        [&](int tx, int y, const float* above, float* here, const float* below, float* out) {
+            const int ty = y / kTileEdge, inTile = y % kTileEdge;
+            if (!isUsed(tx - 1, ty)) here[-1] = here[0];
+            if (!isUsed(tx + 1, ty)) here[kTileEdge] = here[kTileEdge - 1];
+            if (inTile == 0 && !isUsed(tx, ty - 1)) above = here;
+            if (inTile == kTileEdge - 1 && !isUsed(tx, ty + 1)) below = here;
+            prefilterSpan(above, here, below, m_sharpening, out);
+        });
 }
 
 // Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
@@ -233,6 +225,65 @@ std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int
     const auto entry =
         static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) * static_cast<std::size_t>(batchSheets);
     return (raster + entry) * sizeof(float);
+}
+
+namespace {
+
+// World length of the ray through cell (x, y) from one plane of N to the next.
+double pathThroughSheet(const Lattice& raster, const Sheets& sheets, double x, double y) {
+    const Vec3 direction = raster.rayThrough(x, y) * Vec3(sheets.texel, sheets.texel, sheets.thickness);
+    // A ray within the sheets would be infinitely long.
+    return sheets.thickness * glm::length(direction) / std::max(std::abs(direction.z), 1e-6 * glm::length(direction));
+}
+
+}  // namespace
+
+ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd)
+    : m_raster(raster), m_simd(simd), m_nearest(filter == ShadowFilter::nearest) {
+    const auto cells = static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
+    m_tau.resize(cells);
+    m_entry.resize(cells * static_cast<std::size_t>(batchSheets));
+    m_path.reserve(cells);
+    for (int y = 0; y < raster.height; ++y)
+        for (int x = 0; x < raster.width; ++x)
+            m_path.push_back(static_cast<float>(pathThroughSheet(raster, sheets, x, y)));
+}
+
+std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
+    const std::size_t first = static_cast<std::size_t>(task * kTileEdge) * static_cast<std::size_t>(m_raster.width);
+    const std::size_t count = static_cast<std::size_t>(kTileEdge) * static_cast<std::size_t>(m_raster.width);
+    for (int s = 0; s < m_count; ++s) {
+        std::copy_n(m_tau.begin() + static_cast<std::ptrdiff_t>(first), count,
+                    m_entry.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(s) * m_tau.size() + first));
+        const float* sigma = extinction.plane(s) + first;
+        for (std::size_t i = 0; i < count; ++i) m_tau[first + i] += sigma[i] * m_path[first + i];
+    }
+    return static_cast<std::uint64_t>(count) * static_cast<std::uint64_t>(m_count);
+}
+
+void ViewShadow::lookUpTile(int s, int texelX, int texelY, float* tau) const {
+    alignas(64) float u[kTileSize], v[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        u[k] = static_cast<float>(texelX + k % kTileEdge);
+        v[k] = static_cast<float>(texelY + k / kTileEdge);
+    }
+    lookUpPoints(s, u, v, tau);
+}
+
+void ViewShadow::lookUpPoints(int s, const float* u, const float* v, float* tau) const {
+    const Mat3 rsFromPlane = m_raster.fromPlane(m_firstSheet + s + 0.5);
+    alignas(64) float x[kTileSize], y[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        const Vec3 p = rsFromPlane * Vec3(u[k], v[k], 1);
+        x[k] = static_cast<float>(p.x / p.z);
+        y[k] = static_cast<float>(p.y / p.z);
+    }
+    samplePoints({entry(s), m_raster.width, m_raster.height, 0, 0, m_simd}, x, y, m_nearest, kTileSize, tau);
+}
+
+std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {
+    return static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height) *
+           static_cast<std::size_t>(2 + batchSheets) * sizeof(float);
 }
 
 }  // namespace scrim

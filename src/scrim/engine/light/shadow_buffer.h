@@ -1,21 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow buffers: one raster of optical depth a light, carried from sheet to sheet (ZC02 section 3.2).
+// Shadow buffers: one raster of optical depth a light, carried from sheet to sheet (ZC02 section 3.2), and the view of
+// a light that such a raster belongs to.
 //
-// The buffer holds optical depth instead of the paper's opacity: sums of tau keep their precision where
-// 1 - alpha would lose it, and light is e^-tau of it (eq. 5). For each sheet of a batch it also keeps tau as it
-// was when light entered the sheet; that is what shading reads. Only tiles of the raster that the sheet's active
-// texels can see are touched.
+// The buffer holds optical depth instead of the paper's opacity: sums of tau keep their precision where 1 - alpha would
+// lose it, and light is e^-tau of it (eq. 5). For each sheet of a batch it also keeps tau as it was when light entered
+// the sheet; that is what shading reads.
 #pragma once
 
-#include <scrim/engine/light/light_view.h>
 #include <scrim/engine/splat/plane_sampling.h>
 #include <scrim/engine/splat/plane_stack.h>
+#include <scrim/geometry/sheets.h>
+#include <scrim/geometry/spaces.h>
+#include <scrim/geometry/lattice.h>
 #include <scrim/scene/dials.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 namespace scrim {
+
+/// Texel coordinates of cell (i, j) on one sheet: offset + (i, j) * scale.
+struct CellMap {
+    double offsetU = 0, offsetV = 0, scale = 1;
+};
+
+struct LightView {
+    bool distant = true;
+    Vec3 tsSource{0};  ///< distant: (dU/dN, dV/dN, 0) of all rays; point: the source's position
+    Vec2 first{0};     ///< cell (0, 0): (U, V) at N = 0 (distant), (dU/dN, dV/dN) (point)
+    double cell = 1;   ///< step from cell to cell in the units of `first`
+    int width = 0;     ///< cells, a multiple of kTileEdge
+    int height = 0;
+    double slopeScale = 1;  ///< texel / thickness: turns dU/dN into the slope du/dw
+
+    /// Does the light reach the middle plane of sheet n? A point light needs half a sheet of distance: closer
+    /// than that its rays are no longer told apart.
+    bool reaches(int n) const { return distant || n + 0.5 - tsSource.z >= 0.5; }
+
+    /// The part in [0, 1] of sheet n's thickness that lies before a point light (all of it for a distant one): the
+    /// sheet in which the light stands is lit in part.
+    double litPart(int n) const { return distant ? 1.0 : std::clamp(n + 1 - tsSource.z, 0.0, 1.0); }
+
+    /// Map at the middle plane of sheet n, which the light must reach.
+    CellMap at(int n) const {
+        const double middle = n + 0.5;
+        if (distant) return {first.x + tsSource.x * middle, first.y + tsSource.y * middle, cell};
+        const double z = middle - tsSource.z;
+        return {tsSource.x + first.x * z, tsSource.y + first.y * z, cell * z};
+    }
+};
 
 /// What shading wants to know of a shadow buffer.
 class ShadowLookup {
@@ -30,7 +64,7 @@ class ShadowLookup {
 class ShadowBuffer final : public ShadowLookup {
   public:
     /// `lookUps`: bilinear ones on the way from this buffer to the picture, one where pixels look into it, two where
-    /// texels do that pixels then look at. See `sharpen`.
+    /// texels do that pixels then look at. See `prefilter`.
     ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets,
                  Simd simd = {});
 
@@ -51,10 +85,10 @@ class ShadowBuffer final : public ShadowLookup {
     /// extinction times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    /// Makes up beforehand for the blur of the look-ups to come, as unblur.h does for sheets: tau at entry of sheet s
+    /// Makes up beforehand for the blur of the look-ups to come, as PlaneStack::prefilter does for sheets: tau at entry of sheet s
     /// of the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`; what the
     /// buffer carries on stays as it is.
-    void sharpen(int s);
+    void prefilter(int s);
 
     void lookUpTile(int s, int texelX, int texelY, float* tau) const override;
     void lookUpPoints(int s, const float* u, const float* v, float* tau) const override;
@@ -85,6 +119,37 @@ class ShadowBuffer final : public ShadowLookup {
     std::size_t entryStride() const {
         return static_cast<std::size_t>(windowWidth()) * static_cast<std::size_t>(m_windowTilesY * kTileEdge);
     }
+};
+
+class ViewShadow final : public ShadowLookup {
+  public:
+    ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd = {});
+
+    void beginBatch(int firstSheet, int count) {
+        m_firstSheet = firstSheet;
+        m_count = count;
+    }
+    /// Independent tasks of a batch: rows of tiles.
+    int taskCount() const { return m_raster.height / kTileEdge; }
+    /// Carries one row of tiles through the batch's sheets; `extinction` is of this raster. Returns light samples.
+    std::uint64_t attenuate(int task, const PlaneStack& extinction);
+
+    void lookUpTile(int s, int texelX, int texelY, float* tau) const override;
+    void lookUpPoints(int s, const float* u, const float* v, float* tau) const override;
+
+    std::size_t bytes() const { return (m_tau.size() + m_path.size() + m_entry.size()) * sizeof(float); }
+    static std::size_t bytes(const Lattice& raster, int batchSheets);
+
+  private:
+    const float* entry(int s) const { return m_entry.data() + static_cast<std::size_t>(s) * m_tau.size(); }
+
+    Lattice m_raster;
+    Simd m_simd;
+    bool m_nearest;
+    int m_firstSheet = 0, m_count = 0;
+    std::vector<float> m_path;   // world length of each cell's ray through a sheet
+    std::vector<float> m_tau;    // at entry of the next batch
+    std::vector<float> m_entry;  // at entry of each sheet of the batch
 };
 
 }  // namespace scrim

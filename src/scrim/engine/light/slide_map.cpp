@@ -26,7 +26,7 @@ SlideFrame frameOf(const Light& light) {
     SlideFrame frame;
     frame.right = c * viewer[0] - s * viewer[1];
     frame.down = -s * viewer[0] - c * viewer[1];
-    if (light.type == LightType::distant) {
+    if (light.distant()) {
         frame.halfWidth = 0.5 * slide.width;
         frame.halfHeight = slide.height > 0 ? 0.5 * slide.height : frame.halfWidth / slide.image->aspect();
     } else {
@@ -51,7 +51,7 @@ SlideMap slideMap(const Light& light) {
     const Vec3 x = frame.right * (0.5 * width / frame.halfWidth), y = frame.down * (0.5 * height / frame.halfHeight);
     SlideMap map;
     map.wsOrigin = light.wsPosition;
-    if (light.type == LightType::distant) {
+    if (light.distant()) {
         map.perWs = glm::transpose(Mat3(x, y, Vec3(0)));
         map.atOrigin = {0.5 * width, 0.5 * height, 1};
     } else {
@@ -123,7 +123,7 @@ std::optional<double> slidePixel(const Light& light, const Vec3& ws) {
     const SlideFrame frame = frameOf(light);
     const Texture& image = *light.slide->image;
     const double edge = std::min(2 * frame.halfWidth / image.width(), 2 * frame.halfHeight / image.height());
-    if (light.type == LightType::distant) return edge;
+    if (light.distant()) return edge;
     const double depth = glm::dot(ws - light.wsPosition, light.wsDirection);
     if (!(depth > 0)) return std::nullopt;
     return edge * depth;

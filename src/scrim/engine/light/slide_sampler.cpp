@@ -11,7 +11,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/light/slide_sampler.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <scrim/engine/simd-inl.h>
 
 // What does not depend on the target.
 #ifndef SCRIM_SLIDE_TILE_ONCE
@@ -91,32 +91,6 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using DF = hn::CappedTag<float, kTileEdge>;
-using VF = hn::Vec<DF>;
-
-// The four channels of a pixel: one vector, or four where a target has no vectors.
-using DP = hn::CappedTag<float, 4>;
-constexpr std::size_t kPixelParts = 4 / hn::MaxLanes(DP());
-struct Pixel {
-    hn::Vec<DP> part[kPixelParts];
-};
-
-template <class Make>
-HWY_ATTR HWY_INLINE Pixel pixelOf(const Make& make) {
-    Pixel out;
-    for (std::size_t i = 0; i < kPixelParts; ++i) out.part[i] = make(i);
-    return out;
-}
-HWY_ATTR HWY_INLINE Pixel loadPixel(const float* from) {
-    return pixelOf([&](std::size_t i) HWY_ATTR { return hn::LoadU(DP(), from + i * hn::MaxLanes(DP())); });
-}
-// a + t (b - a)
-HWY_ATTR HWY_INLINE Pixel lerp(const Pixel& a, const Pixel& b, float t) {
-    return pixelOf([&](std::size_t i)
-                       HWY_ATTR { return hn::MulAdd(hn::Set(DP(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
-}
-
 // One footprint a sample: everything in pixels of the picture, positions relative to the tile's corner.
 struct Footprints {
     alignas(64) float x[kTileSize], y[kTileSize];          // centre
@@ -125,10 +99,6 @@ struct Footprints {
     alignas(64) float size[kTileSize];                     // what a tap must be averaged over
     alignas(64) float boxX[kTileSize], boxY[kTileSize];    // edges of a tap's own box
 };
-
-HWY_ATTR HWY_INLINE VF constant(float value) {
-    return hn::Set(DF(), value);
-}
 
 // How the slide position moves along (dX, dY, dW), at position (x, y): the derivative of X / W.
 HWY_ATTR HWY_INLINE VF moved(VF d, VF dW, VF at, VF inverseW) {
@@ -231,7 +201,7 @@ HWY_INLINE int placed(int i, int size) {
 }
 
 template <SlideOutside kOutside>
-HWY_ATTR HWY_INLINE Pixel bilinear(const LevelPlace& level, float x, float y) {
+HWY_ATTR HWY_INLINE V4 bilinear(const LevelPlace& level, float x, float y) {
     const float ax = level.fx + x * level.scaleX, ay = level.fy + y * level.scaleY;
     const float floorX = std::floor(ax), floorY = std::floor(ay);
     const int ix = level.x + static_cast<int>(floorX), iy = level.y + static_cast<int>(floorY);
@@ -241,8 +211,8 @@ HWY_ATTR HWY_INLINE Pixel bilinear(const LevelPlace& level, float x, float y) {
     };
     const std::ptrdiff_t left = column(ix), right = column(ix + 1);
     const float *top = row(iy), *bottom = row(iy + 1);
-    return lerp(lerp(loadPixel(top + left), loadPixel(top + right), ax - floorX),
-                lerp(loadPixel(bottom + left), loadPixel(bottom + right), ax - floorX), ay - floorY);
+    return lerp4(lerp4(load4(top + left), load4(top + right), ax - floorX),
+                 lerp4(load4(bottom + left), load4(bottom + right), ax - floorX), ay - floorY);
 }
 
 // The part of a tap's box, along one axis, that lies within the picture.
@@ -261,7 +231,7 @@ struct Levels {
 
 // All taps of sample k.
 template <SlideOutside kOutside>
-HWY_ATTR Pixel tapped(const Levels& levels, const Footprints& prints, int k) {
+HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
     const int taps = static_cast<int>(prints.taps[k]);
     // A size of 2^l needs level l; between them, in proportion. A float holds both: as exponent and mantissa.
     const auto bits = std::bit_cast<std::uint32_t>(std::max(prints.size[k], 1.0f));
@@ -271,7 +241,7 @@ HWY_ATTR Pixel tapped(const Levels& levels, const Footprints& prints, int k) {
         level = levels.count - 1;
         between = 0;
     }
-    Pixel sum = pixelOf([](std::size_t) HWY_ATTR { return hn::Zero(DP()); });
+    V4 sum = each4([](std::size_t) HWY_ATTR { return hn::Zero(D4()); });
     for (int i = 0; i < taps; ++i) {
         const float offset = static_cast<float>(i) - 0.5f * static_cast<float>(taps - 1);
         const float x = prints.x[k] + offset * prints.stepX[k], y = prints.y[k] + offset * prints.stepY[k];
@@ -283,10 +253,10 @@ HWY_ATTR Pixel tapped(const Levels& levels, const Footprints& prints, int k) {
         }
         auto value = bilinear<kOutside>(levels.places[static_cast<std::size_t>(level)], x, y);
         if (between > 0)
-            value = lerp(value, bilinear<kOutside>(levels.places[static_cast<std::size_t>(level + 1)], x, y), between);
+            value = lerp4(value, bilinear<kOutside>(levels.places[static_cast<std::size_t>(level + 1)], x, y), between);
         weight /= static_cast<float>(taps);
-        sum = pixelOf([&](std::size_t part)
-                          HWY_ATTR { return hn::MulAdd(hn::Set(DP(), weight), value.part[part], sum.part[part]); });
+        sum = each4([&](std::size_t i4)
+                        HWY_ATTR { return hn::MulAdd(hn::Set(D4(), weight), value.part[i4], sum.part[i4]); });
     }
     return sum;
 }
@@ -297,9 +267,7 @@ HWY_ATTR bool tintWith(const Levels& levels, const Footprints& prints, float* ti
     for (int k = 0; k < kTileSize; ++k) {
         alignas(16) float value[4] = {0, 0, 0, 0};
         if (prints.taps[k] > 0) {
-            const Pixel colour = tapped<kOutside>(levels, prints, k);
-            for (std::size_t i = 0; i < kPixelParts; ++i)
-                hn::Store(colour.part[i], DP(), value + i * hn::MaxLanes(DP()));
+            store4(tapped<kOutside>(levels, prints, k), value);
             most = std::max({most, value[0], value[1], value[2]});
         }
         for (int c = 0; c < 3; ++c) tint[c * kTileSize + k] = value[c];

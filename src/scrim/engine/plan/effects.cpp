@@ -55,7 +55,7 @@ template <class Say>
 Finder lightsThat(const ViewScene& scene, const Plan& plan, const std::string& key, const Say& say) {
     Finder found(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        if (i < plan.uselessLights.size() && !plan.uselessLights[i].empty()) continue;
+        if (i < plan.culledLights.size() && !plan.culledLights[i].empty()) continue;
         const Light& light = scene.lights[i];
         if (const std::string text = say(light); !text.empty()) found.add(text, "light." + light.name + key);
     }
@@ -91,9 +91,9 @@ Effect slides(const ViewScene& scene, const Plan& plan) {
 
 Effect droppedLights(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
-    for (std::size_t i = 0; i < plan.uselessLights.size(); ++i)
-        if (!plan.uselessLights[i].empty())
-            found.add(fmt::format("{}: {}", quoted(scene.lights[i].name), plan.uselessLights[i]),
+    for (std::size_t i = 0; i < plan.culledLights.size(); ++i)
+        if (!plan.culledLights[i].empty())
+            found.add(fmt::format("{}: {}", quoted(scene.lights[i].name), plan.culledLights[i]),
                       "light." + scene.lights[i].name);
     return found.effect("lights left out", "", "every light lights something in view");
 }
@@ -147,7 +147,7 @@ void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effe
         "coloured extinction", "of ", "every extinction_tint is grey: one tau for all channels");
     if (coloured.on)
         coloured.reason +=
-            fmt::format("; {} row{} of extinction", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");
+            fmt::format("; {} extinction channel{}", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");
     effects.push_back(coloured);
     effects.push_back(ofMedia(
         scene, ".medium.albedo.grid",

@@ -2,18 +2,17 @@
 #include <scrim/engine/plan/light_groups.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/light/slide_map.h>
 #include <scrim/geometry/enclosing_cone.h>
-#include <scrim/engine/plan/light_beam.h>
 
 #include <algorithm>
 #include <cmath>
 #include <string_view>
 #include <tuple>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-
-#include <fmt/format.h>
 
 namespace scrim {
 namespace {
@@ -69,7 +68,7 @@ void addWindows(int index, const Light& light, const Beam& beam, const Cone& con
 }
 
 void addParts(int index, const Light& light, const std::vector<Vec3>& corners, std::vector<LightPart>& parts) {
-    if (light.type == LightType::distant) {
+    if (light.distant()) {
         parts.push_back({index, {light.wsDirection}, {}, 0});
         return;
     }
@@ -136,10 +135,10 @@ double shareOfSameSide(double cosine, double crossFade) {
 
 // Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
 std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
-                               const std::vector<std::string>& useless, const Checkpoint& checkpoint) {
+                               const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
     std::vector<LightPart> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
-        if (useless.empty() || useless[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
+        if (culled.empty() || culled[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
 
     const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
@@ -195,14 +194,14 @@ void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& group
 }  // namespace
 
 std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
-                                    const std::vector<std::string>& useless, const Checkpoint& checkpoint) {
+                                    const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
     const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
 
     // Each part joins the group in which it costs the least slant, or opens its own.
     std::vector<LightGroup> groups;
     std::vector<GrowingCone> cones;
-    const std::vector<Item> items = orderedParts(scene, corners, part, useless, checkpoint);
+    const std::vector<Item> items = orderedParts(scene, corners, part, culled, checkpoint);
     for (const Item& item : items) {
         checkpoint();
         std::size_t best = groups.size();
@@ -242,6 +241,46 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
                                 cause, group.slant * degrees, kSlantLimit * degrees));
     }
     return groups;
+}
+
+std::vector<Vec3> rimOfCone(const Vec3& axis, double angle) {
+    const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    const Vec3 x = glm::normalize(glm::cross(axis, other)), y = glm::cross(axis, x);
+    std::vector<Vec3> directions;
+    constexpr int kPoints = 16;
+    for (int i = 0; i < kPoints; ++i) {
+        const double t = 2 * std::acos(-1.0) * i / kPoints;
+        directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * x + std::sin(t) * y));
+    }
+    return directions;
+}
+
+Cone coneToCorners(const Vec3& wsPoint, const std::vector<Vec3>& corners, std::vector<Vec3>& directions) {
+    for (const Vec3& corner : corners)
+        if (glm::distance(corner, wsPoint) > 0) directions.push_back(glm::normalize(corner - wsPoint));
+    return enclosingCone(directions);
+}
+
+Beam beamOf(const Light& light) {
+    const double pi = std::acos(-1.0);
+    Beam beam{{}, pi};
+    if (const Light::Spot* spot = light.spot()) {
+        beam.angle = 0.5 * spot->coneAngle * pi / 180;
+        beam.directions = rimOfCone(light.wsDirection, beam.angle);
+    }
+    if (!light.slide) return beam;
+    if (light.slide->outside == SlideOutside::black) {
+        const double angle = slideHalfAngle(light);
+        if (angle < beam.angle) beam = {slideCorners(light), angle};
+    }
+    beam.angle = std::min(beam.angle, 0.5 * pi);  // nothing behind a slide is lit
+    return beam;
+}
+
+bool passesBy(const Light& light, const Beam& beam, const Cone& cone) {
+    if (cone.cosAngle <= 0) return false;
+    const double between = std::acos(std::clamp(glm::dot(light.wsDirection, cone.axis), -1.0, 1.0));
+    return between > beam.angle + std::acos(std::min(cone.cosAngle, 1.0));
 }
 
 }  // namespace scrim

@@ -2,16 +2,11 @@
 #include <scrim/engine/plan/plan.h>
 
 #include <scrim/base/error.h>
-#include <scrim/engine/light/view_shadow.h>
-#include <scrim/engine/plan/addressable.h>
-#include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/composite/eye_rays.h>
-#include <scrim/engine/plan/light_raster.h>
-#include <scrim/engine/plan/light_use.h>
-#include <scrim/engine/plan/shading_place.h>
+#include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/plan/rasters.h>
-#include <scrim/engine/splat/field_planes.h>
-#include <scrim/engine/splat/plane_stack.h>
+#include <scrim/engine/plan/sheet_stack.h>
+#include <scrim/engine/plan/shading_place.h>
+#include <scrim/engine/splat/extinction_sum.h>
 
 #include <algorithm>
 #include <cmath>
@@ -25,51 +20,20 @@ namespace {
 constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
 constexpr int kLeastBatch = 16;
 
-// Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help.
-// Radians.
-constexpr double kSteepestSlant = 1.0472;  // 60 degrees
-
 int roundUpToTile(int texels) {
     return (texels + kTileEdge - 1) / kTileEdge * kTileEdge;
 }
 
-// The stack of sheets around the volume. Planes lie at whole multiples of the thickness, texels at whole
-// multiples of their size, from the middle of the volume: nothing hangs on where the camera stands.
-Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const LightGroup& group, double voxel) {
-    Bounds ws;
-    for (const Vec3& corner : corners) ws.include(corner);
-
-    Sheets sheets;
-    sheets.wsAnchor = ws.center();
-    sheets.ssFromWs = sweepRotation(group.wsAxis, scene.camera.wsFromCamera[1]);
-    sheets.texel = scene.dials.texel * voxel;
-    sheets.thickness = scene.dials.sheetThickness * voxel * std::cos(std::min(group.slant, kSteepestSlant));
-
-    Bounds ts;  // with the origin at the anchor
-    for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
-    // Two texels of zeros around, so that bilinear look-ups that leave the raster find nothing there, and behind them
-    // room for the rounded-up rows of footprints.
-    const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
-    const double front = std::floor(ts.lower.z);
-    sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);
-    sheets.width = roundUpToTile(addressable(ts.upper.x - left + 8, "texels along the side of a sheet"));
-    sheets.height = roundUpToTile(addressable(ts.upper.y - top + 8, "texels along the side of a sheet"));
-    sheets.count = std::max(1, addressable(ts.upper.z - front, "sheets"));
-    return sheets;
-}
-
 std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan& group, int batch) {
     const Sheets& s = group.sheets;
-    const ViewRaster raster = plan.perView ? group.eyeRaster : sharedRaster(s);
-    std::size_t bytes = BatchFields::bytes(scene, plan.extinction, s, raster, batch, sheetsForEye(group)) +
-                        (plan.shadeAtPixels ? 0 : PlaneStack::bytes(batch, s.width, s.height, group.layout.floats()));
-    const auto rows = static_cast<std::size_t>(plan.extinction.count());
-    for (const LightPlan& light : group.lights)
-        if (light.shadowed && plan.perView)
-            bytes += rows * ViewShadow::bytes(light.raster, batch) +
-                     BatchFields::bytes(scene, plan.extinction, s, light.raster, batch, SheetsFor::light);
-        else if (light.shadowed)
-            bytes += rows * ShadowBuffer::bytes(light.view, s, batch);
+    std::size_t bytes = ExtinctionSum::bytes(scene, plan, s, group.lattice, batch, ExtinctionSum::eyeOf(group));
+    if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
+    for (const LightPlan& light : group.lights) {
+        if (!light.shadowed) continue;
+        bytes += plan.extinction.count() * LightSweep::shadowBytes(light, s, batch);
+        if (!light.lattice.shared())
+            bytes += ExtinctionSum::bytes(scene, plan, s, light.lattice, batch, ExtinctionSum::For::light);
+    }
     return bytes;
 }
 
@@ -113,42 +77,10 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     }
 }
 
-bool wants(const ViewScene& scene, Layer layer) {
-    return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
-}
-
-// Which pictures a group composites: what it has no part in costs nothing.
-void choosePictures(const ViewScene& scene, const Plan& plan, GroupPlan& group) {
-    const auto add = [&](Layer layer, int light = -1) {
-        group.pictures.push_back({layer, light});
-        return static_cast<int>(group.pictures.size());
-    };
-    const bool primary = group.primary > 0;
-    if (wants(scene, Layer::light))
-        for (LightPlan& light : group.lights) {
-            const auto known = std::find_if(group.pictures.begin(), group.pictures.end(),
-                                            [&](const PicturePlan& p) { return p.light == light.light; });
-            light.picture = known == group.pictures.end() ? add(Layer::light, light.light)
-                                                          : static_cast<int>(known - group.pictures.begin()) + 1;
-        }
-    if (primary && wants(scene, Layer::ambient) && scene.ambient != Rgb(0)) group.targets.ambient = add(Layer::ambient);
-    if (primary && wants(scene, Layer::emission)) group.targets.emission = add(Layer::emission);
-    group.targets.addends = static_cast<int>(group.pictures.size()) + 1;
-    if (primary && wants(scene, Layer::albedo)) group.targets.albedo = add(Layer::albedo);
-    if (primary && wants(scene, Layer::depth)) group.targets.depth = add(Layer::depth);
-    group.layout.pictures = static_cast<int>(group.pictures.size()) + 1;
-    group.layout.coloured = plan.extinction.coloured;
-    // What consists of pictures that are there anyway needs none of its own.
-    const bool emits = std::any_of(scene.volumes.begin(), scene.volumes.end(),
-                                   [](const ViewVolume& volume) { return !volume.emission.empty(); });
-    const bool ambientLeft = primary && scene.ambient != Rgb(0) && group.targets.ambient == 0;
-    const bool emissionLeft = primary && emits && group.targets.emission == 0;
-    const bool lightsLeft = !group.lights.empty() && !wants(scene, Layer::light);
-    group.layout.beauty = group.targets.addends == 1 || ambientLeft || emissionLeft || lightsLeft;
-    constexpr int kMostPictures = 250;
-    if (group.layout.pictures > kMostPictures)
-        throw Error(ErrorKind::usage, fmt::format("{} layers are asked for; at most {} can be rendered at once",
-                                                  group.layout.pictures - 1, kMostPictures - 1));
+std::vector<int> lightsOf(const GroupPlan& group) {
+    std::vector<int> lights;
+    for (const LightPlan& light : group.lights) lights.push_back(light.light);
+    return lights;
 }
 
 std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
@@ -162,7 +94,7 @@ std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan
 void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
     std::size_t count = static_cast<std::size_t>(sheets);
     for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
-    const std::size_t bytes = count * sizeof(PlaneStack::TileBounds);
+    const std::size_t bytes = count * sizeof(Box2<int>);
     if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,
                     fmt::format("planning {} sheets takes {}, more than the {} that the memory limit leaves", count,
@@ -176,20 +108,15 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
     g.primary = group.primary;
     g.sameSide = group.sameSide;
     g.slant = group.slant;
-    g.sheets = sheetsAround(scene, corners, group, plan.voxel);
+    g.sheets = sheetsAround(scene, corners, group.wsAxis, group.slant, plan.voxel);
     for (LightPart& light : group.parts) {
         checkpoint();
         g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
     }
-    choosePictures(scene, plan, g);
+    g.outputs = chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, lightsOf(g));
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
-    if (plan.perView) {
-        const int n = scene.dials.antialias;
-        const Camera camera = supersampled(scene.camera, n);
-        g.guardTiles = guardTiles(scene, camera, g.sheets);
-        g.eyeRaster = EyeView(camera, g.sheets).raster(supersampled(part.window, n), g.guardTiles);
-    }
+    g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
     return g;
 }
 
@@ -217,10 +144,8 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             rest.primary = 0;
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
-                half->pictures.clear();
-                half->targets = {};
-                half->layout = {};
-                choosePictures(scene, plan, *half);
+                half->outputs =
+                    chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, lightsOf(*half));
                 open.push_back(std::move(*half));
             }
         }
@@ -233,7 +158,37 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
     plan.groups = std::move(all);
 }
 
+constexpr std::size_t kColours = 3;
+
+// Surfaces are grey: a transfer function has one extinction.
+Rgb tintOf(const ViewVolume& volume) {
+    return volume.classified ? Rgb(1) : volume.medium.relativeTint();
+}
+
 }  // namespace
+
+ExtinctionChannels extinctionChannels(const ViewScene& scene) {
+    ExtinctionChannels channels;
+    channels.tints.clear();
+    for (const ViewVolume& volume : scene.volumes) {
+        const Rgb tint = tintOf(volume);
+        const auto known = std::find(channels.tints.begin(), channels.tints.end(), tint);
+        channels.shares.push_back({{static_cast<int>(known - channels.tints.begin()), 1.0f}});
+        if (known == channels.tints.end()) channels.tints.push_back(tint);
+        channels.coloured = channels.coloured || tint != Rgb(1);
+    }
+    if (channels.tints.empty()) channels.tints.emplace_back(1);
+    if (channels.tints.size() <= kColours) return channels;
+
+    channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const Rgb tint = tintOf(scene.volumes[v]);
+        channels.shares[v].clear();
+        for (int c = 0; c < static_cast<int>(kColours); ++c)
+            if (tint[c] > 0) channels.shares[v].push_back({c, static_cast<float>(tint[c])});
+    }
+    return channels;
+}
 
 Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress) {
     const Checkpoint checkpoint = [&] {
@@ -245,10 +200,10 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     plan.voxel = voxelUnit(scene);
     plan.region = supersampled(scene.region, scene.dials.antialias);
     plan.perView = scene.dials.splat == SplatMode::perView;
-    plan.extinction = extinctionRows(scene);
+    plan.extinction = extinctionChannels(scene);
     const std::vector<Vec3> corners = wsCorners(scene);
     if (corners.empty()) return plan;
-    plan.uselessLights = uselessLights(scene);
+    plan.culledLights = culledLights(scene);
     for (const Light& light : scene.lights)
         if (light.slide && !light.slide->image)
             throw Error(ErrorKind::usage,
@@ -257,7 +212,7 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
-        for (LightGroup& group : groupLights(scene, corners, part, plan.uselessLights, checkpoint))
+        for (LightGroup& group : groupLights(scene, corners, part, plan.culledLights, checkpoint))
             plan.groups.push_back(planGroup(scene, corners, plan, part, group, checkpoint));
         plan.eyeParts.push_back(std::move(part));
     }
@@ -269,9 +224,9 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
                                static_cast<std::size_t>(roundUpToTile(plan.region.height()));
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
-        floats = std::max(floats, static_cast<std::size_t>(group.layout.floats() + (group.targets.depth > 0 ? 1 : 0)));
+        floats = std::max(floats, static_cast<std::size_t>(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? 1 : 0)));
     const std::size_t layers =
-        scene.layers.size() + (wants(scene, Layer::light) ? scene.lights.size() : std::size_t{0});
+        scene.layers.size() + (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
     const std::size_t frameBytes =
         pixels * floats * sizeof(float) + static_cast<std::size_t>(scene.region.width()) *
                                               static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
@@ -284,6 +239,19 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     }
     estimateWork(scene, plan);
     return plan;
+}
+
+double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
+    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint reaches about three voxels
+    // beyond its slab in u and v, so it has that many texels, squared; of sheets and pictures about a third is not empty.
+    constexpr double kFootprint = 2.0e-8, kFootprintTexel = 1.2e-9, kReach = 4;
+    constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
+    const double across = kReach / scene.dials.texel;
+    const double views = plan.perView && !plan.groups.empty() ? 1.0 + double(plan.groups.front().lights.size()) : 1.0;
+    const double work = plan.work.footprints * views * (kFootprint + kFootprintTexel * across * across) +
+                        plan.work.texels * kTexel + plan.work.lightSamples * kLightSample +
+                        plan.work.pixelSheets * kPixelSheet * (plan.shadeAtPixels ? 3 : 1);
+    return kStart + work / threads;
 }
 
 }  // namespace scrim

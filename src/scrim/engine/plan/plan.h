@@ -5,20 +5,36 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/base/simd.h>
-#include <scrim/geometry/sheets.h>
-#include <scrim/geometry/view_raster.h>
-#include <scrim/engine/light/light_view.h>
-#include <scrim/engine/splat/extinction_rows.h>
+#include <scrim/engine/light/shadow_buffer.h>
+#include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
-#include <scrim/engine/plan/needed_tiles.h>
+#include <scrim/engine/plan/outputs.h>
+#include <scrim/geometry/lattice.h>
+#include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
-#include <scrim/engine/shade/shade_tile.h>
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
 namespace scrim {
+
+/// Extinction in colour c = sum over extinction channels of (channel's value) * tints[channel][c]. A scene without colours
+/// has one channel of white. One of up to three tints has a channel a tint; one of more has the channels red, green, blue.
+/// So sheets and shadow buffers are scalar whatever the colours are.
+struct ExtinctionChannels {
+    bool coloured = false;
+    std::vector<Rgb> tints{Rgb(1)};
+    /// A volume's part in a channel: its extinction in the colour that has most, times `weight`.
+    struct Share {
+        int channel = 0;
+        float weight = 1;
+    };
+    std::vector<std::vector<Share>> shares;  ///< for each volume of the scene
+
+    int count() const { return static_cast<int>(tints.size()); }
+};
+ExtinctionChannels extinctionChannels(const ViewScene& scene);
 
 struct LightPlan {
     int light = 0;  ///< index into ViewScene::lights
@@ -27,14 +43,7 @@ struct LightPlan {
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
     int window = 0;
     double share = 1;   ///< of the light's intensity
-    ViewRaster raster;  ///< per-view splatting: of the light's own sheets
-    int picture = 0;    ///< of the group's: where its light goes
-};
-
-/// One of the pictures that a group composites.
-struct PicturePlan {
-    Layer layer;
-    int light = -1;  ///< of a light's: index into ViewScene::lights
+    Lattice lattice;    ///< of the sheets that it passes through: the shared ones, or its own
 };
 
 struct GroupPlan {
@@ -47,12 +56,9 @@ struct GroupPlan {
     Sheets sheets;
     int batchSheets = 1;  ///< sheets that are in memory at a time
     std::vector<LightPlan> lights;
-    std::vector<PicturePlan> pictures;  ///< beside the beauty: only what this group contributes to
-    SampleLayout layout;
-    PictureTargets targets;
+    SweepOutputs outputs;
     NeededTiles needed;     ///< of the sheets
-    ViewRaster eyeRaster;   ///< per-view splatting: of the eye's own sheets
-    int guardTiles = 0;     ///< of them around the picture
+    Lattice lattice;        ///< of the sheets that the eye looks at: the shared ones, or its own
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
 };
 
@@ -73,13 +79,13 @@ struct Plan {
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
     int threads = 1;                ///< that the render takes
     Simd simd;                      ///< vector instructions that it uses
-    ExtinctionRows extinction;
+    ExtinctionChannels extinction;
     bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;
     double voxel = 1;                        ///< the unit of the dials, world units
     PixelWindow region;                      ///< in pixels of the antialiasing raster
-    std::vector<std::string> uselessLights;  ///< for each light of the scene why it is left out; empty: it is not
+    std::vector<std::string> culledLights;  ///< for each light of the scene why it is culled; empty: it is not
     std::vector<EyePart> eyeParts;           ///< in pixels of the picture; windows cut to the region
     std::size_t bytes = 0;                   ///< buffers at their largest, frame included; without the fields
     ExpectedWork work;
@@ -89,5 +95,9 @@ struct Plan {
 /// wide, more sheets or texels than can be addressed), memory (not one sheet and light fits the scene's memory limit,
 /// or not the plan), interrupted (where `progress`, which is asked now and then, and always with 0, wished it).
 Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress = {});
+
+/// How long a render will take, from its plan alone. Good for choosing between settings of one scene (which takes how many
+/// times as long as which); in seconds it is as good as this machine is like the one it was fitted on.
+double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads);
 
 }  // namespace scrim

@@ -3,11 +3,11 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/light/slide_map.h>
 #include <scrim/engine/splat/kernel.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -15,23 +15,37 @@
 namespace scrim {
 namespace {
 
-constexpr double kMostCells = 8192;  // along one side of a raster, as for shared rasters
+// Cells along one side of a raster at most: a light very close to a large volume gets coarser cells far away
+// from it instead of all the memory.
+constexpr double kMostCells = 8192;
+
+// What lies in both; where nothing does, a point of `a`.
+Box2<double> common(const Box2<double>& a, const Box2<double>& b) {
+    auto both = Box2<double>::nothing();
+    both.include(std::clamp(b.x0, a.x0, a.x1), std::clamp(b.y0, a.y0, a.y1));
+    both.include(std::clamp(b.x1, a.x0, a.x1), std::clamp(b.y1, a.y0, a.y1));
+    return both;
+}
+
+// Lays cells over the extent, with a margin of two for look-ups between cells.
+void layCells(const Box2<double>& extent, LightView& view) {
+    view.cell = std::max({view.cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
+    view.first = {(std::floor(extent.x0 / view.cell) - 2) * view.cell,
+                  (std::floor(extent.y0 / view.cell) - 2) * view.cell};
+    const auto cells = [&](double first, double last) {
+        const int count = static_cast<int>(std::ceil((last - first) / view.cell)) + 4;
+        return (count + kTileEdge - 1) / kTileEdge * kTileEdge;
+    };
+    view.width = cells(view.first.x, extent.x1);
+    view.height = cells(view.first.y, extent.y1);
+}
+
 constexpr double kMargin = 8;        // cells: a footprint's rounded-up rows must lie within
 
 // Rays may not lie within the sheets: half a degree is what they keep to them.
 constexpr double kLeastRise = 0.0087;
 // Nor along the plane of the raster: 85 degrees is the limit.
 constexpr double kLeastCrossing = 0.0872;
-
-struct Extent {
-    double x0 = std::numeric_limits<double>::infinity(), x1 = -x0, y0 = x0, y1 = -x0;
-    void include(double x, double y) {
-        x0 = std::min(x0, x);
-        x1 = std::max(x1, x);
-        y0 = std::min(y0, y);
-        y1 = std::max(y1, y);
-    }
-};
 
 // A linear form on sweep space relative to a point, as a row on (U, V, N, 1).
 glm::dvec4 rowOf(const Vec3& ssForm, const Vec3& step, const Vec3& tsFrom) {
@@ -46,13 +60,14 @@ Vec3 meanOf(const std::vector<Vec3>& directions) {
 }
 
 // Rows to a raster, whose cells have the size 1 / `perCell` in the units of the rows, around the extent.
-ViewRaster layRaster(const Extent& extent, double cell, const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w) {
+Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w) {
     cell = std::max({cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
     const auto size = [&](double first, double last) {
         const int cells = static_cast<int>(std::ceil((last - first) / cell + 2 * kMargin));
         return (cells + kTileEdge - 1) / kTileEdge * kTileEdge;
     };
-    ViewRaster raster;
+    Lattice raster;
+    raster.kind = Lattice::Kind::parallel;
     raster.width = size(extent.x0, extent.x1);
     raster.height = size(extent.y0, extent.y1);
     const glm::dvec4 column = x / cell + (kMargin - extent.x0 / cell) * w;
@@ -61,12 +76,11 @@ ViewRaster layRaster(const Extent& extent, double cell, const glm::dvec4& x, con
     return raster;
 }
 
-}  // namespace
-
-ViewRaster lightRaster(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
+// The lattice of a light's own sheets and shadow buffer.
+Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
                        const LightPart& part) {
     const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
-    const bool distant = light.type == LightType::distant;
+    const bool distant = light.distant();
     const Vec3 step(sheets.texel, sheets.texel, sheets.thickness);
     const bool image = scene.dials.shadowPlane == ShadowPlane::image;
 
@@ -86,7 +100,7 @@ ViewRaster lightRaster(const ViewScene& scene, const std::vector<Vec3>& corners,
     const Vec3 other = std::abs(normal.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
     const Vec3 ey = glm::normalize(glm::cross(normal, other)), ex = glm::cross(ey, normal);
 
-    Extent extent;
+    auto extent = Box2<double>::nothing();
     if (distant) {
         // Slide points along the light onto the plane.
         const double crossing = glm::dot(normal, along);
@@ -112,22 +126,23 @@ ViewRaster lightRaster(const ViewScene& scene, const std::vector<Vec3>& corners,
         if (inFront) extent.include(glm::dot(x, ts) / depth, glm::dot(y, ts) / depth);
     }
     if (!inFront || !part.wsWindows.empty()) {
-        extent = {};
+        extent = Box2<double>::nothing();
         for (const Vec3& ws : part.wsDirections) {
             const Vec3 d = sheets.ssFromWs * ws;
             const double depth = std::max(glm::dot(normal, d), kLeastCrossing);
             extent.include(glm::dot(ex, d) / depth, glm::dot(ey, d) / depth);
         }
     }
-    ViewRaster raster =
+    Lattice raster =
         layRaster(extent, scene.dials.shadowTexel * sheets.texel / std::max(farthest, sheets.thickness), x, y, w);
-    raster.parallel = false;
+    raster.kind = Lattice::Kind::perspective;
     return raster;
 }
 
+// Tiles around the picture that footprints of voxels just outside of it may reach.
 int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheets) {
     if (camera.type != CameraType::orthographic) return 1;  // footprints are cut at the border there
-    const ViewRaster raster = EyeView(camera, sheets).raster({0, 0, 1, 1}, 0);
+    const Lattice raster = EyeView(camera, sheets).lattice({0, 0, 1, 1}, 0);
     double reach = 0;
     for (const ViewVolume& volume : scene.volumes) {
         const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
@@ -136,6 +151,80 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
                 reach, kernelExtent(scene.dials.kernel, {rsFromIs[0][axis], rsFromIs[1][axis], rsFromIs[2][axis]}));
     }
     return static_cast<int>(std::ceil((2 * reach + 6) / kTileEdge));
+}
+
+}  // namespace
+
+LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
+                    LightPart part) {
+    const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
+    LightPlan plan;
+    plan.light = part.light;
+    plan.shadowed = light.shadows;
+    for (const Vec3& axis : part.wsWindows) plan.ssWindows.push_back(sheets.ssFromWs * axis);
+    plan.window = part.window;
+    plan.share = part.share;
+    if (scene.dials.splat == SplatMode::perView && light.shadows)
+        plan.lattice = lightLattice(scene, corners, sheets, part);
+
+    LightView& view = plan.view;
+    view.distant = light.distant();
+    view.slopeScale = sheets.texel / sheets.thickness;
+    auto extent = Box2<double>::nothing();
+    if (view.distant) {
+        Vec3 travel = sheets.tsVector(light.wsDirection);
+        // Image-aligned sheets may have a light that runs within them.
+        travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
+        view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
+        view.cell = scene.dials.shadowTexel;
+        const auto covered = [&](const std::vector<Vec3>& points) {
+            auto all = Box2<double>::nothing();
+            for (const Vec3& point : points) {
+                const Vec3 ts = sheets.tsPoint(point);
+                all.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
+            }
+            return all;
+        };
+        extent = covered(corners);
+        if (light.slide && light.slide->outside == SlideOutside::black)
+            extent = common(extent, covered(distantSlideCorners(light)));
+        layCells(extent, view);
+        return plan;
+    }
+
+    // Rays from a point are named by their slopes: those of the part's directions, or of the volume's corners
+    // where that is less. No slope may exceed the sweep's slant.
+    view.tsSource = sheets.tsPoint(light.wsPosition);
+    const double steepest = std::tan(std::min(slant + 0.02, kSlantLimit)) / view.slopeScale;
+    for (const Vec3& ws : part.wsDirections) {
+        const Vec3 ts = sheets.tsVector(ws);
+        if (ts.z > 0) extent.include(ts.x / ts.z, ts.y / ts.z);
+    }
+    double farthest = 1;
+    bool inFront = true;
+    auto seen = Box2<double>::nothing();
+    for (const Vec3& corner : corners) {
+        const Vec3 ts = sheets.tsPoint(corner) - view.tsSource;
+        farthest = std::max(farthest, ts.z);
+        inFront = inFront && ts.z > 0.5;
+        if (inFront) seen.include(ts.x / ts.z, ts.y / ts.z);
+    }
+    if (inFront)
+        extent = intersection(extent, seen);
+    extent = {std::clamp(extent.x0, -steepest, steepest), std::clamp(extent.y0, -steepest, steepest),
+              std::clamp(extent.x1, -steepest, steepest), std::clamp(extent.y1, -steepest, steepest)};
+    if (extent.x1 < extent.x0) std::swap(extent.x0, extent.x1);
+    if (extent.y1 < extent.y0) std::swap(extent.y0, extent.y1);
+    // Cells are largest where the light has gone furthest.
+    view.cell = scene.dials.shadowTexel / farthest;
+    layCells(extent, view);
+    return plan;
+}
+
+Lattice eyeLattice(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets) {
+    const int n = scene.dials.antialias;
+    const Camera camera = supersampled(scene.camera, n);
+    return EyeView(camera, sheets).lattice(supersampled(window, n), guardTiles(scene, camera, sheets));
 }
 
 }  // namespace scrim

@@ -1,19 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where per-view splatting puts its rasters: the paper's image sheet and shadow sheets (ZC02 section 3.2).
+// Where a sweep's rasters lie: those of shadow buffers over the shared sheets, and those that per-view splatting fills for
+// every view (ZC02 section 3.2: the paper's image sheet and shadow sheets).
 #pragma once
 
-#include <scrim/geometry/view_raster.h>
 #include <scrim/engine/plan/light_groups.h>
+#include <scrim/engine/plan/plan.h>
+#include <scrim/geometry/lattice.h>
 #include <scrim/scene/view_scene.h>
 
 namespace scrim {
 
-/// The raster of a light's own sheets and shadow buffer: perpendicular to the light, or parallel to the image plane, as
-/// the dial shadow_plane says. Throws Error (render) where a light's rays lie along the image plane.
-ViewRaster lightRaster(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets,
-                       const LightPart& part);
+/// The view of one light part onto `sheets`: cells as large as the dial `shadow_texel` says where they are
+/// largest, and as many as the rays that meet the volume need. With per-view splatting its own sheets, too: perpendicular to
+/// the light, or parallel to the image plane, as the dial `shadow_plane` says. Throws Error(render) where a light's rays lie
+/// along the image plane.
+LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets, double slant,
+                    LightPart part);
 
-/// Tiles around the picture that footprints of voxels just outside of it may reach: a parallel eye's raster needs them.
-int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheets);
+/// Per-view splatting: the cells of the eye's own sheets, which are the pixels of `window` and some tiles around them.
+Lattice eyeLattice(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets);
 
 }  // namespace scrim

@@ -23,7 +23,7 @@ std::string fineSlide(const ViewScene& scene, const Plan& plan, double texel) {
     const Vec3 center = wsBounds(scene).center();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
-        if (!light.slide || !plan.uselessLights[i].empty()) continue;
+        if (!light.slide || !plan.culledLights[i].empty()) continue;
         const std::optional<double> pixel = slidePixel(light, center);
         if (pixel && *pixel < 2 * texel)
             return fmt::format(

@@ -8,9 +8,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/shade/shade_tile.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-
-#include <scrim/engine/shade/scatter-inl.h>
+#include <scrim/engine/shade/shade_tile-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
@@ -67,14 +65,14 @@ HWY_ATTR void mix(const ShadeInput& input, const float* const* rows, Rows& out) 
     for (int c = 0; c < 3; ++c)
         forSamples([&](int k) HWY_ATTR {
             auto sum = hn::Mul(load(rows[0], k), constant(input.tints[0][c]));
-            for (int r = 1; r < input.rows; ++r) sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
+            for (int r = 1; r < input.channels; ++r) sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
             hn::Store(sum, d, out.values[c] + k);
         });
 }
 
-float* pictureRow(const ShadeInput& input, Work& w, int picture, int channel) {
-    if (picture == 0) return w.beauty.values[channel];
-    return input.pictures + ((picture - 1) * 3 + channel) * kTileSize;
+float* outputRow(const ShadeInput& input, Work& w, int output, int channel) {
+    if (output == 0) return w.beauty.values[channel];
+    return input.outputs + ((output - 1) * 3 + channel) * kTileSize;
 }
 
 // The light that is left of one light at the samples, through `depth` times the extinction that there is.
@@ -114,13 +112,11 @@ template <bool kTinted>
 HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const float* tauIn, const Lit& lit,
                            Work& w) {
     transmitAll(input, light, tauIn, 1, w);
-    for (int m = 0; m < input.mediumCount; ++m)
-        if (lights(light, input.media[m].lit))
-            scatterInto<kTinted>(input, lit, input.media[m], input.media[m].phase, 1, w);
-    for (int s = 0; s < input.surfaceCount; ++s)
-        if (lights(light, input.surfaces[s].lit)) addReflected<kTinted>(lit, input.surfaces[s]);
-    for (int m = 0; m < input.mediumCount; ++m) {
-        const SheetMedium& medium = input.media[m];
+    for (const SheetMedium& medium : input.media)
+        if (lights(light, medium.lit)) scatterInto<kTinted>(input, lit, medium, medium.phase, 1, w);
+    for (const SheetSurface& surface : input.surfaces)
+        if (lights(light, surface.lit)) addReflected<kTinted>(lit, surface);
+    for (const SheetMedium& medium : input.media) {
         if (!lights(light, medium.lit)) continue;
         const Octaves& o = medium.octaves;
         for (int n = 1; n < o.count; ++n) {
@@ -132,7 +128,7 @@ HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, con
     }
 }
 
-HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
+HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     const SheetLight& light = input.lights[index];
     if (light.slide.image) {
         const SampleTile& s = *input.samples;
@@ -148,16 +144,16 @@ HWY_ATTR void addLight(const ShadeInput& input, int index, Work& w) {
     if (light.windows) limitToWindow(light, w.in);
     w.done.lightLookups += kTileSize;
 
-    const float* tauIn = input.tauIn + index * input.rows * kTileSize;
+    const float* tauIn = input.tauIn + index * std::size_t(input.channels * kTileSize);
     if (input.coloured && light.shadowed) {
         const float* rows[3];
-        for (int r = 0; r < input.rows; ++r) rows[r] = tauIn + r * kTileSize;
+        for (int r = 0; r < input.channels; ++r) rows[r] = tauIn + r * kTileSize;
         mix(input, rows, w.tauIn);
     }
     Lit lit{&input, &light, &w.in, w.slantEye, {}, {}};
     for (int c = 0; c < 3; ++c) {
         lit.amount[c] = w.light.values[input.coloured ? c : 0];
-        lit.to[c] = pictureRow(input, w, light.picture, c);
+        lit.to[c] = outputRow(input, w, light.output, c);
     }
     if (light.slide.image)
         addToVolumes<true>(input, light, tauIn, lit, w);
@@ -176,12 +172,12 @@ HWY_ATTR void fillThrough(const ShadeInput& input, Work& w) {
     w.done.exponentials += static_cast<std::uint64_t>(channels * kTileSize);
 }
 
-HWY_ATTR void addSource(const ShadeInput& input, const float* coefficient, float color, int channel, int picture,
+HWY_ATTR void addSource(const ShadeInput& input, const float* coefficient, float color, int channel, int output,
                         Work& w) {
     const DF d;
     if (color == 0) return;
     const float* through = w.through.values[input.coloured ? channel : 0];
-    float* to = pictureRow(input, w, picture, channel);
+    float* to = outputRow(input, w, output, channel);
     forSamples([&](int k) HWY_ATTR {
         const auto part = hn::Mul(load(coefficient, k), load(through, k));
         hn::Store(hn::MulAdd(part, constant(color), load(to, k)), d, to + k);
@@ -190,36 +186,35 @@ HWY_ATTR void addSource(const ShadeInput& input, const float* coefficient, float
 
 // What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
 template <class SurfaceShare>
-HWY_ATTR void addEnvironment(const ShadeInput& input, const float* radiance, int picture, const SurfaceShare& share,
+HWY_ATTR void addEnvironment(const ShadeInput& input, const float* radiance, int output, const SurfaceShare& share,
                              Work& w) {
     for (int c = 0; c < 3; ++c) {
-        for (int m = 0; m < input.mediumCount; ++m)
-            addSource(input, input.media[m].scatter[c], radiance[c] * input.media[m].albedo[c], c, picture, w);
-        for (int s = 0; s < input.surfaceCount; ++s)
-            addSource(input, input.surfaces[s].emission[c], radiance[c] * share(input.surfaces[s]), c, picture, w);
+        for (const SheetMedium& medium : input.media)
+            addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, w);
+        for (const SheetSurface& surface : input.surfaces)
+            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, w);
     }
 }
 
 // All that is not a light's.
 HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
-    if (!ambient && input.emissionCount == 0 && input.targets.albedo < 0) return;
+    if (!ambient && input.emissions.empty() && input.layout.albedo < 0) return;
     fillThrough(input, w);
     if (ambient) {
         addEnvironment(
-            input, input.ambient, input.targets.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
+            input, input.ambient, input.layout.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
         w.done.ambients += kTileSize;
     }
-    for (int e = 0; e < input.emissionCount; ++e) {
-        const SheetEmission& emission = input.emissions[e];
+    for (const SheetEmission& emission : input.emissions) {
         for (int c = 0; c < 3; ++c)
-            addSource(input, emission.coefficient, emission.color[c], c, input.targets.emission, w);
+            addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, w);
         w.done.emissions += kTileSize;
     }
     constexpr float kWhite[3] = {1, 1, 1};
-    if (input.targets.albedo >= 0)
+    if (input.layout.albedo >= 0)
         addEnvironment(
-            input, kWhite, input.targets.albedo, [](const SheetSurface&) { return 1.0f; }, w);
+            input, kWhite, input.layout.albedo, [](const SheetSurface&) { return 1.0f; }, w);
 }
 
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
@@ -239,7 +234,7 @@ HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
         });
     }
     for (auto& channel : w.beauty.values) forSamples([&](int k) HWY_ATTR { hn::Store(constant(0), d, channel + k); });
-    std::fill(input.pictures, input.pictures + (input.layout.pictures - 1) * 3 * kTileSize, 0.0f);
+    std::fill(input.outputs, input.outputs + (input.layout.outputs - 1) * 3 * kTileSize, 0.0f);
     w.done.samples = kTileSize;
 }
 
@@ -258,7 +253,7 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const SampleTile& s = *input.samples;
     for (int c = 0; c < 3; ++c) {
         const float* hides = opacity.values[input.coloured ? c : 0];
-        float* to = pictureRow(input, w, input.targets.depth, c);
+        float* to = outputRow(input, w, input.layout.depth, c);
         forSamples([&](int k) HWY_ATTR {
             const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
                                           hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
@@ -270,35 +265,35 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
 // The beauty's parts into the beauty.
 HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
     const DF d;
-    for (int p = 1; p < input.targets.addends; ++p)
+    for (int p = 1; p < input.layout.beautyParts; ++p)
         for (int c = 0; c < 3; ++c) {
-            const float* from = pictureRow(input, w, p, c);
+            const float* from = outputRow(input, w, p, c);
             float* to = w.beauty.values[c];
             forSamples([&](int k) HWY_ATTR { hn::Store(hn::Add(load(to, k), load(from, k)), d, to + k); });
         }
 }
 
-HWY_ATTR void writePictures(const ShadeInput& input, Work& w, float* out) {
+HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, float* out) {
     const DF d;
-    const SampleLayout& layout = input.layout;
+    const OutputLayout& layout = input.layout;
     Rows& opacity = w.light;  // no longer needed
     for (int c = 0; c < (input.coloured ? 3 : 1); ++c)
         forSamples([&](int k)
                        HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
     if (layout.beauty) addUp(input, w);
-    if (input.targets.depth >= 0) fillDepth(input, opacity, w);
+    if (input.layout.depth >= 0) fillDepth(input, opacity, w);
     const int stride = layout.floats();
-    for (int p = layout.beauty ? 0 : 1; p < layout.pictures; ++p) {
+    for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {
         float* quad = out + 4 * layout.quadOf(p);
-        const float* const rows[3] = {pictureRow(input, w, p, 0), pictureRow(input, w, p, 1),
-                                      pictureRow(input, w, p, 2)};
+        const float* const rows[3] = {outputRow(input, w, p, 0), outputRow(input, w, p, 1),
+                                      outputRow(input, w, p, 2)};
         for (int k = 0; k < kTileSize; ++k, quad += stride) {
             for (int c = 0; c < 3; ++c) quad[c] = rows[c][k];
             quad[3] = input.coloured ? 0 : -opacity.values[0][k];
         }
     }
     if (!layout.coloured) return;
-    float* quad = out + 4 * layout.pictureQuads();
+    float* quad = out + 4 * layout.outputQuads();
     for (int k = 0; k < kTileSize; ++k, quad += stride) {
         const float alpha[3] = {opacity.values[0][k], opacity.values[1][k], opacity.values[2][k]};
         for (int c = 0; c < 3; ++c) quad[c] = -alpha[c];
@@ -309,12 +304,12 @@ HWY_ATTR void writePictures(const ShadeInput& input, Work& w, float* out) {
 HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, float* out) {
     Work w;
     enterSheet(input, w);
-    for (int i = 0; i < input.lightCount; ++i) addLight(input, i, w);
+    for (std::size_t i = 0; i < input.lights.size(); ++i) addLight(input, i, w);
     addSources(input, w);
-    if (input.layout == SampleLayout{})
+    if (input.layout.beautyAlone())
         writeBeauty(w, out);
     else
-        writePictures(input, w, out);
+        writeOutputs(input, w, out);
     w.done.exponentials += static_cast<std::uint64_t>((input.coloured ? 3 : 1) * kTileSize);
     return w.done;
 }

@@ -14,9 +14,10 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/engine/light/slide_sampler.h>
 #include <scrim/scene/medium.h>
-#include <scrim/engine/shade/sample_layout.h>
-#include <scrim/engine/shade/shade_work.h>
+#include <scrim/engine/frame.h>
+#include <scrim/engine/plan/outputs.h>
 
+#include <span>
 #include <vector>
 
 namespace scrim {
@@ -28,7 +29,7 @@ struct SampleTile {
     alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
     alignas(64) float eyeB[kTileSize];
     SampleSpacing spacing;  ///< texels, unless said otherwise
-    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the picture of it.
+    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the output of it.
     float depth = 0, depthU = 0, depthV = 0;
 };
 
@@ -62,7 +63,7 @@ struct SheetLight {
     int window = 0;
     float windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
     float intensity[3] = {1, 1, 1};
-    int picture = 0;  ///< of SampleLayout: where what it lights goes; one that adds to the beauty, or the beauty
+    int output = 0;  ///< where what it lights goes: a part of the beauty, or the beauty
     int index = 0;    ///< among the scene's lights
     SheetSlide slide;
 };
@@ -95,37 +96,25 @@ struct SheetSurface {
     const std::vector<bool>* lit = nullptr;  ///< as a medium's
 };
 
-/// Where what is not a light's goes: pictures of SampleLayout; -1: nowhere, for what is not wanted.
-struct PictureTargets {
-    int ambient = 0, emission = 0;  ///< 0: into the beauty
-    int albedo = -1, depth = -1;
-    int addends = 1;  ///< pictures [1, addends) are parts of the beauty, which is added up from them in the end
-};
-
-/// Buffers of samples (all rows and `pictures`) must be aligned to 64 bytes.
+/// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
     float texel, thickness;  ///< world units
     bool sameSide;           ///< eye and light meet the same side of a sheet first (s = +1)
     /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
-    /// is the sum over `rows` of a row times its tint, and so is tau at entry.
+    /// is the sum over the extinction channels of a row times its tint, and so is tau at entry.
     const float* extinction[3];
     bool coloured;
-    int rows;  ///< 1, where not coloured
+    int channels;  ///< 1, where not coloured
     float tints[3][3];
-    const SheetMedium* media;
-    int mediumCount;
-    const SheetSurface* surfaces;
-    int surfaceCount;
-    const SheetEmission* emissions;
-    int emissionCount;
-    const SheetLight* lights;
-    int lightCount;
-    const float* tauIn;  ///< `rows` x 256 values a light: tau at entry (read for shadowed lights)
+    std::span<const SheetMedium> media;
+    std::span<const SheetSurface> surfaces;
+    std::span<const SheetEmission> emissions;
+    std::span<const SheetLight> lights;
+    const float* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
     float ambient[3];    ///< radiance of an unshadowed environment; all 0: none
-    SampleLayout layout;
-    PictureTargets targets;
-    float* pictures;  ///< scratch: 3 x 256 floats for each picture beyond the beauty
+    OutputLayout layout;
+    float* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
     Simd simd;
 };
 

@@ -1,64 +1,52 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 4 of a batch: brings together what one tile of samples needs (extinction, surfaces, lights, shadows) and
-// shades it, at texels or at the points where pixels' rays meet the sheet.
+// Stage 4 of a batch: brings together what one tile of samples needs (extinction, surfaces, lights, shadows) and shades it,
+// at texels or at the points where pixels' rays meet the sheet.
 #pragma once
 
-#include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/splat/extinction_sum.h>
 
+#include <optional>
 #include <vector>
 
 namespace scrim {
 
 class SheetShader {
   public:
-    SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const BatchFields& fields,
-                const BatchLights& lights, const EyeView& eye);
+    SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ExtinctionSum& extinction,
+                const LightSweep& lights, const EyeView& eye);
 
-    /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the group's layout.
+    /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, float* out) const;
+
+    /// Shades points of plane p: where pixels' rays meet it. `cells`: the tile of the eye's own lattice whose cells they
+    /// are, with per-view splatting.
+    ShadeWork shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, float* out) const;
 
     /// Texels a sheet times this is a slope, du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
 
-    /// Shades arbitrary positions on plane p; `samples` are filled in by the caller.
-    ShadeWork shadePoints(int p, const SampleTile& samples, float* out) const;
-
-    /// Shades the cells of tile (tx, ty) of the eye's own raster (per-view splatting); `samples` say where on the plane
-    /// they are.
-    ShadeWork shadeCells(int p, const SampleTile& samples, int tx, int ty, float* out) const;
-
   private:
-    struct Medium {
-        int volume;  // of m_fields
-        bool grid;   // its albedo is one
-        SheetMedium look;
-    };
-    struct Surface {
-        int volume;
-        SheetSurface look;
-    };
     struct Rows;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
-    void lookUpShadows(int p, const SampleTile& samples, Rows& rows) const;
-    bool classify(int p, const SampleTile& at, int tx, int ty, Rows& rows, ShadeWork& work) const;
-    ShadeWork shadeGathered(int p, const SampleTile& samples, const SampleTile& at, int tx, int ty, Rows& rows,
-                            float* out) const;
-    ShadeWork shade(int p, const SampleTile& samples, Rows& rows, float* out) const;
+    void gatherTile(int p, const Int2& tile, Rows& rows) const;
+    bool classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
+    ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
 
     const Plan& m_plan;
     const GroupPlan& m_group;
-    const BatchFields& m_fields;
-    const BatchLights& m_lights;
+    const ExtinctionSum& m_extinction;
+    const LightSweep& m_lights;
     const EyeView& m_eye;
     bool m_alone;  // one medium has all the extinction there is
     float m_ambient[3];
     float m_emitting;  // the group's share of emission
-    // What volumes look like, without what differs from sample to sample.
-    std::vector<Medium> m_media;
-    std::vector<Surface> m_surfaces;
+    // What volumes look like, without what differs from sample to sample; and which of m_extinction's they are.
+    std::vector<SheetMedium> m_media;
+    std::vector<SheetSurface> m_surfaces;
+    std::vector<int> m_mediumVolumes, m_surfaceVolumes;
 };
 
 }  // namespace scrim

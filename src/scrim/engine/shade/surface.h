@@ -1,57 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
-// Classification of a tile's worth of samples of one sheet (ZC02 Fig. 5, lines 12 and 13): field in, extinction,
-// colour and normals out.
+// Stage 2b of a batch: classification (ZC02 Fig. 5, lines 12 and 13). The field of a classified volume in its sheets, with
+// some sheets more on either side for gradients; the extinction that its transfer function gives to lights, at texels;
+// and what the eye sees of it at the samples of a tile: extinction, colour and normals.
 //
 // Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours; the
-// transfer function is averaged over the part of that run that lies within the sheet (transfer_table.h).
+// transfer function is averaged over the part of that run that lies within the sheet (transfer.h).
 //
 // Normals come from central differences over a voxel on either side (ZC02 section 3.1), within the sheet and across
 // sheets, but along the axes of the volume's own lattice instead of the sheet's: there they are the differences at
-// lattice points, interpolated, and do not hang on how the sheets happen to lie.
+// lattice points, interpolated, and do not depend on how the sheets happen to lie.
 #pragma once
 
-#include <scrim/base/simd.h>
-#include <scrim/geometry/sheets.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/shade/transfer.h>
+#include <scrim/engine/splat/field_planes.h>
+#include <scrim/engine/splat/plane_sampling.h>
 
 namespace scrim {
-
-/// What a sheet and its neighbours know of a field: planes of one raster, in a ring. Samples are given in its cells,
-/// with the slopes that eye rays have there: none in a raster that is aligned with the eye.
-struct ValuePlanes {
-    const float* planes;         ///< of the whole ring
-    std::ptrdiff_t planeStride;  ///< floats
-    int ring;                    ///< number of planes
-    int here;                    ///< the sheet's own
-    int width, height;
-    Simd simd = {};
-
-    /// The plane `steps` sheets away, |steps| < ring.
-    const float* at(int steps) const { return planes + (here + steps + ring) % ring * planeStride; }
-};
-
-/// The field at both faces and in the middle of a sheet, from its values on the planes of sheets n - 1, n and n + 1.
-///
-/// Those are means over sheets, and between them the field is taken to be linear. Either makes it smoother than it is:
-/// over a sheet, by a 24th and on average by a twelfth of the second difference. An eighth of it is taken away again
-/// (as unblur.h does within the sheet), which halves the error of sharp transfer functions.
-struct SheetRun {
-    float front, middle, back;
-};
-inline SheetRun runThroughSheet(float before, float here, float behind) {
-    const float blur = 0.125f * (before - 2 * here + behind);
-    const auto sharp = [blur](float value) { return value > blur ? value - blur : 0.0f; };
-    return {sharp(0.5f * (before + here)), sharp(here), sharp(0.5f * (here + behind))};
-}
-
-/// The differences that normals come from.
-struct GradientStep {
-    Vec3 rsVoxel[3];        ///< one voxel along each axis of the lattice, in the raster's cells and sheets
-    Mat3 ssFromDifference;  ///< takes differences over two voxels to the gradient in sweep space, per world unit
-    int reach = 1;          ///< sheets that classification looks to either side
-};
-GradientStep gradientStep(const Mat4& rsFromIs, const Mat3& ssFromWs, const Mat4& wsFromIs);
 
 /// Classified samples: of the eye's segments through the sheet.
 struct ClassifiedTile {
@@ -64,12 +29,56 @@ struct ClassifiedTile {
     alignas(64) float weight[kTileSize];       ///< of the normal, see normalWeight
 };
 
-/// Fills in the field and `extinction`; false (and all of the latter 0) where the samples show nothing.
-bool classifyExtinction(const ValuePlanes& planes, const SampleTile& samples, const Sheets& sheets,
-                        const TransferTable& table, ClassifiedTile& out);
+class Surface {
+  public:
+    /// `volume` is a classified one and must outlive this, as `sheets` and `lattice`. `voxel`: unit of the dials.
+    Surface(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice, int batchSheets,
+            double voxel);
 
-/// Fills in the rest, after classifyExtinction.
-void classifySurface(const ValuePlanes& planes, const SampleTile& samples, const GradientStep& step,
-                     double vagueGradient, const TransferTable& table, ClassifiedTile& out);
+    /// Of the field, to be splatted before all that follows.
+    FieldPlanes& field() { return m_field; }
+    const FieldPlanes& field() const { return m_field; }
+    /// Begins a batch; that of `field` is begun apart.
+    void beginBatch(int firstSheet) { m_firstSheet = firstSheet; }
+
+    /// Classifies the texels of sheet firstSheet + p for the lights: `extinction`, planes [0, count).
+    void classifyTexels(int p);
+    const PlaneStack& extinction() const { return m_extinction; }
+
+    /// Classifies what the eye sees at positions `at` of the lattice on sheet firstSheet + p. `tile`: of the lattice,
+    /// where it is a perspective view's. False, with an extinction of 0, where the samples show nothing.
+    bool classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const;
+
+    std::size_t bytes() const;
+    /// An upper estimate beforehand.
+    static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
+                             int batchSheets);
+    /// Sheets on either side of a batch that gradients reach into.
+    static int halo(const ViewVolume& volume, const Sheets& sheets);
+
+  private:
+    // The differences that normals come from.
+    struct GradientStep {
+        Vec3 rsVoxel[3];        // one voxel along each axis of the lattice, in the raster's cells and sheets
+        Mat3 ssFromDifference;  // takes differences over two voxels to the gradient in sweep space, per world unit
+    };
+    GradientStep stepFor(const Mat4& rsFromTs) const;
+    GradientStep stepAt(int p, const Int2& tile) const;
+    FloatPlane plane(int p, int steps) const;
+    void sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const;
+    void sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, float* out) const;
+    void findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const;
+
+    const Sheets& m_sheets;
+    const Lattice& m_lattice;
+    Mat4 m_wsFromIs;
+    Simd m_simd;
+    TransferTable m_table;
+    double m_vagueGradient;
+    GradientStep m_step;  // of a parallel lattice: the same everywhere
+    FieldPlanes m_field;
+    PlaneStack m_extinction;
+    int m_firstSheet = 0;
+};
 
 }  // namespace scrim

@@ -10,16 +10,11 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/shade/transfer.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <scrim/engine/simd-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using DF = hn::CappedTag<float, kTileEdge>;
-using DI = hn::RebindToSigned<DF>;
-using VF = hn::Vec<DF>;
 
 struct Lookup {
     const float* table;

@@ -3,32 +3,34 @@
 
 #include <scrim/base/parallel.h>
 
+#include <algorithm>
+
 namespace scrim {
 namespace {
 
-// A further field as a volume of its own, whose extinction stands for its values.
-ViewVolume asVolume(const ViewVolume& of, const ViewField& field, double scale) {
-    ViewVolume volume{of.name, field.field, field.wsFromIs, {}};
-    volume.medium.densityScale = scale;
-    return volume;
+ViewField densityOf(const ViewVolume& volume) {
+    return {volume.field, volume.wsFromIs};
 }
 
-bool anyEmission(const ViewScene& scene) {
-    for (const ViewVolume& volume : scene.volumes)
-        for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty()) return true;
-    return false;
+// Voxels of more than 1e9 optical depths a voxel count as that: sums of floats must not overflow, and beyond it a voxel's
+// tent is opaque to its rim but for a millionth of a voxel, which no raster resolves.
+FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel) {
+    FieldPlanes::Settings settings;
+    settings.scale = static_cast<float>(scale);
+    settings.most = static_cast<float>(std::min<double>(1e9 / voxel, std::numeric_limits<float>::max()));
+    settings.stepsPerVoxel = dials.footprintSteps;
+    return settings;
 }
 
-int denseVolumes(const ViewScene& scene) {
-    int count = 0;
-    for (const ViewVolume& volume : scene.volumes) count += volume.field->empty() ? 0 : 1;
-    return count;
-}
-
-// Does extinction need planes of its own?
-bool needsTotals(const ViewScene& scene, const ExtinctionRows& rows, SheetsFor who) {
-    return rows.count() > 1 || denseVolumes(scene) != 1 || (who == SheetsFor::primaryEye && anyEmission(scene));
+// Does the sum need planes of its own?
+bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
+    const auto isDense = [](const ViewVolume& volume) { return !volume.field->empty(); };
+    const auto emits = [](const ViewVolume& volume) {
+        return std::any_of(volume.emission.begin(), volume.emission.end(),
+                           [](const ViewEmission& emission) { return !emission.field.field->empty(); });
+    };
+    return plan.extinction.count() > 1 || std::count_if(scene.volumes.begin(), scene.volumes.end(), isDense) != 1 ||
+           (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
 
 // Adds the active tiles of plane p of `from`, times `weight`, to those of `to`; nothing is added where it is 0, but the
@@ -51,94 +53,109 @@ void addPlane(const PlaneStack& from, float weight, int p, PlaneStack& to) {
 
 }  // namespace
 
-BatchFields::BatchFields(const ViewScene& scene, const ExtinctionRows& rows, const Sheets& sheets,
-                         const ViewRaster& raster, int batchSheets, double voxel, SheetsFor who)
-    : m_rows(rows) {
-    const auto planesOf = [&](const ViewVolume& volume) {
-        auto planes = std::make_unique<VolumePlanes>(volume, scene.dials, sheets, raster, batchSheets, voxel);
-        m_voxels += volume.field->activeVoxels;
-        m_all.push_back(planes.get());
+ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
+                             int batchSheets, For who)
+    : m_channels(plan.extinction) {
+    const auto planesOf = [&](const ViewField& field, double scale) {
+        m_voxels += field.field->activeVoxels;
+        auto planes = std::make_unique<FieldPlanes>(field, settingsOf(scale, scene.dials, plan.voxel), scene.dials,
+                                                    sheets, lattice, batchSheets);
+        m_fields.push_back(planes.get());
         return planes;
     };
-    const auto further = [&](const ViewVolume& of, const ViewField& field, double scale) {
-        m_further.push_back(std::make_unique<const ViewVolume>(asVolume(of, field, scale)));
-        return planesOf(*m_further.back());
+    const auto surfaceOf = [&](const ViewVolume& volume) {
+        m_voxels += volume.field->activeVoxels;
+        auto surface = std::make_unique<Surface>(volume, scene.dials, sheets, lattice, batchSheets, plan.voxel);
+        m_fields.push_back(&surface->field());
+        return surface;
     };
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
+        const double scale = volume.medium.mostExtinction();
         if (!volume.field->empty()) {
-            m_volumes.push_back({static_cast<int>(v), planesOf(volume)});
-            if (who != SheetsFor::light)
-                for (std::size_t c = 0; c < volume.scatter.size(); ++c)
-                    m_volumes.back().scatter[c] = further(volume, volume.scatter[c], volume.medium.mostExtinction());
+            Volume& own = m_volumes.emplace_back();
+            own.sceneVolume = static_cast<int>(v);
+            if (volume.classified)
+                own.surface = surfaceOf(volume);
+            else
+                own.medium = planesOf(densityOf(volume), scale);
+            for (std::size_t c = 0; c < volume.scatter.size() && who != For::light; ++c)
+                own.scatter[c] = planesOf(volume.scatter[c], scale);
         }
-        if (who != SheetsFor::primaryEye) continue;
+        if (who != For::primaryEye) continue;
         for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty())
-                m_emissions.push_back({further(volume, emission.field, 1), emission.color});
+            if (!emission.field.field->empty()) m_emissions.push_back({planesOf(emission.field, 1), emission.color});
     }
-    if (!needsTotals(scene, rows, who)) return;
-    for (int r = 0; r < rows.count(); ++r) m_totals.emplace_back(batchSheets, raster.width, raster.height, 1);
+    if (!needsTotals(scene, plan, who)) return;
+    for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
 }
 
-SplatWork BatchFields::splat(int firstSheet, int count, const NeededTiles* needed, const TileCull& cull) {
+std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles* needed, const TileCull& cull) {
     struct Task {
-        VolumePlanes* volume;
+        FieldPlanes* field;
         int part;
-        SplatWork work;
+        std::uint64_t footprints;
     };
     std::vector<Task> tasks;
-    for (VolumePlanes* volume : m_all) {
-        const int parts = volume->beginBatch(firstSheet, count);
-        for (int i = 0; i < parts; ++i) tasks.push_back({volume, i, {}});
+    for (const Volume& volume : m_volumes)
+        if (volume.surface) volume.surface->beginBatch(firstSheet);
+    for (FieldPlanes* field : m_fields) {
+        const int parts = field->beginBatch(firstSheet, count);
+        for (int i = 0; i < parts; ++i) tasks.push_back({field, i, 0});
     }
     parallelFor(tasks.size(),
-                [&](std::size_t i) { tasks[i].work = tasks[i].volume->splat(tasks[i].part, needed, cull); });
+                [&](std::size_t i) { tasks[i].footprints = tasks[i].field->splat(tasks[i].part, needed, cull); });
     parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) {
-        for (VolumePlanes* volume : m_all) volume->classify(static_cast<int>(p));
+        for (const Volume& volume : m_volumes)
+            if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p));
         if (!m_totals.empty()) addUp(static_cast<int>(p));
     });
-    SplatWork sum;
-    for (const Task& task : tasks) sum += task.work;
-    return sum;
+    std::uint64_t footprints = 0;
+    for (const Task& task : tasks) footprints += task.footprints;
+    return footprints;
 }
 
-// Sums the volumes into the rows of one sheet, in their order. The first row is active wherever anything is.
-void BatchFields::addUp(int p) {
+// Sums the volumes into the channels of one sheet, in their order. The first channel is active wherever anything is.
+void ExtinctionSum::addUp(int p) {
     for (PlaneStack& total : m_totals) total.begin(p);
     for (const Volume& volume : m_volumes) {
-        const PlaneStack& own = volume.density->extinction();
+        const PlaneStack& own = volume.extinction();
         addPlane(own, 0, p, m_totals.front());
-        for (const ExtinctionRows::Share& share : m_rows.shares[static_cast<std::size_t>(volume.sceneVolume)])
-            addPlane(own, share.weight, p, m_totals[static_cast<std::size_t>(share.row)]);
+        for (const ExtinctionChannels::Share& share : m_channels.shares[volume.sceneVolume])
+            addPlane(own, share.weight, p, m_totals[share.channel]);
     }
-    for (const Emission& emission : m_emissions) addPlane(emission.planes->extinction(), 0, p, m_totals.front());
+    for (const Emission& emission : m_emissions) addPlane(emission.field->planes(), 0, p, m_totals.front());
     for (PlaneStack& total : m_totals) total.finish(p);
 }
 
-std::size_t BatchFields::bytes() const {
+std::size_t ExtinctionSum::bytes() const {
     std::size_t sum = 0;
-    for (const VolumePlanes* volume : m_all) sum += volume->bytes();
+    for (const FieldPlanes* field : m_fields) sum += field->bytes();
+    for (const Volume& volume : m_volumes)
+        if (volume.surface) sum += volume.surface->bytes() - volume.surface->field().bytes();
     for (const PlaneStack& t : m_totals) sum += PlaneStack::bytes(t.planes(), t.width(), t.height(), 1);
     return sum;
 }
 
-std::size_t BatchFields::bytes(const ViewScene& scene, const ExtinctionRows& rows, const Sheets& sheets,
-                               const ViewRaster& raster, int batch, SheetsFor who) {
+std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
+                                 int batch, For who) {
     std::size_t sum = 0;
+    const FieldPlanes::Settings settings = settingsOf(1, scene.dials, plan.voxel);
+    const auto add = [&](const ViewField& field) {
+        if (!field.field->empty()) sum += FieldPlanes::bytes(field, settings, scene.dials, sheets, lattice, batch);
+    };
     for (const ViewVolume& volume : scene.volumes) {
-        if (!volume.field->empty()) sum += VolumePlanes::bytes(volume, scene.dials, sheets, raster, batch);
-        const auto add = [&](const ViewField& field) {
-            if (!field.field->empty())
-                sum += VolumePlanes::bytes(asVolume(volume, field, 1), scene.dials, sheets, raster, batch);
-        };
-        if (who != SheetsFor::light)
+        if (!volume.classified)
+            add(densityOf(volume));
+        else if (!volume.field->empty())
+            sum += Surface::bytes(volume, scene.dials, sheets, lattice, batch);
+        if (who != For::light)
             for (const ViewField& scatter : volume.scatter) add(scatter);
-        if (who == SheetsFor::primaryEye)
+        if (who == For::primaryEye)
             for (const ViewEmission& emission : volume.emission) add(emission.field);
     }
-    const std::size_t totals = needsTotals(scene, rows, who) ? static_cast<std::size_t>(rows.count()) : 0;
-    return sum + totals * PlaneStack::bytes(batch, raster.width, raster.height, 1);
+    const std::size_t totals = needsTotals(scene, plan, who) ? plan.extinction.count() : 0;
+    return sum + totals * PlaneStack::bytes(batch, lattice.width, lattice.height, 1);
 }
 
 }  // namespace scrim

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages 1 and 2 of a batch: every volume's fields into their own sheets, and the sum of their extinctions, which eye
+// Stages 1 and 2 of a batch: every volume's fields into their own sheets, and the sum of what is extinct there, which eye
 // and lights pass through.
 #pragma once
 
-#include <scrim/engine/splat/extinction_rows.h>
+#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/shade/surface.h>
 #include <scrim/engine/splat/field_planes.h>
+#include <scrim/scene/view_scene.h>
 
 #include <array>
 #include <memory>
@@ -12,70 +14,59 @@
 
 namespace scrim {
 
-/// Who looks at the sheets: lights need extinction only, the eye what scatters, too, and one of its sweeps emission.
-enum class SheetsFor { light, eye, primaryEye };
-inline SheetsFor sheetsForEye(const GroupPlan& group) {
-    return group.primary > 0 ? SheetsFor::primaryEye : SheetsFor::eye;
-}
-
-class BatchFields {
+class ExtinctionSum {
   public:
-    /// Into the raster of `raster`, which may be the sheets' own or a view's. `scene`, `rows` and `sheets` must outlive
-    /// this.
-    BatchFields(const ViewScene& scene, const ExtinctionRows& rows, const Sheets& sheets, const ViewRaster& raster,
-                int batchSheets, double voxel, SheetsFor who);
+    /// Who looks at the sheets: lights need extinction only, the eye what scatters, too, and one of its sweeps emission.
+    enum class For { light, eye, primaryEye };
+    static For eyeOf(const GroupPlan& group) { return group.primary > 0 ? For::primaryEye : For::eye; }
 
-    /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count).
-    /// See VolumePlanes::splat.
-    SplatWork splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
+    /// On the cells of `lattice`. `scene`, `plan`, `sheets` and `lattice` must outlive this.
+    ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
+                  int batchSheets, For who);
 
-    /// A row of total extinction, per world unit. Where there is one volume these are its own planes.
-    const PlaneStack& extinction(int row) const {
-        return m_totals.empty() ? m_volumes.front().density->extinction() : m_totals[static_cast<std::size_t>(row)];
+    /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count). Returns the footprints that
+    /// were added. See FieldPlanes::splat.
+    std::uint64_t splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
+
+    /// An extinction channel of all volumes together, per world unit. Where there is one volume these are its own planes.
+    const PlaneStack& total(int channel) const {
+        return m_totals.empty() ? m_volumes.front().extinction() : m_totals[channel];
     }
     /// The planes whose active tiles are all those where anything is.
-    const PlaneStack& covered() const { return extinction(0); }
+    const PlaneStack& covered() const { return total(0); }
 
-    /// The volumes that have extinction.
-    int volumeCount() const { return static_cast<int>(m_volumes.size()); }
-    const VolumePlanes& volume(int i) const { return *m_volumes[static_cast<std::size_t>(i)].density; }
-    /// Their place among the scene's.
-    int sceneVolume(int i) const { return m_volumes[static_cast<std::size_t>(i)].sceneVolume; }
-    /// Of a volume whose albedo is a grid: what it scatters of channel c, before its tint. Null otherwise.
-    const VolumePlanes* scatter(int i, int c) const {
-        return m_volumes[static_cast<std::size_t>(i)].scatter[static_cast<std::size_t>(c)].get();
-    }
+    /// A volume that has extinction.
+    struct Volume {
+        int sceneVolume = 0;                                      ///< its place among the scene's
+        std::unique_ptr<FieldPlanes> medium = {};                 ///< of a medium: density is extinction
+        std::unique_ptr<Surface> surface = {};                    ///< of a classified volume
+        std::array<std::unique_ptr<FieldPlanes>, 3> scatter = {}; ///< where the albedo is a grid: what each channel scatters
 
-    int emissionCount() const { return static_cast<int>(m_emissions.size()); }
-    const VolumePlanes& emission(int e) const { return *m_emissions[static_cast<std::size_t>(e)].planes; }
-    const Rgb& emissionColor(int e) const { return m_emissions[static_cast<std::size_t>(e)].color; }
+        const PlaneStack& extinction() const { return medium ? medium->planes() : surface->extinction(); }
+    };
+    const std::vector<Volume>& volumes() const { return m_volumes; }
+
+    /// Radiance per world unit = planes times colour.
+    struct Emission {
+        std::unique_ptr<FieldPlanes> field;
+        Rgb color;
+    };
+    const std::vector<Emission>& emissions() const { return m_emissions; }
 
     std::uint64_t voxels() const { return m_voxels; }
     std::size_t bytes() const;
-
-    /// An upper estimate of what the sheets will take.
-    static std::size_t bytes(const ViewScene& scene, const ExtinctionRows& rows, const Sheets& sheets,
-                             const ViewRaster& raster, int batchSheets, SheetsFor who);
+    /// An upper estimate beforehand.
+    static std::size_t bytes(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
+                             int batchSheets, For who);
 
   private:
-    struct Volume {
-        int sceneVolume = 0;
-        std::unique_ptr<VolumePlanes> density;
-        std::array<std::unique_ptr<VolumePlanes>, 3> scatter = {};
-    };
-    struct Emission {
-        std::unique_ptr<VolumePlanes> planes;
-        Rgb color;
-    };
     void addUp(int plane);
 
-    const ExtinctionRows& m_rows;
-    // Fields that are not a volume's own density, as volumes of their own.
-    std::vector<std::unique_ptr<const ViewVolume>> m_further;
+    const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
     std::vector<Emission> m_emissions;
-    std::vector<VolumePlanes*> m_all;
-    std::vector<PlaneStack> m_totals;  // one a row, only where extinction is not that of one volume
+    std::vector<FieldPlanes*> m_fields;  // all of them
+    std::vector<PlaneStack> m_totals;    // one a channel, only where extinction is not that of one volume
     std::uint64_t m_voxels = 0;
 };
 

@@ -1,81 +1,59 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages 1 and 2 for one volume: its field splatted into sheets, and what is extinct there.
-//
-// A medium's extinction is the field times a scale, so its sheets of field are its sheets of extinction. A classified
-// volume keeps the field itself, with some sheets more on either side of the batch for gradients and for the
-// transfer function's mean along a ray: a ring of planes, so that every sheet is splatted once.
-//
-// The raster may be the sheets' own, which all views share, or be aligned with one view.
+// Stage 1 of a batch: one scalar field splatted into sheets. Densities, albedos, emission and temperatures are all fields;
+// what is extinct there is made of some of them (extinction_sum.h).
 #pragma once
 
-#include <scrim/engine/plan/plan.h>
-#include <scrim/engine/shade/surface.h>
-#include <scrim/engine/splat/splatter.h>
+#include <scrim/engine/plan/culling.h>
 #include <scrim/engine/splat/plane_stack.h>
-#include <scrim/engine/splat/warped_splatter.h>
+#include <scrim/engine/splat/splatter.h>
 
-#include <optional>
+#include <limits>
 #include <variant>
 #include <vector>
 
 namespace scrim {
 
-class VolumePlanes {
+class FieldPlanes {
   public:
-    /// `volume` must outlive this. `voxel`: unit of the dials.
-    VolumePlanes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const ViewRaster& raster,
-                 int batchSheets, double voxel);
+    /// How a field is splatted.
+    struct Settings {
+        float scale = 1;                                  ///< times every voxel
+        float most = std::numeric_limits<float>::max();   ///< scaled voxels count as this above it
+        int stepsPerVoxel = 8;                            ///< of its footprints, see FootprintTable
+        int halo = 0;                                     ///< sheets kept on either side of a batch
+    };
+
+    /// Onto the cells of `lattice`, the sheets' own or a view's. The field, `sheets` and `lattice` must outlive this.
+    FieldPlanes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
+                const Lattice& lattice, int batchSheets);
 
     /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
     int beginBatch(int firstSheet, int count);
-    /// Blocks that touch none of the tiles of `needed` are left out, and so are those that `cull` does without.
-    SplatWork splat(int task, const NeededTiles* needed, const TileCull& cull);
-    /// Classifies sheet firstSheet + p; after all splatting. Nothing to do for a medium.
-    void classify(int p);
+    /// Returns the footprints that were added. Blocks that touch none of the tiles of `needed` are culled, and so are
+    /// those that `cull` names.
+    std::uint64_t splat(int task, const NeededTiles* needed, const TileCull& cull);
 
-    /// Extinction per world unit at texels, planes [0, count).
-    const PlaneStack& extinction() const { return m_surface ? m_surface->extinction : m_values; }
+    /// Planes of sheets in a ring, so that every sheet is splatted once: the plane of a sheet of the batch or its halo.
+    int planeOf(int sheet) const { return (sheet - m_origin + m_settings.halo) % m_planes.planes(); }
+    /// Without a halo planes [0, count) are those of the batch.
+    const PlaneStack& planes() const { return m_planes; }
 
-    const ViewVolume& volume() const { return m_volume; }
-    /// Of a classified volume: the field around sheet firstSheet + p, and what belongs to its transfer function.
-    ValuePlanes values(int p) const;
-    const TransferTable& table() const { return m_surface->table; }
-    /// Differences for normals around the tile (tx, ty) of sheet firstSheet + p.
-    GradientStep step(int p, int tx, int ty) const;
-    /// Steps of a volume's footprints: surfaces take twice what the dial says, because normals show ripples best.
-    static int footprintStepsOf(const ViewVolume& volume, const Dials& dials);
-    /// Planes beyond those of a batch that a classified volume needs.
-    static int halo(const ViewVolume& volume, const Sheets& sheets);
-    double vagueGradient() const { return m_surface->vagueGradient; }
     std::size_t bytes() const;
     /// An upper estimate beforehand.
-    static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets,
-                             const ViewRaster& raster, int batchSheets);
+    static std::size_t bytes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
+                             const Lattice& lattice, int batchSheets);
 
   private:
-    struct Surface {
-        TransferTable table;
-        GradientStep step;  // of a parallel raster: the same everywhere
-        double vagueGradient;
-        PlaneStack extinction;
-    };
     struct Run {
         int sheet, count;
     };
-    GradientStep stepFor(const Mat4& rsFromTs) const;
-    int planeOf(int sheet) const { return (sheet - m_origin + m_halo) % m_values.planes(); }
 
-    const ViewVolume& m_volume;
-    Simd m_simd;
-    const Sheets& m_sheets;
-    ViewRaster m_raster;
-    bool m_shared;  // the raster is the sheets' own: views look between its texels
-    int m_halo;     // sheets on either side of a batch
+    const Lattice& m_lattice;
+    Settings m_settings;
     std::variant<FieldSplatter, WarpedSplatter> m_splatter;
-    PlaneStack m_values;
-    std::optional<Surface> m_surface;  // classified volumes
-    int m_origin = -1;                 // the first sheet of the first batch, whose planes lie as it wants them
-    int m_firstSheet = 0, m_readySheet = 0;
+    PlaneStack m_planes;
+    int m_origin = -1;  // the first sheet of the first batch, whose planes lie as it wants them
+    int m_readySheet = 0;
     std::vector<Run> m_runs;
 };
 

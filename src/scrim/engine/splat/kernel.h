@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reconstruction kernels: how a voxel spreads into the space around it (ZC02 section 2). A field is the sum of
-// all voxels' kernels; everything else in Scrim, and the reference it is checked against, follows from that.
+// Reconstruction kernels: how a voxel spreads into the space around it (ZC02 section 2). A field is the sum of all voxels'
+// kernels; everything else in Scrim, and the reference it is checked against, follows from that.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/dials.h>
+#include <scrim/volume/sparse_field.h>
+
+#include <cstdint>
+#include <unordered_map>
 
 namespace scrim {
 
@@ -14,5 +18,31 @@ double kernelExtent(Kernel kernel, const Vec3& row);
 
 /// The kernel at `offset` (index space, voxels) from a voxel's centre. Its integral over index space is 1.
 double kernelValue(Kernel kernel, const Vec3& offset);
+
+class FieldProbe {
+  public:
+    /// `field` must outlive this.
+    FieldProbe(const SparseField& field, Kernel kernel);
+
+    /// Value of voxel `is`; 0 where it is not active.
+    double voxel(const Int3& is) const;
+
+    /// The reconstructed field at `is` (index space).
+    double value(const Vec3& is) const;
+
+    /// True where no voxel within the kernel's reach of the ball of `radius` voxels around `is` can be active:
+    /// the field is 0 there.
+    bool emptyAround(const Vec3& is, double radius) const;
+
+    Kernel kernel() const { return m_kernel; }
+
+  private:
+    static std::uint64_t key(const Int3& block);
+    const float* block(const Int3& coordinate) const;
+
+    const SparseField& m_field;
+    Kernel m_kernel;
+    std::unordered_map<std::uint64_t, const float*> m_blocks;
+};
 
 }  // namespace scrim

@@ -8,38 +8,11 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/splat/plane_sampling.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <scrim/engine/simd-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
-using DF = hn::CappedTag<float, kTileEdge>;
-using DI = hn::RebindToSigned<DF>;
-using VF = hn::Vec<DF>;
-using VI = hn::Vec<DI>;
-
-// A coordinate as index on an axis of `size` places from `first`, and fraction; clamped so that index and index + 1
-// lie on the axis.
-struct Split {
-    VI whole;
-    VF fraction;
-};
-
-HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest) {
-    const DF d;
-    const DI di;
-    x = hn::Min(hn::Max(x, hn::Set(d, static_cast<float>(first))), hn::Set(d, static_cast<float>(first + size - 1)));
-    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<float>(first + size - 2)));
-    auto fraction = hn::Sub(x, floor);
-    if (nearest) fraction = hn::Floor(hn::Add(fraction, hn::Set(d, 0.5f)));
-    return {hn::Sub(hn::ConvertTo(di, floor), hn::Set(di, first)), fraction};
-}
-
-HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
-    return hn::MulAdd(t, hn::Sub(b, a), a);
-}
 
 // Bilinear sample with its own position in every lane.
 HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Split& v) {

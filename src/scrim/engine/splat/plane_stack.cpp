@@ -21,10 +21,6 @@ std::size_t planeFloats(int width, int height, int channels) {
 
 }  // namespace
 
-void PlaneStack::Release::operator()(void* memory) const noexcept {
-    std::free(memory);
-}
-
 std::size_t PlaneStack::bytes(int planes, int width, int height, int channels) {
     return planeFloats(width, height, channels) * static_cast<std::size_t>(planes) * sizeof(float);
 }
@@ -36,7 +32,7 @@ PlaneStack::PlaneStack(int planes, int width, int height, int channels)
       m_channels(channels),
       m_planeStride(static_cast<std::ptrdiff_t>(planeFloats(width, height, channels))),
       // calloc hands out untouched pages, which take no memory until they are written.
-      m_memory(std::calloc(bytes(planes, width, height, channels) + kAlignment, 1)) {
+      m_memory(std::calloc(bytes(planes, width, height, channels) + kAlignment, 1), std::free) {
     if (!m_memory) throw Error(ErrorKind::memory, "no memory for the buffers of a batch of sheets");
     const auto address = reinterpret_cast<std::uintptr_t>(m_memory.get());
     m_data = reinterpret_cast<float*>((address + kAlignment - 1) / kAlignment * kAlignment);
@@ -44,30 +40,25 @@ PlaneStack::PlaneStack(int planes, int width, int height, int channels)
                    static_cast<std::size_t>(tilesY()));
 }
 
-bool PlaneStack::anyActive(int p, int tx0, int ty0, int tx1, int ty1) const {
-    tx0 = std::max(tx0, 0);
-    ty0 = std::max(ty0, 0);
-    tx1 = std::min(tx1, tilesX() - 1);
-    ty1 = std::min(ty1, tilesY() - 1);
-    for (int ty = ty0; ty <= ty1; ++ty)
-        for (int tx = tx0; tx <= tx1; ++tx)
+bool PlaneStack::anyActive(int p, const Box2<int>& tiles) const {
+    const Box2<int> box = intersection(tiles, {0, 0, tilesX(), tilesY()});
+    for (int ty = box.y0; ty < box.y1; ++ty)
+        for (int tx = box.x0; tx < box.x1; ++tx)
             if (active(p, tx, ty)) return true;
     return false;
 }
 
-PlaneStack::TileBounds PlaneStack::activeBounds(int p) const {
-    TileBounds box{tilesX(), tilesY(), -1, -1};
+Box2<int> PlaneStack::activeBounds(int p) const {
+    Box2<int> box;
     for (int ty = 0; ty < tilesY(); ++ty)
         for (int tx = 0; tx < tilesX(); ++tx)
-            if (active(p, tx, ty))
-                box = {std::min(box.x0, tx), std::min(box.y0, ty), std::max(box.x1, tx), std::max(box.y1, ty)};
+            if (active(p, tx, ty)) box.include({tx, ty, tx + 1, ty + 1});
     return box;
 }
 
 void PlaneStack::begin(int p) {
     const auto first = m_state.begin() + static_cast<std::ptrdiff_t>(tileIndex(p, 0, 0));
-    std::replace(first, first + tilesX() * tilesY(), static_cast<std::uint8_t>(kActive),
-                 static_cast<std::uint8_t>(kStale));
+    std::replace(first, first + tilesX() * tilesY(), kActive, kStale);
 }
 
 void PlaneStack::activate(int p, int tx, int ty) {
@@ -87,6 +78,18 @@ void PlaneStack::finishRow(int p, int ty) {
         clearTile(p, tx, ty);
         state = kClean;
     }
+}
+
+void PlaneStack::prefilter(int p) {
+    constexpr float kTwelfth = 1.0f / 12;
+    forPrefilteredSpans(
+        plane(p), tilesX(), tilesY(), rowStride(), [&](int tx, int ty) { return active(p, tx, ty); },
+        [](int, int, const float* above, const float* here, const float* below, float* out) {
+            for (int x = 0; x < kTileEdge; ++x) {
+                const float around = here[x - 1] + here[x + 1] + above[x] + below[x];
+                out[x] = std::max(0.0f, here[x] - kTwelfth * (around - 4 * here[x]));
+            }
+        });
 }
 
 void PlaneStack::raiseToZero(int p) {

@@ -6,13 +6,11 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/splat/splat_block.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <scrim/engine/simd-inl.h>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
-
-namespace hn = hwy::HWY_NAMESPACE;
 
 // Voxels whose addresses are computed together, ahead of their footprints.
 constexpr int kChunk = 32;
@@ -35,7 +33,7 @@ HWY_INLINE int log2Of(int powerOfTwo) {
 }
 
 // Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
-template <bool kSloped, bool kClipped>
+template <bool kClipped>
 HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Chunk& chunk) {
     const hn::ScalableTag<float> df;
     const hn::RebindToSigned<decltype(df)> di;
@@ -50,7 +48,7 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Ch
             const auto position = hn::Add(hn::Set(df, fraction), offset);
             const auto inSteps = hn::MulAdd(position, hn::Set(df, static_cast<float>(steps)), hn::Set(df, 0.5f));
             const auto rounded = hn::Floor(inSteps);
-            if constexpr (kSloped) hn::StoreU(hn::Sub(hn::Sub(inSteps, rounded), hn::Set(df, 0.5f)), df, rest + i);
+            hn::StoreU(hn::Sub(hn::Sub(inSteps, rounded), hn::Set(df, 0.5f)), df, rest + i);
             return hn::ConvertTo(di, rounded);
         };
         const auto u = at(place.fractionU, splat.order->offsetU, table.texelSteps(), chunk.restU);
@@ -78,20 +76,6 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Ch
     }
 }
 
-// Adds value * weights to kRows rows of kWidth texels; 0 stands for any number.
-template <int kWidth, int kRows>
-HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, float value, int rows, int width,
-                                      float* HWY_RESTRICT texels, std::ptrdiff_t rowStride) {
-    const hn::CappedTag<float, kWidth == 8 ? 8 : 4> d;  // widths are multiples of 4
-    const int step = static_cast<int>(hn::Lanes(d));
-    const auto scale = hn::Set(d, value);
-    if constexpr (kRows > 0) rows = kRows;
-    if constexpr (kWidth > 0) width = kWidth;
-    for (int row = 0; row < rows; ++row, weights += width, texels += rowStride)
-        for (int i = 0; i < width; i += step)
-            hn::StoreU(hn::MulAdd(scale, hn::LoadU(d, weights + i), hn::LoadU(d, texels + i)), d, texels + i);
-}
-
 // Weights that go with their slopes, in parts `part` apart, at `rest` steps from where they were tabulated.
 template <class D>
 struct Slopes {
@@ -105,9 +89,10 @@ struct Slopes {
     }
 };
 
-// The same as addFootprint with such weights. Rows of four are taken in pairs: in the table they lie side by side.
+// Adds value * weights to `rows` rows of `width` texels, a multiple of 4. Rows of four are taken in pairs: in the table
+// they lie side by side.
 template <int kWidth>
-HWY_ATTR HWY_INLINE void addSloped(const float* HWY_RESTRICT weights, int part, float value, const float (&rest)[3],
+HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, int part, float value, const float (&rest)[3],
                                    int rows, int width, float* HWY_RESTRICT texels, std::ptrdiff_t rowStride) {
     const hn::CappedTag<float, 4> d;
     const auto scale = hn::Set(d, value);
@@ -135,14 +120,14 @@ HWY_ATTR HWY_INLINE void addSloped(const float* HWY_RESTRICT weights, int part, 
                        texels + i);
 }
 
-template <int kWidth, int kRows, bool kSloped, bool kClipped>
+template <int kWidth, bool kClipped>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
                                   int second) {
     // Copies, because the compiler must assume that writing texels changes what pointers lead to.
     const FootprintTable& table = *splat.table;
     const int rows = table.rows(), width = table.rowStride(), sheets = table.sheets();
-    [[maybe_unused]] const int part = table.partStride();
-    const std::ptrdiff_t sheetStride = kWidth * kRows > 0 ? kWidth * kRows : table.sheetStride();
+    const int part = table.partStride();
+    const std::ptrdiff_t sheetStride = table.sheetStride();
     const std::ptrdiff_t entryStride = sheetStride * sheets;
     const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
     const int firstSheet = splat.firstSheet, lastSheet = splat.lastSheet;
@@ -156,7 +141,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
     for (int k0 = first; k0 < second; k0 += kChunk) {
         // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
-        locate<kSloped, kClipped>(splat, place, k, chunk);
+        locate<kClipped>(splat, place, k, chunk);
         const int end = std::min(kChunk, second - k);
         for (int i = k0 - k; i < end; ++i) {
             const float value = std::min(values[index[k + i]] * scale, most);
@@ -168,11 +153,8 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
             const float* weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
             float* texels = planes + (sheet + from - firstSheet) * planeStride + chunk.texel[i];
             for (int s = from; s < to; ++s, weights += sheetStride, texels += planeStride)
-                if constexpr (kSloped)
-                    addSloped<kWidth>(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows,
-                                      width, texels, rowStride);
-                else
-                    addFootprint<kWidth, kRows>(weights, value, rows, width, texels, rowStride);
+                addFootprint<kWidth>(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows, width,
+                                     texels, rowStride);
             footprints += static_cast<std::uint64_t>(std::max(0, to - from));
         }
     }
@@ -181,19 +163,9 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
 
 HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place, const float* values,
                                           int first, int second) {
-    const int width = splat.table->rowStride(), rows = splat.table->rows();
-    if (splat.clipped)
-        return splat.table->sloped() ? splatRange<0, 0, true, true>(splat, place, values, first, second)
-                                     : splatRange<0, 0, false, true>(splat, place, values, first, second);
-    if (splat.table->sloped())
-        return width == 4 ? splatRange<4, 0, true, false>(splat, place, values, first, second)
-                          : splatRange<0, 0, true, false>(splat, place, values, first, second);
-    // The shapes of the linear kernel at one texel a voxel, of wider kernels, and all others.
-    if (width == 4 && rows == 4) return splatRange<4, 4, false, false>(splat, place, values, first, second);
-    if (width == 4 && rows == 3) return splatRange<4, 3, false, false>(splat, place, values, first, second);
-    if (width == 4) return splatRange<4, 0, false, false>(splat, place, values, first, second);
-    if (width == 8) return splatRange<8, 0, false, false>(splat, place, values, first, second);
-    return splatRange<0, 0, false, false>(splat, place, values, first, second);
+    if (splat.clipped) return splatRange<0, true>(splat, place, values, first, second);
+    return splat.table->rowStride() == 4 ? splatRange<4, false>(splat, place, values, first, second)
+                                         : splatRange<0, false>(splat, place, values, first, second);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -5,7 +5,7 @@
 
 #include <scrim/base/simd.h>
 #include <scrim/engine/splat/footprint.h>
-#include <scrim/engine/splat/lattice_order.h>
+#include <scrim/engine/splat/splatter.h>
 
 #include <cstddef>
 #include <cstdint>

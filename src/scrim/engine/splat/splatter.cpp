@@ -7,6 +7,9 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <tuple>
+
+#include <glm/matrix.hpp>
 
 namespace scrim {
 namespace {
@@ -36,14 +39,14 @@ struct FieldSplatter::Target {
 };
 
 FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
-                             float scale, FootprintLookup lookup, float most, Simd simd)
+                             float scale, float most, Simd simd)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_scale(scale),
       m_most(most),
       m_simd(simd),
       m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
-              footprintSteps(tsFromIs, stepsPerVoxel).sheet, lookup),
+              footprintSteps(tsFromIs, stepsPerVoxel).sheet, FootprintLookup::sloped),
       m_order(tsFromIs) {
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
@@ -68,7 +71,7 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     for (const std::uint32_t b : m_byFirstSheet) m_firstSheets.push_back(first[b]);
 }
 
-SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
                                const TileCull& cull) const {
     Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(), firstSheet,
                    lastSheet, m_scale, m_most, planes.width(), planes.height(), false, m_simd},
@@ -88,7 +91,7 @@ SplatWork FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes
         constant.fill(tile.value);
         splatTile(tile.origin, tile.edge, constant.data(), target);
     }
-    return {0, target.footprints};
+    return target.footprints;
 }
 
 // A tile is cut into halves until its pieces are blocks or miss the sheets.
@@ -114,11 +117,11 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
 
     // Activate the tiles under the block, once for each sheet that it may touch.
     const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
-    const int tx0 = tile(ts.x + m_blockLower.x), tx1 = tile(ts.x + m_blockUpper.x + 1);
-    const int ty0 = tile(ts.y + m_blockLower.y), ty1 = tile(ts.y + m_blockUpper.y + 1);
-    const int mostX = target.planes->tilesX() - 1, mostY = target.planes->tilesY() - 1;
-    if (tx1 < 0 || ty1 < 0 || tx0 > mostX || ty0 > mostY) return;
-    if (*target.cull && (*target.cull)(tx0, ty0, tx1, ty1)) return;
+    const Box2<int> under{tile(ts.x + m_blockLower.x), tile(ts.y + m_blockLower.y), tile(ts.x + m_blockUpper.x + 1) + 1,
+                          tile(ts.y + m_blockUpper.y + 1) + 1};
+    const Box2<int> tiles = intersection(under, {0, 0, target.planes->tilesX(), target.planes->tilesY()});
+    if (tiles.empty()) return;
+    if (*target.cull && (*target.cull)(under)) return;
     // Tables reach a little beyond the kernel: a texel before it, and rows are rounded up behind it.
     constexpr double kBefore = 2, kBehind = 6;
     target.splat.clipped = ts.x + m_blockLower.x < kBefore || ts.y + m_blockLower.y < kBefore ||
@@ -127,8 +130,8 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
     const int s0 = std::max(splat.firstSheet, static_cast<int>(std::floor(ts.z + m_blockLower.z)));
     const int s1 = std::min(splat.lastSheet, static_cast<int>(std::floor(ts.z + m_blockUpper.z)) + 1);
     for (int s = s0; s < s1; ++s)
-        for (int ty = std::max(ty0, 0); ty <= std::min(ty1, mostY); ++ty)
-            for (int tx = std::max(tx0, 0); tx <= std::min(tx1, mostX); ++tx)
+        for (int ty = tiles.y0; ty < tiles.y1; ++ty)
+            for (int tx = tiles.x0; tx < tiles.x1; ++tx)
                 target.planes->activate(target.firstPlane + s - splat.firstSheet, tx, ty);
 
     const Vec3 whole = glm::floor(ts);
@@ -136,6 +139,212 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
                            static_cast<std::int32_t>(whole.z), static_cast<float>(ts.x - whole.x),
                            static_cast<float>(ts.y - whole.y), static_cast<float>(ts.z - whole.z)};
     target.footprints += splatBlock(splat, place, values, first, second);
+}
+
+namespace {
+
+struct Voxel {
+    Vec3 ts;
+    std::int32_t index;
+    int bucket;   // floor of N
+    int turn;     // which round through the quarters it is taken in
+    int quarter;  // of the block's extent in (U, V)
+};
+
+// Deals the voxels of each bucket out in turns, one from each quarter of the block's extent in (U, V).
+void dealOut(std::array<Voxel, kBlockVoxels>& voxels) {
+    Vec3 middle(0);
+    for (const Voxel& v : voxels) middle += v.ts / double(kBlockVoxels);
+    for (auto first = voxels.begin(); first != voxels.end();) {
+        const auto last = std::find_if(first, voxels.end(), [&](const Voxel& v) { return v.bucket != first->bucket; });
+        int dealt[4] = {0, 0, 0, 0};
+        for (auto v = first; v != last; ++v) {
+            v->quarter = (v->ts.x < middle.x ? 0 : 1) + (v->ts.y < middle.y ? 0 : 2);
+            v->turn = dealt[v->quarter]++;
+        }
+        std::stable_sort(first, last, [](const Voxel& a, const Voxel& b) {
+            return std::tie(a.turn, a.quarter) < std::tie(b.turn, b.quarter);
+        });
+        first = last;
+    }
+}
+
+}  // namespace
+
+LatticeOrder::LatticeOrder(const Mat4& tsFromIs) {
+    std::array<Voxel, kBlockVoxels> voxels;
+    for (int x = 0; x < kBlockEdge; ++x)
+        for (int y = 0; y < kBlockEdge; ++y)
+            for (int z = 0; z < kBlockEdge; ++z) {
+                const int i = blockOffset(x, y, z);
+                const Vec3 ts = transformVector(tsFromIs, Vec3(x, y, z));
+                voxels[static_cast<std::size_t>(i)] = {ts, i, static_cast<int>(std::floor(ts.z)), 0, 0};
+            }
+    std::stable_sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) { return a.bucket < b.bucket; });
+    dealOut(voxels);
+
+    m_firstBucket = voxels.front().bucket;
+    for (std::size_t k = 0; k < voxels.size(); ++k) {
+        const Voxel& v = voxels[k];
+        while (static_cast<int>(m_bucketBegin.size()) <= v.bucket - m_firstBucket)
+            m_bucketBegin.push_back(static_cast<int>(k));
+        offsetU[k] = static_cast<float>(v.ts.x);
+        offsetV[k] = static_cast<float>(v.ts.y);
+        offsetN[k] = static_cast<float>(v.ts.z);
+        index[k] = v.index;
+    }
+    m_bucketBegin.push_back(kBlockVoxels);
+}
+
+std::pair<int, int> LatticeOrder::between(double lower, double upper) const {
+    const int buckets = static_cast<int>(m_bucketBegin.size()) - 1;
+    const auto begin = [&](double n) {
+        const double bucket = std::clamp(std::floor(n) - m_firstBucket, 0.0, double(buckets));
+        return m_bucketBegin[static_cast<std::size_t>(bucket)];
+    };
+    return {begin(lower), begin(upper + 1)};
+}
+
+namespace {
+
+// Steps of the table in texels: in one of its entries they are columns.
+double finerSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
+    return footprintSteps(tsFromIs, stepsPerVoxel).texel;
+}
+
+// Texel space with the middle ray upright, and with finer texels.
+Mat4 tableFromIs(const Mat4& tsFromIs, const Vec2& slope, double finer) {
+    Mat4 upright(1.0);
+    upright[0].x = finer;
+    upright[1].y = finer;
+    upright[2].x = -slope.x * finer;
+    upright[2].y = -slope.y * finer;
+    return upright * tsFromIs;
+}
+
+// Slope of the view's ray through the middle of the field.
+Vec2 middleSlope(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster) {
+    const Vec3 at = raster.place(transformPoint(tsFromIs, field.isBounds().center()));
+    const Vec3 ray =
+        at.z > 0 ? raster.rayThrough(at.x, at.y) : raster.rayThrough(0.5 * raster.width, 0.5 * raster.height);
+    return {ray.x / ray.z, ray.y / ray.z};
+}
+
+}  // namespace
+
+struct WarpedSplatter::Target {
+    int firstSheet, lastSheet;
+    PlaneStack* planes;
+    int firstPlane;
+    const TileCull* cull;
+    std::uint64_t footprints = 0;
+};
+
+WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster, Kernel kernel,
+                               int stepsPerVoxel, float scale, float most)
+    : m_field(field),
+      m_tsFromIs(tsFromIs),
+      m_raster(raster),
+      m_scale(scale),
+      m_most(most),
+      m_finer(finerSteps(tsFromIs, stepsPerVoxel)),
+      m_slope(middleSlope(field, tsFromIs, raster)),
+      m_table(kernel, tableFromIs(tsFromIs, m_slope, m_finer), 2, footprintSteps(tsFromIs, stepsPerVoxel).sheet),
+      m_extent(m_table.extent().x / m_finer, m_table.extent().y / m_finer, m_table.extent().z) {
+    Bounds lattice;
+    for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
+        lattice.include(transformVector(tsFromIs, corner));
+    m_first = lattice.lower.z;
+    m_last = lattice.upper.z;
+}
+
+std::uint64_t WarpedSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+                                const TileCull& cull) const {
+    Target target{firstSheet, lastSheet, &planes, firstPlane, &cull};
+    for (std::size_t b = 0; b < m_field.blockCount(); ++b)
+        splatOneBlock(m_field.blockOrigins[b], m_field.block(b), target);
+    std::array<float, kBlockVoxels> constant;
+    for (const ConstantTile& tile : m_field.tiles) {
+        constant.fill(tile.value);
+        splatTile(tile.origin, tile.edge, constant.data(), target);
+    }
+    return target.footprints;
+}
+
+void WarpedSplatter::splatTile(const Int3& origin, int edge, const float* values, Target& target) const {
+    if (edge == kBlockEdge) return splatOneBlock(origin, values, target);
+    const Bounds ts = transformed(m_tsFromIs, Bounds{Vec3(origin), Vec3(origin + Int3(edge - 1))});
+    if (ts.upper.z + m_extent.z + 1 < target.firstSheet || ts.lower.z - m_extent.z - 1 > target.lastSheet) return;
+    const int half = edge / 2;
+    for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
+}
+
+void WarpedSplatter::splatOneBlock(const Int3& origin, const float* values, Target& target) const {
+    const double n = transformPoint(m_tsFromIs, Vec3(origin)).z;
+    if (n + m_last + m_extent.z + 1 < target.firstSheet || n + m_first - m_extent.z - 1 > target.lastSheet) return;
+    for (int x = 0; x < kBlockEdge; ++x)
+        for (int y = 0; y < kBlockEdge; ++y)
+            for (int z = 0; z < kBlockEdge; ++z) {
+                const float value = std::min(values[blockOffset(x, y, z)] * m_scale, m_most);
+                if (value != 0) splatVoxel(transformPoint(m_tsFromIs, Vec3(origin + Int3(x, y, z))), value, target);
+            }
+}
+
+void WarpedSplatter::splatVoxel(const Vec3& ts, float value, Target& target) const {
+    // The quantised depth decides the entry; its sheets follow.
+    const int steps = m_table.sheetSteps();
+    const auto depth = static_cast<int>(std::floor(ts.z * steps + 0.5));
+    const int whole = depth >= 0 ? depth / steps : -((-depth + steps - 1) / steps);
+    const float* entry = m_table.weights() + m_table.offset(0, 0, depth - whole * steps);
+    const int first = whole + m_table.firstSheet();
+    for (int slab = 0; slab < m_table.sheets(); ++slab) {
+        const int sheet = first + slab;
+        if (sheet < target.firstSheet || sheet >= target.lastSheet) continue;
+        // Along the middle ray to the sheet's middle, and from there into the view.
+        const double away = sheet + 0.5 - ts.z;
+        const Vec3 onPlane(ts.x + m_slope.x * away, ts.y + m_slope.y * away, sheet + 0.5);
+        const Vec3 at = m_raster.place(onPlane);
+        if (at.z <= 0) continue;  // behind the view
+        const Mat4 map = m_raster.linearised(onPlane);
+        const double a = map[0].x, b = map[1].x, c = map[0].y, d = map[1].y, determinant = a * d - b * c;
+        const double reachX = std::abs(a) * m_extent.x + std::abs(b) * m_extent.y;
+        const double reachY = std::abs(c) * m_extent.x + std::abs(d) * m_extent.y;
+        const int x0 = static_cast<int>(std::max(0.0, std::ceil(at.x - reachX)));
+        const int y0 = static_cast<int>(std::max(0.0, std::ceil(at.y - reachY)));
+        const int x1 = static_cast<int>(std::min(m_raster.width - 1.0, std::floor(at.x + reachX)));
+        const int y1 = static_cast<int>(std::min(m_raster.height - 1.0, std::floor(at.y + reachY)));
+        if (x1 < x0 || y1 < y0 || determinant == 0) continue;
+        const Box2<int> tiles{x0 / kTileEdge, y0 / kTileEdge, x1 / kTileEdge + 1, y1 / kTileEdge + 1};
+        if (*target.cull && (*target.cull)(tiles)) continue;
+        const int p = target.firstPlane + sheet - target.firstSheet;
+        for (int ty = tiles.y0; ty < tiles.y1; ++ty)
+            for (int tx = tiles.x0; tx < tiles.x1; ++tx) target.planes->activate(p, tx, ty);
+        ++target.footprints;
+
+        // From cells to columns and rows of the table.
+        const float* weights = entry + slab * m_table.sheetStride();
+        const auto uX = static_cast<float>(m_finer * d / determinant),
+                   uY = static_cast<float>(-m_finer * b / determinant);
+        const auto vX = static_cast<float>(-m_finer * c / determinant),
+                   vY = static_cast<float>(m_finer * a / determinant);
+        const int columns = m_table.columns(), rows = m_table.rows(), stride = m_table.rowStride();
+        for (int y = y0; y <= y1; ++y) {
+            float* row = target.planes->plane(p) + static_cast<std::ptrdiff_t>(y) * target.planes->rowStride();
+            const auto dy = static_cast<float>(y - at.y);
+            for (int x = x0; x <= x1; ++x) {
+                const auto dx = static_cast<float>(x - at.x);
+                const float u = uX * dx + uY * dy - static_cast<float>(m_table.firstColumn());
+                const float v = vX * dx + vY * dy - static_cast<float>(m_table.firstRow());
+                if (!(u >= 0 && v >= 0 && u < static_cast<float>(columns - 1) && v < static_cast<float>(rows - 1)))
+                    continue;
+                const int column = static_cast<int>(u), line = static_cast<int>(v);
+                const float fu = u - static_cast<float>(column), fv = v - static_cast<float>(line);
+                const float* w = weights + line * stride + column;
+                const float top = w[0] + fu * (w[1] - w[0]), bottom = w[stride] + fu * (w[stride + 1] - w[stride]);
+                row[x] += value * (top + fv * (bottom - top));
+            }
+        }
+    }
 }
 
 }  // namespace scrim

@@ -5,10 +5,12 @@
 
 #include <scrim/base/simd.h>
 #include <scrim/engine/splat/footprint.h>
-#include <scrim/engine/splat/lattice_order.h>
 #include <scrim/engine/splat/plane_stack.h>
+#include <scrim/geometry/spaces.h>
+#include <scrim/geometry/lattice.h>
 #include <scrim/volume/sparse_field.h>
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -16,35 +18,50 @@
 
 namespace scrim {
 
-struct SplatWork {
-    std::uint64_t voxels = 0;      ///< voxels of value > 0 in the field (fed once each)
-    std::uint64_t footprints = 0;  ///< voxel and sheet pairs that were added
+/// Says of a box of tiles that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
+using TileCull = std::function<bool(const Box2<int>&)>;
 
-    SplatWork& operator+=(const SplatWork& other) {
-        voxels += other.voxels;
-        footprints += other.footprints;
-        return *this;
-    }
+/// The depth order of the voxels inside a block. A block is 8^3 voxels on a lattice and a grid has one affine map, so the 512
+/// offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid: the voxels that touch
+/// a sheet are a contiguous range. This is what ZC02's bucket sort (Fig. 5, line 2) comes down to here: nothing per voxel,
+/// and no memory.
+class LatticeOrder {
+  public:
+    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a
+    // bucket neighbours in the list lie apart in (U, V): a voxel that adds to texels which the one before has
+    // just written would wait for them.
+    alignas(64) std::array<float, kBlockVoxels> offsetU;
+    alignas(64) std::array<float, kBlockVoxels> offsetV;
+    alignas(64) std::array<float, kBlockVoxels> offsetN;
+    alignas(64) std::array<std::int32_t, kBlockVoxels> index;  ///< into a block's values
+
+    explicit LatticeOrder(const Mat4& tsFromIs);
+
+    /// Positions [first, second) that hold all voxels with lower < offsetN < upper, and perhaps some others of
+    /// the same buckets.
+    std::pair<int, int> between(double lower, double upper) const;
+
+  private:
+    int m_firstBucket = 0;           // floor(N) of the first bucket
+    std::vector<int> m_bucketBegin;  // position of each bucket's first voxel, and the end
 };
 
-/// Says of a closed box of tiles (x0, y0, x1, y1) that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
-using TileCull = std::function<bool(int, int, int, int)>;
-
+/// Splats a field onto the sheets' own texels, or onto the cells of a parallel view.
 class FieldSplatter {
   public:
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
     /// by `scale`, and count as `most` above it; positions are quantised to `stepsPerVoxel`.
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale,
-                  FootprintLookup lookup = FootprintLookup::sloped, float most = std::numeric_limits<float>::max(),
-                  Simd simd = {});
+                  float most = std::numeric_limits<float>::max(), Simd simd = {});
 
     const FootprintTable& table() const { return m_table; }
 
-    /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the
-    /// reconstructed field times scale, at texel centres, goes to planes firstPlane + [0, lastSheet -
-    /// firstSheet), on which `begin` was called. Safe to call at once for different planes.
-    /// Footprints that do not lie on the planes as a whole are left out, and so are blocks that `cull` does without.
-    SplatWork splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane, const TileCull& cull = {}) const;
+    /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed field
+    /// times scale, at texel centres, goes to planes firstPlane + [0, lastSheet - firstSheet), on which `begin` was
+    /// called. Returns the number of footprints (voxel and sheet pairs). Safe to call at once for different planes.
+    /// Footprints that do not lie on the planes as a whole are culled, and so are blocks that `cull` names.
+    std::uint64_t splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+                        const TileCull& cull = {}) const;
 
   private:
     struct Target;
@@ -61,6 +78,40 @@ class FieldSplatter {
     std::vector<std::uint32_t> m_byFirstSheet;  // blocks, ascending in the first sheet they touch, then in order
     std::vector<std::int32_t> m_firstSheets;    // the same order
     int m_sheetSpan = 0;                        // sheets a block can touch at most
+};
+
+/// Splats a field onto the cells of a perspective view: every footprint is warped by the Jacobian of the projection at its
+/// voxel (ZC02 section 6: "the footprints are individually warped").
+///
+/// The footprint is tabulated once, finely, as the kernel's mean through the sheet along the view's middle ray, and looked
+/// up at every cell that it covers. What that leaves out is of second order: in the angle between a voxel's own ray and the
+/// middle one (times the sheet's thickness), and in the size of a voxel over its distance from the view.
+class WarpedSplatter {
+  public:
+    /// `field` must outlive this. Voxel values are multiplied by `scale`, and count as `most` above it.
+    WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster, Kernel kernel,
+                   int stepsPerVoxel, float scale, float most = std::numeric_limits<float>::max());
+
+    /// As FieldSplatter::splat.
+    std::uint64_t splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane, const TileCull& cull) const;
+
+    const FootprintTable& table() const { return m_table; }
+
+  private:
+    struct Target;
+    void splatOneBlock(const Int3& origin, const float* values, Target& target) const;
+    void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
+    void splatVoxel(const Vec3& ts, float value, Target& target) const;
+
+    const SparseField& m_field;
+    Mat4 m_tsFromIs;
+    Lattice m_raster;
+    float m_scale, m_most;
+    double m_finer;          // table's columns a texel
+    Vec2 m_slope;            // of the ray through the middle of the field, texels a sheet
+    FootprintTable m_table;  // of the space in which the middle ray is upright
+    Vec3 m_extent;           // half a footprint, in texels and sheets
+    double m_first, m_last;  // offsets in N of the first and last voxel of a block
 };
 
 }  // namespace scrim

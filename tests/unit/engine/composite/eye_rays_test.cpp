@@ -75,7 +75,7 @@ TEST_P(EyeViewOf, RayIsTheCamerasRay) {
         Random random(seed);
         for (int i = 0; i < 20; ++i) {
             const double x = random.in(-100, 740), y = random.in(-50, 500), reference = random.in(0, 160);
-            const PixelRay ray = eye.ray(x, y, reference);
+            const EyeView::Ray ray = eye.ray(x, y, reference);
             const Vec3 origin = ws.origin(x, y), direction = ws.direction(x, y);
             for (const double depth : {60.0, 100.0, 140.0}) {
                 const Vec3 ts = sheets.tsPoint(origin + depth * direction);
@@ -96,7 +96,7 @@ TEST_P(EyeViewOf, RaysOfATileAreThoseOfItsPixelCentres) {
         const int x0 = static_cast<int>(seed) * 16 - 32, y0 = static_cast<int>(seed) * 11 - 16;
         const RayTile tile = eye.rays(x0, y0, reference);
         for (int k = 0; k < kTileSize; ++k) {
-            const PixelRay ray = eye.ray(x0 + k % kTileEdge + 0.5, y0 + k / kTileEdge + 0.5, reference);
+            const EyeView::Ray ray = eye.ray(x0 + k % kTileEdge + 0.5, y0 + k / kTileEdge + 0.5, reference);
             const auto close = [&](double expected) { return 2e-7 * std::abs(expected) + 1e-7 + rounding(); };
             ASSERT_NEAR(tile.u[k], ray.u, close(ray.u)) << k;
             ASSERT_NEAR(tile.v[k], ray.v, close(ray.v)) << k;
@@ -132,9 +132,10 @@ TEST_P(EyeViewOf, BoxOfTexelsHoldsEveryPixelWhoseRayMeetsThem) {
         int held = 0;
         for (int i = 0; i < 200; ++i) {
             const double x = random.in(0, 640), y = random.in(0, 480), middle = random.in(0, 160);
-            const PixelRay ray = eye.ray(x, y, middle);
-            const auto seen = eye.seenBy(ray.u - random.in(0, 9), ray.v - random.in(0, 9), ray.u + random.in(0, 9),
-                                         ray.v + random.in(0, 9), middle);
+            const EyeView::Ray ray = eye.ray(x, y, middle);
+            const auto seen = eye.seenBy({ray.u - random.in(0, 9), ray.v - random.in(0, 9), ray.u + random.in(0, 9),
+                                          ray.v + random.in(0, 9)},
+                                         middle);
             ASSERT_TRUE(seen);
             const double slack = 1e-6 + 100 * rounding();
             EXPECT_LE(seen->x0, x + slack);
@@ -161,9 +162,9 @@ TEST(EyeView, HasNoBoxBehindTheEye) {
     sheets.ssFromWs = sweepRotation(viewingAxis(camera), {0, 1, 0});
     const EyeView eye(camera, sheets);
     const Vec3 at = sheets.tsPoint(camera.wsPosition);
-    EXPECT_TRUE(eye.seenBy(at.x - 4, at.y - 4, at.x + 4, at.y + 4, at.z + 10));
-    EXPECT_FALSE(eye.seenBy(at.x - 4, at.y - 4, at.x + 4, at.y + 4, at.z));
-    EXPECT_FALSE(eye.seenBy(at.x - 4, at.y - 4, at.x + 4, at.y + 4, at.z - 10));
+    EXPECT_TRUE(eye.seenBy({at.x - 4, at.y - 4, at.x + 4, at.y + 4}, at.z + 10));
+    EXPECT_FALSE(eye.seenBy({at.x - 4, at.y - 4, at.x + 4, at.y + 4}, at.z));
+    EXPECT_FALSE(eye.seenBy({at.x - 4, at.y - 4, at.x + 4, at.y + 4}, at.z - 10));
 }
 
 }  // namespace

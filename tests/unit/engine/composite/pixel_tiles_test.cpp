@@ -10,8 +10,8 @@ namespace {
 
 const PixelWindow kRegion{-5, 10, 40, 43};  // 45 x 33: three by three tiles
 
-TEST(ImageTiles, CoverTheRegionFromItsCorner) {
-    const ImageTiles tiles(kRegion);
+TEST(PixelTiles, CoverTheRegionFromItsCorner) {
+    const PixelTiles tiles(kRegion);
     EXPECT_EQ(tiles.tilesX(), 3);
     EXPECT_EQ(tiles.tilesY(), 3);
     EXPECT_EQ(tiles.count(), 9);
@@ -21,8 +21,8 @@ TEST(ImageTiles, CoverTheRegionFromItsCorner) {
     EXPECT_EQ(tiles.cornerY(5), 10 + 16);
 }
 
-TEST(ImageTiles, GiveEveryPixelItsOwnState) {
-    ImageTiles tiles(kRegion);
+TEST(PixelTiles, GiveEveryPixelItsOwnState) {
+    PixelTiles tiles(kRegion);
     std::set<const float*> states;
     for (int y = kRegion.y0; y < kRegion.y1; ++y)
         for (int x = kRegion.x0; x < kRegion.x1; ++x) {
@@ -38,22 +38,22 @@ TEST(ImageTiles, GiveEveryPixelItsOwnState) {
     EXPECT_EQ(tiles.state(-5 + 18, 10 + 17)[3], 0);
 }
 
-TEST(ImageTiles, AreOpenUntilTheyAreOpaque) {
-    ImageTiles tiles(kRegion);
+TEST(PixelTiles, AreOpenUntilTheyAreOpaque) {
+    PixelTiles tiles(kRegion);
     for (int t = 0; t < tiles.count(); ++t)
         if (t != 4) tiles.setOpaque(t);
     EXPECT_FALSE(tiles.opaque(4));
-    EXPECT_TRUE(tiles.anyOpen(-5, 10, 40, 43));
-    EXPECT_TRUE(tiles.anyOpen(12, 27, 12, 27));   // inside the open one
-    EXPECT_FALSE(tiles.anyOpen(-5, 10, 10, 43));  // the left column
-    EXPECT_TRUE(tiles.anyOpen(-1e30, -1e30, 1e30, 1e30));
-    EXPECT_FALSE(tiles.anyOpen(100, 20, 200, 30));  // beside the picture
-    EXPECT_FALSE(tiles.anyOpen(-200, 20, -100, 30));
-    EXPECT_FALSE(tiles.anyOpen(12, -50, 14, -40));
+    EXPECT_TRUE(tiles.anyOpen(Box2<double>{-5, 10, 40, 43}));
+    EXPECT_TRUE(tiles.anyOpen(Box2<double>{12, 27, 12, 27}));   // inside the open one
+    EXPECT_FALSE(tiles.anyOpen(Box2<double>{-5, 10, 10, 43}));  // the left column
+    EXPECT_TRUE(tiles.anyOpen(Box2<double>{-1e30, -1e30, 1e30, 1e30}));
+    EXPECT_FALSE(tiles.anyOpen(Box2<double>{100, 20, 200, 30}));  // beside the picture
+    EXPECT_FALSE(tiles.anyOpen(Box2<double>{-200, 20, -100, 30}));
+    EXPECT_FALSE(tiles.anyOpen(Box2<double>{12, -50, 14, -40}));
     tiles.setOpaque(4);
-    EXPECT_FALSE(tiles.anyOpen(-1e30, -1e30, 1e30, 1e30));
+    EXPECT_FALSE(tiles.anyOpen(Box2<double>{-1e30, -1e30, 1e30, 1e30}));
     tiles.reset();
-    EXPECT_TRUE(tiles.anyOpen(0, 20, 0, 20));
+    EXPECT_TRUE(tiles.anyOpen(Box2<double>{0, 20, 0, 20}));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/light/light_view.h>
+#include <scrim/engine/light/shadow_buffer.h>
 
 #include <gtest/gtest.h>
 

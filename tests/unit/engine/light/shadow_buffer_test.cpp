@@ -239,7 +239,7 @@ ShadowBuffer behindColumns(const std::function<double(int)>& tau, int lookUps) {
     ShadowBuffer buffer(distantView(0, 0), sheetsOf(kSheets), ShadowFilter::bilinear, lookUps, kSheets);
     buffer.beginBatch(0, kSheets, extinction);
     for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, extinction);
-    buffer.sharpen(1);
+    buffer.prefilter(1);
     return buffer;
 }
 

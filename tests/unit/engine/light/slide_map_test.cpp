@@ -52,7 +52,7 @@ TEST(Slide, OfAProjectorIsUprightAndNotMirroredForAViewerAtTheLight) {
 TEST(Slide, OfAPointLightIsThatOfAProjector) {
     Light light = projector({3, 4, 10}, 40, quarters());
     const Rgb expected = valueAt(light, {0.5, 0.25, 0});
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     EXPECT_EQ(valueAt(light, {0.5, 0.25, 0}), expected);
 }
 

@@ -41,7 +41,7 @@ std::vector<LightGroup> groupsOf(const ViewScene& scene) {
 Light pointLight(const Vec3& position) {
     Light light;
     light.name = "bulb";
-    light.type = LightType::point;
+    light.kind = Light::Point{};
     light.wsPosition = position;
     return light;
 }
@@ -273,9 +273,9 @@ TEST(PointLight, InsideTheVolumeIsCutIntoWindowsThatCoverTheSphere) {
 TEST(SpotLight, WithANarrowConeInsideTheVolumeIsOneView) {
     ViewScene scene = fogScene(CameraType::orthographic);
     Light spot = pointLight({0, 0, 0});
-    spot.type = LightType::spot;
+    spot.kind = Light::Spot{};
     spot.wsDirection = {1, 0, 0};
-    spot.coneAngle = 40;
+    std::get<Light::Spot>(spot.kind).coneAngle = 40;
     scene.lights.push_back(spot);
     const std::vector<LightGroup> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
@@ -286,9 +286,9 @@ TEST(SpotLight, WithANarrowConeInsideTheVolumeIsOneView) {
 TEST(SpotLight, WithAWideConeIsCutIntoTheWindowsItMeets) {
     ViewScene scene = fogScene(CameraType::orthographic);
     Light spot = pointLight({0, 0, 0});
-    spot.type = LightType::spot;
+    spot.kind = Light::Spot{};
     spot.wsDirection = {0, -1, 0};
-    spot.coneAngle = 130;
+    std::get<Light::Spot>(spot.kind).coneAngle = 130;
     scene.lights.push_back(spot);
     std::size_t parts = 0;
     for (const LightGroup& group : groupsOf(scene))

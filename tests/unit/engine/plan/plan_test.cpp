@@ -33,7 +33,7 @@ ViewScene someScene() {
     scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, {0, 0, 0}, {0, 1, 0});
     scene.lights = {distantLight({1, -1, -0.4}), distantLight({0.1, 0.2, 1})};
     Light bulb;
-    bulb.type = LightType::point;
+    bulb.kind = Light::Point{};
     bulb.wsPosition = {20, 30, 25};
     scene.lights.push_back(bulb);
     return scene;
@@ -150,7 +150,7 @@ TEST(LightRaster, FollowsTheLightsOwnRays) {
     for (const GroupPlan& group : makePlan(scene, 2).groups)
         for (const LightPlan& plan : group.lights) {
             const Light& light = scene.lights[static_cast<std::size_t>(plan.light)];
-            if (light.type == LightType::distant) {
+            if (light.distant()) {
                 const Vec3 ts = group.sheets.tsVector(light.wsDirection);
                 EXPECT_GT(ts.z, 0);  // lights travel with the sweep
                 EXPECT_NEAR(plan.view.tsSource.x, ts.x / ts.z, 1e-12);

@@ -61,12 +61,10 @@ struct Tile {
         in.thickness = 0.9f;
         in.sameSide = sameSide;
         in.extinction[0] = extinction.values;
-        in.rows = 1;
+        in.channels = 1;
         in.tints[0][0] = in.tints[0][1] = in.tints[0][2] = 1;
-        in.media = media.data();
-        in.mediumCount = static_cast<int>(media.size());
-        in.lights = lights.data();
-        in.lightCount = static_cast<int>(lights.size());
+        in.media = media;
+        in.lights = lights;
         in.tauIn = tauIn.empty() ? nullptr : tauIn.front().values;
         std::copy(ambient, ambient + 3, in.ambient);
         return in;
@@ -142,7 +140,7 @@ Plain plainShade(const ShadeInput& in, int k) {
     // The eye's direction: along +w where it meets the light's side first, and against it otherwise.
     const Vec3 eye = (in.sameSide ? 1.0 : -1.0) * glm::normalize(Vec3(a, b, 1));
 
-    for (int i = 0; i < in.lightCount; ++i) {
+    for (std::size_t i = 0; i < in.lights.size(); ++i) {
         const SheetLight& light = in.lights[i];
         Vec3 way(light.slopeA, light.slopeB, 1);
         double irradiance = 1;
@@ -169,10 +167,9 @@ Plain plainShade(const ShadeInput& in, int k) {
         double transmit = psi(tauEye);
         if (light.shadowed) {
             const double tauLight = sigma * glm::length(way) * in.thickness;
-            transmit = std::exp(-double(in.tauIn[i * kTileSize + k])) * sheetTransmit(tauEye, tauLight, in.sameSide);
+            transmit = std::exp(-double(in.tauIn[i * kTileSize + std::size_t(k)])) * sheetTransmit(tauEye, tauLight, in.sameSide);
         }
-        for (int m = 0; m < in.mediumCount; ++m) {
-            const SheetMedium& medium = in.media[m];
+        for (const SheetMedium& medium : in.media) {
             // Light leaves towards the eye, against its ray.
             const double phase = phaseValue(medium.phase, -glm::dot(travel, eye));
             for (int c = 0; c < 3; ++c) {
@@ -183,10 +180,10 @@ Plain plainShade(const ShadeInput& in, int k) {
             }
         }
     }
-    for (int m = 0; m < in.mediumCount; ++m)
+    for (const SheetMedium& medium : in.media)
         for (int c = 0; c < 3; ++c) {
             const double full =
-                double(in.media[m].scatter[0][k]) * pathEye * in.media[m].albedo[c] * in.ambient[c] * psi(tauEye);
+                double(medium.scatter[0][k]) * pathEye * medium.albedo[c] * in.ambient[c] * psi(tauEye);
             out.rgb[c] += full;
             out.scale[c] += full;
         }
@@ -376,7 +373,7 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
     scene.region = {0, 0, 512, 512};
     scene.camera.wsPosition = {0, 0, 60};
     Light inside;
-    inside.type = LightType::point;
+    inside.kind = Light::Point{};
     scene.lights.push_back(inside);
     scene.dials.crossFade = 0;
     std::vector<LightPart> parts;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/splat/lattice_order.h>
+#include <scrim/engine/splat/splatter.h>
 
 #include <gtest/gtest.h>
 

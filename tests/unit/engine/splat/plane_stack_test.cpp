@@ -149,12 +149,12 @@ TEST(PlaneStack, AnyActiveLooksAtAClippedClosedRange) {
     PlaneStack planes(1, kWidth, kHeight, 1);
     planes.begin(0);
     planes.activate(0, 2, 1);
-    EXPECT_TRUE(planes.anyActive(0, 2, 1, 2, 1));
-    EXPECT_TRUE(planes.anyActive(0, -5, -5, 50, 50));
-    EXPECT_FALSE(planes.anyActive(0, 0, 0, 1, 1));
-    EXPECT_FALSE(planes.anyActive(0, 2, 0, 2, 0));
-    EXPECT_FALSE(planes.anyActive(0, 3, 1, 9, 1));
-    EXPECT_FALSE(planes.anyActive(0, -4, 0, -1, 1));
+    EXPECT_TRUE(planes.anyActive(0, {2, 1, 3, 2}));
+    EXPECT_TRUE(planes.anyActive(0, {-5, -5, 51, 51}));
+    EXPECT_FALSE(planes.anyActive(0, {0, 0, 2, 2}));
+    EXPECT_FALSE(planes.anyActive(0, {2, 0, 3, 1}));
+    EXPECT_FALSE(planes.anyActive(0, {3, 1, 10, 2}));
+    EXPECT_FALSE(planes.anyActive(0, {-4, 0, 0, 2}));
 }
 
 }  // namespace

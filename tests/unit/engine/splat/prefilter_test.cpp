@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/splat/unblur.h>
+#include <scrim/engine/splat/plane_stack.h>
 
 #include <gtest/gtest.h>
 
@@ -20,16 +20,16 @@ PlaneStack planeOf(const std::function<double(int, int)>& f) {
     return planes;
 }
 
-TEST(Unblur, LeavesLinearFieldsAlone) {
+TEST(Prefilter, LeavesLinearFieldsAlone) {
     PlaneStack planes = planeOf([](int x, int y) { return 5 + 0.25 * x + 0.125 * y; });
-    unblur(planes, 0);
+    planes.prefilter(0);
     for (int y = 2; y < 46; ++y)
         for (int x = 2; x < 46; ++x)
             ASSERT_NEAR(planes.plane(0)[y * planes.rowStride() + x], 5 + 0.25 * x + 0.125 * y, 1e-5) << x << "," << y;
 }
 
 // The mean, over all positions between texels, of bilinear look-ups is the field's own mean once more.
-TEST(Unblur, MakesTheMeanOfBilinearLookUpsThatOfTheField) {
+TEST(Prefilter, MakesTheMeanOfBilinearLookUpsThatOfTheField) {
     const auto field = [](double x, double y) { return 400 + x * x + 2 * y * y; };
     PlaneStack planes = planeOf([&](int x, int y) { return field(x, y); });
     const auto meanError = [&] {
@@ -48,13 +48,13 @@ TEST(Unblur, MakesTheMeanOfBilinearLookUpsThatOfTheField) {
     };
     // Before: a twelfth of the second differences on each axis, doubled by bilinear interpolation: (2 + 4) / 12.
     EXPECT_NEAR(meanError(), 0.5, 0.01);
-    unblur(planes, 0);
+    planes.prefilter(0);
     EXPECT_NEAR(meanError(), 0, 0.01);
 }
 
-TEST(Unblur, NeverGoesBelowZero) {
+TEST(Prefilter, NeverGoesBelowZero) {
     PlaneStack planes = planeOf([](int x, int y) { return x == 20 && y == 20 ? 1.0 : 0.0; });
-    unblur(planes, 0);
+    planes.prefilter(0);
     const float* row = planes.plane(0) + 20 * planes.rowStride();
     EXPECT_NEAR(row[20], 1 + 4.0 / 12, 1e-6);
     EXPECT_EQ(row[19], 0);

@@ -7,7 +7,7 @@
 #include "support/fields.h"
 
 #include <scrim/engine/splat/splatter.h>
-#include <scrim/engine/splat/field_probe.h>
+#include <scrim/engine/splat/kernel.h>
 
 #include <gtest/gtest.h>
 
@@ -55,7 +55,7 @@ Stage stageFor(const SparseField& field, const Mat3& linear, Kernel kernel) {
 
 struct Splatted {
     PlaneStack planes;
-    SplatWork work;
+    std::uint64_t footprints = 0;
 
     float at(int x, int y, int n) const { return planes.plane(n)[y * planes.rowStride() + x]; }
 };
@@ -67,7 +67,7 @@ Splatted splat(const SparseField& field, const Stage& stage, Kernel kernel, int 
     const FieldSplatter splatter(field, stage.tsFromIs, kernel, steps, scale);
     for (int p = 0; p < stage.sheets; ++p) out.planes.begin(p);
     for (int first = 0; first < stage.sheets; first += sheetsACall)
-        out.work += splatter.splat(first, std::min(first + sheetsACall, stage.sheets), out.planes, first);
+        out.footprints += splatter.splat(first, std::min(first + sheetsACall, stage.sheets), out.planes, first);
     for (int p = 0; p < stage.sheets; ++p) out.planes.finish(p);
     return out;
 }
@@ -235,7 +235,7 @@ TEST(SplattedPlanes, AreTheSameBitsInOneCallOrSeveral) {
         const Splatted whole = splat(*field, stage, kernel, 16);
         for (const int sheetsACall : {1, 3, 8}) {
             const Splatted parts = splat(*field, stage, kernel, 16, 1, sheetsACall);
-            EXPECT_EQ(parts.work.footprints, whole.work.footprints) << sheetsACall;
+            EXPECT_EQ(parts.footprints, whole.footprints) << sheetsACall;
             for (int p = 0; p < stage.sheets; ++p)
                 EXPECT_EQ(std::memcmp(whole.planes.plane(p), parts.planes.plane(p),
                                       sizeof(float) * static_cast<std::size_t>(stage.width * stage.height)),
@@ -260,7 +260,7 @@ TEST(SplattedPlanes, OfAlignedLatticesHangOnNeitherTheCallsNorOldContent) {
         stage.tsFromIs[3].z += shift(random);
         const Splatted whole = splat(*field, stage, Kernel::linear, 8);
         const Splatted parts = splat(*field, stage, Kernel::linear, 8, 1, 1);
-        ASSERT_EQ(whole.work.footprints, parts.work.footprints) << linear[0][2] << " from " << stage.tsFromIs[3].z;
+        ASSERT_EQ(whole.footprints, parts.footprints) << linear[0][2] << " from " << stage.tsFromIs[3].z;
         for (int n = 0; n < stage.sheets; ++n)
             for (int y = 0; y < stage.height; ++y)
                 for (int x = 0; x < stage.width; ++x) {
@@ -281,7 +281,7 @@ TEST(FootprintCount, IsOfVoxelsAboveZeroOnly) {
     const Stage stage = stageFor(*field, rotated(0.9, {3, 1, 2}), Kernel::linear);
     const FieldSplatter splatter(*field, stage.tsFromIs, Kernel::linear, 16, 1);
     EXPECT_LT(field->activeVoxels, field->blockCount() * kBlockVoxels);
-    EXPECT_EQ(splat(*field, stage, Kernel::linear, 16).work.footprints,
+    EXPECT_EQ(splat(*field, stage, Kernel::linear, 16).footprints,
               field->activeVoxels * static_cast<std::uint64_t>(splatter.table().sheets()));
 }
 
@@ -331,7 +331,7 @@ TEST(ConstantTiles, AreSplattedAsTheVoxelsTheyStandFor) {
     const Splatted expected = splat(*voxels, stage, Kernel::linear, 16);
     for (const int sheetsACall : {1, 5, 1000}) {
         const Splatted actual = splat(tiles, stage, Kernel::linear, 16, 1, sheetsACall);
-        EXPECT_EQ(actual.work.footprints, expected.work.footprints) << sheetsACall;
+        EXPECT_EQ(actual.footprints, expected.footprints) << sheetsACall;
         for (int n = 0; n < stage.sheets; ++n)
             for (int i = 0; i < stage.width * stage.height; ++i)
                 ASSERT_NEAR(actual.planes.plane(n)[i], expected.planes.plane(n)[i], 1e-6);  // order of additions

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // What per-view splatting puts into its cells, against integrals of the field along the cells' rays.
-#include <scrim/engine/splat/warped_splatter.h>
+#include <scrim/engine/splat/splatter.h>
 
 #include "support/fields.h"
 
-#include <scrim/engine/splat/field_probe.h>
+#include <scrim/engine/splat/kernel.h>
 
 #include <gtest/gtest.h>
 
@@ -20,9 +20,9 @@ namespace {
 constexpr int kCells = 64;
 
 // A view from (0, 0, -60) that looks along N, a texel a cell at N = 0.
-ViewRaster viewFromAfar() {
-    ViewRaster raster;
-    raster.parallel = false;
+Lattice viewFromAfar() {
+    Lattice raster;
+    raster.kind = Lattice::Kind::perspective;
     raster.width = raster.height = kCells;
     const double w = 60, middle = kCells / 2 + 0.3;
     raster.rsFromTs[0] = {60, 0, 0, 0};
@@ -42,7 +42,7 @@ Mat4 leaning() {
 }
 
 // Mean of the field along the ray through cell (x, y) within sheet n.
-double meanAlongRay(const FieldProbe& probe, const Mat4& isFromTs, const ViewRaster& raster, int x, int y, int n) {
+double meanAlongRay(const FieldProbe& probe, const Mat4& isFromTs, const Lattice& raster, int x, int y, int n) {
     const Mat3 plane = glm::inverse(raster.fromPlane(n + 0.5));
     const Vec3 p = plane * Vec3(x, y, 1);
     const Vec3 ray = raster.rayThrough(x, y), middle(p.x / p.z, p.y / p.z, n + 0.5);
@@ -55,14 +55,14 @@ double meanAlongRay(const FieldProbe& probe, const Mat4& isFromTs, const ViewRas
 
 TEST(WarpedSplatter, CellsHoldTheMeanOfTheFieldAlongTheirRays) {
     const auto field = smokeField(9);
-    const ViewRaster raster = viewFromAfar();
+    const Lattice raster = viewFromAfar();
     const Mat4 tsFromIs = leaning();
     const WarpedSplatter splatter(*field, tsFromIs, raster, Kernel::linear, 32, 1);
     PlaneStack planes(20, kCells, kCells, 1);
     for (int p = 0; p < 20; ++p) planes.begin(p);
-    const SplatWork work = splatter.splat(0, 20, planes, 0, {});
+    const std::uint64_t footprints = splatter.splat(0, 20, planes, 0, {});
     for (int p = 0; p < 20; ++p) planes.finish(p);
-    EXPECT_GT(work.footprints, field->activeVoxels);
+    EXPECT_GT(footprints, field->activeVoxels);
 
     const FieldProbe probe(*field, Kernel::linear);
     const Mat4 isFromTs = glm::inverse(tsFromIs);
@@ -91,7 +91,7 @@ TEST(WarpedSplatter, FeedsTilesAsIfTheyWereVoxels) {
     tiled.blockValues = std::make_shared<const float>(0.0f);
     tiled.activeVoxels = 4096;
     const auto voxels = boxField({0, 0, 0}, {15, 15, 15});
-    const ViewRaster raster = viewFromAfar();
+    const Lattice raster = viewFromAfar();
     const auto splatted = [&](const SparseField& field) {
         PlaneStack planes(16, kCells, kCells, 1);
         for (int p = 0; p < 16; ++p) planes.begin(p);

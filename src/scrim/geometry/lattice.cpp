@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/geometry/view_raster.h>
+#include <scrim/geometry/lattice.h>
 
 #include <glm/geometric.hpp>
 
 namespace scrim {
 
-Vec3 ViewRaster::place(const Vec3& ts) const {
+Vec3 Lattice::place(const Vec3& ts) const {
     const glm::dvec4 p = rsFromTs * glm::dvec4(ts, 1.0);
     return {p.x / p.w, p.y / p.w, p.w};
 }
 
-Mat4 ViewRaster::linearised(const Vec3& ts) const {
-    if (parallel) return rsFromTs;
+Mat4 Lattice::linearised(const Vec3& ts) const {
+    if (parallel()) return rsFromTs;
     const Vec3 at = place(ts);
     Mat4 map(1.0);
     for (int axis = 0; axis < 3; ++axis) {
@@ -23,7 +23,7 @@ Mat4 ViewRaster::linearised(const Vec3& ts) const {
     return map;
 }
 
-Vec3 ViewRaster::rayThrough(double x, double y) const {
+Vec3 Lattice::rayThrough(double x, double y) const {
     // Along the ray X - x W and Y - y W stay 0: it is perpendicular to both of their gradients.
     const auto gradient = [&](int row, double place) {
         const auto part = [&](int axis) { return rsFromTs[axis][row] - place * rsFromTs[axis][3]; };
@@ -32,7 +32,7 @@ Vec3 ViewRaster::rayThrough(double x, double y) const {
     return glm::cross(gradient(0, x), gradient(1, y));
 }
 
-Mat3 ViewRaster::fromPlane(double n) const {
+Mat3 Lattice::fromPlane(double n) const {
     const auto part = [](const glm::dvec4& column) { return Vec3(column.x, column.y, column.w); };
     return {part(rsFromTs[0]), part(rsFromTs[1]), part(rsFromTs[2]) * n + part(rsFromTs[3])};
 }

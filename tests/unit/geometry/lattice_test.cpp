@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/geometry/view_raster.h>
+#include <scrim/geometry/lattice.h>
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@ namespace scrim::test {
 namespace {
 
 // A view from (3, -2, -20) whose raster leans against the sheets.
-ViewRaster leaningView() {
-    ViewRaster raster;
-    raster.parallel = false;
+Lattice leaningView() {
+    Lattice raster;
+    raster.kind = Lattice::Kind::perspective;
     const Vec3 eye(3, -2, -20), x(40, 3, 8), y(-2, 35, 5), w(0.2, 0.1, 1);
     const auto row = [&](const Vec3& form) { return glm::dvec4(form, -glm::dot(form, eye)); };
     const glm::dvec4 rx = row(x), ry = row(y), rw = row(w);
@@ -19,8 +19,8 @@ ViewRaster leaningView() {
     return raster;
 }
 
-TEST(ViewRaster, PointsOfOneRayHaveOnePlace) {
-    const ViewRaster raster = leaningView();
+TEST(Lattice, PointsOfOneRayHaveOnePlace) {
+    const Lattice raster = leaningView();
     const Vec3 point(5, 4, 7), place = raster.place(point);
     const Vec3 ray = raster.rayThrough(place.x, place.y);
     for (const double t : {-0.001, 0.002, 0.004}) {
@@ -30,8 +30,8 @@ TEST(ViewRaster, PointsOfOneRayHaveOnePlace) {
     }
 }
 
-TEST(ViewRaster, IsItsLinearisationToFirstOrder) {
-    const ViewRaster raster = leaningView();
+TEST(Lattice, IsItsLinearisationToFirstOrder) {
+    const Lattice raster = leaningView();
     const Vec3 point(5, 4, 7);
     const Mat4 map = raster.linearised(point);
     const double h = 1e-5;
@@ -47,8 +47,8 @@ TEST(ViewRaster, IsItsLinearisationToFirstOrder) {
     EXPECT_NEAR(transformPoint(map, point).z, point.z, 1e-9);
 }
 
-TEST(ViewRaster, MapsThePlanesOfSheets) {
-    const ViewRaster raster = leaningView();
+TEST(Lattice, MapsThePlanesOfSheets) {
+    const Lattice raster = leaningView();
     const Vec3 p = raster.fromPlane(6.5) * Vec3(2, 3, 1), place = raster.place({2, 3, 6.5});
     EXPECT_NEAR(p.x / p.z, place.x, 1e-12);
     EXPECT_NEAR(p.y / p.z, place.y, 1e-12);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/plan/eye_parts.h>
+#include <scrim/engine/plan/sheet_stack.h>
 
+#include <scrim/base/error.h>
 #include <scrim/geometry/enclosing_cone.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -17,27 +19,23 @@ constexpr double kPartAngle = 1.0472;  // 60 degrees: the opening of a part alon
 constexpr double kOverlap = 0.0698;    // 4 degrees: where two parts share the picture
 
 // Raster positions that the volume may cover.
-struct Covered {
-    double x0, x1, y0, y1;
-};
-
-Covered coveredRaster(const ViewScene& scene, const RayFamily& rays, const std::vector<Vec3>& corners) {
+Box2<double> coveredRaster(const ViewScene& scene, const RayFamily& rays, const std::vector<Vec3>& corners) {
     // A crop does not count: its pixels must come out as in the whole picture.
-    Covered all{double(std::min(0, scene.region.x0)), double(std::max(scene.camera.resolution.x, scene.region.x1)),
-                double(std::min(0, scene.region.y0)), double(std::max(scene.camera.resolution.y, scene.region.y1))};
+    const Box2<double> all{double(std::min(0, scene.region.x0)), double(std::min(0, scene.region.y0)),
+                           double(std::max(scene.camera.resolution.x, scene.region.x1)),
+                           double(std::max(scene.camera.resolution.y, scene.region.y1))};
     const Mat3 rasterFromWs = glm::inverse(Mat3(rays.direction0, rays.directionX, rays.directionY));
-    Covered seen{all.x1, all.x0, all.y1, all.y0};
+    Box2<double> seen{all.x1, all.y1, all.x0, all.y0};
     for (const Vec3& corner : corners) {
         const Vec3 p = rasterFromWs * (corner - rays.origin0);  // (depth, depth * x, depth * y)
         if (p.x <= 0) return all;                               // the volume reaches behind the eye
-        seen = {std::min(seen.x0, p.y / p.x), std::max(seen.x1, p.y / p.x), std::min(seen.y0, p.z / p.x),
-                std::max(seen.y1, p.z / p.x)};
+        seen.include(p.y / p.x, p.z / p.x);
     }
     if (corners.empty() || seen.x0 >= all.x1 || seen.x1 <= all.x0 || seen.y0 >= all.y1 || seen.y1 <= all.y0) return all;
-    return {std::max(all.x0, seen.x0), std::min(all.x1, seen.x1), std::max(all.y0, seen.y0), std::min(all.y1, seen.y1)};
+    return intersection(all, seen);
 }
 
-std::vector<Vec3> directionsTo(const RayFamily& rays, const Covered& box) {
+std::vector<Vec3> directionsTo(const RayFamily& rays, const Box2<double>& box) {
     std::vector<Vec3> directions;
     for (const double x : {box.x0, box.x1})
         for (const double y : {box.y0, box.y1}) directions.push_back(glm::normalize(rays.direction(x, y)));
@@ -61,23 +59,45 @@ struct Cuts {
         }
     }
     std::size_t parts() const { return edges.size() - 1; }
-    Fade fade(std::size_t edge) const { return {edges[edge] - overlap[edge], edges[edge] + overlap[edge]}; }
+    Vec2 ramp(std::size_t edge) const { return {edges[edge] - overlap[edge], edges[edge] + overlap[edge]}; }
 };
 
-}  // namespace
+// Sheets in a sweep, or texels along a side, at most: a transform that squeezes one axis to a millionth asks for millions of
+// sheets, or for more than an int holds.
+constexpr int kMostAddressed = 1 << 20;
 
-double Fade::at(double position) const {
-    if (from == to) return 1;
-    const double t = std::clamp((position - from) / (to - from), 0.0, 1.0);
+// Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help.
+// Radians.
+constexpr double kSteepestSlant = 1.0472;  // 60 degrees
+
+double rampAt(const Vec2& ramp, double position) {
+    if (ramp.x == ramp.y) return 1;
+    const double t = std::clamp((position - ramp.x) / (ramp.y - ramp.x), 0.0, 1.0);
     return t * t * (3 - 2 * t);
 }
 
+// `count`, rounded up; `what` it counts.
+int addressable(double count, const std::string& what) {
+    if (count <= kMostAddressed) return static_cast<int>(std::ceil(count));  // a NaN is refused
+    throw Error(
+        ErrorKind::render,
+        fmt::format("a sweep would have {:.3g} {}, at most {} can be addressed; texel and sheet_thickness are in units "
+                    "of the smallest voxel edge: raise them, or stretch the volumes less",
+                    count, what, kMostAddressed));
+}
+
+int roundUpToTile(int texels) {
+    return (texels + kTileEdge - 1) / kTileEdge * kTileEdge;
+}
+
+}  // namespace
+
 double EyePart::weight(double x, double y) const {
     if (whole) return 1;
-    const auto falling = [](const Fade& ramp, double position) {
-        return ramp.from == ramp.to ? 1 : 1 - ramp.at(position);
+    const auto falling = [](const Vec2& ramp, double position) {
+        return ramp.x == ramp.y ? 1 : 1 - rampAt(ramp, position);
     };
-    return left.at(x) * falling(right, x) * top.at(y) * falling(bottom, y);
+    return rampAt(left, x) * falling(right, x) * rampAt(top, y) * falling(bottom, y);
 }
 
 std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& corners) {
@@ -91,7 +111,7 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
         whole.wsDirections = {glm::normalize(rays.direction0)};
         return {whole};
     }
-    const Covered box = coveredRaster(scene, rays, corners);
+    const Box2<double> box = coveredRaster(scene, rays, corners);
     whole.wsDirections = directionsTo(rays, box);
     if (enclosingCone(whole.wsDirections).cosAngle >= std::cos(kWidestEye)) return {whole};
 
@@ -104,11 +124,11 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
         for (std::size_t i = 0; i < x.parts(); ++i) {
             EyePart part;
             part.whole = false;
-            part.left = x.fade(i);
-            part.right = x.fade(i + 1);
-            part.top = y.fade(j);
-            part.bottom = y.fade(j + 1);
-            const Covered own{part.left.from, part.right.to, part.top.from, part.bottom.to};
+            part.left = x.ramp(i);
+            part.right = x.ramp(i + 1);
+            part.top = y.ramp(j);
+            part.bottom = y.ramp(j + 1);
+            const Box2<double> own{part.left.x, part.top.x, part.right.y, part.bottom.y};
             part.wsDirections = directionsTo(rays, own);
             part.window = intersection(
                 everywhere, {static_cast<int>(std::floor(own.x0)), static_cast<int>(std::floor(own.y0)),
@@ -116,6 +136,32 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
             parts.push_back(part);
         }
     return parts;
+}
+
+// The stack of sheets around the volume. Planes lie at whole multiples of the thickness, texels at whole
+// multiples of their size, from the middle of the volume: nothing depends on where the camera stands.
+Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const Vec3& wsAxis, double slant,
+                    double voxel) {
+    Bounds ws;
+    for (const Vec3& corner : corners) ws.include(corner);
+
+    Sheets sheets;
+    sheets.wsAnchor = ws.center();
+    sheets.ssFromWs = sweepRotation(wsAxis, scene.camera.wsFromCamera[1]);
+    sheets.texel = scene.dials.texel * voxel;
+    sheets.thickness = scene.dials.sheetThickness * voxel * std::cos(std::min(slant, kSteepestSlant));
+
+    Bounds ts;  // with the origin at the anchor
+    for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
+    // Two texels of zeros around, so that bilinear look-ups that leave the raster find nothing there, and behind them
+    // room for the rounded-up rows of footprints.
+    const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
+    const double front = std::floor(ts.lower.z);
+    sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);
+    sheets.width = roundUpToTile(addressable(ts.upper.x - left + 8, "texels along the side of a sheet"));
+    sheets.height = roundUpToTile(addressable(ts.upper.y - top + 8, "texels along the side of a sheet"));
+    sheets.count = std::max(1, addressable(ts.upper.z - front, "sheets"));
+    return sheets;
 }
 
 }  // namespace scrim

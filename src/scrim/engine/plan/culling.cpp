@@ -1,0 +1,300 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/culling.h>
+
+#include <scrim/engine/plan/light_groups.h>
+#include <scrim/engine/shade/surface.h>
+#include <scrim/geometry/sheets.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kAround = 0.5;  // pixels
+
+// The faces of a parallelepiped, by its corners.
+constexpr int kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
+
+// Is the point in the parallelepiped?
+bool contains(const std::array<Vec3, 8>& c, const Vec3& p) {
+    const Mat3 edges(c[1] - c[0], c[2] - c[0], c[4] - c[0]);
+    if (std::abs(glm::determinant(edges)) < 1e-300) return false;
+    const Vec3 at = glm::inverse(edges) * (p - c[0]);
+    return std::min({at.x, at.y, at.z}) >= 0 && std::max({at.x, at.y, at.z}) <= 1;
+}
+
+}  // namespace
+
+double ViewFrustum::Plane::side(const Vec3& ws) const {
+    return glm::dot(normal, ws) - offset;
+}
+
+ViewFrustum::ViewFrustum(const Camera& camera, const PixelWindow& window) {
+    const RayFamily rays = wsRays(camera);
+    const double x[2] = {window.x0 - kAround, window.x1 + kAround}, y[2] = {window.y0 - kAround, window.y1 + kAround};
+    const Vec3 forward = viewingAxis(camera);
+    const auto pointOn = [&](int i, int j, double t) {
+        return rays.origin(x[i], y[j]) + t * rays.direction(x[i], y[j]);
+    };
+    const Vec3 inside = rays.origin(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1])) +
+                        (rays.near + 1) * rays.direction(0.5 * (x[0] + x[1]), 0.5 * (y[0] + y[1]));
+    const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+        const Vec3 cross = glm::cross(b - a, c - a);
+        if (glm::dot(cross, cross) == 0) return;
+        Plane plane{glm::normalize(cross), 0};
+        plane.offset = glm::dot(plane.normal, a);
+        if (plane.side(inside) < 0) plane = {-plane.normal, -plane.offset};
+        m_planes.push_back(plane);
+    };
+    // Each side holds an edge of the raster at two depths, beyond the eye where rays meet in a point.
+    for (int i = 0; i < 2; ++i) {
+        add(pointOn(i, 0, rays.near + 1), pointOn(i, 1, rays.near + 1), pointOn(i, 0, rays.near + 2));
+        add(pointOn(0, i, rays.near + 1), pointOn(1, i, rays.near + 1), pointOn(0, i, rays.near + 2));
+    }
+    m_planes.push_back({forward, glm::dot(forward, pointOn(0, 0, rays.near))});
+    for (int i = 0; i < 2; ++i)
+        for (int j = 0; j < 2; ++j) m_corners.push_back(pointOn(i, j, rays.near));
+}
+
+std::vector<Vec3> ViewFrustum::visiblePart(const std::array<Vec3, 8>& wsCorners) const {
+    std::vector<Vec3> visible;
+    for (const auto& face : kFaces) {
+        std::vector<Vec3> polygon;
+        for (const int corner : face) polygon.push_back(wsCorners[static_cast<std::size_t>(corner)]);
+        for (const Plane& plane : m_planes) {
+            std::vector<Vec3> cut;
+            for (std::size_t i = 0; i < polygon.size(); ++i) {
+                const Vec3 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+                const double sideA = plane.side(a), sideB = plane.side(b);
+                if (sideA >= 0) cut.push_back(a);
+                if ((sideA < 0) != (sideB < 0)) cut.push_back(a + sideA / (sideA - sideB) * (b - a));
+            }
+            polygon = std::move(cut);
+        }
+        visible.insert(visible.end(), polygon.begin(), polygon.end());
+    }
+    // The frustum may begin, and its edges may run, within the box.
+    for (const Vec3& corner : m_corners)
+        if (contains(wsCorners, corner)) visible.push_back(corner);
+    return visible;
+}
+
+std::vector<Vec3> ViewFrustum::visibleParts(const std::vector<Vec3>& wsCorners) const {
+    std::vector<Vec3> visible;
+    std::array<Vec3, 8> box;
+    for (std::size_t i = 0; i + box.size() <= wsCorners.size(); i += box.size()) {
+        std::copy_n(wsCorners.begin() + static_cast<std::ptrdiff_t>(i), box.size(), box.begin());
+        const std::vector<Vec3> part = visiblePart(box);
+        visible.insert(visible.end(), part.begin(), part.end());
+    }
+    return visible;
+}
+
+namespace {
+
+bool litBy(const std::vector<bool>& lights, std::size_t light) {
+    return lights.empty() || lights[light];
+}
+
+bool scatters(const ViewVolume& volume) {
+    if (volume.field->empty()) return false;
+    if (volume.classified) return true;
+    return volume.medium.mostExtinction() > 0 && (!volume.scatter.empty() || volume.medium.albedo != Rgb(0));
+}
+
+// Might light that passes `from` come to `to`? Judged by what encloses either, so that a yes may be wrong.
+bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    if (light.distant()) {
+        const Vec3 other = std::abs(light.wsDirection.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+        const Mat3 alongLight = sweepRotation(light.wsDirection, other);
+        const auto boxOf = [&](const std::vector<Vec3>& points) {
+            Bounds box;
+            for (const Vec3& p : points) box.include(alongLight * p);
+            return box;
+        };
+        const Bounds a = boxOf(from), b = boxOf(to);
+        return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y && b.lower.y <= a.upper.y &&
+               a.lower.z <= b.upper.z;
+    }
+    std::vector<Vec3> directions;
+    const Cone a = coneToCorners(light.wsPosition, from, directions);
+    directions.clear();
+    const Cone b = coneToCorners(light.wsPosition, to, directions);
+    if (a.cosAngle <= 0 || b.cosAngle <= 0) return true;
+    double farthest = 0;
+    for (const Vec3& p : to) farthest = std::max(farthest, glm::distance(p, light.wsPosition));
+    // No point of the boxes is nearer than the plane through the nearest corner across the cone's axis.
+    double nearest = 1e300;
+    for (const Vec3& p : from) nearest = std::min(nearest, glm::dot(p - light.wsPosition, a.axis));
+    const double between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0, 1.0));
+    return nearest <= farthest && between <= std::acos(a.cosAngle) + std::acos(b.cosAngle);
+}
+
+}  // namespace
+
+std::vector<std::string> culledLights(const ViewScene& scene) {
+    const ViewFrustum frustum(scene.camera, wholePicture(scene));
+    std::vector<std::vector<Vec3>> visible;  // of volumes that scatter
+    bool scattering = false;
+    for (const ViewVolume& volume : scene.volumes) {
+        scattering = scattering || scatters(volume);
+        visible.push_back(scatters(volume) ? frustum.visibleParts(wsCorners(volume, scene.dials.kernel))
+                                           : std::vector<Vec3>{});
+    }
+    std::vector<std::string> reasons;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        std::string& reason = reasons.emplace_back();
+        if (light.intensity == Rgb(0)) {
+            reason = "it is black";
+            continue;
+        }
+        bool linked = false, sees = false, reaches = false;
+        for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+            if (!litBy(scene.volumes[v].lights, i)) continue;
+            linked = true;
+            if (visible[v].empty()) continue;
+            sees = true;
+            std::vector<Vec3> directions;
+            reaches = reaches || light.distant() ||
+                      !passesBy(light, beamOf(light), coneToCorners(light.wsPosition, visible[v], directions));
+        }
+        if (!scattering)
+            reason = "no volume scatters light";
+        else if (!linked)
+            reason = "no volume is linked to it";
+        else if (!sees)
+            reason = "it lights nothing in view";
+        else if (!reaches)
+            reason = "its beam passes by all that it could light in view";
+    }
+    return reasons;
+}
+
+std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& picture,
+                                        const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes) {
+    const ViewFrustum frustum(camera, picture);
+    std::vector<std::vector<Vec3>> visible;
+    bool allKnown = true;
+    for (const VolumeBox& volume : volumes) {
+        visible.push_back(frustum.visibleParts(volume.wsCorners.value_or(std::vector<Vec3>{})));
+        allKnown = allKnown && volume.wsCorners;
+    }
+    const auto shades = [&](std::size_t v) {
+        for (std::size_t i = 0; i < lights.size(); ++i)
+            for (std::size_t w = 0; w < volumes.size(); ++w)
+                if (lights[i].shadows && lights[i].intensity != Rgb(0) && litBy(volumes[w].lights, i) &&
+                    !visible[w].empty() && shadowReaches(lights[i], *volumes[v].wsCorners, visible[w]))
+                    return true;
+        return false;
+    };
+    // A volume with unknown bounds may receive shadows from any other.
+    const bool mayShade =
+        !allKnown && std::any_of(lights.begin(), lights.end(), [](const Light& l) { return l.shadows; });
+    std::vector<std::string> reasons(volumes.size());
+    for (std::size_t v = 0; v < volumes.size(); ++v) {
+        if (!volumes[v].wsCorners || !visible[v].empty()) continue;
+        if (!volumes[v].wsCorners->empty() && (mayShade || shades(v))) continue;
+        reasons[v] = "it is out of view and throws no shadow into view";
+    }
+    return reasons;
+}
+
+namespace {
+
+// Texels around what is seen that look-ups, sharpening and shadow buffers' cells reach into.
+constexpr double kMargin = 6;
+
+using Points = std::vector<Vec3>;
+
+// Grows `box` by the part of the points' convex hull that lies within [lower, upper] along N.
+void includeSlice(const Points& hull, double lower, double upper, Bounds& box) {
+    for (std::size_t i = 0; i < hull.size(); ++i)
+        for (std::size_t j = 0; j <= i; ++j) {
+            const Vec3 &a = hull[i], &b = hull[j];
+            if (std::max(a.z, b.z) < lower || std::min(a.z, b.z) > upper) continue;
+            for (const double n : {lower, upper, a.z, b.z}) {
+                const double at =
+                    std::clamp(n, std::max(lower, std::min(a.z, b.z)), std::min(upper, std::max(a.z, b.z)));
+                const double t = a.z == b.z ? 0 : (at - a.z) / (b.z - a.z);
+                box.include(a + std::clamp(t, 0.0, 1.0) * (b - a));
+            }
+        }
+}
+
+// The points, and where the light's rays to them come from: the front of the stack, or the light within it.
+Points withWayOf(const Light& light, const Sheets& sheets, const Points& points) {
+    Points hull = points;
+    for (const Vec3& p : points) {
+        Vec3 back = light.distant() ? sheets.tsVector(light.wsDirection)
+                                                     : p - sheets.tsPoint(light.wsPosition);
+        if !(light.distant() && p.z - back.z > 0) {
+            hull.push_back(p - back);  // the light itself
+            continue;
+        }
+        back.z = std::max(back.z, 1e-6);
+        hull.push_back(p - std::max(p.z, 0.0) / back.z * back);
+    }
+    return hull;
+}
+
+Box2<int> tilesAround(const Bounds& ts, const Sheets& sheets) {
+    if (ts.empty()) return {};
+    const auto tile = [](double texel, int tiles) {
+        return static_cast<int>(std::clamp(std::floor(texel / kTileEdge), -1.0, double(tiles)));
+    };
+    return intersection<int>({0, 0, sheets.tilesX(), sheets.tilesY()},
+                        {tile(ts.lower.x - kMargin, sheets.tilesX()), tile(ts.lower.y - kMargin, sheets.tilesY()),
+                         tile(ts.upper.x + kMargin, sheets.tilesX()) + 1,
+                         tile(ts.upper.y + kMargin, sheets.tilesY()) + 1});
+}
+
+}  // namespace
+
+Box2<int> NeededTiles::over(int from, int to) const {
+    Box2<int> all;
+    for (int n = std::max(from, 0); n < std::min(to, static_cast<int>(sheets.size())); ++n) all.include(sheets[n]);
+    return all;
+}
+
+double NeededTiles::share(const Sheets& s) const {
+    double tiles = 0;
+    for (const Box2<int>& box : sheets)
+        if (!box.empty()) tiles += double(box.width()) * box.height();
+    return tiles / (double(s.tilesX()) * s.tilesY() * s.count);
+}
+
+NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets,
+                        const std::vector<const Light*>& shadowed, const Checkpoint& checkpoint) {
+    const ViewFrustum frustum(scene.camera, window);
+    Bounds seen;
+    for (const Vec3& p : frustum.visibleParts(wsCorners(scene))) seen.include(sheets.tsPoint(p));
+    NeededTiles needed;
+    needed.sheets.resize(static_cast<std::size_t>(sheets.count));
+    if (seen.empty()) return needed;
+
+    // A sheet's neighbours count where something is made of their values, too.
+    double reach = 1;
+    for (const ViewVolume& volume : scene.volumes) reach = std::max(reach, 1.0 + (volume.classified ? Surface::halo(volume, sheets) : 0));
+    const std::array<Vec3, 8> box = seen.corners();
+    const Points eye(box.begin(), box.end());
+    std::vector<Points> hulls{eye};
+    for (const Light* light : shadowed) hulls.push_back(withWayOf(*light, sheets, eye));
+    for (int n = 0; n < sheets.count; ++n) {
+        checkpoint();
+        Bounds slice;
+        for (const Points& hull : hulls) includeSlice(hull, n - reach, n + 1 + reach, slice);
+        needed.sheets[n] = tilesAround(slice, sheets);
+        if (needed.sheets[n].empty()) continue;
+        if (needed.last == 0) needed.first = n;
+        needed.last = n + 1;
+    }
+    return needed;
+}
+
+}  // namespace scrim

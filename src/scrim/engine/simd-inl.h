@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal, compiled once for each instruction set (Highway's way): vectors of samples, interpolation between texels, and
+// exponentials of optical depths. What every inner loop of the engine is written in.
+#if defined(SCRIM_ENGINE_SIMD_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCRIM_ENGINE_SIMD_INL_H_
+#undef SCRIM_ENGINE_SIMD_INL_H_
+#else
+#define SCRIM_ENGINE_SIMD_INL_H_
+#endif
+
+#include <scrim/geometry/sheets.h>
+
+#include <hwy/highway.h>
+#include <hwy/contrib/math/math-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+using DF = hn::CappedTag<float, kTileEdge>;
+using DI = hn::RebindToSigned<DF>;
+using VF = hn::Vec<DF>;
+using VI = hn::Vec<DI>;
+
+HWY_ATTR HWY_INLINE VF constant(float value) {
+    return hn::Set(DF(), value);
+}
+HWY_ATTR HWY_INLINE VF load(const float* from, int k) {
+    return hn::Load(DF(), from + k);
+}
+
+// Calls body(k) for each vector of samples.
+template <class Body>
+HWY_ATTR HWY_INLINE void forSamples(const Body& body) {
+    for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(DF()))) body(k);
+}
+
+// A coordinate as index on an axis of `size` places from `first`, and fraction; clamped so that index and index + 1
+// lie on the axis.
+struct Split {
+    VI whole;
+    VF fraction;
+};
+
+HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest = false) {
+    const DF d;
+    const DI di;
+    x = hn::Min(hn::Max(x, hn::Set(d, static_cast<float>(first))), hn::Set(d, static_cast<float>(first + size - 1)));
+    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<float>(first + size - 2)));
+    auto fraction = hn::Sub(x, floor);
+    if (nearest) fraction = hn::Floor(hn::Add(fraction, hn::Set(d, 0.5f)));
+    return {hn::Sub(hn::ConvertTo(di, floor), hn::Set(di, first)), fraction};
+}
+
+HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
+    return hn::MulAdd(t, hn::Sub(b, a), a);
+}
+
+// Four floats: the channels of a texel or of a pixel. One vector, or more where the instruction set has shorter ones.
+using D4 = hn::CappedTag<float, 4>;
+constexpr std::size_t kParts4 = 4 / hn::MaxLanes(D4());
+struct V4 {
+    hn::Vec<D4> part[kParts4];
+};
+
+// make(i) gives part i.
+template <class Make>
+HWY_ATTR HWY_INLINE V4 each4(const Make& make) {
+    V4 out;
+    for (std::size_t i = 0; i < kParts4; ++i) out.part[i] = make(i);
+    return out;
+}
+HWY_ATTR HWY_INLINE V4 load4(const float* from) {
+    return each4([&](std::size_t i) HWY_ATTR { return hn::LoadU(D4(), from + i * hn::MaxLanes(D4())); });
+}
+HWY_ATTR HWY_INLINE void store4(const V4& v, float* to) {
+    for (std::size_t i = 0; i < kParts4; ++i) hn::StoreU(v.part[i], D4(), to + i * hn::MaxLanes(D4()));
+}
+// a + t (b - a)
+HWY_ATTR HWY_INLINE V4 lerp4(const V4& a, const V4& b, float t) {
+    return each4([&](std::size_t i)
+                     HWY_ATTR { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
+}
+// The bilinear sample between four texels: `texel`, its neighbour `across` floats on, and those `down` floats on from both.
+HWY_ATTR HWY_INLINE V4 bilinear4(const float* texel, std::ptrdiff_t across, std::ptrdiff_t down, float u, float v) {
+    const float* below = texel + down;
+    return lerp4(lerp4(load4(texel), load4(texel + across), u), lerp4(load4(below), load4(below + across), u), v);
+}
+HWY_ATTR HWY_INLINE float lane3(const V4& v) {
+    constexpr std::size_t kLast = hn::MaxLanes(D4()) - 1;
+    return hn::ExtractLane(v.part[kParts4 - 1], kLast);
+}
+HWY_ATTR HWY_INLINE V4 lastLane(const V4& v) {
+#if HWY_TARGET == HWY_SCALAR
+    return each4([&](std::size_t) HWY_ATTR { return v.part[kParts4 - 1]; });
+#else
+    return each4([&](std::size_t) HWY_ATTR { return hn::Broadcast<3>(v.part[kParts4 - 1]); });
+#endif
+}
+
+// 1 - e^-t for t >= 0, to rounding also where t is small. Past 80 it is 1: the library's exponential is only
+// good down to where floats become denormal.
+HWY_ATTR HWY_INLINE VF oneMinusExp(VF t) {
+    return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80.0f)))));
+}
+
+// e^-t for t >= 0, 0 past the smallest normal float.
+HWY_ATTR HWY_INLINE VF expMinus(VF t) {
+    const DF d;
+    return hn::IfThenElseZero(hn::Lt(t, constant(87.0f)), hn::Exp(d, hn::Neg(hn::Min(t, constant(87.0f)))));
+}
+
+// (1 - e^-t) / t, see sheet_integral.h. 1e-20 stands for 0: there the quotient's rounding is still exact.
+HWY_ATTR HWY_INLINE VF psi(VF t) {
+    const auto safe = hn::Max(t, constant(1e-20f));
+    return hn::Div(oneMinusExp(safe), safe);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
