@@ -146,7 +146,7 @@ TEST(SizeOfTheScene, AThousandthWithAThousandTimesTheExtinctionIsTheSamePicture)
     scene.volumes[0].medium.densityScale /= factor;
     for (Light& light : scene.lights) {
         light.wsPosition *= factor;
-        if !(light.distant()) light.intensity *= factor * factor;
+        if (!light.distant()) light.intensity *= factor * factor;
     }
     EXPECT_LT(largestDifference(here, renderScene(scene).image), 1e-5 * brightest(here));
 }

@@ -105,8 +105,9 @@ inline ViewScene moved(ViewScene scene, double scale, const Mat3& rotation, cons
         light.wsPosition = place(light.wsPosition);
         light.wsDirection = rotation * light.wsDirection;
         light.wsUp = rotation * light.wsUp;
+        if (light.distant()) continue;
         light.point().radius *= scale;
-        if !(light.distant() && light.point().point().decay) light.intensity *= scale * scale;
+        if (light.point().decay) light.intensity *= scale * scale;
     }
     scene.camera.wsPosition = place(scene.camera.wsPosition);
     scene.camera.wsFromCamera = rotation * scene.camera.wsFromCamera;

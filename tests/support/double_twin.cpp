@@ -53,8 +53,8 @@ Quantised quantise(double at, int steps) {
 // Stage 1: extinction of one volume, sheet by sheet.
 void splat(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, std::vector<Plane>& planes) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
-    const FootprintSteps steps = footprintSteps(tsFromIs, dials.footprintSteps);
-    const FootprintTable table(dials.kernel, tsFromIs, steps.texel, steps.sheet, FootprintLookup::sloped);
+    const FootprintTable::Steps steps = footprintSteps(tsFromIs, dials.footprintSteps);
+    const FootprintTable table(dials.kernel, tsFromIs, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
     const SparseField& field = *volume.field;
     for (std::size_t b = 0; b < field.blockCount(); ++b)
         for (int i = 0; i < kBlockVoxels; ++i) {
@@ -171,7 +171,7 @@ class Sweep {
     }
 
     void attenuate(const LightView& view, int sheet, const Plane& total, Plane& tau) const {
-        const CellMap map = view.at(sheet);
+        const LightView::Cells map = view.at(sheet);
         for (int y = 0; y < tau.height; ++y)
             for (int x = 0; x < tau.width; ++x)
                 tau.at(x, y)[0] += m_sheets.thickness * slant(view) *
@@ -185,7 +185,7 @@ class Sweep {
         for (std::size_t l = 0; l < entries.size(); ++l) {
             const LightPlan& plan = m_group.lights[l];
             const Light& light = m_scene.lights[static_cast<std::size_t>(plan.light)];
-            const CellMap map = plan.view.at(sheet);
+            const LightView::Cells map = plan.view.at(sheet);
             const double entry = entries[l].between((x - map.offsetU) / map.scale, (y - map.offsetV) / map.scale)[0];
             const double tl = sigma * m_sheets.thickness * slant(plan.view);
             const double arrives = !plan.shadowed     ? psi(te)

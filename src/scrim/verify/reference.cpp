@@ -172,7 +172,7 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     const Light& light = m_scene.lights[index];
     Vec3 travel = light.wsDirection;
     double irradiance = 1, distance = 0;
-    if !(light.distant()) {
+    if (!light.distant()) {
         travel = ws - light.wsPosition;
         distance = glm::length(travel);
         if (distance == 0) return Rgb(0);

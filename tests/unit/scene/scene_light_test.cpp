@@ -57,7 +57,7 @@ TEST(SceneLight, ReadsEveryKeyOfASpot) {
     EXPECT_EQ(l.point().radius, 0.25);
     EXPECT_EQ(std::get<Light::Spot>(l.kind).coneAngle, 60);
     EXPECT_EQ(std::get<Light::Spot>(l.kind).blend, 1);
-    EXPECT_FALSE(l.point().point().decay);
+    EXPECT_FALSE(l.point().decay);
     EXPECT_TRUE(light("type = \"point\"\nposition = [0, 5, 0]\ndecay = \"inverse-square\"\n").point().decay);
 }
 

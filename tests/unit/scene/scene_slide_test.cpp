@@ -34,7 +34,7 @@ TEST(SceneSlide, ReadsEveryKeyOfAProjector) {
     EXPECT_EQ(l.wsDirection, Vec3(1, 0, 0));
     EXPECT_EQ(l.wsUp, Vec3(0, 0, 1));
     EXPECT_EQ(l.point().radius, 0.5);
-    EXPECT_FALSE(l.point().point().decay);
+    EXPECT_FALSE(l.point().decay);
     EXPECT_EQ(l.intensity, Rgb(3));
     ASSERT_TRUE(l.slide);
     EXPECT_EQ(l.slide->file, "/shots/rings.png");

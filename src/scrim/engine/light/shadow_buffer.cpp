@@ -84,7 +84,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     TileRange windowX{rasterX, -1}, windowY{rasterY, -1};
     for (int s = 0; s < count; ++s) {
         if (!m_view.reaches(firstSheet + s)) continue;
-        const CellMap map = m_view.at(firstSheet + s);
+        const LightView::Cells map = m_view.at(firstSheet + s);
         for (int tx = 0; tx < tilesX; ++tx) columns(s)[tx] = cellTiles(tx, map.offsetU, map.scale, rasterX);
         for (int ty = 0; ty < tilesY; ++ty) rows(s)[ty] = cellTiles(ty, map.offsetV, map.scale, rasterY);
         for (int ty = 0; ty < tilesY; ++ty)
@@ -124,7 +124,7 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
         const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s) * tilesPerSheet +
                                    static_cast<std::size_t>(task * m_windowTilesX);
         if (std::find(used, used + m_windowTilesX, 1) == used + m_windowTilesX) continue;
-        const CellMap map = m_view.at(m_firstSheet + s);
+        const LightView::Cells map = m_view.at(m_firstSheet + s);
 
         AttenuateTile tile{};
         tile.extinction = {extinction.plane(s), extinction.width(), extinction.height(), 0, 0, m_simd};
@@ -191,7 +191,7 @@ void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {
         std::fill(tau, tau + kTileSize, 0.0f);
         return;
     }
-    const CellMap map = m_view.at(m_firstSheet + s);
+    const LightView::Cells map = m_view.at(m_firstSheet + s);
     sampleLattice(entryPlane(s), static_cast<float>((texelX - map.offsetU) / map.scale),
                   static_cast<float>((texelY - map.offsetV) / map.scale), static_cast<float>(1 / map.scale), m_nearest,
                   tau);
@@ -202,7 +202,7 @@ void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, float* ta
         std::fill(tau, tau + kTileSize, 0.0f);
         return;
     }
-    const CellMap map = m_view.at(m_firstSheet + s);
+    const LightView::Cells map = m_view.at(m_firstSheet + s);
     alignas(64) float cellU[kTileSize], cellV[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
         cellU[k] = static_cast<float>((u[k] - map.offsetU) / map.scale);

@@ -20,12 +20,18 @@
 
 namespace scrim {
 
-/// Texel coordinates of cell (i, j) on one sheet: offset + (i, j) * scale.
-struct CellMap {
-    double offsetU = 0, offsetV = 0, scale = 1;
-};
-
+/// A light as one sweep sees it: the raster of its shadow buffer and the map between raster and sheets.
+///
+/// The raster is parallel to the sheets. A cell (i, j) is a light ray, named by where it crosses the plane N = 0 (distant
+/// lights) or by its slope (point lights), and either way the cells of one sheet are a scaled and shifted lattice: texel =
+/// offset + cell * scale. The projective map of ZC02 eq. 4 thus separates into rows and columns; for distant lights the
+/// scale is 1 at every sheet and resampling is a streaming operation.
 struct LightView {
+    /// Texel coordinates of cell (i, j) on one sheet: offset + (i, j) * scale.
+    struct Cells {
+        double offsetU = 0, offsetV = 0, scale = 1;
+    };
+
     bool distant = true;
     Vec3 tsSource{0};  ///< distant: (dU/dN, dV/dN, 0) of all rays; point: the source's position
     Vec2 first{0};     ///< cell (0, 0): (U, V) at N = 0 (distant), (dU/dN, dV/dN) (point)
@@ -43,7 +49,7 @@ struct LightView {
     double litPart(int n) const { return distant ? 1.0 : std::clamp(n + 1 - tsSource.z, 0.0, 1.0); }
 
     /// Map at the middle plane of sheet n, which the light must reach.
-    CellMap at(int n) const {
+    Cells at(int n) const {
         const double middle = n + 0.5;
         if (distant) return {first.x + tsSource.x * middle, first.y + tsSource.y * middle, cell};
         const double z = middle - tsSource.z;
@@ -61,6 +67,8 @@ class ShadowLookup {
     virtual void lookUpPoints(int s, const float* u, const float* v, float* tau) const = 0;
 };
 
+/// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's active texels can see are
+/// touched.
 class ShadowBuffer final : public ShadowLookup {
   public:
     /// `lookUps`: bilinear ones on the way from this buffer to the picture, one where pixels look into it, two where
@@ -121,6 +129,9 @@ class ShadowBuffer final : public ShadowLookup {
     }
 };
 
+/// The paper's shadow buffer: a raster that is aligned with its light (or with the image plane), into which the light's own
+/// footprints are splatted, sheet by sheet (ZC02 section 3.2; Fig. 5, lines 10, 14 and 17). Nothing is resampled on the
+/// way: a cell is one light ray. Shading maps its points to the buffer after ZC02 eq. 4.
 class ViewShadow final : public ShadowLookup {
   public:
     ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd = {});

@@ -85,9 +85,9 @@ Rgb slideValue(const Light& light, const SlideMap& map, const Vec3& ws) {
     return sum;
 }
 
-SheetMap sheetMap(const SlideMap& map, const Sheets& sheets, double middle) {
+SlideMap::OnSheet sheetMap(const SlideMap& map, const Sheets& sheets, double middle) {
     const Mat3 wsFromSs = glm::transpose(sheets.ssFromWs);
-    SheetMap out;
+    SlideMap::OnSheet out;
     out.atOrigin = map.homogeneous(sheets.wsPoint({0, 0, middle}));
     out.perU = map.perWs * (wsFromSs[0] * sheets.texel);
     out.perV = map.perWs * (wsFromSs[1] * sheets.texel);

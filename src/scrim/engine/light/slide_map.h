@@ -19,6 +19,12 @@ namespace scrim {
 /// (X, Y, W) = perWs * (ws - wsOrigin) + atOrigin; the slide position is (X / W, Y / W), and where W <= 0 the light
 /// does not shine: that is behind it. Distant lights have W = 1 everywhere.
 struct SlideMap {
+    /// The map over one sheet: (X, Y, W) = atOrigin + u perU + v perV + (N - middle) perN, with u and v in texels and N in
+    /// sheets.
+    struct OnSheet {
+        Vec3 atOrigin{0, 0, 1}, perU{0}, perV{0}, perN{0};
+    };
+
     Vec3 wsOrigin{0};
     Mat3 perWs{0.0};
     Vec3 atOrigin{0, 0, 1};
@@ -32,12 +38,8 @@ SlideMap slideMap(const Light& light);
 /// The slide over the light's intensity at `ws`: bilinear between the picture's pixels, whatever their size.
 Rgb slideValue(const Light& light, const SlideMap& map, const Vec3& ws);
 
-/// The map over one sheet: (X, Y, W) = atOrigin + u perU + v perV + (N - middle) perN, with u and v in texels and N
-/// in sheets. Composed in double from the sheets' local origin.
-struct SheetMap {
-    Vec3 atOrigin{0, 0, 1}, perU{0}, perV{0}, perN{0};
-};
-SheetMap sheetMap(const SlideMap& map, const Sheets& sheets, double middle);
+/// Composed in double from the sheets' local origin.
+SlideMap::OnSheet sheetMap(const SlideMap& map, const Sheets& sheets, double middle);
 
 /// Half the angle between the opposite corners of the slide of a light that is not distant; radians.
 double slideHalfAngle(const Light& light);

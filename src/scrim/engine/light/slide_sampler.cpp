@@ -37,7 +37,7 @@ struct TileMap {
 };
 
 TileMap tileMap(const SheetSlide& slide, float u0, float v0) {
-    const SheetMap& m = slide.map;
+    const SlideMap::OnSheet& m = slide.map;
     const double width = slide.image->width(), height = slide.image->height();
     const Vec3 base = m.atOrigin + double(u0) * m.perU + double(v0) * m.perV;
     TileMap out{};
@@ -116,7 +116,7 @@ HWY_ATTR HWY_INLINE Vector3 combined(const TileMap& m, VF u, VF v, VF n) {
     return {part(0), part(1), part(2)};
 }
 
-HWY_ATTR void layFootprints(const TileMap& m, const SlideSamples& samples, Footprints& out) {
+HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float slopeToTexels, Footprints& out) {
     const DF d;
     const SampleSpacing& spacing = samples.spacing;
     const auto zero = constant(0), one = constant(1);
@@ -136,7 +136,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SlideSamples& samples, Footp
         const auto y = hn::Max(hn::Min(hn::Mul(place(1), inverse), far), hn::Neg(far));
 
         // The footprint's three edges: a step to either neighbour, and the eye's way through the sheet.
-        const auto toTexels = constant(samples.toTexels);
+        const auto toTexels = constant(slopeToTexels);
         const auto slopeU = hn::Mul(hn::Load(d, samples.eyeA + k), toTexels);
         const auto slopeV = hn::Mul(hn::Load(d, samples.eyeB + k), toTexels);
         const auto t = hn::MulAdd(u, constant(spacing.tu), hn::MulAdd(v, constant(spacing.tv), constant(spacing.t0)));
@@ -275,10 +275,10 @@ HWY_ATTR bool tintWith(const Levels& levels, const Footprints& prints, float* ti
     return most > 0;
 }
 
-HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SlideSamples& samples, float* tint) {
+HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SampleTile& samples, float slopeToTexels, float* tint) {
     const TileMap map = tileMap(slide, samples.u[0], samples.v[0]);
     Footprints prints;
-    layFootprints(map, samples, prints);
+    layFootprints(map, samples, slopeToTexels, prints);
 
     const Texture& image = *slide.image;
     Levels levels;
@@ -316,8 +316,8 @@ namespace scrim {
 
 HWY_EXPORT(tintTileOnTarget);
 
-bool tintTile(const SheetSlide& slide, const SlideSamples& samples, float* tint) {
-    return SCRIM_ON_TARGET(slide.simd, tintTileOnTarget)(slide, samples, tint);
+bool tintTile(const SheetSlide& slide, const SampleTile& samples, float slopeToTexels, float* tint) {
+    return SCRIM_ON_TARGET(slide.simd, tintTileOnTarget)(slide, samples, slopeToTexels, tint);
 }
 
 }  // namespace scrim

@@ -22,24 +22,27 @@ struct SampleSpacing {
     float t0 = 1, tu = 0, tv = 0;
 };
 
+/// 256 samples of one sheet, in texel coordinates of its raster.
+struct SampleTile {
+    alignas(64) float u[kTileSize];
+    alignas(64) float v[kTileSize];
+    alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
+    alignas(64) float eyeB[kTileSize];
+    SampleSpacing spacing;  ///< texels, unless said otherwise
+    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the output of it.
+    float depth = 0, depthU = 0, depthV = 0;
+};
+
 /// A slide over one sheet. Without an image there is none.
 struct SheetSlide {
     const Texture* image = nullptr;
     SlideOutside outside = SlideOutside::black;
-    SheetMap map;
+    SlideMap::OnSheet map;
     Simd simd = {};
 };
 
-/// 256 samples: texel positions, and the eye ray's slopes du/dw and dv/dw times `toTexels` = texels a sheet. All
-/// aligned to 64 bytes.
-struct SlideSamples {
-    const float *u, *v, *eyeA, *eyeB;
-    float toTexels;
-    SampleSpacing spacing;
-};
-
 /// Writes 3 x 256 floats, all reds first: what the light's intensity is multiplied by. False, and nothing written,
-/// where that is 0 for all samples.
-bool tintTile(const SheetSlide& slide, const SlideSamples& samples, float* tint);
+/// where that is 0 for all samples. `toTexels`: texels a sheet, which takes slopes du/dw to texels.
+bool tintTile(const SheetSlide& slide, const SampleTile& samples, float toTexels, float* tint);
 
 }  // namespace scrim

@@ -233,7 +233,7 @@ Points withWayOf(const Light& light, const Sheets& sheets, const Points& points)
     for (const Vec3& p : points) {
         Vec3 back = light.distant() ? sheets.tsVector(light.wsDirection)
                                                      : p - sheets.tsPoint(light.wsPosition);
-        if !(light.distant() && p.z - back.z > 0) {
+        if (!light.distant() && p.z - back.z > 0) {
             hull.push_back(p - back);  // the light itself
             continue;
         }

@@ -62,20 +62,20 @@ struct GroupPlan {
     std::size_t bytes = 0;  ///< of all buffers of this group's sweep, at most
 };
 
-/// Rough counts of the work ahead, in units of what each stage does once.
-struct ExpectedWork {
-    double footprints = 0;    ///< voxel and sheet pairs
-    double texels = 0;        ///< shaded texels, at most
-    double lightSamples = 0;  ///< shadow buffer cells walked, at most
-    double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
-};
-
 /// `window` of the picture in pixels of the antialiasing raster, n x n to a pixel.
 inline PixelWindow supersampled(const PixelWindow& window, int n) {
     return {window.x0 * n, window.y0 * n, window.x1 * n, window.y1 * n};
 }
 
 struct Plan {
+    /// Rough counts of the work ahead, in units of what each stage does once.
+    struct Work {
+        double footprints = 0;    ///< voxel and sheet pairs
+        double texels = 0;        ///< shaded texels, at most
+        double lightSamples = 0;  ///< shadow buffer cells walked, at most
+        double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
+    };
+
     std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
     int threads = 1;                ///< that the render takes
     Simd simd;                      ///< vector instructions that it uses
@@ -88,7 +88,7 @@ struct Plan {
     std::vector<std::string> culledLights;  ///< for each light of the scene why it is culled; empty: it is not
     std::vector<EyePart> eyeParts;           ///< in pixels of the picture; windows cut to the region
     std::size_t bytes = 0;                   ///< buffers at their largest, frame included; without the fields
-    ExpectedWork work;
+    Work work;
 };
 
 /// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too

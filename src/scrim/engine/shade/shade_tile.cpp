@@ -131,10 +131,8 @@ HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, con
 HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     const SheetLight& light = input.lights[index];
     if (light.slide.image) {
-        const SampleTile& s = *input.samples;
-        const SlideSamples samples{s.u, s.v, s.eyeA, s.eyeB, input.thickness / input.texel, s.spacing};
         w.done.slideLookups += kTileSize;
-        if (!tintTile(light.slide, samples, w.in.tint)) return;  // outside of the picture
+        if (!tintTile(light.slide, *input.samples, input.thickness / input.texel, w.in.tint)) return;  // outside of the picture
     }
     if (light.distant)
         meetDistant(light, w.in);

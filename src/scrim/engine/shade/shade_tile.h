@@ -22,17 +22,6 @@
 
 namespace scrim {
 
-/// 256 samples of one sheet, in texel coordinates of its raster.
-struct SampleTile {
-    alignas(64) float u[kTileSize];
-    alignas(64) float v[kTileSize];
-    alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
-    alignas(64) float eyeB[kTileSize];
-    SampleSpacing spacing;  ///< texels, unless said otherwise
-    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the output of it.
-    float depth = 0, depthU = 0, depthV = 0;
-};
-
 /// Eye rays in texel space: parallel ones have constant slopes; those from a point meet at `tsEye`.
 struct EyeSlopes {
     bool parallel = true;

@@ -107,7 +107,7 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
-            for (int c = 0; c < 3; ++c) read(volume.scatter[c]->planes(), rows.scatter(i, c));
+            for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter(i, c));
         if (!m_surfaces.empty() || !(grid || m_alone)) read(volume.extinction(), rows.medium(i));
     }
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)

@@ -91,7 +91,7 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_table(*volume.classified),
       m_vagueGradient(vagueGradient(*volume.classified, voxel)),
       m_step(stepFor(lattice.rsFromTs)),
-      m_field({volume.field, volume.wsFromIs}, settingsOf(volume, dials, sheets), dials, sheets, lattice, batchSheets),
+      m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice, batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
 
 int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {

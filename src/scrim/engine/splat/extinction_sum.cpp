@@ -2,6 +2,7 @@
 #include <scrim/engine/splat/extinction_sum.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/splat/splat_block.h>
 
 #include <algorithm>
 
@@ -20,6 +21,18 @@ FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel)
     settings.most = static_cast<float>(std::min<double>(1e9 / voxel, std::numeric_limits<float>::max()));
     settings.stepsPerVoxel = dials.footprintSteps;
     return settings;
+}
+
+// The fields in runs that share their footprints with the first one of the run.
+std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& fields) {
+    std::vector<std::vector<ViewField>> runs;
+    for (const ViewField& field : fields)
+        if (!runs.empty() && runs.back().size() < BlockSplat::kMost &&
+            haveOneTopology(*runs.back().front().field, *field.field))
+            runs.back().push_back(field);
+        else
+            runs.push_back({field});
+    return runs;
 }
 
 // Does the sum need planes of its own?
@@ -56,9 +69,9 @@ void addPlane(const PlaneStack& from, float weight, int p, PlaneStack& to) {
 ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets, For who)
     : m_channels(plan.extinction) {
-    const auto planesOf = [&](const ViewField& field, double scale) {
-        m_voxels += field.field->activeVoxels;
-        auto planes = std::make_unique<FieldPlanes>(field, settingsOf(scale, scene.dials, plan.voxel), scene.dials,
+    const auto planesOf = [&](const std::vector<ViewField>& fields, double scale) {
+        for (const ViewField& field : fields) m_voxels += field.field->activeVoxels;
+        auto planes = std::make_unique<FieldPlanes>(fields, settingsOf(scale, scene.dials, plan.voxel), scene.dials,
                                                     sheets, lattice, batchSheets);
         m_fields.push_back(planes.get());
         return planes;
@@ -75,16 +88,23 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         if (!volume.field->empty()) {
             Volume& own = m_volumes.emplace_back();
             own.sceneVolume = static_cast<int>(v);
-            if (volume.classified)
+            if (volume.classified) {
                 own.surface = surfaceOf(volume);
-            else
-                own.medium = planesOf(densityOf(volume), scale);
-            for (std::size_t c = 0; c < volume.scatter.size() && who != For::light; ++c)
-                own.scatter[c] = planesOf(volume.scatter[c], scale);
+            } else {
+                std::vector<ViewField> fields{densityOf(volume)};
+                if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
+                std::vector<const PlaneStack*> planes;
+                for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
+                    own.fields.push_back(planesOf(together, scale));
+                    for (std::size_t f = 0; f < together.size(); ++f) planes.push_back(&own.fields.back()->planes(f));
+                }
+                own.density = planes[0];
+                std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
+            }
         }
         if (who != For::primaryEye) continue;
         for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty()) m_emissions.push_back({planesOf(emission.field, 1), emission.color});
+            if (!emission.field.field->empty()) m_emissions.push_back({planesOf({emission.field}, 1), emission.color});
     }
     if (!needsTotals(scene, plan, who)) return;
     for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);

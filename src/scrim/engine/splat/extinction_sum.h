@@ -38,11 +38,12 @@ class ExtinctionSum {
     /// A volume that has extinction.
     struct Volume {
         int sceneVolume = 0;                                      ///< its place among the scene's
-        std::unique_ptr<FieldPlanes> medium = {};                 ///< of a medium: density is extinction
-        std::unique_ptr<Surface> surface = {};                    ///< of a classified volume
-        std::array<std::unique_ptr<FieldPlanes>, 3> scatter = {}; ///< where the albedo is a grid: what each channel scatters
+        std::vector<std::unique_ptr<FieldPlanes>> fields = {};  ///< of a medium: density, and what it scatters
+        std::unique_ptr<Surface> surface = {};                  ///< of a classified volume
+        const PlaneStack* density = nullptr;                    ///< of a medium: its extinction
+        std::array<const PlaneStack*, 3> scatter = {};  ///< where the albedo is a grid: what each colour scatters; or null
 
-        const PlaneStack& extinction() const { return medium ? medium->planes() : surface->extinction(); }
+        const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }
     };
     const std::vector<Volume>& volumes() const { return m_volumes; }
 

@@ -9,25 +9,33 @@ namespace {
 // Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
 constexpr int kSheetsPerTask = 4;
 
-using Splatter = std::variant<FieldSplatter, WarpedSplatter>;
+using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
 
-Splatter splatterFor(const ViewField& field, const FieldPlanes::Settings& s, const Dials& dials, const Sheets& sheets,
-                     const Lattice& lattice) {
-    const Mat4 tsFromIs = sheets.tsFrom(field.wsFromIs);
-    if (!lattice.parallel())
-        return WarpedSplatter(*field.field, tsFromIs, lattice, dials.kernel, s.stepsPerVoxel, s.scale, s.most);
-    return FieldSplatter(*field.field, lattice.rsFromTs * tsFromIs, dials.kernel, s.stepsPerVoxel, s.scale, s.most,
-                         Simd(dials.simd));
+Splatter splatterFor(const std::vector<ViewField>& fields, const FieldPlanes::Settings& s, const Dials& dials,
+                     const Sheets& sheets, const Lattice& lattice) {
+    const Mat4 tsFromIs = sheets.tsFrom(fields.front().wsFromIs);
+    if (!lattice.parallel()) {
+        std::vector<WarpedSplatter> splatters;
+        for (const ViewField& field : fields)
+            splatters.emplace_back(*field.field, tsFromIs, lattice, dials.kernel, s.stepsPerVoxel, s.scale, s.most);
+        return splatters;
+    }
+    FieldSplatter splatter(*fields.front().field, lattice.rsFromTs * tsFromIs, dials.kernel, s.stepsPerVoxel, s.scale,
+                           s.most, Simd(dials.simd));
+    for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
+    return splatter;
 }
 
 }  // namespace
 
-FieldPlanes::FieldPlanes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
-                         const Lattice& lattice, int batchSheets)
+FieldPlanes::FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
+                         const Sheets& sheets, const Lattice& lattice, int batchSheets)
     : m_lattice(lattice),
       m_settings(settings),
-      m_splatter(splatterFor(field, settings, dials, sheets, lattice)),
-      m_planes(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1) {}
+      m_splatter(splatterFor(fields, settings, dials, sheets, lattice)) {
+    for (std::size_t f = 0; f < fields.size(); ++f)
+        m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
+}
 
 int FieldPlanes::beginBatch(int firstSheet, int count) {
     if (m_origin < 0) {
@@ -37,7 +45,7 @@ int FieldPlanes::beginBatch(int firstSheet, int count) {
     m_runs.clear();
     const int end = firstSheet + count + m_settings.halo;
     while (m_readySheet < end) {
-        const int wrap = m_planes.planes() - planeOf(m_readySheet);
+        const int wrap = planes().planes() - planeOf(m_readySheet);
         const int run = std::min({kSheetsPerTask, end - m_readySheet, wrap});
         m_runs.push_back({m_readySheet, run});
         m_readySheet += run;
@@ -53,26 +61,35 @@ std::uint64_t FieldPlanes::splat(int task, const NeededTiles* needed, const Tile
         culled = [box = needed->over(run.sheet, run.sheet + run.count), &cull](const Box2<int>& tiles) {
             return intersection(tiles, box).empty() || (cull && cull(tiles));
         };
-    for (int p = first; p < first + run.count; ++p) m_planes.begin(p);
-    const std::uint64_t footprints = std::visit(
-        [&](const auto& splatter) {
-            return splatter.splat(run.sheet, run.sheet + run.count, m_planes, first, culled);
-        },
-        m_splatter);
-    for (int p = first; p < first + run.count; ++p) {
-        m_planes.finish(p);
-        if (m_lattice.shared())
-            m_planes.prefilter(p);  // views look between its texels
-        else if (m_lattice.parallel())
-            m_planes.raiseToZero(p);  // slopes of footprints go below 0 around the field's rim
-        m_planes.dropEmpty(p);
-    }
+    const int end = run.sheet + run.count;
+    for (PlaneStack& planes : m_planes)
+        for (int p = first; p < first + run.count; ++p) planes.begin(p);
+    std::uint64_t footprints = 0;
+    if (const auto* splatter = std::get_if<FieldSplatter>(&m_splatter))
+        footprints = splatter->splat(run.sheet, end, std::span(m_planes), first, culled);
+    else
+        for (std::size_t f = 0; f < m_planes.size(); ++f)
+            footprints +=
+                std::get<1>(m_splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
+    for (PlaneStack& planes : m_planes)
+        for (int p = first; p < first + run.count; ++p) {
+            planes.finish(p);
+            if (m_lattice.shared())
+                planes.prefilter(p);  // views look between its texels
+            else if (m_lattice.parallel())
+                planes.raiseToZero(p);  // slopes of footprints go below 0 around the field's rim
+            planes.dropEmpty(p);
+        }
     return footprints;
 }
 
 std::size_t FieldPlanes::bytes() const {
-    const std::size_t table = std::visit([](const auto& splatter) { return splatter.table().bytes(); }, m_splatter);
-    return table + PlaneStack::bytes(m_planes.planes(), m_planes.width(), m_planes.height(), 1);
+    std::size_t sum = m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
+    if (const auto* splatter = std::get_if<FieldSplatter>(&m_splatter))
+        sum += splatter->table().bytes();
+    else
+        for (const WarpedSplatter& warped : std::get<1>(m_splatter)) sum += warped.table().bytes();
+    return sum;
 }
 
 std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings, const Dials& dials,
@@ -81,8 +98,8 @@ std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings,
                             field.field->blockCount() * 8;
     if (!lattice.parallel()) return sum;  // one small table
     const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
-    const FootprintSteps steps = footprintSteps(rsFromIs, settings.stepsPerVoxel);
-    return sum + FootprintTable::bytes(dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintLookup::sloped);
+    const FootprintTable::Steps steps = footprintSteps(rsFromIs, settings.stepsPerVoxel);
+    return sum + FootprintTable::bytes(dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
 }
 
 }  // namespace scrim

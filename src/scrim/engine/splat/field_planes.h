@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 1 of a batch: one scalar field splatted into sheets. Densities, albedos, emission and temperatures are all fields;
+// Stage 1 of a batch: a field splatted into sheets, or several of one topology together. Densities, albedos, emission and temperatures are all fields;
 // what is extinct there is made of some of them (extinction_sum.h).
 #pragma once
 
@@ -23,8 +23,9 @@ class FieldPlanes {
         int halo = 0;                                     ///< sheets kept on either side of a batch
     };
 
-    /// Onto the cells of `lattice`, the sheets' own or a view's. The field, `sheets` and `lattice` must outlive this.
-    FieldPlanes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
+    /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `sheets` and `lattice` must outlive this. Several
+    /// fields must have the topology of the first (haveOneTopology).
+    FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials, const Sheets& sheets,
                 const Lattice& lattice, int batchSheets);
 
     /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
@@ -34,9 +35,9 @@ class FieldPlanes {
     std::uint64_t splat(int task, const NeededTiles* needed, const TileCull& cull);
 
     /// Planes of sheets in a ring, so that every sheet is splatted once: the plane of a sheet of the batch or its halo.
-    int planeOf(int sheet) const { return (sheet - m_origin + m_settings.halo) % m_planes.planes(); }
+    int planeOf(int sheet) const { return (sheet - m_origin + m_settings.halo) % planes().planes(); }
     /// Without a halo planes [0, count) are those of the batch.
-    const PlaneStack& planes() const { return m_planes; }
+    const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
 
     std::size_t bytes() const;
     /// An upper estimate beforehand.
@@ -50,8 +51,8 @@ class FieldPlanes {
 
     const Lattice& m_lattice;
     Settings m_settings;
-    std::variant<FieldSplatter, WarpedSplatter> m_splatter;
-    PlaneStack m_planes;
+    std::variant<FieldSplatter, std::vector<WarpedSplatter>> m_splatter;
+    std::vector<PlaneStack> m_planes;  // one a field
     int m_origin = -1;  // the first sheet of the first batch, whose planes lie as it wants them
     int m_readySheet = 0;
     std::vector<Run> m_runs;

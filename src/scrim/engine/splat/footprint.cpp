@@ -49,14 +49,14 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
 }
 
 std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                                  FootprintLookup lookup) {
+                                  Lookup lookup) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
-    const std::size_t parts = lookup == FootprintLookup::sloped ? 4 : 1;
+    const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
     return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
            static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
 }
 
-FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
+FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     // A voxel's size along an axis of texel space: the length of its three edges there, taken together.
     const auto voxelAlong = [&](int axis) {
         const Vec3 edges(tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]);
@@ -71,8 +71,8 @@ FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
 }
 
 FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                               FootprintLookup lookup)
-    : m_parts(lookup == FootprintLookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
+                               Lookup lookup)
+    : m_parts(lookup == Lookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     m_extent = shape.extent;
     m_columns = shape.columns;

@@ -20,18 +20,21 @@
 
 namespace scrim {
 
-/// How a position between the steps of a table is served.
-enum class FootprintLookup {
-    nearest,  ///< by the nearest step
-    sloped,   ///< by the nearest step and the slopes there
-};
-
 class FootprintTable {
   public:
+    /// How a position between the steps of a table is served.
+    enum class Lookup {
+        nearest,  ///< by the nearest step
+        sloped,   ///< by the nearest step and the slopes there
+    };
+    /// How finely positions are quantised: steps a texel along U and V, and a sheet along N.
+    struct Steps {
+        int texel, sheet;
+    };
     /// `tsFromIs`: the grid's map to texel space (its linear part counts). Positions are quantised to `texelSteps`
     /// a texel along U and V and `sheetSteps` a sheet along N: powers of two in [2, 128].
     FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                   FootprintLookup lookup = FootprintLookup::nearest);
+                   Lookup lookup = Lookup::nearest);
 
     bool sloped() const { return m_parts > 1; }
     int texelSteps() const { return m_texelSteps; }
@@ -64,7 +67,7 @@ class FootprintTable {
 
     /// Bytes a table would take, without building it.
     static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                             FootprintLookup lookup = FootprintLookup::nearest);
+                             Lookup lookup = Lookup::nearest);
 
   private:
     struct Range {
@@ -83,9 +86,6 @@ class FootprintTable {
 
 /// How finely to quantise positions: powers of two, and at least 3/4 of `stepsPerVoxel` for a voxel of the size that
 /// `tsFromIs` gives it.
-struct FootprintSteps {
-    int texel, sheet;
-};
-FootprintSteps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
+FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
 
 }  // namespace scrim

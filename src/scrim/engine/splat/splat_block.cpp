@@ -34,7 +34,7 @@ HWY_INLINE int log2Of(int powerOfTwo) {
 
 // Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
 template <bool kClipped>
-HWY_ATTR void locate(const BlockSplat& splat, const BlockPlace& place, int k, Chunk& chunk) {
+HWY_ATTR void locate(const BlockSplat& splat, const BlockSplat::Place& place, int k, Chunk& chunk) {
     const hn::ScalableTag<float> df;
     const hn::RebindToSigned<decltype(df)> di;
     const FootprintTable& table = *splat.table;
@@ -89,52 +89,67 @@ struct Slopes {
     }
 };
 
-// Adds value * weights to `rows` rows of `width` texels, a multiple of 4. Rows of four are taken in pairs: in the table
-// they lie side by side.
-template <int kWidth>
-HWY_ATTR HWY_INLINE void addFootprint(const float* HWY_RESTRICT weights, int part, float value, const float (&rest)[3],
-                                   int rows, int width, float* HWY_RESTRICT texels, std::ptrdiff_t rowStride) {
+// One footprint, into the same texels of one field or of several: value[f] * weights on `rows` rows of `width` texels, a
+// multiple of 4, from texels[f] on.
+struct Footprint {
+    const float* weights;
+    int part;       // floats from part to part of the table
+    float rest[3];  // steps from where the weights were tabulated
+    int rows, width;
+    std::ptrdiff_t rowStride;
+};
+
+template <class D, int kFields>
+HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const float* value, float* const* texels, std::ptrdiff_t at,
+                               int fields) {
+    for (int f = 0; f < (kFields > 0 ? kFields : fields); ++f) {
+        float* to = texels[f] + at;
+        hn::StoreU(hn::MulAdd(hn::Set(d, value[f]), weights, hn::LoadU(d, to)), d, to);
+    }
+}
+
+// Rows of four are taken in pairs: in the table they lie side by side.
+template <int kWidth, int kFields>
+HWY_ATTR HWY_INLINE void addFootprint(const Footprint& print, const float* value, float* const* texels, int fields) {
     const hn::CappedTag<float, 4> d;
-    const auto scale = hn::Set(d, value);
+    const float* HWY_RESTRICT weights = print.weights;
+    std::ptrdiff_t at = 0;
     int row = 0;
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (kWidth == 4) {
         const hn::CappedTag<float, 8> d8;
         if (hn::Lanes(d8) == 8) {
-            const Slopes<decltype(d8)> slopes(d8, rest);
+            const Slopes<decltype(d8)> slopes(d8, print.rest);
             const hn::Half<decltype(d8)> half;
-            for (; row + 1 < rows; row += 2, weights += 8, texels += 2 * rowStride) {
-                const auto both = slopes.weights(d8, weights, part);
-                float* next = texels + rowStride;
-                const auto s = hn::Set(half, value);
-                hn::StoreU(hn::MulAdd(s, hn::LowerHalf(half, both), hn::LoadU(half, texels)), half, texels);
-                hn::StoreU(hn::MulAdd(s, hn::UpperHalf(half, both), hn::LoadU(half, next)), half, next);
+            for (; row + 1 < print.rows; row += 2, weights += 8, at += 2 * print.rowStride) {
+                const auto both = slopes.weights(d8, weights, print.part);
+                addTo<decltype(half), kFields>(half, hn::LowerHalf(half, both), value, texels, at, fields);
+                addTo<decltype(half), kFields>(half, hn::UpperHalf(half, both), value, texels, at + print.rowStride,
+                                               fields);
             }
         }
     }
 #endif
-    const Slopes<decltype(d)> slopes(d, rest);
-    for (; row < rows; ++row, weights += width, texels += rowStride)
-        for (int i = 0; i < width; i += 4)
-            hn::StoreU(hn::MulAdd(scale, slopes.weights(d, weights + i, part), hn::LoadU(d, texels + i)), d,
-                       texels + i);
+    const Slopes<decltype(d)> slopes(d, print.rest);
+    for (; row < print.rows; ++row, weights += print.width, at += print.rowStride)
+        for (int i = 0; i < print.width; i += static_cast<int>(hn::Lanes(d)))
+            addTo<decltype(d), kFields>(d, slopes.weights(d, weights + i, print.part), value, texels, at + i, fields);
 }
 
-template <int kWidth, bool kClipped>
-HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& place, const float* values, int first,
-                                  int second) {
+template <int kWidth, bool kClipped, int kFields>
+HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
+                                  int first, int second) {
     // Copies, because the compiler must assume that writing texels changes what pointers lead to.
     const FootprintTable& table = *splat.table;
-    const int rows = table.rows(), width = table.rowStride(), sheets = table.sheets();
-    const int part = table.partStride();
-    const std::ptrdiff_t sheetStride = table.sheetStride();
-    const std::ptrdiff_t entryStride = sheetStride * sheets;
-    const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
+    const int sheets = table.sheets(), fields = kFields > 0 ? kFields : splat.fields;
+    const std::ptrdiff_t sheetStride = table.sheetStride(), entryStride = sheetStride * sheets;
+    const std::ptrdiff_t planeStride = splat.planeStride;
     const int firstSheet = splat.firstSheet, lastSheet = splat.lastSheet;
     const float scale = splat.scale, most = splat.most;
     const float* const allWeights = table.weights();
     const std::int32_t* const index = splat.order->index.data();
-    float* const planes = splat.planes;
+    const std::array<float*, BlockSplat::kMost> planes = splat.planes;
+    Footprint print{nullptr, table.partStride(), {}, table.rows(), table.rowStride(), splat.rowStride};
     std::uint64_t footprints = 0;
     Chunk chunk;
 
@@ -144,28 +159,45 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockPlace& pla
         locate<kClipped>(splat, place, k, chunk);
         const int end = std::min(kChunk, second - k);
         for (int i = k0 - k; i < end; ++i) {
-            const float value = std::min(values[index[k + i]] * scale, most);
-            if (value == 0) continue;
+            float value[BlockSplat::kMost], any = 0;
+            for (int f = 0; f < fields; ++f) {
+                value[f] = std::min(values[f][index[k + i]] * scale, most);
+                any = std::max(any, value[f]);
+            }
+            if (any == 0) continue;
             const int sheet = chunk.sheet[i];
             if (kClipped && sheet == kNoSheet) continue;
             const int from = std::max(0, firstSheet - sheet);
             const int to = std::min(sheets, lastSheet - sheet);
-            const float* weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
-            float* texels = planes + (sheet + from - firstSheet) * planeStride + chunk.texel[i];
-            for (int s = from; s < to; ++s, weights += sheetStride, texels += planeStride)
-                addFootprint<kWidth>(weights, part, value, {chunk.restU[i], chunk.restV[i], chunk.restN[i]}, rows, width,
-                                     texels, rowStride);
+            print.weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
+            print.rest[0] = chunk.restU[i];
+            print.rest[1] = chunk.restV[i];
+            print.rest[2] = chunk.restN[i];
+            std::ptrdiff_t at = (sheet + from - firstSheet) * planeStride + chunk.texel[i];
+            for (int s = from; s < to; ++s, print.weights += sheetStride, at += planeStride) {
+                float* texels[BlockSplat::kMost];
+                for (int f = 0; f < fields; ++f) texels[f] = planes[f] + at;
+                addFootprint<kWidth, kFields>(print, value, texels, fields);
+            }
             footprints += static_cast<std::uint64_t>(std::max(0, to - from));
         }
     }
     return footprints;
 }
 
-HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockPlace& place, const float* values,
-                                          int first, int second) {
-    if (splat.clipped) return splatRange<0, true>(splat, place, values, first, second);
-    return splat.table->rowStride() == 4 ? splatRange<4, false>(splat, place, values, first, second)
-                                         : splatRange<0, false>(splat, place, values, first, second);
+// Kept apart: one field, which is the usual case, and several.
+template <int kFields>
+HWY_ATTR std::uint64_t splatFields(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
+                                   int first, int second) {
+    if (splat.clipped) return splatRange<0, true, kFields>(splat, place, values, first, second);
+    return splat.table->rowStride() == 4 ? splatRange<4, false, kFields>(splat, place, values, first, second)
+                                         : splatRange<0, false, kFields>(splat, place, values, first, second);
+}
+
+HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockSplat::Place& place,
+                                          const float* const* values, int first, int second) {
+    return splat.fields == 1 ? splatFields<1>(splat, place, values, first, second)
+                             : splatFields<0>(splat, place, values, first, second);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -177,7 +209,8 @@ namespace scrim {
 
 HWY_EXPORT(splatBlockOnTarget);
 
-std::uint64_t splatBlock(const BlockSplat& splat, const BlockPlace& place, const float* values, int first, int second) {
+std::uint64_t splatBlock(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values, int first,
+                         int second) {
     return SCRIM_ON_TARGET(splat.simd, splatBlockOnTarget)(splat, place, values, first, second);
 }
 

@@ -2,6 +2,7 @@
 #include <scrim/engine/splat/splatter.h>
 
 #include <scrim/engine/splat/splat_block.h>
+#include <scrim/volume/field_builder.h>
 
 #include <algorithm>
 #include <array>
@@ -32,7 +33,7 @@ int lastTouched(const FootprintTable& table, double upper) {
 
 struct FieldSplatter::Target {
     BlockSplat splat;
-    PlaneStack* planes;
+    std::span<PlaneStack> planes;
     int firstPlane;
     const TileCull* cull;
     std::uint64_t footprints = 0;
@@ -46,7 +47,7 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
       m_most(most),
       m_simd(simd),
       m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
-              footprintSteps(tsFromIs, stepsPerVoxel).sheet, FootprintLookup::sloped),
+              footprintSteps(tsFromIs, stepsPerVoxel).sheet, FootprintTable::Lookup::sloped),
       m_order(tsFromIs) {
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
@@ -71,19 +72,40 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     for (const std::uint32_t b : m_byFirstSheet) m_firstSheets.push_back(first[b]);
 }
 
-std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
-                               const TileCull& cull) const {
-    Target target{{&m_order, &m_table, planes.plane(firstPlane), planes.planeStride(), planes.rowStride(), firstSheet,
-                   lastSheet, m_scale, m_most, planes.width(), planes.height(), false, m_simd},
-                  &planes,
+bool haveOneTopology(const SparseField& field, const SparseField& other) {
+    if (!field.tiles.empty() || !other.tiles.empty() || field.wsFromIs != other.wsFromIs) return false;
+    // Both are in lattice order.
+    return std::includes(field.blockOrigins.begin(), field.blockOrigins.end(), other.blockOrigins.begin(),
+                         other.blockOrigins.end(), originLess);
+}
+
+void FieldSplatter::join(const SparseField& field) {
+    static constexpr std::array<float, kBlockVoxels> kNothing{};
+    std::vector<const float*>& values = m_joined.emplace_back();
+    std::size_t own = 0;
+    for (const Int3& origin : m_field.blockOrigins) {
+        const bool has = own < field.blockCount() && field.blockOrigins[own] == origin;
+        values.push_back(has ? field.block(own++) : kNothing.data());
+    }
+}
+
+std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
+                                   const TileCull& cull) const {
+    PlaneStack& own = planes.front();
+    Target target{{&m_order, &m_table, {}, static_cast<int>(planes.size()), own.planeStride(), own.rowStride(),
+                   firstSheet, lastSheet, m_scale, m_most, own.width(), own.height(), false, m_simd},
+                  planes,
                   firstPlane,
                   &cull};
+    for (std::size_t f = 0; f < planes.size(); ++f) target.splat.planes[f] = planes[f].plane(firstPlane);
 
     const auto begin = std::lower_bound(m_firstSheets.begin(), m_firstSheets.end(), firstSheet - m_sheetSpan);
     const auto end = std::lower_bound(begin, m_firstSheets.end(), lastSheet);
     for (auto it = begin; it != end; ++it) {
-        const std::uint32_t b = m_byFirstSheet[static_cast<std::size_t>(it - m_firstSheets.begin())];
-        splatOneBlock(transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])), m_field.block(b), target);
+        const std::uint32_t b = m_byFirstSheet[it - m_firstSheets.begin()];
+        std::array<const float*, BlockSplat::kMost> values{m_field.block(b)};
+        for (std::size_t f = 0; f < m_joined.size(); ++f) values[f + 1] = m_joined[f][b];
+        splatOneBlock(transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])), values.data(), target);
     }
 
     std::array<float, kBlockVoxels> constant;
@@ -101,15 +123,15 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
     if (lastTouched(m_table, ts.upper.z) < target.splat.firstSheet ||
         firstTouched(m_table, ts.lower.z) >= target.splat.lastSheet)
         return;
-    if (edge == kBlockEdge) return splatOneBlock(transformPoint(m_tsFromIs, Vec3(origin)), values, target);
+    if (edge == kBlockEdge) return splatOneBlock(transformPoint(m_tsFromIs, Vec3(origin)), &values, target);
     const int half = edge / 2;
     for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
 }
 
-void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& target) const {
+void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Target& target) const {
     const BlockSplat& splat = target.splat;
     // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are fed to a sheet,
-    // and the count of footprints, must not hang on how sheets are spread over calls.
+    // and the count of footprints, must not depend on how sheets are spread over calls.
     const auto [first, second] =
         m_order.between(splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
                         splat.lastSheet - m_table.firstSheet() - ts.z);
@@ -119,7 +141,7 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
     const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
     const Box2<int> under{tile(ts.x + m_blockLower.x), tile(ts.y + m_blockLower.y), tile(ts.x + m_blockUpper.x + 1) + 1,
                           tile(ts.y + m_blockUpper.y + 1) + 1};
-    const Box2<int> tiles = intersection(under, {0, 0, target.planes->tilesX(), target.planes->tilesY()});
+    const Box2<int> tiles = intersection(under, {0, 0, target.planes[0].tilesX(), target.planes[0].tilesY()});
     if (tiles.empty()) return;
     if (*target.cull && (*target.cull)(under)) return;
     // Tables reach a little beyond the kernel: a texel before it, and rows are rounded up behind it.
@@ -132,10 +154,11 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* values, Target& t
     for (int s = s0; s < s1; ++s)
         for (int ty = tiles.y0; ty < tiles.y1; ++ty)
             for (int tx = tiles.x0; tx < tiles.x1; ++tx)
-                target.planes->activate(target.firstPlane + s - splat.firstSheet, tx, ty);
+                for (PlaneStack& planes : target.planes)
+                    planes.activate(target.firstPlane + s - splat.firstSheet, tx, ty);
 
     const Vec3 whole = glm::floor(ts);
-    const BlockPlace place{static_cast<std::int32_t>(whole.x), static_cast<std::int32_t>(whole.y),
+    const BlockSplat::Place place{static_cast<std::int32_t>(whole.x), static_cast<std::int32_t>(whole.y),
                            static_cast<std::int32_t>(whole.z), static_cast<float>(ts.x - whole.x),
                            static_cast<float>(ts.y - whole.y), static_cast<float>(ts.z - whole.z)};
     target.footprints += splatBlock(splat, place, values, first, second);

@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
 namespace scrim {
@@ -46,6 +47,10 @@ class LatticeOrder {
     std::vector<int> m_bucketBegin;  // position of each bucket's first voxel, and the end
 };
 
+/// Do all blocks of `other` lie where `field` has blocks, on the same lattice, and has neither any tiles? Then both are
+/// splatted by one walk: a colour costs one, not three.
+bool haveOneTopology(const SparseField& field, const SparseField& other);
+
 /// Splats a field onto the sheets' own texels, or onto the cells of a parallel view.
 class FieldSplatter {
   public:
@@ -54,21 +59,31 @@ class FieldSplatter {
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale,
                   float most = std::numeric_limits<float>::max(), Simd simd = {});
 
+    /// Has `field`, which must outlive this, share the footprints of the first field: it is splatted beside it, with the
+    /// same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
+    void join(const SparseField& field);
+
     const FootprintTable& table() const { return m_table; }
 
     /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed field
     /// times scale, at texel centres, goes to planes firstPlane + [0, lastSheet - firstSheet), on which `begin` was
     /// called. Returns the number of footprints (voxel and sheet pairs). Safe to call at once for different planes.
     /// Footprints that do not lie on the planes as a whole are culled, and so are blocks that `cull` names.
-    std::uint64_t splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+    /// `planes`: one a field, the first one's and those that have joined it.
+    std::uint64_t splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                         const TileCull& cull = {}) const;
+    std::uint64_t splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
+                        const TileCull& cull = {}) const {
+        return splat(firstSheet, lastSheet, std::span<PlaneStack>(&planes, 1), firstPlane, cull);
+    }
 
   private:
     struct Target;
-    void splatOneBlock(const Vec3& tsOrigin, const float* values, Target& target) const;
+    void splatOneBlock(const Vec3& tsOrigin, const float* const* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
 
     const SparseField& m_field;
+    std::vector<std::vector<const float*>> m_joined;  // of each field that joined, its values for each block of m_field
     Mat4 m_tsFromIs;
     float m_scale, m_most;
     Simd m_simd;

@@ -13,7 +13,7 @@ TEST(LightView, CellsOfADistantLightFollowItsDirection) {
     view.first = {-10, -20};
     view.cell = 1.5;
     for (const int sheet : {0, 3, 1000}) {
-        const CellMap map = view.at(sheet);
+        const LightView::Cells map = view.at(sheet);
         EXPECT_EQ(map.scale, 1.5);
         // Cell (4, 5) crosses N = 0 at first + 1.5 * (4, 5) and moves along by tsSource a sheet.
         EXPECT_NEAR(map.offsetU + 4 * map.scale, -10 + 6 + 0.4 * (sheet + 0.5), 1e-12);
@@ -28,7 +28,7 @@ TEST(LightView, CellsOfAPointLightMeetAtTheSource) {
     view.first = {-0.5, -0.25};
     view.cell = 0.01;
     for (const int sheet : {0, 7, 200}) {
-        const CellMap map = view.at(sheet);
+        const LightView::Cells map = view.at(sheet);
         const double away = sheet + 0.5 + 12.25;
         EXPECT_NEAR(map.scale, 0.01 * away, 1e-12);
         EXPECT_NEAR(map.offsetU + 60 * map.scale, 30 + (-0.5 + 0.6) * away, 1e-10);

@@ -149,7 +149,7 @@ TEST(SlideSheetMap, IsTheMapAtTheSheetsTexels) {
     Light light = projector({1, 2, 10}, 50, quarters());
     light.wsPosition += sheets.wsAnchor;
     const SlideMap map = slideMap(light);
-    const SheetMap sheet = sheetMap(map, sheets, 4.5);
+    const SlideMap::OnSheet sheet = sheetMap(map, sheets, 4.5);
     for (const Vec3& ts : {Vec3(0, 0, 4.5), Vec3(20, 3, 5), Vec3(7, 31, 4)}) {
         const Vec3 expected = map.homogeneous(sheets.wsPoint(ts));
         const Vec3 found = sheet.atOrigin + ts.x * sheet.perU + ts.y * sheet.perV + (ts.z - 4.5) * sheet.perN;

@@ -16,18 +16,19 @@ namespace {
 
 // A tile of texels, its eye's slopes, and what the slide makes of it.
 struct TintedTile {
-    alignas(64) float u[kTileSize], v[kTileSize], a[kTileSize], b[kTileSize];
+    SampleTile samples;
     alignas(64) float tint[3 * kTileSize] = {};
     bool lit = false;
 
     TintedTile(const SheetSlide& slide, int u0, int v0, float slopeA, float slopeB, const SampleSpacing& spacing = {}) {
         for (int k = 0; k < kTileSize; ++k) {
-            u[k] = static_cast<float>(u0 + k % kTileEdge);
-            v[k] = static_cast<float>(v0 + k / kTileEdge);
-            a[k] = slopeA;
-            b[k] = slopeB;
+            samples.u[k] = static_cast<float>(u0 + k % kTileEdge);
+            samples.v[k] = static_cast<float>(v0 + k / kTileEdge);
+            samples.eyeA[k] = slopeA;
+            samples.eyeB[k] = slopeB;
         }
-        lit = tintTile(slide, {u, v, a, b, 1, spacing}, tint);
+        samples.spacing = spacing;
+        lit = tintTile(slide, samples, 1, tint);
     }
 };
 
@@ -85,7 +86,7 @@ TEST(SlideTile, OfPointsIsTheExactValue) {
             ASSERT_TRUE(tile.lit);
             for (int k = 0; k < kTileSize; k += 7) {
                 // Along a ray that follows the light nothing changes; this one does not, under perspective.
-                const Rgb expected = s.along(tile.u[k], tile.v[k], 0, 0);
+                const Rgb expected = s.along(tile.samples.u[k], tile.samples.v[k], 0, 0);
                 for (int c = 0; c < 3; ++c)
                     EXPECT_NEAR(tile.tint[c * kTileSize + k], expected[c], perspective ? 2e-3 : 1e-5) << k;
             }
@@ -100,7 +101,7 @@ TEST(SlideTile, AveragesAlongTheEyesRayThroughTheSheet) {
         const TintedTile tile(s.slide, 16, 48, static_cast<float>(a), static_cast<float>(b), points());
         double worst = 0, range = 0;
         for (int k = 0; k < kTileSize; ++k) {
-            const Rgb expected = s.along(tile.u[k], tile.v[k], a, b);
+            const Rgb expected = s.along(tile.samples.u[k], tile.samples.v[k], a, b);
             for (int c = 0; c < 3; ++c) worst = std::max(worst, std::abs(tile.tint[c * kTileSize + k] - expected[c]));
             range = std::max(range, std::abs(expected.x - 0.5));
         }
@@ -133,7 +134,7 @@ TEST(SlideTile, MagnifiedIsAsSharpAsTheSlide) {
     const auto image = makeTexture(8, 8, [](int x, int) { return Rgb(x < 4 ? 0 : 1); });
     const Setting s(distantSlide({0, 0, -1}, 80, image));  // a pixel is 10 texels; the step is at u = 40
     const TintedTile tile(s.slide, 32, 32, 0, 0);
-    for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(tile.tint[k], s.exact(tile.u[k], tile.v[k], 9.5).x, 1e-5) << k;
+    for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(tile.tint[k], s.exact(tile.samples.u[k], tile.samples.v[k], 9.5).x, 1e-5) << k;
 }
 
 // The picture's border is as sharp as the samples, even where its pixels are large.
@@ -142,7 +143,7 @@ TEST(SlideTile, BorderIsSharpAndCountsByCoverage) {
     const Setting s(distantSlide({0, 0, -1}, 20.5, white));  // from u = 29.75 to 50.25
     const TintedTile tile(s.slide, 16, 32, 0, 0);
     for (int i = 0; i < kTileEdge; ++i) {
-        const double u = tile.u[i];
+        const double u = tile.samples.u[i];
         EXPECT_NEAR(tile.tint[8 * kTileEdge + i], std::clamp(u + 0.5 - 29.75, 0.0, 1.0), 1e-4) << u;
     }
     // Behind the border nothing is written.
@@ -196,7 +197,7 @@ TEST(SlideTile, KeepsItsPlaceFarFromTheOrigin) {
     const TintedTile tile(s.slide, 32, 48, 0, 0, points());
     for (int k = 0; k < kTileSize; k += 5) {
         const Vec3 h =
-            s.slide.map.atOrigin + double(tile.u[k]) * s.slide.map.perU + double(tile.v[k]) * s.slide.map.perV;
+            s.slide.map.atOrigin + double(tile.samples.u[k]) * s.slide.map.perU + double(tile.samples.v[k]) * s.slide.map.perV;
         EXPECT_NEAR(tile.tint[k], 0.5 + 0.5 * std::sin((h.x - 0.5) * 6.283185 / 40), 4e-3);
     }
 }

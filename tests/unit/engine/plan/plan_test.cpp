@@ -132,7 +132,7 @@ TEST(LightRaster, HoldsTheRaysToEveryPointOfTheVolume) {
                     const Vec3 ts = group.sheets.tsPoint(ws);
                     const int sheet = static_cast<int>(std::floor(ts.z));
                     ASSERT_TRUE(light.view.reaches(sheet));
-                    const CellMap map = light.view.at(sheet);
+                    const LightView::Cells map = light.view.at(sheet);
                     const double x = (ts.x - map.offsetU) / map.scale, y = (ts.y - map.offsetV) / map.scale;
                     EXPECT_GE(x, 0);
                     EXPECT_LE(x, light.view.width - 1);

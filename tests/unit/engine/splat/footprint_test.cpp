@@ -178,7 +178,7 @@ TEST(FootprintSums, OfAnAlignedLatticeAreOneInEveryTexel) {
 TEST(FootprintSteps, ArePowersOfTwoThatResolveAVoxel) {
     for (const int wanted : {2, 8, 16, 32, 64})
         for (const double size : {0.1, 0.3, 0.9, 1.0, 2.5, 7.0, 500.0}) {
-            const FootprintSteps steps = footprintSteps(Mat4(scaled(size, 2 * size, 1 / size)), wanted);
+            const FootprintTable::Steps steps = footprintSteps(Mat4(scaled(size, 2 * size, 1 / size)), wanted);
             for (const auto& [n, voxel] : {std::pair{steps.texel, size}, {steps.sheet, 1 / size}}) {
                 EXPECT_EQ(n & (n - 1), 0);
                 EXPECT_GE(n, 2);

@@ -2,6 +2,8 @@
 // The kernels by their definition: what a field is made of.
 #include <scrim/engine/splat/kernel.h>
 
+#include "support/fields.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
