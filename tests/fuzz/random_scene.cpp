@@ -60,7 +60,7 @@ double channelAlpha(const ViewScene& scene, double alpha) {
 
 /// Tables of footprints, one a view and sweep, are work that plans do not count.
 bool isSmall(const Plan& plan) {
-    const ExpectedWork& work = plan.work;
+    const Plan::Work& work = plan.work;
     return work.footprints + work.texels + work.lightSamples + work.pixelSheets <= kMostWork &&
            plan.groups.size() <= (plan.perView ? 2 : 20);
 }

@@ -202,7 +202,7 @@ class Sweep {
         const int width = m_scene.region.width();
         for (std::size_t i = 0; i < states.size(); ++i) {
             const int x = static_cast<int>(i) % width, y = static_cast<int>(i) / width;
-            const PixelRay ray = m_eye.ray(x + 0.5, y + 0.5, sheet + 0.5);
+            const EyeView::Ray ray = m_eye.ray(x + 0.5, y + 0.5, sheet + 0.5);
             const auto texel = shaded.between(ray.u, ray.v);
             auto& state = states[i];
             const double front = 1 + state[3], back = 1 + texel[3];
