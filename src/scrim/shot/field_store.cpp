@@ -74,7 +74,7 @@ void FieldStore::setGrids(const std::string& volume, std::vector<SparseField> gr
 }
 
 bool FieldStore::isFile(const SceneVolume& volume) const {
-    return volume.source.empty() && !m_grids.contains(volume.name);
+    return volume.source.empty() && !hasGrids(volume.name);
 }
 
 std::vector<VolumeFile> FieldStore::filesOf(const Scene& scene) const {
@@ -85,7 +85,7 @@ std::vector<VolumeFile> FieldStore::filesOf(const Scene& scene) const {
 }
 
 FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) const {
-    if (m_grids.contains(volume.name)) return {kSet, volume.name};
+    if (hasGrids(volume.name)) return {kSet, volume.name};
     if (volume.source.empty()) return {kFile, file.path};
     Origin origin{kSource, volume.source};
     for (const auto& [name, value] : volume.parameters) {

@@ -29,6 +29,7 @@ class FieldStore {
 
     /// From now on the volumes that are called `volume` have these grids, instead of those of a file or source.
     void setGrids(const std::string& volume, std::vector<SparseField> grids);
+    bool hasGrids(const std::string& volume) const { return m_grids.contains(volume); }
 
     /// What the disk has for each volume of `scene`; sources, and volumes whose grids were set, count as present.
     std::vector<VolumeFile> filesOf(const Scene& scene) const;

@@ -44,6 +44,24 @@ bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOption
     return true;
 }
 
+/// A volume's scale is also that of its medium or surface. Whoever changes a scene by hand changes it in one place.
+void keepOneScale(SceneVolume& volume) {
+    volume.medium.densityScale = volume.densityScale;
+    if (!volume.classified || volume.classified->densityScale == volume.densityScale) return;
+    Classified scaled = *volume.classified;
+    scaled.densityScale = volume.densityScale;
+    volume.classified = std::make_shared<const Classified>(std::move(scaled));
+}
+
+/// Of a scene that was built in code: all that a reader would have checked.
+void checkVolumes(const Scene& scene, const FieldStore& store) {
+    if (scene.volumes.empty()) throw Error(ErrorKind::usage, "the scene has no volume");
+    for (const SceneVolume& volume : scene.volumes)
+        if (volume.file.empty() && volume.source.empty() && !store.hasGrids(volume.name))
+            throw Error(ErrorKind::usage,
+                        fmt::format("volume '{}' has no file, no source, and no grids that were set", volume.name));
+}
+
 }  // namespace
 
 ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf volumesOf) const {
@@ -63,6 +81,7 @@ Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& s
     if (options.tolerance) scene.tolerance = *options.tolerance;
     if (options.change) options.change(scene);
     if (scene.output.colorspace.empty()) scene.output.colorspace = stores.colour.workingSpace();
+    for (SceneVolume& volume : scene.volumes) keepOneScale(volume);
     return scene;
 }
 
@@ -70,6 +89,7 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
                                    const RenderOptions& options, VolumesOf volumesOf, ShotUse use) {
     LoadedShot out;
     out.scene = std::move(scene);
+    checkVolumes(out.scene, stores.fields);
     out.files = stores.fields.filesOf(out.scene);
     if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
     listenTo(stores.fields, load, options);
