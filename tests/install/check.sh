@@ -68,7 +68,7 @@ echo "-- running them"
 # not_black PICTURE: it has light in red, and covers something.
 not_black() {
     local most
-    most="$(oiiotool --stats "$1" | sed -nE 's/^ *Stats Max: +//p' | head -1)"
+    most="$(oiiotool --stats "$1" | sed -nE 's/^ *Stats Max: +//p')"
     awk -v most="$most" 'BEGIN { split(most, v, " "); exit !(v[1] > 0.01 && v[4] > 0.01) }' || fail "$1 is black: $most"
 }
 libraries="$(ldd "$work/examples/own_field")"
@@ -79,10 +79,11 @@ not_black "$work/scene.exr"
 "$prefix/bin/scrim" make noise resolution=32 -q -o "$work/smoke.vdb" || fail "the program makes no volume"
 "$work/examples/lit_asset" "$work/smoke.vdb" "$work/asset.exr" || fail "lit_asset does not run"
 not_black "$work/asset.exr"
-layers="$("$work/examples/own_field" "$work/ball.exr")" || fail "own_field does not run"
-grep -Eq '^light.key: brightest 0?\.[0-9]*[1-9]' <<<"$layers" || fail "own_field has no layer of its key light: $layers"
+key="$("$work/examples/own_field" "$work/ball.exr")" || fail "own_field does not run"
+grep -Eq '^brightest of light.key: 0\.[0-9]*[1-9]' <<<"$key" || fail "own_field has no layer of its key light: $key"
 not_black "$work/ball.exr"
-iinfo -v "$work/ball.exr" | grep -q 'light.rim.R' || fail "own_field wrote no layer of its rim light"
+header="$(iinfo -v "$work/ball.exr")"
+grep -q 'light.rim.R' <<<"$header" || fail "own_field wrote no layer of its rim light: $header"
 
 echo "-- running the installed program"
 scrim="$prefix/bin/scrim"

@@ -32,8 +32,8 @@ struct LoadedShot {
     Fields fields;  ///< one each of the scene's volumes
     std::size_t slideBytes = 0;
 
-    /// What the engine renders, with another value of the dial `lod`. Throws Error(memory) where volumes and slides leave
-    /// nothing of the options' limit.
+    /// What the engine renders, with another value of the dial `lod`. Throws Error(memory) where volumes and slides
+    /// leave nothing of the options' limit.
     ViewScene view(const RenderOptions& options, double lod, VolumesOf volumesOf) const;
 };
 
@@ -42,11 +42,11 @@ enum class ShotUse { plan, render };
 /// Lets `store` load as `load` and `options` say.
 void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options);
 
-/// The scene as the options change it. Whatever a scene that was built in code leaves out gets its default.
+/// The scene as the options change it. A scene that was built in code gets defaults for what it leaves out.
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores);
 
-/// Loads what `scene` names. Nothing where a file is missing and such a frame is to be skipped; `use` is for what is said
-/// about that.
+/// Loads what `scene` names. Returns nothing where a file is missing and such a frame is to be skipped; the message about
+/// that depends on `use`.
 std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, Scene scene,
                                    const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
 

@@ -15,7 +15,8 @@ bool isVerified(const Scene& scene, const RenderOptions& options);
 /// The plan of what a render would do. Throws Error.
 ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options);
 
-/// Renders, and verifies or keeps a tolerance. Fills in `report`, except for what concerns loading and files. Throws Error.
+/// Renders, and verifies or keeps a tolerance. Fills in `report`, except for what concerns loading and files. Throws
+/// Error.
 Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report);
 
 }  // namespace scrim

@@ -50,8 +50,8 @@ class Shot {
     /// The scene at a frame. The first call reads an asset, to frame it.
     Scene scene(int frame, const RenderOptions& options = {});
 
-    /// The scene as TOML, with the overrides, and `more` of them; "" where it was built in code. The first call reads an
-    /// asset.
+    /// The scene as TOML, with the overrides, and `more` of them; "" where it was built in code. The first call reads
+    /// an asset.
     std::string toml(const std::vector<std::string>& more = {}, const RenderOptions& options = {});
 
     /// Gives the volume that is called `name` grids that were made in code, instead of those of a file or source. The

@@ -55,8 +55,8 @@ void limitSelf([[maybe_unused]] std::size_t memory) {
 void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<GridRequest>& requests) {
     if (what == "info") return sendInfo(fd, VdbFile::open(path).info());
     std::vector<TransferMessage> messages;
-    const std::vector<SparseField> fields =
-        readFields(path, requests, [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); });
+    const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
+    const std::vector<SparseField> fields = readFields(path, requests, hear);
     sendFields(fd, fields, messages);
 }
 

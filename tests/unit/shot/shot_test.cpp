@@ -231,7 +231,8 @@ TEST_F(ShotTest, DoesWithMissingFilesWhatItIsTold) {
 
 TEST_F(ShotTest, NamesTheFramesOfItsSequences) {
     EXPECT_EQ(open().frames(), std::vector{1});
-    for (const char* name : {"s.0003.vdb", "s.0005.vdb"}) makeVdb(file(name), {{.voxels = box({0, 0, 0}, {1, 1, 1}, 1)}});
+    for (const char* name : {"s.0003.vdb", "s.0005.vdb"})
+        makeVdb(file(name), {{.voxels = box({0, 0, 0}, {1, 1, 1}, 1)}});
     EXPECT_EQ(open({"volume.smoke.file=s.####.vdb"}).frames(), (std::vector{3, 5}));
     EXPECT_EQ(open({"volume.smoke.file=s.####.vdb", "volume.smoke.frame.offset=2"}).frames(), (std::vector{1, 3}));
     EXPECT_EQ(Shot::open(file("s.####.vdb")).frames(), (std::vector{3, 5}));
@@ -317,9 +318,7 @@ TEST_F(ShotTest, SharesVolumesWhereAskedTo) {
     OpenOptions opening;
     opening.shareWith = &one;
     Shot other = open({"camera.fov=50"}, opening);
-    RenderOptions options;
     one.render(1);
-    std::filesystem::remove(file("smoke.vdb"));
     writeBytes(file("smoke.vdb"), "not read again");
     // The head of the file is looked at to tell whether the volume is in view; its grids are not read again.
     EXPECT_FALSE(other.render(1).image().rgba.empty());
