@@ -33,7 +33,8 @@ class Shot {
     static Shot open(const std::string& path, const std::vector<std::string>& overrides = {},
                      const OpenOptions& options = {});
 
-    /// A shot of a scene that was built in code. `resolution` and `checkedFrame` of the options do not count.
+    /// A shot of a scene that was built in code; its values are not checked as those of a file are. `resolution` and
+    /// `checkedFrame` of the options do not count.
     static Shot make(Scene scene, const OpenOptions& options = {});
 
     /// As it was opened, or Scene::file.

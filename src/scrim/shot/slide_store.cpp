@@ -32,7 +32,8 @@ void SlideStore::loadInto(Scene& scene, const MessageSink& messages) {
         try {
             if (!image) image = readTexture(slide.file, slide.colorspace, m_colour, messages);
         } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("{}: light '{}': {}", slide.where, light.name, error.what()));
+            const std::string place = slide.where.empty() ? "" : slide.where + ": ";
+            throw Error(error.kind(), fmt::format("{}light '{}': {}", place, light.name, error.what()));
         }
         slide.image = image;
     }
