@@ -28,12 +28,12 @@ cd "$root"
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
     export SCRIM_FUZZ_RUNS=20
-    programs="error unit stability fuzz plugin effect thread"
+    programs="error unit shot stability fuzz plugin effect thread"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
     filter='-*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*'
     options=""
 else
-    programs="error analytic paper stability fuzz unit engine plugin effect invariance thread"
+    programs="error analytic paper stability fuzz unit engine shot plugin effect invariance thread"
     targets="" # all of them
     filter='*'
     options="-DSCRIM_BUILD_TESTS=ON -DSCRIM_BUILD_BENCHMARKS=ON"

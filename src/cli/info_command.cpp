@@ -2,9 +2,11 @@
 #include "info_command.h"
 
 #include "console.h"
-#include "guarded_load.h"
+#include "internal_load.h"
+#include "interrupt.h"
 
 #include <scrim/base/error.h>
+#include <scrim/volume/load_fields.h>
 #include <scrim/volume/vdb_info_text.h>
 
 #include <fmt/format.h>
@@ -59,10 +61,10 @@ std::string fileText(const VdbFileInfo& info) {
 }  // namespace
 
 void infoCommand(const InfoOptions& options) {
-    const LoadLimits limits{0, 0, options.verbose};
+    const LoadOptions loading = guardedLoading(0, 0, options.verbose);
     std::string text;
     for (const std::string& file : options.files) {
-        const VdbFileInfo info = loadInfo(file, limits);
+        const VdbFileInfo info = loadInfo(file, loading, throwIfInterrupted);
         if (!text.empty()) text += options.json ? ",\n" : "\n";
         text += options.json ? toJson(info) : fileText(info);
     }

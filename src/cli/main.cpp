@@ -2,8 +2,8 @@
 // The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an
 // exit status. The only place that catches exceptions.
 #include "console.h"
-#include "guarded_load.h"
 #include "info_command.h"
+#include "internal_load.h"
 #include "interrupt.h"
 #include "make_command.h"
 #include "options.h"
@@ -25,6 +25,8 @@
 #include <new>
 #include <string>
 #include <vector>
+
+#include <unistd.h>
 
 namespace scrim::cli {
 namespace {
@@ -179,7 +181,8 @@ int runCommand(CommandLine& line) {
 
 int run(const std::vector<std::string>& arguments) {
     if (!arguments.empty() && arguments.front() == kInternalLoad)
-        return internalLoad({arguments.begin() + 1, arguments.end()});
+        // What a damaged file left of the heap is better not taken apart.
+        ::_exit(internalLoad({arguments.begin() + 1, arguments.end()}));
     handleInterrupts();
     CommandLine line;
     checkCommandName(line, arguments);

@@ -6,6 +6,7 @@
 
 #include <scrim/geometry/spaces.h>
 #include <scrim/image/image.h>
+#include <scrim/shot/shot_options.h>
 
 #include <cstddef>
 #include <optional>
@@ -17,9 +18,6 @@ class App;
 }
 
 namespace scrim::cli {
-
-/// What becomes of a frame that lacks the file of a volume.
-enum class MissingPolicy { error, black, skip };
 
 struct SceneOptions {
     std::vector<std::string> inputs;

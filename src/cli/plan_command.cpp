@@ -2,15 +2,11 @@
 #include "plan_command.h"
 
 #include "console.h"
-#include "field_store.h"
 #include "interrupt.h"
 #include "scene_input.h"
-#include "slide_store.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/shot/assemble.h>
-#include <scrim/engine/plan/report.h>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -26,52 +22,45 @@ struct PlannedFrame {
     std::string text;
 };
 
-PlannedFrame planFrame(SceneInput& input, int frame, const SceneOptions& options, FieldStore& store, SlideStore& slides,
-                       Console& console) {
-    Scene scene = input.sceneAt(frame);
-    std::vector<VolumeFile> files = findFiles(scene);
-    for (VolumeFile& file : files) {
-        if (file.state != FileState::missing) continue;
-        if (options.missing == MissingPolicy::error) throw Error(ErrorKind::input, file.problem);
-        console.warning(fmt::format("frame {}: {}", frame, file.problem));
-        if (options.missing == MissingPolicy::skip) return {};
-        file.state = FileState::black;
-    }
-    slides.loadInto(scene);
-    const Fields fields = store.fieldsOf(scene, files);
-    const ViewScene view = assemble(scene, fields, options.crop, memoryLeft(options.memory, fields, slides.bytes()));
-    const Plan plan = makePlan(view, threadCount(), [](double) { return interruptSignal() == 0; });
-
+PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
+    double tolerance = 0;
+    std::string quality;
+    options.change = [&](Scene& scene) {
+        input.change(scene);
+        tolerance = scene.tolerance;
+        quality = scene.quality;
+    };
+    const ShotPlan plan = input.shot().plan(frame, options);
+    if (plan.skipped) return {};
     PlannedFrame planned;
     planned.json = {{"input", input.name()},
                     {"frame", frame},
-                    {"field_bytes", bytesOf(fields)},
-                    {"plan", Json::parse(planAsJson(view, plan))}};
-    planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, planAsTable(view, plan),
-                               "memory of the fields", bytesText(bytesOf(fields)));
-    if (scene.tolerance > 0) {
-        planned.json["tolerance"] = scene.tolerance;
+                    {"field_bytes", plan.fieldBytes},
+                    {"plan", Json::parse(plan.json)}};
+    planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, plan.table, "memory of the fields",
+                               bytesText(plan.fieldBytes));
+    if (tolerance > 0) {
+        planned.json["tolerance"] = tolerance;
         planned.text += fmt::format("{:<23} {}: a render chooses texels and sheets for it; this is the plan of '{}'\n",
-                                    "tolerance", scene.tolerance, scene.quality);
+                                    "tolerance", tolerance, quality);
     }
     return planned;
 }
 
 void plan(const SceneOptions& options) {
     Console console(options.verbose, options.quiet);
-    const ColourConfig colour = ColourConfig::open(options.ocio);
-    FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
-    SlideStore slides(colour, console.sink());
-    std::vector<SceneInput> inputs = openInputs(options, colour, store, false);
+    RenderOptions planning = renderOptionsOf(options, console.sink());
+    planning.progress = [](double) { return interruptSignal() == 0; };
+    std::vector<SceneInput> inputs = openInputs(options, false);
     Json all = Json::array();
     bool first = true;
     for (SceneInput& input : inputs) {
         if (options.printScene) {
-            printOut(input.printedToml());
+            printOut(input.printedToml(planning));
             continue;
         }
         for (const int frame : input.frames()) {
-            PlannedFrame planned = planFrame(input, frame, options, store, slides, console);
+            PlannedFrame planned = planFrame(input, frame, planning);
             if (planned.text.empty()) continue;
             if (options.json)
                 all.push_back(std::move(planned.json));

@@ -1,31 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_input.h"
 
-#include "console.h"
+#include "internal_load.h"
+#include "interrupt.h"
 
 #include <scrim/base/error.h>
-#include <scrim/scene/framing.h>
+#include <scrim/scene/frame_path.h>
+#include <scrim/shot/shot_text.h>
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <system_error>
+#include <utility>
 
 namespace scrim::cli {
 namespace {
-
-constexpr Int2 kFramedResolution{512, 512};
-
-std::string lowerExtension(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
-}
 
 /// A path of the command line, relative to the current folder, that may name variables of the environment.
 FramePath pathFrom(const std::string& option, const std::string& text) {
@@ -41,15 +33,6 @@ FramePath pathFrom(const std::string& option, const std::string& text) {
     }
 }
 
-/// `path` as a scene would name it, literally where there is such a file.
-std::string assetPattern(const std::string& path) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) return path;
-    std::string pattern;
-    for (const char c : path) pattern.append(c == '$' ? 2 : 1, c);
-    return pattern;
-}
-
 std::string quoted(const std::string& text) {
     std::string out(1, '"');
     for (const char c : text) {
@@ -60,33 +43,23 @@ std::string quoted(const std::string& text) {
     return out;
 }
 
-/// What the command line changes in the scene (that of an asset has the resolution already), in the order of
-/// being applied.
-std::vector<std::string> overridesOf(const SceneOptions& options, bool framed) {
+/// What the command line changes in the scene, in the order of being applied.
+std::vector<std::string> overridesOf(const SceneOptions& options) {
     std::vector<std::string> overrides;
-    if (options.resolution && !framed)
-        overrides.push_back(fmt::format("camera.resolution=[{}, {}]", options.resolution->x, options.resolution->y));
     if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", quoted(options.quality)));
     if (options.tolerance > 0) overrides.push_back(fmt::format("render.tolerance={}", options.tolerance));
     overrides.insert(overrides.end(), options.sets.begin(), options.sets.end());
     return overrides;
 }
 
-/// Of a sequence, frames that show how far it reaches; the same whichever frames a task of a farm renders.
-std::vector<std::string> filesToFrame(const FramePath& path, const std::string& name) {
-    if (!path.hasFrame()) return {path.at(0)};
-    const std::vector<int> frames = existingFrames(path);
-    if (frames.empty()) throw Error(ErrorKind::input, fmt::format("{}: the sequence has no files", name));
-    std::vector<std::string> files;
-    for (const int frame : {frames.front(), frames[frames.size() / 2], frames.back()})
-        if (files.empty() || files.back() != path.at(frame)) files.push_back(path.at(frame));
-    return files;
-}
-
-double sizeOf(const SparseField& field) {
-    if (field.empty()) return 0;
-    const Vec3 size = transformed(field.wsFromIs, field.isBounds()).size();
-    return size.x * size.x + size.y * size.y + size.z * size.z;
+OpenOptions openOptionsOf(const SceneOptions& options, const Shot* sharing) {
+    OpenOptions out;
+    out.ocio = options.ocio;
+    out.resolution = options.resolution;
+    out.load = guardedLoading(options.memory, options.threads, options.verbose);
+    out.checkedFrame = options.frames.empty() ? 1 : options.frames.front();
+    out.shareWith = sharing;
+    return out;
 }
 
 std::string rangeText(const std::vector<int>& frames) {
@@ -96,23 +69,11 @@ std::string rangeText(const std::vector<int>& frames) {
 
 }  // namespace
 
-SceneInput::SceneInput(const std::string& path, const SceneOptions& options, const ColourConfig& colour,
-                       FieldStore& store)
-    : m_path(path), m_options(options), m_colour(colour), m_store(store) {
-    const std::string extension = lowerExtension(path);
-    m_asset = extension == ".vdb";
-    if (!m_asset && extension != ".toml")
-        throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml) or an asset (.vdb)", clipped(path)));
-    if (m_asset) {
-        // Until the asset is loaded: its scene but for the numbers.
-        m_assetPattern = assetPattern(path);
-        const SparseField nothing;
-        m_text = {path + " (framed)", "", framedText(nothing)};
-    } else {
-        m_text = loadSceneText(path);
-    }
-    m_overrides = overridesOf(options, m_asset);
-    const Scene scene = read(m_text, options.frames.empty() ? 1 : options.frames.front());
+SceneInput::SceneInput(const std::string& path, const SceneOptions& options, const SceneInput* sharing)
+    : m_options(options),
+      m_shot(Shot::open(path, overridesOf(options), openOptionsOf(options, sharing ? &sharing->m_shot : nullptr))) {
+    Scene scene = m_shot.opened();
+    change(scene);
     m_frames = framesOf(scene);
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
@@ -122,19 +83,14 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
                                                   clipped(m_output.pattern)));
 }
 
-Scene SceneInput::read(const SceneText& text, int frame) const {
-    Scene scene = readScene(text, frame, m_overrides, m_colour);
+void SceneInput::change(Scene& scene) const {
     if (!m_options.quality.empty() && m_options.tolerance == 0) scene.tolerance = 0;  // the preset is in its place
     SceneOutput& output = scene.output;
+    const int frame = static_cast<int>(scene.frame);
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
-    if (output.path.pattern.empty()) {
-        const std::string name = m_asset ? m_assetPattern : m_path;
-        output.path = {"", std::filesystem::path(name).stem().string() + ".exr"};
-    }
-    output.file = output.path.at(frame);
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
+    output.file = output.path.at(frame);
     if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.at(frame);
-    return scene;
 }
 
 std::vector<int> SceneInput::framesOf(const Scene& scene) const {
@@ -143,57 +99,31 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
     for (const SceneVolume& volume : scene.volumes)
         if (volume.source.empty() && volume.sequence.hasFrame())
             throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", m_path,
+                        fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", name(),
                                     volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
     if (scene.output.path.hasFrame())
         throw Error(ErrorKind::usage, fmt::format("{}: the output '{}' has a place for the frame; say which frames "
                                                   "with --frames",
-                                                  m_path, scene.output.path.pattern));
+                                                  name(), scene.output.path.pattern));
     return {1};
 }
 
-void SceneInput::frameAsset() {
-    m_framed = true;
-    std::shared_ptr<const SparseField> largest;
-    for (const std::string& file : filesToFrame({"", m_assetPattern}, m_path)) {
-        const auto field = m_store.fieldOf(file, {});
-        if (!largest || sizeOf(*field) > sizeOf(*largest)) largest = field;
-    }
-    m_text.text = framedText(*largest);
-}
-
-std::string SceneInput::framedText(const SparseField& field) const {
-    return framingScene(m_assetPattern, {{"", &field}}, m_options.resolution.value_or(kFramedResolution));
-}
-
-Scene SceneInput::sceneAt(int frame) {
-    if (m_asset && !m_framed) frameAsset();
-    return read(m_text, frame);
-}
-
-std::string SceneInput::toml() {
-    if (m_asset && !m_framed) frameAsset();
-    return sceneAsToml(m_text, m_overrides);
-}
-
-std::string SceneInput::printedToml() {
-    if (m_options.output.empty()) return toml();
+std::string SceneInput::printedToml(const RenderOptions& options) {
+    if (m_options.output.empty()) return m_shot.toml({}, options);
     // The text that frames an asset stays as readable as it is.
-    if (m_asset && m_overrides.empty())
-        return toml() + fmt::format("\n[output]\nfile = {}\n", quoted(m_options.output));
+    if (m_shot.isAsset() && overridesOf(m_options).empty())
+        return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", quoted(m_options.output));
     // Paths of the command line are relative to the current folder, those of a scene to its own.
-    const bool here = m_text.folder.empty();
+    const bool here = m_shot.isAsset() || std::filesystem::path(name()).parent_path().empty();
     const std::string file = here ? m_options.output : (std::filesystem::current_path() / m_options.output).string();
-    toml();
-    std::vector<std::string> overrides = m_overrides;
-    overrides.push_back(fmt::format("output.file={}", quoted(file)));
-    return sceneAsToml(m_text, overrides);
+    return m_shot.toml({fmt::format("output.file={}", quoted(file))}, options);
 }
 
-std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConfig& colour, FieldStore& store,
-                                   bool writes) {
+std::vector<SceneInput> openInputs(const SceneOptions& options, bool writes) {
     std::vector<SceneInput> inputs;
-    for (const std::string& path : options.inputs) inputs.emplace_back(path, options, colour, store);
+    inputs.reserve(options.inputs.size());
+    for (const std::string& path : options.inputs)
+        inputs.emplace_back(path, options, inputs.empty() ? nullptr : &inputs.front());
     if (!writes) return inputs;
 
     std::map<std::string, std::string> writers;  // of each file
@@ -221,14 +151,17 @@ std::vector<SceneInput> openInputs(const SceneOptions& options, const ColourConf
     return inputs;
 }
 
-std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slideBytes) {
-    const std::size_t taken = bytesOf(fields) + slideBytes;
-    if (limit == 0) return 0;
-    if (taken >= limit)
-        throw Error(ErrorKind::memory,
-                    fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
-                                slideBytes > 0 ? " and slides" : "", bytesText(taken), bytesText(limit)));
-    return limit - taken;
+RenderOptions renderOptionsOf(const SceneOptions& options, MessageSink messages) {
+    RenderOptions out;
+    out.crop = options.crop;
+    out.threads = options.threads;
+    out.memory = options.memory;
+    out.missing = options.missing;
+    out.verify = options.verify;
+    out.verifyLimit = options.verifyLimit;
+    out.checkpoint = throwIfInterrupted;
+    out.messages = std::move(messages);
+    return out;
 }
 
 }  // namespace scrim::cli

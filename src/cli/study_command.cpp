@@ -2,16 +2,13 @@
 #include "study_command.h"
 
 #include "console.h"
-#include "field_store.h"
 #include "progress.h"
 #include "scene_input.h"
-#include "slide_store.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/atomic_file.h>
-#include <scrim/image/exr.h>
-#include <scrim/shot/assemble.h>
+#include <scrim/study/shot_study.h>
 #include <scrim/study/study.h>
 #include <scrim/study/study_data.h>
 #include <scrim/study/study_page.h>
@@ -19,9 +16,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
-#include <map>
 #include <system_error>
-#include <utility>
 
 namespace scrim::cli {
 namespace {
@@ -78,52 +73,26 @@ void study(const SceneOptions& options) {
     if (options.output.empty())
         throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
     Console console(options.verbose, options.quiet);
-    const ColourConfig colour = ColourConfig::open(options.ocio);
-    FieldStore store({options.memory, options.threads, options.verbose}, console.sink());
-    SlideStore slides(colour, console.sink());
     Progress progress(options.progress, console);
     // The output is a folder here: scenes have none of their own.
     SceneOptions sceneOptions = options;
     sceneOptions.output.clear();
-    SceneInput input(options.inputs.front(), sceneOptions, colour, store);
+    SceneInput input(options.inputs.front(), sceneOptions);
     if (input.frames().size() != 1) throw Error(ErrorKind::usage, "study: expected one frame; say which with --frames");
 
-    Scene scene = input.sceneAt(input.frames().front());
-    const std::vector<VolumeFile> files = findFiles(scene);
-    for (const VolumeFile& file : files)
-        if (file.state == FileState::missing) throw Error(ErrorKind::input, file.problem);
-    slides.loadInto(scene);
-    const Fields fields = store.fieldsOf(scene, files, VolumesOf::scene);
-
-    // Of all dials, only lod changes what is assembled.
-    std::map<std::pair<double, VolumesOf>, ViewScene> assembled;
-    const auto assembledWith = [&](const Dials& dials, VolumesOf volumesOf) {
-        const std::pair key(dials.lod, volumesOf);
-        auto found = assembled.find(key);
-        if (found == assembled.end()) {
-            scene.dials.lod = dials.lod;
-            const std::size_t left = memoryLeft(options.memory, fields, slides.bytes());
-            found = assembled.emplace(key, assemble(scene, fields, options.crop, left, volumesOf)).first;
-        }
-        ViewScene turned = found->second;
-        turned.dials = dials;
-        turned.layers.clear();  // what is studied is the beauty
-        return turned;
-    };
-    const auto sceneWith = [&](const Dials& dials) { return assembledWith(dials, VolumesOf::picture); };
-    const Dials base = scene.dials;
-    StudyOptions studyOptions;
-    studyOptions.budget = options.budget;
-    studyOptions.truth = [&](const Dials& dials) { return assembledWith(dials, VolumesOf::scene); };
+    const int frame = input.frames().front();
+    RenderOptions rendering = renderOptionsOf(sceneOptions, console.sink());
+    rendering.change = [&input](Scene& scene) { input.change(scene); };
+    ShotStudy shotStudy(input.shot(), frame, rendering);
     const ResultFolder folder(options.output);
-    progress.beginFrame(input.frames().front());
-    const Study study = runStudy(sceneWith, base, studyOptions, progress.stage(0, 1));
+    progress.beginFrame(frame);
+    const Study study = shotStudy.run(options.budget, progress.stage(0, 1));
     progress.endFrame();
 
     const std::string name = std::filesystem::path(input.name()).filename().string();
     folder.write("study.csv", studyAsCsv(study));
     folder.write("study.json", studyAsJson(study, name));
-    folder.write("index.html", studyAsHtml(study, name, colour));
+    folder.write("index.html", studyAsHtml(study, name, input.shot().colour()));
     if (!options.quiet) printOut(tableOf(study));
     console.line(fmt::format("{}: study.csv, study.json, index.html", folder.path()));
 }

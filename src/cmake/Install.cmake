@@ -5,8 +5,41 @@ include(CMakePackageConfigHelpers)
 
 install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/scrim DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING
-        PATTERN "*.h")
+# Headers that users of the library need, and no others. They include only one another.
+foreach(
+    header
+    scrim.h
+    base/error.h
+    base/messages.h
+    base/version.h
+    geometry/bounds.h
+    geometry/box2.h
+    geometry/camera.h
+    geometry/spaces.h
+    image/colour.h
+    image/image.h
+    image/texture.h
+    scene/classified.h
+    scene/dials.h
+    scene/frame_path.h
+    scene/light.h
+    scene/medium.h
+    scene/quality.h
+    scene/scene.h
+    scene/scene_lines.h
+    shot/shot.h
+    shot/shot_frame.h
+    shot/shot_options.h
+    volume/field_builder.h
+    volume/grid_request.h
+    volume/load_options.h
+    volume/scrim_source.h # of volume sources, in C
+    volume/sparse_field.h
+    volume/vdb_file.h
+    volume/vdb_info.h)
+    get_filename_component(folder ${header} DIRECTORY)
+    install(FILES scrim/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/scrim/${folder})
+endforeach()
 install(EXPORT scrimTargets NAMESPACE scrim:: DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/scrim)
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/scrimConfig.cmake.in scrimConfig.cmake
                               INSTALL_DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/scrim)

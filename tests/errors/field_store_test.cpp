@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Which grids of a volume are read, and what is said where they cannot be.
-#include <cli/field_store.h>
+#include <scrim/shot/field_store.h>
 
 #include <scrim/shot/assemble.h>
 #include <scrim/base/error.h>

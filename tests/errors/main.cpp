@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // As gtest's own, but it is also the child in which volumes are read: that is the running program itself, started
 // with a hidden command.
-#include <cli/guarded_load.h>
+#include <cli/internal_load.h>
 
 #include <gtest/gtest.h>
 

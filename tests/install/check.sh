@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# Installs a finished build into an empty folder, and uses it from there: builds and runs the project beside this
-# script, runs the installed program, and has it find its volume sources. Nothing but that folder may be needed.
+# Installs a finished build into an empty folder, and uses it from there: compiles its headers, builds and runs
+# examples/cpp, runs the installed program, and has it find its volume sources. Nothing but that folder may be needed.
 #   tests/install/check.sh BUILD_DIR
 set -euo pipefail
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"
@@ -42,17 +42,48 @@ while read -r binary; do
     fi
 done < <(find "$prefix/bin" "$(dirname "$(find "$prefix" -name 'libscrim.so')")" -type f \( -perm -u+x -o -name '*.so*' \))
 
-echo "-- building a project that uses it"
-quietly "the project does not configure" cmake -S "$here" -B "$work/consumer" -G Ninja -DCMAKE_BUILD_TYPE=Release \
-    -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Werror"
-grep -q "^scrim_DIR:PATH=$prefix/" "$work/consumer/CMakeCache.txt" || fail "the project found another scrim"
-quietly "the project does not build" cmake --build "$work/consumer"
+echo "-- the installed headers, each alone"
+cxx="${CXX:-c++}"
+headers=0
+while read -r header; do
+    headers=$((headers + 1))
+    quietly "$header does not compile alone" "$cxx" -std=c++20 -Wall -Wextra -Wpedantic -Werror -I "$prefix/include" \
+        -x c++ -include "$header" -fsyntax-only /dev/null
+    # Of other libraries it may need GLM only. Folders of the compiler and of the C library are no libraries.
+    others="$("$cxx" -std=c++20 -I "$prefix/include" -x c++ -include "$header" -M /dev/null | tr -s ' \\' '\n' |
+        grep -E '^/usr/(local/)?include/[^/]+/' |
+        grep -Ev '^/usr/include/(c\+\+|glm|linux|asm|asm-generic|bits|sys|gnu|[a-z0-9_]+-linux-gnu)/' || true)"
+    [ -z "$others" ] || fail "$header needs more than GLM: $others"
+done < <(cd "$prefix/include" && find scrim -name '*.h' | sort)
+echo "   $headers headers"
+[ "$headers" -ge 20 ] && [ "$headers" -le 30 ] || fail "$headers headers are installed, expected 20 to 30"
 
-echo "-- running it"
-libraries="$(ldd "$work/consumer/consumer")"
-grep -q "libscrim.* => $prefix/" <<<"$libraries" || fail "the project runs with another library: $libraries"
-"$work/consumer/consumer" "$work/fog.exr" || fail "the project's picture is wrong"
-[ -s "$work/fog.exr" ] || fail "the project wrote no picture"
+echo "-- building the examples, which use it"
+quietly "the examples do not configure" cmake -S "$here/../../examples/cpp" -B "$work/examples" -G Ninja \
+    -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_FLAGS="-Wall -Wextra -Wpedantic -Werror"
+grep -q "^scrim_DIR:PATH=$prefix/" "$work/examples/CMakeCache.txt" || fail "the examples found another scrim"
+quietly "the examples do not build" cmake --build "$work/examples"
+
+echo "-- running them"
+# not_black PICTURE: it has light in red, and covers something.
+not_black() {
+    local most
+    most="$(oiiotool --stats "$1" | sed -nE 's/^ *Stats Max: +//p')"
+    awk -v most="$most" 'BEGIN { split(most, v, " "); exit !(v[1] > 0.01 && v[4] > 0.01) }' || fail "$1 is black: $most"
+}
+libraries="$(ldd "$work/examples/own_field")"
+grep -q "libscrim.* => $prefix/" <<<"$libraries" || fail "the examples run with another library: $libraries"
+"$work/examples/scene_file" "$here/../../examples/scenes/layers.toml" "$work/scene.exr" 'camera.resolution=[96, 54]' ||
+    fail "scene_file does not run"
+not_black "$work/scene.exr"
+"$prefix/bin/scrim" make noise resolution=32 -q -o "$work/smoke.vdb" || fail "the program makes no volume"
+"$work/examples/lit_asset" "$work/smoke.vdb" "$work/asset.exr" || fail "lit_asset does not run"
+not_black "$work/asset.exr"
+key="$("$work/examples/own_field" "$work/ball.exr")" || fail "own_field does not run"
+grep -Eq '^brightest of light.key: 0\.[0-9]*[1-9]' <<<"$key" || fail "own_field has no layer of its key light: $key"
+not_black "$work/ball.exr"
+header="$(iinfo -v "$work/ball.exr")"
+grep -q 'light.rim.R' <<<"$header" || fail "own_field wrote no layer of its rim light: $header"
 
 echo "-- running the installed program"
 scrim="$prefix/bin/scrim"

@@ -5,9 +5,9 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/engine/plan/plan.h>
+#include <scrim/base/timed.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
@@ -118,12 +118,6 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
 
 ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, const ToleranceOptions& options) {
     constexpr double kPiloted = 0.3, kRendered = 0.2;  // of progress: all; of an attempt
-    using Clock = std::chrono::steady_clock;
-    const auto timed = [](double& seconds, const auto& task) {
-        const auto start = Clock::now();
-        task();
-        seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    };
     ToleranceResult out;
     std::array<Pilot, 2> pilots = pilotsFor(options.tolerance);
     timed(out.seconds.pilots, [&] {

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 // The child's side of a guarded load: `scrim internal-load --fd FD fields|info MEMORY THREADS PATH REQUEST...`.
-#include "guarded_load.h"
+#include <scrim/volume/guarded_load.h>
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/volume/field_transfer.h>
+#include <scrim/volume/load_fields.h>
 #include <scrim/volume/vdb_file.h>
 
 #include <csignal>
 #include <fstream>
-#include <new>
 
 #include <malloc.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-namespace scrim::cli {
+namespace scrim {
 namespace {
 
 constexpr int kBadArguments = 2;
@@ -54,16 +54,9 @@ void limitSelf([[maybe_unused]] std::size_t memory) {
 
 void sendAll(int fd, const std::string& what, const std::string& path, const std::vector<GridRequest>& requests) {
     if (what == "info") return sendInfo(fd, VdbFile::open(path).info());
-    const VdbFile file = VdbFile::open(path, requests);
     std::vector<TransferMessage> messages;
-    std::vector<SparseField> fields;
-    const auto hear = [&](Severity severity, const std::string& text) {
-        // A grey grid is read once a component, and says the same each time.
-        for (const TransferMessage& before : messages)
-            if (before.text == text) return;
-        messages.push_back({severity, text});
-    };
-    for (const GridRequest& request : requests) fields.push_back(file.field(request, hear));
+    const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
+    const std::vector<SparseField> fields = readFields(path, requests, hear);
     sendFields(fd, fields, messages);
 }
 
@@ -71,13 +64,9 @@ void sendAll(int fd, const std::string& what, const std::string& path, const std
 void sendAllOrError(int fd, const std::string& what, const std::string& path,
                     const std::vector<GridRequest>& requests) {
     try {
-        sendAll(fd, what, path, requests);
+        readWithErrors(path, [&] { sendAll(fd, what, path, requests); });
     } catch (const Error& error) {
         sendError(fd, error);
-    } catch (const std::bad_alloc&) {
-        sendError(fd, Error(ErrorKind::memory, path + ": not enough memory to read it"));
-    } catch (const std::exception& error) {
-        sendError(fd, Error(ErrorKind::input, path + ": damaged: " + clipped(error.what())));
     }
 }
 
@@ -91,8 +80,7 @@ int internalLoad(const std::vector<std::string>& arguments) {
     std::vector<GridRequest> requests;
     for (std::size_t i = 6; i < arguments.size(); ++i) requests.push_back(gridRequestFrom(arguments[i]));
     TaskArena(std::stoi(arguments[4])).run([&] { sendAllOrError(fd, what, arguments[5], requests); });
-    // What a damaged file left of the heap is better not taken apart.
-    ::_exit(0);
+    return 0;
 }
 
-}  // namespace scrim::cli
+}  // namespace scrim

@@ -1,30 +1,39 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "slide_store.h"
+#include <scrim/shot/slide_store.h>
 
 #include <scrim/base/error.h>
 
 #include <fmt/format.h>
 
-namespace scrim::cli {
+namespace scrim {
+namespace {
 
-void SlideStore::loadInto(Scene& scene) {
+/// Slides that were made in code have their pictures already.
+bool hasFile(const Light& light) {
+    return light.slide && !light.slide->file.empty();
+}
+
+}  // namespace
+
+void SlideStore::loadInto(Scene& scene, const MessageSink& messages) {
     // Kept are those of this frame only; two frames' pictures need never be in memory together.
     std::map<Key, std::shared_ptr<const Texture>> before;
     before.swap(m_images);
     for (const Light& light : scene.lights) {
-        if (!light.slide) continue;
+        if (!hasFile(light)) continue;
         const Key key{light.slide->file, light.slide->colorspace};
         if (const auto known = before.find(key); known != before.end()) m_images.insert(*known);
     }
     before.clear();
     for (Light& light : scene.lights) {
-        if (!light.slide) continue;
+        if (!hasFile(light)) continue;
         Slide& slide = *light.slide;
         std::shared_ptr<const Texture>& image = m_images[{slide.file, slide.colorspace}];
         try {
-            if (!image) image = readTexture(slide.file, slide.colorspace, m_colour, m_messages);
+            if (!image) image = readTexture(slide.file, slide.colorspace, m_colour, messages);
         } catch (const Error& error) {
-            throw Error(error.kind(), fmt::format("{}: light '{}': {}", slide.where, light.name, error.what()));
+            const std::string place = slide.where.empty() ? "" : slide.where + ": ";
+            throw Error(error.kind(), fmt::format("{}light '{}': {}", place, light.name, error.what()));
         }
         slide.image = image;
     }
@@ -36,4 +45,4 @@ std::size_t SlideStore::bytes() const {
     return sum;
 }
 
-}  // namespace scrim::cli
+}  // namespace scrim

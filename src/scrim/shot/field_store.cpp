@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "field_store.h"
-
-#include "interrupt.h"
+#include <scrim/shot/field_store.h>
 
 #include <scrim/base/error.h>
 #include <scrim/volume/grid_choice.h>
+#include <scrim/volume/load_fields.h>
 #include <scrim/volume/source.h>
 #include <scrim/volume/vdb_bounds.h>
 
@@ -12,10 +11,10 @@
 
 #include <set>
 
-namespace scrim::cli {
+namespace scrim {
 namespace {
 
-constexpr const char* kFile = "file";
+constexpr const char *kFile = "file", *kSource = "source", *kSet = "set";  // kinds of origins
 
 /// Whether anything is made of a volume's densities. Where nothing is made of a volume at all, they are read as ever.
 bool usesDensity(const SceneVolume& volume) {
@@ -26,9 +25,14 @@ GridRequest albedoRequest(const SceneVolume& volume, int component) {
     return {volume.albedoGrid->grid, component};
 }
 
-/// The grid of a source that is meant, by its place.
-std::size_t chooseOfSource(const std::vector<std::shared_ptr<const SparseField>>& fields, const GridRequest& request,
-                           const std::string& where, const std::string& source) {
+/// "s.toml:2:8: ": the start of a message. Volumes that were made in code have no place.
+std::string placeText(const std::string& where) {
+    return where.empty() ? "" : where + ": ";
+}
+
+/// The place in `fields` of the grid that is meant. `maker` is the source or volume, for messages.
+std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& fields, const GridRequest& request,
+                         const std::string& where, const std::string& maker) {
     std::vector<GridOffer> offers;
     std::vector<std::string> names;
     for (const auto& field : fields) {
@@ -38,15 +42,52 @@ std::size_t chooseOfSource(const std::vector<std::shared_ptr<const SparseField>>
     if (const auto choice = chooseGrid(offers, request)) return choice->grid;
     const std::string parts =
         request.component == GridRequest::kScalar ? "" : fmt::format(" (nor '{0}.r', '{0}.g', '{0}.b')", request.grid);
-    throw Error(ErrorKind::input, fmt::format("{}: source '{}' makes no grid '{}'{}; there is {}", where, source,
-                                              request.grid, parts, choices(names)));
+    throw Error(ErrorKind::input, fmt::format("{}{} no grid '{}'{}; there is {}", placeText(where), maker, request.grid,
+                                              parts, choices(names)));
+}
+
+/// For plug-ins, through which nothing can be thrown.
+ProgressSink asProgress(const Checkpoint& checkpoint) {
+    return [checkpoint](double) {
+        try {
+            if (checkpoint) checkpoint();
+        } catch (const Error&) {
+            return false;
+        }
+        return true;
+    };
 }
 
 }  // namespace
 
-FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) {
+void FieldStore::listen(LoadOptions options, MessageSink messages, Checkpoint checkpoint) {
+    m_options = std::move(options);
+    m_messages = std::move(messages);
+    m_checkpoint = std::move(checkpoint);
+}
+
+void FieldStore::setGrids(const std::string& volume, std::vector<SparseField> grids) {
+    Grids& own = m_grids[volume];
+    own.clear();
+    for (SparseField& grid : grids) own.push_back(std::make_shared<SparseField>(std::move(grid)));
+    std::erase_if(m_fields, [&](const auto& entry) { return entry.first.first == Origin{kSet, volume}; });
+}
+
+bool FieldStore::isFile(const SceneVolume& volume) const {
+    return volume.source.empty() && !hasGrids(volume.name);
+}
+
+std::vector<VolumeFile> FieldStore::filesOf(const Scene& scene) const {
+    std::vector<VolumeFile> files;
+    for (const SceneVolume& volume : scene.volumes)
+        files.push_back(isFile(volume) ? findVolumeFile(volume) : VolumeFile{});
+    return files;
+}
+
+FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) const {
+    if (hasGrids(volume.name)) return {kSet, volume.name};
     if (volume.source.empty()) return {kFile, file.path};
-    Origin origin{"source", volume.source};
+    Origin origin{kSource, volume.source};
     for (const auto& [name, value] : volume.parameters) {
         origin.push_back(name);
         origin.push_back(value);
@@ -74,7 +115,7 @@ void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
     try {
-        std::vector<SparseField> fields = loadFields(origin[1], requests, m_limits, m_messages);
+        std::vector<SparseField> fields = loadFields(origin[1], requests, m_options, m_messages, m_checkpoint);
         for (std::size_t i = 0; i < requests.size(); ++i)
             m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
     } catch (const GridError& error) {
@@ -85,28 +126,35 @@ void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
     }
 }
 
+FieldStore::Grids FieldStore::generated(const SceneVolume& volume) const {
+    Grids grids;
+    try {
+        for (SparseField& field : generate(volume.source, volume.parameters, m_messages, asProgress(m_checkpoint)))
+            grids.push_back(std::make_shared<SparseField>(std::move(field)));
+    } catch (const Error& error) {
+        throw Error(error.kind(), placeText(volume.where) + error.what());
+    }
+    return grids;
+}
+
 void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
     const SceneVolume& volume = *missing.front().volume;
-    std::vector<std::shared_ptr<const SparseField>> fields;
-    try {
-        for (SparseField& field :
-             generate(volume.source, volume.parameters, m_messages, [](double) { return interruptSignal() == 0; }))
-            fields.push_back(std::make_shared<SparseField>(std::move(field)));
-    } catch (const Error& error) {
-        throw Error(error.kind(), fmt::format("{}: {}", volume.where, error.what()));
-    }
+    const bool wasSet = origin[0] == kSet;
+    const Grids grids = wasSet ? m_grids.at(volume.name) : generated(volume);
+    const std::string maker =
+        wasSet ? fmt::format("volume '{}' has", volume.name) : fmt::format("source '{}' makes", volume.source);
     for (const Use& use : missing) {
         const std::string& where = use.where.empty() ? use.volume->where : use.where;
-        m_fields[{origin, use.request}] = fields[chooseOfSource(fields, use.request, where, volume.source)];
+        m_fields[{origin, use.request}] = grids[chooseGridOf(grids, use.request, where, maker)];
     }
 }
 
 /// For each volume why the picture has no use for it, as far as the heads of files tell where they are.
-std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) {
+std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) const {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
-        if (!volume.source.empty()) continue;
+        if (!isFile(volume)) continue;
         if (files[i].state != FileState::present) {
             corners[i].emplace();
             continue;
@@ -125,7 +173,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     const std::vector<std::string> unseen = unseenOf(scene, files);
     const auto shows = [&](std::size_t i) {
         return (unseen[i].empty() || volumesOf == VolumesOf::scene) &&
-               (!scene.volumes[i].source.empty() || files[i].state == FileState::present);
+               (!isFile(scene.volumes[i]) || files[i].state == FileState::present);
     };
     std::map<Origin, std::vector<Use>> uses;  // of each origin, to be read in one go; every request once
     std::set<Key> used;
@@ -151,7 +199,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         const SceneVolume& volume = scene.volumes[i];
         VolumeFields& fields = all.emplace_back();
         fields.emission.resize(volume.emission.size());
-        if (scene.volumes[i].source.empty() && files[i].state == FileState::present) fields.unseen = unseen[i];
+        if (isFile(volume) && files[i].state == FileState::present) fields.unseen = unseen[i];
         if (!shows(i)) continue;
         const Origin origin = originOf(volume, files[i]);
         const auto fieldOf = [&](const GridRequest& request) { return m_fields.at({origin, request}); };
@@ -173,10 +221,7 @@ std::shared_ptr<const SparseField> FieldStore::fieldOf(const std::string& path, 
 }
 
 std::vector<VolumeFile> findFiles(const Scene& scene) {
-    std::vector<VolumeFile> files;
-    for (const SceneVolume& volume : scene.volumes)
-        files.push_back(volume.source.empty() ? findVolumeFile(volume) : VolumeFile{});
-    return files;
+    return FieldStore({}).filesOf(scene);
 }
 
 std::size_t bytesOf(const Fields& fields) {
@@ -192,4 +237,4 @@ std::size_t bytesOf(const Fields& fields) {
     return bytes;
 }
 
-}  // namespace scrim::cli
+}  // namespace scrim

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of a run's volumes: loaded once, and kept as long as the next frame shows them too.
+// The fields of volumes: loaded once, and kept as long as the next frame shows them, too.
 #pragma once
 
-#include "guarded_load.h"
-#include "options.h"
-
+#include <scrim/base/messages.h>
 #include <scrim/shot/assemble.h>
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
+#include <scrim/volume/grid_request.h>
+#include <scrim/volume/load_options.h>
 
 #include <map>
 #include <memory>
@@ -15,13 +15,24 @@
 #include <utility>
 #include <vector>
 
-namespace scrim::cli {
+namespace scrim {
 
 using Fields = std::vector<VolumeFields>;
 
 class FieldStore {
   public:
-    FieldStore(LoadLimits limits, MessageSink messages) : m_limits(limits), m_messages(std::move(messages)) {}
+    explicit FieldStore(LoadOptions options, MessageSink messages = {})
+        : m_options(std::move(options)), m_messages(std::move(messages)) {}
+
+    /// How the next files are loaded, and who hears of it. Loads call `checkpoint`, which may throw.
+    void listen(LoadOptions options, MessageSink messages, Checkpoint checkpoint);
+
+    /// From now on the volumes that are called `volume` have these grids, instead of those of a file or source.
+    void setGrids(const std::string& volume, std::vector<SparseField> grids);
+    bool hasGrids(const std::string& volume) const { return m_grids.contains(volume); }
+
+    /// What the disk has for each volume of `scene`; sources, and volumes whose grids were set, count as present.
+    std::vector<VolumeFile> filesOf(const Scene& scene) const;
 
     /// What each volume of `scene` needs, all null where `files` has none; forgets the fields of the frame before that
     /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Grids that
@@ -33,7 +44,7 @@ class FieldStore {
     std::shared_ptr<const SparseField> fieldOf(const std::string& path, const GridRequest& request);
 
   private:
-    /// A file, or a source with its parameters.
+    /// A file, a source with its parameters, or the name of a volume whose grids were set.
     using Origin = std::vector<std::string>;
     using Key = std::pair<Origin, GridRequest>;
     struct Use {
@@ -42,21 +53,27 @@ class FieldStore {
         std::string where;  ///< of the request in the scene; "": nothing is said about it
     };
 
-    static Origin originOf(const SceneVolume& volume, const VolumeFile& file);
+    using Grids = std::vector<std::shared_ptr<const SparseField>>;
+
+    bool isFile(const SceneVolume& volume) const;
+    Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
     static std::vector<Use> usesOf(const SceneVolume& volume);
-    static std::vector<std::string> unseenOf(const Scene& scene, const std::vector<VolumeFile>& files);
+    std::vector<std::string> unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
     void load(const Origin& origin, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
+    Grids generated(const SceneVolume& volume) const;
 
-    LoadLimits m_limits;
+    LoadOptions m_options;
     MessageSink m_messages;
+    Checkpoint m_checkpoint;
+    std::map<std::string, Grids> m_grids;  ///< that were set, by volume
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
 };
 
-/// What the disk has for each volume of `scene`; sources count as present.
+/// The same of a scene whose volumes are files and sources.
 std::vector<VolumeFile> findFiles(const Scene& scene);
 
 /// Bytes that the fields take, each counted once.
 std::size_t bytesOf(const Fields& fields);
 
-}  // namespace scrim::cli
+}  // namespace scrim

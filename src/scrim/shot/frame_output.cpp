@@ -1,22 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "frame_output.h"
+#include <scrim/shot/frame_output.h>
 
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/preview.h>
 #include <scrim/scene/layer_names.h>
 
-#include <fmt/format.h>
-
-#include <optional>
 #include <utility>
-#include <vector>
 
-namespace scrim::cli {
+namespace scrim {
 namespace {
 
-ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour,
-                           const FrameReport& report) {
+ExrAttributes attributesOf(const ShotFrame::Content& content) {
+    const Scene& scene = content.scene;
+    const ShotReport& report = content.report;
     ExrAttributes attributes{
         {"software", "scrim " + scrimVersion()},
         {"worldToCamera", worldToCamera(scene.camera)},
@@ -24,10 +21,10 @@ ExrAttributes attributesOf(const Scene& scene, const std::string& sceneToml, con
         {"framesPerSecond", exactFrameRate(scene.output.fps)},
         {"imageCounter", report.frame},
         {"scrim:version", scrimVersion()},
-        {"scrim:scene", sceneToml},
-        {"scrim:ocio:config", colour.name()},
+        {"scrim:scene", content.sceneToml},
+        {"scrim:ocio:config", content.colour.name()},
         {"scrim:plan", report.planJson},
-        {"scrim:stats", workAsJson(report.work)},
+        {"scrim:stats", report.workJson},
     };
     if (report.verification) {
         attributes.emplace_back("scrim:verify:error", report.verification->error);
@@ -52,8 +49,14 @@ std::string layerName(const Scene& scene, const FrameLayer& layer) {
     return nameOf(layer.layer) + "." + scene.lights[static_cast<std::size_t>(layer.light)].name;
 }
 
+ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
+    const std::string name = layerName(scene, layer);
+    if (layer.layer == Layer::depth) return {name, {"Z", name + ".mean"}, std::move(layer.data)};
+    return {name, {name + ".R", name + ".G", name + ".B"}, std::move(layer.data)};
+}
+
 /// The RGB of a layer in the output's space, by way of a picture.
-std::vector<float> converted(const FrameLayer& layer, const PixelWindow& window, const ColourConfig& colour,
+std::vector<float> converted(const ShotLayer& layer, const PixelWindow& window, const ColourConfig& colour,
                              const std::string& space) {
     Image image = emptyImage(window);
     for (std::size_t i = 0; i < layer.data.size(); ++i) image.rgba[i / 3 * 4 + i % 3] = layer.data[i];
@@ -64,48 +67,52 @@ std::vector<float> converted(const FrameLayer& layer, const PixelWindow& window,
 }
 
 /// Depth is no colour, and transmittance is what each of the working space's channels leaves of what lies behind.
-ExrLayer exrLayer(const Scene& scene, FrameLayer& layer, const PixelWindow& window, const ColourConfig& colour) {
-    const std::string name = layerName(scene, layer);
-    if (layer.layer == Layer::depth) return {{"Z", name + ".mean"}, std::move(layer.data), true};
-    const std::vector<std::string> channels{name + ".R", name + ".G", name + ".B"};
-    if (layer.layer == Layer::transmittance) return {channels, std::move(layer.data)};
-    return {channels, converted(layer, window, colour, scene.output.colorspace)};
+ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
+    const ShotLayer& layer = content.layers[i];
+    if (content.kinds[i] == Layer::depth) return {layer.channels, layer.data, true};
+    if (content.kinds[i] == Layer::transmittance) return {layer.channels, layer.data};
+    return {layer.channels,
+            converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
+}
+
+PixelWindow displayWindowOf(const Scene& scene) {
+    return {0, 0, scene.camera.resolution.x, scene.camera.resolution.y};
 }
 
 }  // namespace
 
-void writeFrame(const Scene& scene, const std::string& sceneToml, const ColourConfig& colour, Frame frame,
-                const FrameReport& report, Console& console) {
-    Image& image = frame.image;
-    const SceneOutput& output = scene.output;
-    const bool withPreview = !output.preview.file.empty();
-    // The preview starts from the working space, and is written last: the picture is what matters.
-    const std::optional<Image> working = withPreview ? std::optional<Image>(image) : std::nullopt;
+void takeFrame(ShotFrame::Content& content, Frame frame) {
+    content.image = std::move(frame.image);
+    for (FrameLayer& layer : frame.layers) {
+        content.kinds.push_back(layer.layer);
+        content.layers.push_back(shotLayer(content.scene, std::move(layer)));
+    }
+}
 
+std::size_t writeFrame(const ShotFrame::Content& content, const std::string& path) {
+    const SceneOutput& output = content.scene.output;
+    const ColourConfig& colour = content.colour;
     ExrOptions options;
     options.half = output.half;
     options.compression = output.compression;
-    options.displayWindow = {0, 0, scene.camera.resolution.x, scene.camera.resolution.y};
-    options.pixelAspect = scene.camera.pixelAspect;
+    options.displayWindow = displayWindowOf(content.scene);
+    options.pixelAspect = content.scene.camera.pixelAspect;
     options.colorInteropId = colour.interopId(output.colorspace);
     options.acesContainer = output.half && colour.isAces2065(output.colorspace);
     std::vector<ExrLayer> layers;
-    for (FrameLayer& layer : frame.layers) {
-        layers.push_back(exrLayer(scene, layer, image.window, colour));
+    for (std::size_t i = 0; i < content.layers.size(); ++i) {
+        layers.push_back(exrLayer(content, i));
         // Where nothing is everything comes through: readers take what lies beyond the data window for 0.
-        options.wholeWindow = options.wholeWindow || layer.layer == Layer::transmittance;
+        options.wholeWindow = options.wholeWindow || content.kinds[i] == Layer::transmittance;
     }
+    Image image = content.image;
     colour.convert(image, colour.workingSpace(), output.colorspace);
-    const std::size_t clamped =
-        writeExr(output.file, image, options, attributesOf(scene, sceneToml, colour, report), layers);
-    if (clamped > 0)
-        console.warning(
-            fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" "
-                        "keeps them",
-                        output.file, clamped));
-    if (withPreview)
-        writePreview(output.preview.file, *working, options.displayWindow, colour, output.preview.display,
-                     output.preview.view);
+    return writeExr(path, image, options, attributesOf(content), layers);
 }
 
-}  // namespace scrim::cli
+void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {
+    const ScenePreview& preview = content.scene.output.preview;
+    writePreview(path, content.image, displayWindowOf(content.scene), content.colour, preview.display, preview.view);
+}
+
+}  // namespace scrim

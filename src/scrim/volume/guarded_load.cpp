@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parent's side of a guarded load; the child's is in internal_load.cpp.
-#include "guarded_load.h"
-
-#include "interrupt.h"
+#include <scrim/volume/guarded_load.h>
 
 #include <scrim/base/error.h>
 #include <scrim/volume/field_transfer.h>
@@ -23,7 +21,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace scrim::cli {
+namespace scrim {
 namespace {
 
 constexpr int kChildDescriptor = 3;  // the first behind stdin, stdout and stderr
@@ -49,6 +47,10 @@ class Descriptor {
     int m_fd;
 };
 
+void check(const Checkpoint& checkpoint) {
+    if (checkpoint) checkpoint();
+}
+
 std::size_t sizeOf(const std::string& path) {
     std::error_code error;
     const auto size = std::filesystem::file_size(path, error);
@@ -56,15 +58,15 @@ std::size_t sizeOf(const std::string& path) {
 }
 
 /// Address space that the child may add to what it starts with.
-std::size_t memoryFor(const std::string& path, const LoadLimits& limits) {
-    if (limits.memory > 0) return std::max(limits.memory, kLeastGivenMemory);
+std::size_t memoryFor(const std::string& path, const LoadOptions& options) {
+    if (options.memory > 0) return std::max(options.memory, kLeastGivenMemory);
     return std::max(kLeastMemory, kMemoryPerByte * sizeOf(path));
 }
 
 /// A running child; ends it where nobody waited for it.
 class Child {
   public:
-    Child(const std::vector<std::string>& arguments, int transfer, bool showStderr) {
+    Child(const std::string& program, const std::vector<std::string>& arguments, int transfer, bool showStderr) {
         std::vector<char*> argv;
         for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
         argv.push_back(nullptr);
@@ -75,11 +77,14 @@ class Child {
         posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
         if (!showStderr) posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
         posix_spawn_file_actions_adddup2(&actions, transfer, kChildDescriptor);
-        const int error = ::posix_spawn(&m_pid, "/proc/self/exe", &actions, nullptr, argv.data(), environ);
+        const int error = ::posix_spawn(&m_pid, program.c_str(), &actions, nullptr, argv.data(), environ);
         posix_spawn_file_actions_destroy(&actions);
-        if (error != 0)
-            throw Error(error == ENOMEM || error == EAGAIN ? ErrorKind::memory : ErrorKind::render,
+        if (error == ENOMEM || error == EAGAIN)
+            throw Error(ErrorKind::memory,
                         fmt::format("cannot start a process to read volumes: {}", std::strerror(error)));
+        if (error != 0)
+            throw Error(ErrorKind::render,
+                        fmt::format("cannot start '{}' to read volumes: {}", clipped(program), std::strerror(error)));
     }
     ~Child() {
         if (m_pid <= 0) return;
@@ -90,22 +95,22 @@ class Child {
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
-    /// Waits and returns what waitpid says; throws where a signal came or `patience` is over.
-    int wait(std::chrono::duration<double> patience, const std::string& path) {
+    /// Waits and returns what waitpid says; throws where `checkpoint` does or `patience` is over.
+    int wait(std::chrono::duration<double> patience, const std::string& path, const Checkpoint& checkpoint) {
         const auto start = std::chrono::steady_clock::now();
         std::chrono::microseconds pause(200);
         for (int status = 0;;) {
             const pid_t ended = ::waitpid(m_pid, &status, WNOHANG);
             if (ended == m_pid) {
                 m_pid = -1;
-                // A child in the same terminal got the same signal; that is not the file's fault.
-                throwIfInterrupted();
+                // A child in the same terminal gets the signals of this process; that is not the file's fault.
+                check(checkpoint);
                 return status;
             }
             if (ended < 0 && errno != EINTR)
                 throw Error(ErrorKind::render,
                             fmt::format("{}: lost the process that reads it: {}", path, std::strerror(errno)));
-            throwIfInterrupted();
+            check(checkpoint);
             if (std::chrono::steady_clock::now() - start > patience)
                 throw Error(ErrorKind::input,
                             fmt::format("{}: reading it took more than {:.0f} minutes", path, patience.count() / 60));
@@ -138,21 +143,23 @@ void checkStatus(int status, const std::string& path) {
 
 /// Runs a child that sends `what` of `path` into `transfer`.
 void run(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
-         const LoadLimits& limits, int transfer) {
-    throwIfInterrupted();
-    const int threads = limits.threads > 0 ? std::min(limits.threads, kMostThreads) : kMostThreads;
+         const LoadOptions& options, int transfer, const Checkpoint& checkpoint) {
+    if (options.loader.empty())
+        throw Error(ErrorKind::usage, "guarded loading of volumes: expected the path of a loader, the program scrim");
+    check(checkpoint);
+    const int threads = options.threads > 0 ? std::min(options.threads, kMostThreads) : kMostThreads;
     std::vector<std::string> arguments{"scrim",
                                        kInternalLoad,
                                        "--fd",
                                        std::to_string(kChildDescriptor),
                                        what,
-                                       std::to_string(memoryFor(path, limits)),
+                                       std::to_string(memoryFor(path, options)),
                                        std::to_string(threads),
                                        path};
     for (const GridRequest& request : requests) arguments.push_back(toText(request));
-    Child child(arguments, transfer, limits.showStderr);
+    Child child(options.loader, arguments, transfer, options.showStderr);
     const std::chrono::duration<double> slowest(static_cast<double>(sizeOf(path)) / kSlowestBytesPerSecond);
-    checkStatus(child.wait(kPatience + slowest, path), path);
+    checkStatus(child.wait(kPatience + slowest, path, checkpoint), path);
 }
 
 /// Runs `receive`; what it says of an incomplete transfer gets the path in front.
@@ -172,10 +179,11 @@ auto received(const std::string& path, const Receive& receive) {
 
 }  // namespace
 
-std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
-                                    const LoadLimits& limits, const MessageSink& messages) {
+std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
+                                       const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint) {
     const Descriptor transfer(createTransfer());
-    run("fields", path, requests, limits, transfer.fd());
+    run("fields", path, requests, options, transfer.fd(), checkpoint);
     ReceivedFields result = received(path, [&] { return receiveFields(transfer.fd()); });
     if (result.fields.size() != requests.size())
         throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were read, expected {}", path,
@@ -184,10 +192,10 @@ std::vector<SparseField> loadFields(const std::string& path, const std::vector<G
     return std::move(result.fields);
 }
 
-VdbFileInfo loadInfo(const std::string& path, const LoadLimits& limits) {
+VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     const Descriptor transfer(createTransfer());
-    run("info", path, {}, limits, transfer.fd());
+    run("info", path, {}, options, transfer.fd(), checkpoint);
     return received(path, [&] { return receiveInfo(transfer.fd()); });
 }
 
-}  // namespace scrim::cli
+}  // namespace scrim

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a ShotFrame holds, and how it becomes files.
+#pragma once
+
+#include <scrim/engine/frame.h>
+#include <scrim/image/colour.h>
+#include <scrim/scene/scene.h>
+#include <scrim/shot/shot_frame.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+struct ShotFrame::Content {
+    Scene scene;
+    std::string sceneToml;  ///< for the metadata; "": built in code
+    ColourConfig colour;
+    Image image;                    ///< in the working space
+    std::vector<Layer> kinds = {};  ///< of `layers`
+    std::vector<ShotLayer> layers = {};
+    ShotReport report = {};
+    bool skipped = false;
+};
+
+/// Takes the picture and the layers of `frame`.
+void takeFrame(ShotFrame::Content& content, Frame frame);
+
+/// Writes an OpenEXR file. Returns how many values were clamped. Throws Error.
+std::size_t writeFrame(const ShotFrame::Content& content, const std::string& path);
+
+/// Writes the picture as a display shows it. Throws Error.
+void writeFramePreview(const ShotFrame::Content& content, const std::string& path);
+
+}  // namespace scrim

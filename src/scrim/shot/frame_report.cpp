@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/frame_report.h>
+
+#include <nlohmann/json.hpp>
+
+#include <sys/resource.h>
+
+namespace scrim {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json workJson(const RenderWork& w) {
+    return {{"voxels_fed", w.voxelsFed},
+            {"footprints", w.footprints},
+            {"texels_shaded", w.texelsShaded},
+            {"samples_shaded", w.shade.samples},
+            {"light_samples", w.lightSamples},
+            {"light_lookups", w.shade.lightLookups},
+            {"slide_lookups", w.shade.slideLookups},
+            {"phase_evaluations", w.shade.phases},
+            {"octaves", w.shade.octaves},
+            {"gradients", w.shade.gradients},
+            {"emissions", w.shade.emissions},
+            {"ambients", w.shade.ambients},
+            {"exponentials", w.shade.exponentials},
+            {"pixel_sheets", w.pixelSheets},
+            {"layer_samples", w.layerSamples},
+            {"sheets", w.sheets},
+            {"buffer_bytes", w.bytes.total()},
+            {"bytes",
+             {{"fields", w.bytes.fields},
+              {"shadows", w.bytes.shadows},
+              {"shaded", w.bytes.shaded},
+              {"picture", w.bytes.picture}}}};
+}
+
+Json verificationJson(const VerificationReport& v) {
+    return {{"pixels", v.pixels},
+            {"pixels_looked_at", v.looked},
+            {"complete", v.complete},
+            {"error", v.error},
+            {"alpha_error", v.alphaError},
+            {"lower", v.lower},
+            {"upper", v.upper},
+            {"bias", v.bias},
+            {"worst", v.worst},
+            {"worst_pixel", {v.worstX, v.worstY}}};
+}
+
+Json secondsJson(const ShotTimes& s) {
+    return {{"load", s.load},     {"plan", s.plan},   {"render", s.render},
+            {"verify", s.verify}, {"write", s.write}, {"total", s.total()}};
+}
+
+Json stagesJson(const ShotTimes& s) {
+    return {{"prepare", s.prepare},
+            {"splat", s.splat},
+            {"attenuate", s.attenuate},
+            {"shade", s.shade},
+            {"composite", s.composite}};
+}
+
+/// What was not made, of a frame that was skipped, is null.
+Json parsed(const std::string& text) {
+    return text.empty() ? Json() : Json::parse(text);
+}
+
+}  // namespace
+
+VerificationReport reportOf(const Verification& v, bool outOfTime) {
+    VerificationReport report;
+    report.pixels = v.pixels;
+    report.looked = v.looked;
+    report.complete = v.complete;
+    report.outOfTime = outOfTime;
+    report.error = v.error;
+    report.lower = v.lower;
+    report.upper = v.upper;
+    report.alphaError = v.alphaError;
+    report.bias = v.bias;
+    report.worst = v.worst;
+    report.worstX = v.worstX;
+    report.worstY = v.worstY;
+    return report;
+}
+
+std::string workAsJson(const RenderWork& work) {
+    return workJson(work).dump();
+}
+
+std::string reportAsJson(const ShotReport& r) {
+    Json out{{"input", r.input},
+             {"frame", r.frame},
+             {"file", r.file},
+             {"resolution", {r.resolution.x, r.resolution.y}},
+             {"seconds", secondsJson(r.seconds)},
+             {"render_seconds", stagesJson(r.seconds)},
+             {"work", parsed(r.workJson)},
+             {"peak_memory_bytes", r.peakBytes},
+             {"threads", r.threads},
+             {"plan", parsed(r.planJson)}};
+    if (r.verification) out["verification"] = verificationJson(*r.verification);
+    if (const auto& t = r.tolerance)
+        out["tolerance"] = {{"wanted", t->wanted}, {"predicted", t->predicted},
+                            {"texel", t->texel},   {"sheet_thickness", t->sheetThickness},
+                            {"bound", t->bound},   {"attempts", t->attempts},
+                            {"met", t->met}};
+    return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::size_t peakResidentBytes() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // it counts in KiB
+}
+
+}  // namespace scrim

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a frame took and how good it is, in the public words of shot_frame.h.
+#pragma once
+
+#include <scrim/engine/frame.h>
+#include <scrim/shot/shot_frame.h>
+#include <scrim/verify/verify.h>
+
+#include <cstddef>
+#include <string>
+
+namespace scrim {
+
+VerificationReport reportOf(const Verification& verification, bool outOfTime);
+
+/// Counts of work as one compact JSON object: the same on every run, so that pictures with it are, too.
+std::string workAsJson(const RenderWork& work);
+
+/// Of this process, now.
+std::size_t peakResidentBytes();
+
+}  // namespace scrim

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/load_shot.h>
+
+#include <scrim/base/error.h>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+/// Bytes that buffers may take: what volumes and slides leave of `limit`; 0 where there is no limit.
+std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slideBytes) {
+    const std::size_t taken = bytesOf(fields) + slideBytes;
+    if (limit == 0) return 0;
+    if (taken >= limit)
+        throw Error(ErrorKind::memory,
+                    fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
+                                slideBytes > 0 ? " and slides" : "", bytesText(taken), bytesText(limit)));
+    return limit - taken;
+}
+
+Checkpoint checkpointOf(const RenderOptions& options) {
+    if (options.checkpoint || !options.progress) return options.checkpoint;
+    return [progress = options.progress] {
+        if (!progress(0)) throw Error(ErrorKind::interrupted, "the render was interrupted");
+    };
+}
+
+std::string missingText(int frame, const std::string& problem, MissingPolicy policy, ShotUse use) {
+    if (use == ShotUse::plan) return fmt::format("frame {}: {}", frame, problem);
+    return policy == MissingPolicy::skip ? fmt::format("frame {} is skipped: {}", frame, problem)
+                                         : fmt::format("frame {}: black instead: {}", frame, problem);
+}
+
+/// Whether the frame is used at all. Files that may be missing become black.
+bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOptions& options, ShotUse use) {
+    for (VolumeFile& file : files) {
+        if (file.state != FileState::missing) continue;
+        if (options.missing == MissingPolicy::error) throw Error(ErrorKind::input, file.problem);
+        say(options.messages, Severity::warning, missingText(frame, file.problem, options.missing, use));
+        if (options.missing == MissingPolicy::skip) return false;
+        file.state = FileState::black;
+    }
+    return true;
+}
+
+/// A volume's scale is also that of its medium or surface. Whoever changes a scene by hand changes it in one place.
+void keepOneScale(SceneVolume& volume) {
+    volume.medium.densityScale = volume.densityScale;
+    if (!volume.classified || volume.classified->densityScale == volume.densityScale) return;
+    Classified scaled = *volume.classified;
+    scaled.densityScale = volume.densityScale;
+    volume.classified = std::make_shared<const Classified>(std::move(scaled));
+}
+
+/// Of a scene that was built in code: all that a reader would have checked.
+void checkVolumes(const Scene& scene, const FieldStore& store) {
+    if (scene.volumes.empty()) throw Error(ErrorKind::usage, "the scene has no volume");
+    for (const SceneVolume& volume : scene.volumes)
+        if (volume.file.empty() && volume.source.empty() && !store.hasGrids(volume.name))
+            throw Error(ErrorKind::usage,
+                        fmt::format("volume '{}' has no file, no source, and no grids that were set", volume.name));
+}
+
+}  // namespace
+
+ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf volumesOf) const {
+    Scene turned = scene;
+    turned.dials.lod = lod;
+    return assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
+}
+
+void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options) {
+    LoadOptions limited = load;
+    if (limited.memory == 0) limited.memory = options.memory;
+    if (limited.threads == 0) limited.threads = options.threads;
+    store.listen(limited, options.messages, checkpointOf(options));
+}
+
+Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores) {
+    if (options.tolerance) scene.tolerance = *options.tolerance;
+    if (options.change) options.change(scene);
+    if (scene.output.colorspace.empty()) scene.output.colorspace = stores.colour.workingSpace();
+    for (SceneVolume& volume : scene.volumes) keepOneScale(volume);
+    return scene;
+}
+
+std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, Scene scene,
+                                   const RenderOptions& options, VolumesOf volumesOf, ShotUse use) {
+    LoadedShot out;
+    out.scene = std::move(scene);
+    checkVolumes(out.scene, stores.fields);
+    out.files = stores.fields.filesOf(out.scene);
+    if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
+    listenTo(stores.fields, load, options);
+    stores.slides.loadInto(out.scene, options.messages);
+    out.slideBytes = stores.slides.bytes();
+    out.fields = stores.fields.fieldsOf(out.scene, out.files, volumesOf);
+    return out;
+}
+
+}  // namespace scrim

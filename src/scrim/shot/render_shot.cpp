@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/render_shot.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/base/timed.h>
+#include <scrim/engine/plan/report.h>
+#include <scrim/engine/sweep.h>
+#include <scrim/shot/frame_report.h>
+#include <scrim/verify/tolerance.h>
+#include <scrim/verify/verify.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace scrim {
+namespace {
+
+constexpr unsigned kVerifySeed = 1;  // any, but always the same pixels
+// Of a frame's progress: where its rendering ends and its verification begins.
+constexpr double kRenderedOfVerified = 0.5;
+static_assert(kVerifyAll == kAllPixels);
+
+ProgressSink partOf(const ProgressSink& progress, double from, double to) {
+    if (!progress) return {};
+    return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
+}
+
+/// Where the grids of a volume come from.
+std::string originText(const SceneVolume& volume, const VolumeFile& file) {
+    if (!volume.source.empty()) return "source '" + volume.source + "'";
+    return file.path.empty() ? "volume '" + volume.name + "'" : file.path;
+}
+
+/// Says which volumes of the picture turn out to be empty.
+void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
+    const auto empty = [](const std::shared_ptr<const SparseField>& field) { return field && field->empty(); };
+    for (std::size_t i = 0; i < shot.fields.size(); ++i) {
+        const SceneVolume& volume = shot.scene.volumes[i];
+        const VolumeFields& fields = shot.fields[i];
+        const auto warn = [&](const char* what, const std::string& grid) {
+            say(messages, Severity::warning,
+                fmt::format("{}: {}: grid '{}' has no active voxels", originText(volume, shot.files[i]), what, grid));
+        };
+        if (empty(fields.density))
+            warn(volume.emission.empty() ? "nothing to render" : "no density", fields.density->name);
+        // A colour without any red is one, too.
+        if (std::all_of(fields.albedo.begin(), fields.albedo.end(), empty))
+            warn("the albedo is black", volume.albedoGrid->grid);
+        for (const auto& emission : fields.emission)
+            if (empty(emission)) warn("no emission", emission->name);
+    }
+}
+
+/// One frame's way from views to a picture.
+class FrameRender {
+  public:
+    FrameRender(const LoadedShot& shot, const RenderOptions& options, ShotReport& report)
+        : m_shot(shot), m_options(options), m_report(report) {}
+
+    Frame run();
+
+  private:
+    Frame renderOnce(const ViewScene& view, const ViewScene& truth);
+    Frame renderTolerance(const ViewScene& view, const ViewScene& truth);
+    void keepPlan(const ViewScene& view, const Plan& plan);
+
+    const LoadedShot& m_shot;
+    const RenderOptions& m_options;
+    ShotReport& m_report;
+};
+
+Frame FrameRender::run() {
+    const Scene& scene = m_shot.scene;
+    const ViewScene view = timed(m_report.seconds.plan, [&] {
+        return m_shot.view(m_options, scene.dials.lod, VolumesOf::picture);
+    });
+    // Of a picture that shows nothing one wants to know why.
+    if (view.volumes.empty())
+        for (const auto& [name, reason] : view.unseen)
+            say(m_options.messages, Severity::warning,
+                fmt::format("frame {}: volume '{}' is left out: {}", m_report.frame, name, reason));
+    // The truth does not depend on what was culled, nor on coarser levels.
+    const ViewScene truth =
+        isVerified(scene, m_options) ? m_shot.view(m_options, 0, VolumesOf::scene) : ViewScene{};
+    return scene.tolerance > 0 ? renderTolerance(view, truth) : renderOnce(view, truth);
+}
+
+void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
+    m_report.planJson = planAsJson(view, plan);
+    if (m_options.planned)
+        m_options.planned({false, m_report.planJson, planAsTable(view, plan), bytesOf(m_shot.fields)});
+}
+
+Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
+    ShotTimes& seconds = m_report.seconds;
+    const double rendered = m_options.verify > 0 ? kRenderedOfVerified : 1;
+    const ProgressSink& progress = m_options.progress;
+    const Plan plan = timed(seconds.plan, [&] { return makePlan(view, threadCount(), partOf(progress, 0, 0)); });
+    keepPlan(view, plan);
+    Frame frame = timed(seconds.render, [&] { return scrim::render(view, plan, partOf(progress, 0, rendered)); });
+    if (m_options.verify > 0) {
+        SampleOptions sampling;
+        sampling.count = m_options.verify;
+        sampling.seed = kVerifySeed;
+        sampling.seconds = m_options.verifyLimit;
+        sampling.progress = partOf(progress, rendered, 1);
+        sampling.announce = m_options.announce;
+        const PixelSample sample = timed(seconds.verify, [&] { return samplePixels(truth, frame.image, sampling); });
+        m_report.verification = reportOf(summarise(sample), sample.outOfTime);
+    }
+    return frame;
+}
+
+Frame FrameRender::renderTolerance(const ViewScene& view, const ViewScene& truth) {
+    ToleranceOptions options;
+    options.tolerance = m_shot.scene.tolerance;
+    if (m_options.verify > 0) options.pixels = m_options.verify;
+    options.seed = kVerifySeed;
+    options.seconds = m_options.verifyLimit;
+    options.progress = m_options.progress;
+    options.announce = m_options.announce;
+    options.planned = [&](const ViewScene& planned, const Plan& plan) { keepPlan(planned, plan); };
+    ToleranceResult result = renderWithin(view, truth, options);
+    m_report.seconds.plan += result.seconds.pilots + result.seconds.plan;
+    m_report.seconds.render += result.seconds.render;
+    m_report.seconds.verify += result.seconds.verify;
+    m_report.verification = reportOf(result.verification, result.outOfTime);
+    m_report.tolerance = {options.tolerance, result.predicted, result.dials.texel, result.dials.sheetThickness,
+                          result.bound,      result.attempts,  result.met};
+    return std::move(result.frame);
+}
+
+}  // namespace
+
+bool isVerified(const Scene& scene, const RenderOptions& options) {
+    return options.verify > 0 || scene.tolerance > 0;
+}
+
+ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options) {
+    const ViewScene view = shot.view(options, shot.scene.dials.lod, VolumesOf::picture);
+    const Plan plan = makePlan(view, threadCount(), partOf(options.progress, 0, 0));
+    return {false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)};
+}
+
+Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report) {
+    report.threads = threadCount();
+    warnOfEmpty(shot, options.messages);
+    Frame frame = FrameRender(shot, options, report).run();
+    report.workJson = workAsJson(frame.work);
+    report.seconds.prepare = frame.times.prepare;
+    report.seconds.splat = frame.times.splat;
+    report.seconds.attenuate = frame.times.attenuate;
+    report.seconds.shade = frame.times.shade;
+    report.seconds.composite = frame.times.composite;
+    return frame;
+}
+
+}  // namespace scrim

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+// A shot: a scene file, or an asset that is framed and lit, with all that its frames need. This is the way to render
+// from C++:
+//
+//     auto shot = scrim::Shot::open("shot.toml", {"camera.fov=20"});
+//     auto frame = shot.render(7);
+//     frame.write("plume.####.exr");
+#pragma once
+
+#include <scrim/image/colour.h>
+#include <scrim/scene/scene.h>
+#include <scrim/shot/shot_frame.h>
+#include <scrim/shot/shot_options.h>
+#include <scrim/volume/sparse_field.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+/// Volumes and slides are loaded when a frame needs them, and kept as long as the next frame needs them, too.
+///
+/// Shots share no state: any number of them may be used at the same time, each from one thread at a time. Only volume
+/// sources of others may forbid that (volume/scrim_source.h). Nothing is printed, and no signal is handled.
+///
+/// All members throw Error; those that take RenderOptions also what its functions throw.
+class Shot {
+  public:
+    /// Opens a scene (.toml) or an asset (.vdb), which is framed and lit. An asset is not read yet. An override is
+    /// "key.path=value": "camera.fov=20", "light.key.intensity=3". Throws Error(usage) for other files, Error(input)
+    /// where the scene or an override is wrong.
+    static Shot open(const std::string& path, const std::vector<std::string>& overrides = {},
+                     const OpenOptions& options = {});
+
+    /// A shot of a scene that was built in code; its values are not checked as those of a file are. `resolution` and
+    /// `checkedFrame` of the options do not count.
+    static Shot make(Scene scene, const OpenOptions& options = {});
+
+    /// As it was opened, or Scene::file.
+    const std::string& path() const;
+    bool isAsset() const;
+
+    /// The frames that the shot names: those for which its sequences have files, ascending; {1} without sequences.
+    std::vector<int> frames() const;
+
+    /// The scene as it was read when the shot was opened, at OpenOptions::checkedFrame. Camera, lights and density of
+    /// an asset are not known yet.
+    const Scene& opened() const;
+
+    /// The scene at a frame. The first call reads an asset, to frame it.
+    Scene scene(int frame, const RenderOptions& options = {});
+
+    /// The scene as TOML, with the overrides, and `more` of them; "" where it was built in code. The first call reads
+    /// an asset.
+    std::string toml(const std::vector<std::string>& more = {}, const RenderOptions& options = {});
+
+    /// Gives the volume that is called `name` grids that were made in code, instead of those of a file or source. The
+    /// scene chooses among them by their names.
+    void setVolume(const std::string& name, std::vector<SparseField> grids);
+
+    /// Says what rendering would do.
+    ShotPlan plan(int frame, const RenderOptions& options = {});
+    ShotPlan plan(Scene scene, const RenderOptions& options = {});
+
+    /// Loads what the frame needs, plans, renders and verifies it. Pixels do not depend on the number of threads.
+    ShotFrame render(int frame, const RenderOptions& options = {});
+    /// The same for a scene of `scene()` that was changed by hand. The metadata still has the text of the shot.
+    ShotFrame render(Scene scene, const RenderOptions& options = {});
+
+    /// For colours that are given in other spaces than the working space.
+    const ColourConfig& colour() const;
+
+    Shot(Shot&&) noexcept;
+    Shot& operator=(Shot&&) noexcept;
+    ~Shot();
+
+  private:
+    struct Content;
+    explicit Shot(std::unique_ptr<Content> content);
+    friend class ShotStudy;  // study/shot_study.h
+
+    std::unique_ptr<Content> m_content;
+};
+
+}  // namespace scrim

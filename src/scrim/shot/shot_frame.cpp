@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/shot_frame.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/base/timed.h>
+#include <scrim/scene/frame_path.h>
+#include <scrim/shot/frame_output.h>
+#include <scrim/shot/frame_report.h>
+#include <scrim/shot/shot_text.h>
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace scrim {
+
+ShotFrame::ShotFrame(std::unique_ptr<Content> content) : m_content(std::move(content)) {}
+ShotFrame::ShotFrame(ShotFrame&&) noexcept = default;
+ShotFrame& ShotFrame::operator=(ShotFrame&&) noexcept = default;
+ShotFrame::~ShotFrame() = default;
+
+bool ShotFrame::skipped() const {
+    return m_content->skipped;
+}
+const Image& ShotFrame::image() const {
+    return m_content->image;
+}
+const ShotReport& ShotFrame::report() const {
+    return m_content->report;
+}
+
+std::vector<std::string> ShotFrame::layerNames() const {
+    std::vector<std::string> names;
+    for (const ShotLayer& layer : m_content->layers) names.push_back(layer.name);
+    return names;
+}
+
+const ShotLayer& ShotFrame::layer(const std::string& name) const {
+    for (const ShotLayer& layer : m_content->layers)
+        if (layer.name == name) return layer;
+    throw Error(ErrorKind::usage, fmt::format("the frame has no layer '{}'; expected {}", clipped(name, 80),
+                                              choices(layerNames())));
+}
+
+void ShotFrame::requirePicture() const {
+    if (skipped())
+        throw Error(ErrorKind::usage, fmt::format("frame {} was skipped: there is no picture", report().frame));
+}
+
+std::string ShotFrame::pathOf(const std::string& path, const std::string& fromScene, const std::string& what) const {
+    requirePicture();
+    if (!path.empty()) return expandFrame(path, report().frame);
+    if (fromScene.empty()) throw Error(ErrorKind::usage, fmt::format("the scene has no name for the {}", what));
+    return fromScene;
+}
+
+void ShotFrame::write(const std::string& path, const MessageSink& messages) {
+    ShotReport& report = m_content->report;
+    const std::string file = pathOf(path, m_content->scene.output.file, "picture");
+    if (lowerExtension(file) != ".exr")
+        throw Error(ErrorKind::usage, fmt::format("the picture '{}' does not end in '.exr'", clipped(file)));
+    TaskArena(report.threads).run([&] {
+        const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, file); });
+        report.file = file;
+        if (clamped > 0)
+            say(messages, Severity::warning,
+                fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" keeps them",
+                            file, clamped));
+    });
+    report.peakBytes = peakResidentBytes();
+}
+
+void ShotFrame::preview(const std::string& path) {
+    ShotReport& report = m_content->report;
+    const std::string file = pathOf(path, m_content->scene.output.preview.file, "preview");
+    TaskArena(report.threads).run([&] {
+        timed(report.seconds.write, [&] { writeFramePreview(*m_content, file); });
+    });
+    report.peakBytes = peakResidentBytes();
+}
+
+}  // namespace scrim

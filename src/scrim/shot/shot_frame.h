@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: Apache-2.0
+// A rendered frame: its picture, its layers, what it took, and its files.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/geometry/spaces.h>
+#include <scrim/image/image.h>
+#include <scrim/scene/scene.h>
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+/// A picture beside the beauty, over the same window.
+struct ShotLayer {
+    std::string name;                   ///< "light.key", "ambient", "depth"
+    std::vector<std::string> channels;  ///< as in the file: "light.key.R", ...; of depth "Z" and "depth.mean"
+    std::vector<float> data;            ///< channels.size() floats a pixel, interleaved, rows from top to bottom
+};
+
+/// Seconds of wall clock.
+struct ShotTimes {
+    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< plan: with a tolerance's pilots
+    /// Of `render`.
+    double prepare = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
+
+    double total() const { return load + plan + render + verify + write; }
+};
+
+/// A comparison with the brute-force reference. Errors are relative RMSE over R, G and B.
+struct VerificationReport {
+    int pixels = 0;          ///< that counted: those that show something
+    std::size_t looked = 0;  ///< pixels that were evaluated
+    bool complete = false;   ///< no pixel was left out: the error is exact
+    bool outOfTime = false;  ///< RenderOptions::verifyLimit ended it early
+    double error = 0;
+    double lower = 0, upper = 0;  ///< 95 % confidence interval of `error`
+    double alphaError = 0;
+    double bias = 0;             ///< mean difference over mean reference
+    double worst = 0;            ///< RMS difference of one pixel over the mean reference
+    int worstX = 0, worstY = 0;  ///< that pixel
+};
+
+/// What came of a tolerance.
+struct ToleranceReport {
+    double wanted = 0;
+    double predicted = 0;  ///< of the setting that was rendered last
+    double texel = 0, sheetThickness = 0;
+    double bound = 0;  ///< the error is below it with a confidence of 97.5 %
+    int attempts = 0;  ///< settings that were rendered
+    bool met = false;
+};
+
+struct ShotReport {
+    std::string input;  ///< the shot's path
+    std::string file;   ///< where the picture goes: the last one written, or else as the scene says
+    int frame = 1;
+    Int2 resolution{0};
+    int threads = 0;
+    ShotTimes seconds;
+    std::string planJson;       ///< the plan that was rendered, as one JSON object
+    std::string workJson;       ///< counts of work, as one JSON object; the same on every run
+    std::size_t peakBytes = 0;  ///< memory of the process at its most so far
+    std::optional<VerificationReport> verification;
+    std::optional<ToleranceReport> tolerance;
+};
+
+/// `report` as one JSON object.
+std::string reportAsJson(const ShotReport& report);
+
+/// Movable. Its const members may be called from several threads at once.
+class ShotFrame {
+  public:
+    /// Whether MissingPolicy::skip left the frame out: then there is no picture.
+    bool skipped() const;
+
+    /// Premultiplied, scene-linear, in the working space. Covers the picture with its overscan, or the crop.
+    const Image& image() const;
+
+    /// The layers that the scene asks for, in its order; of lights one each: "light.key". In the working space, except
+    /// for depth (world units along the viewing axis).
+    std::vector<std::string> layerNames() const;
+    /// Throws Error(usage), which lists the names, where there is no such layer.
+    const ShotLayer& layer(const std::string& name) const;
+
+    const ShotReport& report() const;
+
+    /// Writes picture and layers as one OpenEXR file with all metadata, in the space and type that the scene's output
+    /// says. "####" in `path` stands for the frame, as in scenes; "": the scene's own output file. The file appears
+    /// whole or not at all. Throws Error: usage, output.
+    void write(const std::string& path = "", const MessageSink& messages = {});
+
+    /// Writes the picture as a display shows it: a PNG, or what the extension says. "": the scene's own preview file.
+    void preview(const std::string& path = "");
+
+    struct Content;
+    explicit ShotFrame(std::unique_ptr<Content> content);
+    ShotFrame(ShotFrame&&) noexcept;
+    ShotFrame& operator=(ShotFrame&&) noexcept;
+    ~ShotFrame();
+
+  private:
+    std::string pathOf(const std::string& path, const std::string& fromScene, const std::string& what) const;
+    void requirePicture() const;
+
+    std::unique_ptr<Content> m_content;
+};
+
+}  // namespace scrim

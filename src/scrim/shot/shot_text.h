@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+// The text behind a shot: that of a scene file, or one that is made up for an asset, so that all that follows knows
+// scenes only.
+#pragma once
+
+#include <scrim/image/colour.h>
+#include <scrim/scene/scene.h>
+#include <scrim/scene/scene_reader.h>
+#include <scrim/shot/field_store.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+class ShotText {
+  public:
+    /// Reads a scene file. Of an asset only the path is looked at. Throws Error: usage, input.
+    ShotText(const std::string& path, const std::vector<std::string>& overrides, const std::optional<Int2>& resolution);
+
+    const std::string& path() const { return m_path; }
+    bool isAsset() const { return m_asset; }
+
+    /// Loads an asset that was not framed yet into `store`, and frames it.
+    void frameAsset(FieldStore& store);
+
+    /// The scene at a frame. Where it names no output, the output is called as the shot is.
+    Scene at(int frame, const ColourConfig& colour) const;
+
+    /// With the overrides, and `more` of them.
+    std::string toml(const std::vector<std::string>& more) const;
+
+  private:
+    std::string framedText(const SparseField& field) const;
+
+    std::string m_path;
+    Int2 m_framedResolution;
+    bool m_asset = false;
+    bool m_framed = false;
+    std::string m_assetPattern;  ///< the asset's path as a scene names it
+    SceneText m_text;
+    std::vector<std::string> m_overrides;
+};
+
+/// The extension of a file's name, in lower case: ".exr".
+std::string lowerExtension(const std::string& path);
+
+}  // namespace scrim

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// The pictures of lights' slides: read once, and kept as long as the next frame shows them, too.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/image/colour.h>
+#include <scrim/scene/scene.h>
+
+#include <cstddef>
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace scrim {
+
+class SlideStore {
+  public:
+    explicit SlideStore(ColourConfig colour) : m_colour(std::move(colour)) {}
+
+    /// Gives every slide of `scene` that names a file its picture; forgets those of the frame before that this one does
+    /// not use. Throws Error(input) "scene.toml:12:18: light 'key': ...".
+    void loadInto(Scene& scene, const MessageSink& messages);
+
+    /// That the pictures take.
+    std::size_t bytes() const;
+
+  private:
+    using Key = std::pair<std::string, std::string>;  // file and colour space
+
+    ColourConfig m_colour;
+    std::map<Key, std::shared_ptr<const Texture>> m_images;
+};
+
+}  // namespace scrim

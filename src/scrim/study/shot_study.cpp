@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/study/shot_study.h>
+
+#include <scrim/shot/shot_content.h>
+
+namespace scrim {
+
+ShotStudy::ShotStudy(Shot& shot, int frame, const RenderOptions& options) : m_options(options) {
+    m_options.missing = MissingPolicy::error;
+    Shot::Content& content = *shot.m_content;
+    Scene scene = withOptions(content.sceneAt(frame, m_options), m_options, *content.stores);
+    m_loaded = *loadShot(*content.stores, content.load, std::move(scene), m_options, VolumesOf::scene, ShotUse::plan);
+}
+
+ViewScene ShotStudy::viewWith(const Dials& dials, VolumesOf volumesOf) {
+    const std::pair key(dials.lod, volumesOf);
+    auto found = m_views.find(key);
+    if (found == m_views.end()) found = m_views.emplace(key, m_loaded.view(m_options, dials.lod, volumesOf)).first;
+    ViewScene turned = found->second;
+    turned.dials = dials;
+    turned.layers.clear();  // the study looks at the beauty
+    return turned;
+}
+
+Study ShotStudy::run(double budget, const ProgressSink& progress) {
+    StudyOptions options;
+    options.budget = budget;
+    options.truth = [this](const Dials& dials) { return viewWith(dials, VolumesOf::scene); };
+    return runStudy([this](const Dials& dials) { return viewWith(dials, VolumesOf::picture); }, m_loaded.scene.dials,
+                    options, progress);
+}
+
+}  // namespace scrim

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: Apache-2.0
+// Shots: what the program does with a scene, a program of someone else's can do through the library, with the same
+// pixels.
+#include <scrim/scrim.h>
+
+#include <scrim/image/exr_read.h>
+
+#include "support/expect_error.h"
+#include "support/run_program.h"
+#include "support/temp_folder.h"
+#include "support/vdb_make.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace scrim::test {
+namespace {
+
+const std::string kScene = R"(
+[camera]
+position = [0, 0, 40]
+target = [0, 0, 0]
+fov = 35
+resolution = [32, 24]
+[[volume]]
+name = "smoke"
+file = "smoke.vdb"
+[volume.medium]
+extinction_tint = [1, 0.8, 0.6]
+[[light]]
+name = "key"
+type = "distant"
+direction = [-1, -1, -1]
+intensity = 3
+[[light]]
+name = "rim"
+type = "point"
+position = [20, 10, -15]
+intensity = 900
+[ambient]
+color = [0.1, 0.1, 0.2]
+[output]
+file = "shot.####.exr"
+type = "float"
+layers = ["light", "ambient", "depth", "transmittance"]
+)";
+
+std::string bytesOf(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class ShotTest : public ::testing::Test {
+  protected:
+    void SetUp() override {
+        makeVdb(file("smoke.vdb"), {{.voxels = box({-6, -6, -6}, {6, 6, 6}, 0.2)}});
+        writeBytes(file("shot.toml"), kScene);
+    }
+
+    std::string file(const std::string& name) const { return m_folder.file(name); }
+    Shot open(const std::vector<std::string>& overrides = {}, const OpenOptions& options = {}) const {
+        return Shot::open(file("shot.toml"), overrides, options);
+    }
+    /// The program's picture of the same frame.
+    void runProgramOn(const std::vector<std::string>& arguments) const {
+        std::vector<std::string> all{"render", file("shot.toml"), "-q"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        const ProgramResult result = runProgram(m_folder.path(), all);
+        ASSERT_EQ(result.status, 0) << result.err;
+    }
+
+  private:
+    TempFolder m_folder;
+};
+
+TEST_F(ShotTest, HasThePixelsAndTheFileOfTheProgram) {
+    runProgramOn({"--frames", "7", "--set", "camera.fov=30", "-o", "program.####.exr"});
+    ShotFrame frame = open({"camera.fov=30"}).render(7);
+    const Image picture = readExr(file("program.0007.exr"));
+    EXPECT_EQ(reframed(frame.image(), picture.window).rgba, picture.rgba);
+    EXPECT_EQ(frame.image().window, (PixelWindow{0, 0, 32, 24}));
+    frame.write(file("library.####.exr"));
+    EXPECT_EQ(frame.report().file, file("library.0007.exr"));
+    EXPECT_EQ(bytesOf(file("library.0007.exr")), bytesOf(file("program.0007.exr")));
+}
+
+TEST_F(ShotTest, WritesWhereTheSceneSays) {
+    ShotFrame frame = open({"output.preview={file=\"look.png\"}"}).render(3);
+    frame.write();
+    frame.preview();
+    EXPECT_FALSE(bytesOf(file("shot.0003.exr")).empty());
+    EXPECT_EQ(bytesOf(file("look.png")).substr(1, 3), "PNG");
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { frame.write("a.png"); }), "the picture 'a.png' does not end in '.exr'");
+}
+
+TEST_F(ShotTest, KeepsTheFramingAndVerificationOfTheProgram) {
+    const ProgramResult result =
+        runProgram(file("."), {"render", "smoke.vdb", "--res", "40x30", "--verify", "20", "-q", "-o", "program.exr"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    OpenOptions opening;
+    opening.resolution = Int2(40, 30);
+    RenderOptions options;
+    options.verify = 20;
+    ShotFrame frame = Shot::open(file("smoke.vdb"), {}, opening).render(1, options);
+    ASSERT_TRUE(frame.report().verification);
+    EXPECT_GE(frame.report().verification->pixels, 20);
+    EXPECT_LT(frame.report().verification->error, 0.1);
+    EXPECT_FALSE(frame.report().tolerance);
+    EXPECT_NE(frame.report().planJson.find("\"groups\""), std::string::npos);
+    const Image picture = readExr(file("program.exr"));  // half
+    const Image same = reframed(frame.image(), picture.window);
+    for (std::size_t i = 0; i < picture.rgba.size(); ++i)
+        ASSERT_NEAR(same.rgba[i], picture.rgba[i], 1e-3 * std::max(1.0f, picture.rgba[i]));
+}
+
+TEST_F(ShotTest, GivesLayersByName) {
+    const ShotFrame frame = open().render(1);
+    EXPECT_EQ(frame.layerNames(),
+              (std::vector<std::string>{"light.key", "light.rim", "ambient", "depth", "transmittance"}));
+    const std::vector<float>&key = frame.layer("light.key").data, &rim = frame.layer("light.rim").data,
+          &ambient = frame.layer("ambient").data;
+    ASSERT_EQ(key.size(), 3u * 32 * 24);
+    const Image& image = frame.image();
+    const std::size_t middle = image.indexOf(16, 12) / 4 * 3;
+    for (std::size_t c = 0; c < 3; ++c)
+        EXPECT_NEAR(key[middle + c] + rim[middle + c] + ambient[middle + c], image.rgba[image.indexOf(16, 12) + c],
+                    1e-6);
+    EXPECT_GT(key[middle], 0);
+    EXPECT_EQ(frame.layer("depth").channels, (std::vector<std::string>{"Z", "depth.mean"}));
+    EXPECT_NEAR(frame.layer("depth").data[2 * (12 * 32 + 16)], 34, 1);
+    EXPECT_EQ(frame.layer("transmittance").channels.front(), "transmittance.R");
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { frame.layer("light.fill"); }),
+              "the frame has no layer 'light.fill'; expected 'light.key', 'light.rim', 'ambient', 'depth' or "
+              "'transmittance'");
+}
+
+TEST_F(ShotTest, RefusesOverridesThatNobodyReads) {
+    EXPECT_NE(errorOf(ErrorKind::input, [&] { open({"camera.fof=20"}); }).find("--set camera.fof"), std::string::npos);
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { Shot::open("shot.yaml"); }),
+              "shot.yaml: expected a scene (.toml) or an asset (.vdb)");
+}
+
+TEST_F(ShotTest, StopsWhereProgressSaysSo) {
+    Shot shot = open();
+    std::vector<double> heard;
+    RenderOptions options;
+    options.progress = [&](double part) {
+        heard.push_back(part);
+        return part < 0.5;
+    };
+    EXPECT_EQ(errorOf(ErrorKind::interrupted, [&] { shot.render(1, options); }), "the render was interrupted");
+    ASSERT_FALSE(heard.empty());
+    EXPECT_GE(heard.back(), 0.5);
+    EXPECT_TRUE(std::is_sorted(heard.begin(), heard.end()));
+    options.progress = [](double) { return true; };
+    EXPECT_FALSE(shot.render(1, options).image().rgba.empty());  // and it can go on
+}
+
+TEST_F(ShotTest, StopsALoadThatIsGuarded) {
+    OpenOptions opening;
+    opening.load = {VolumeLoading::guarded, SCRIM_PROGRAM};
+    Shot shot = open({}, opening);
+    RenderOptions options;
+    options.progress = [](double) { return false; };
+    EXPECT_EQ(errorOf(ErrorKind::interrupted, [&] { shot.render(1, options); }), "the render was interrupted");
+    options.checkpoint = [] { throw Error(ErrorKind::interrupted, "enough"); };
+    EXPECT_EQ(errorOf(ErrorKind::interrupted, [&] { shot.render(1, options); }), "enough");
+}
+
+TEST_F(ShotTest, LoadsPlainAndGuardedFieldsAlike) {
+    OpenOptions opening;
+    opening.load = {VolumeLoading::guarded, SCRIM_PROGRAM};
+    EXPECT_EQ(open({}, opening).render(1).image().rgba, open().render(1).image().rgba);
+    opening.load.loader.clear();
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { open({}, opening).render(1); }),
+              "guarded loading of volumes: expected the path of a loader, the program scrim");
+    opening.load.loader = "/no/such/program";
+    EXPECT_EQ(errorOf(ErrorKind::render, [&] { open({}, opening).render(1); }),
+              "cannot start '/no/such/program' to read volumes: No such file or directory");
+}
+
+TEST_F(ShotTest, IsIndependentOfOtherShots) {
+    Shot one = open(), other = open({"camera.fov=50", "light.key.intensity=9"});
+    RenderOptions few, more;
+    few.threads = 1;
+    more.threads = 2;
+    const std::vector<float> oneAlone = one.render(1).image().rgba, otherAlone = other.render(1).image().rgba;
+    EXPECT_NE(oneAlone, otherAlone);
+    for (int round = 0; round < 3; ++round) {
+        Shot left = open(), right = open({"camera.fov=50", "light.key.intensity=9"});
+        std::vector<float> leftPixels, rightPixels;
+        std::thread leftThread([&] { leftPixels = left.render(1, few).image().rgba; });
+        std::thread rightThread([&] { rightPixels = right.render(1, more).image().rgba; });
+        leftThread.join();
+        rightThread.join();
+        EXPECT_EQ(leftPixels, oneAlone);
+        EXPECT_EQ(rightPixels, otherAlone);
+    }
+}
+
+TEST_F(ShotTest, DoesWithMissingFilesWhatItIsTold) {
+    Shot shot = open({"volume.smoke.file=absent.vdb"});
+    std::vector<std::string> heard;
+    RenderOptions options;
+    options.messages = [&](Severity severity, const std::string& text) {
+        if (severity == Severity::warning) heard.push_back(text);
+    };
+    const std::string problem = errorOf(ErrorKind::input, [&] { shot.render(4, options); });
+    EXPECT_NE(problem.find("absent.vdb"), std::string::npos);
+    options.missing = MissingPolicy::skip;
+    ShotFrame skipped = shot.render(4, options);
+    EXPECT_TRUE(skipped.skipped());
+    EXPECT_TRUE(skipped.image().rgba.empty());
+    EXPECT_EQ(heard, std::vector{"frame 4 is skipped: " + problem});
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { skipped.write(file("a.exr")); }),
+              "frame 4 was skipped: there is no picture");
+    EXPECT_TRUE(shot.plan(4, options).skipped);
+    heard.clear();
+    options.missing = MissingPolicy::black;
+    const Image black = shot.render(4, options).image();
+    EXPECT_EQ(*std::max_element(black.rgba.begin(), black.rgba.end()), 0);
+    EXPECT_EQ(heard, std::vector{"frame 4: black instead: " + problem});
+}
+
+TEST_F(ShotTest, NamesTheFramesOfItsSequences) {
+    EXPECT_EQ(open().frames(), std::vector{1});
+    for (const char* name : {"s.0003.vdb", "s.0005.vdb"})
+        makeVdb(file(name), {{.voxels = box({0, 0, 0}, {1, 1, 1}, 1)}});
+    EXPECT_EQ(open({"volume.smoke.file=s.####.vdb"}).frames(), (std::vector{3, 5}));
+    EXPECT_EQ(open({"volume.smoke.file=s.####.vdb", "volume.smoke.frame.offset=2"}).frames(), (std::vector{1, 3}));
+    EXPECT_EQ(Shot::open(file("s.####.vdb")).frames(), (std::vector{3, 5}));
+}
+
+TEST_F(ShotTest, RendersScenesThatAreChangedByHand) {
+    Shot shot = open();
+    Scene scene = shot.scene(2);
+    scene.lights.pop_back();
+    scene.lights[0].intensity *= 2.0;
+    scene.volumes[0].densityScale *= 0.5;
+    const ShotFrame byHand = shot.render(scene);
+    EXPECT_EQ(byHand.report().frame, 2);
+    EXPECT_EQ(byHand.layerNames().front(), "light.key");
+    const std::string without = kScene.substr(0, kScene.find("[[light]]\nname = \"rim\"")) +
+                                kScene.substr(kScene.find("[ambient]"));
+    writeBytes(file("shot.toml"), without);
+    EXPECT_EQ(byHand.image().rgba,
+              open({"light.key.intensity=6", "volume.smoke.density.scale=0.5"}).render(2).image().rgba);
+}
+
+TEST_F(ShotTest, RendersGridsThatAreMadeInCode) {
+    FieldBuilder builder("density", Mat4(1.0));
+    const std::vector<float> ones(kBlockVoxels, 1.0f);
+    for (int i = 0; i < 8; ++i) builder.addBlock(Int3(i >> 2 & 1, i >> 1 & 1, i & 1) * 8 - 8, ones.data());
+    Scene scene;
+    scene.camera.type = CameraType::orthographic;
+    scene.camera.wsPosition = {0, 0, 50};
+    scene.camera.height = 24;
+    scene.camera.resolution = {32, 32};
+    scene.volumes.resize(1);
+    scene.volumes[0].name = "fog";
+    scene.volumes[0].densityScale = 0.1;
+    scene.lights.resize(1);
+    Shot shot = Shot::make(scene);
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { shot.render(1); }),
+              "volume 'fog' has no file, no source, and no grids that were set");
+    shot.setVolume("fog", {builder.finish()});
+    const ShotFrame frame = shot.render(1);
+    // Straight through the middle: 16 voxels of extinction 0.1, lit from the front.
+    const float* middle = frame.image().rgba.data() + frame.image().indexOf(16, 16);
+    const double tau = 1.6, alpha = 1 - std::exp(-tau);
+    EXPECT_NEAR(middle[3], alpha, 0.01 * alpha);
+    EXPECT_NEAR(middle[0], 0.9 / (8 * std::acos(-1.0)) * (1 - std::exp(-2 * tau)), 1e-3);
+    scene.volumes[0].densityGrid = "heat";
+    EXPECT_EQ(errorOf(ErrorKind::input, [&] { shot.render(scene); }),
+              "volume 'fog' has no grid 'heat'; there is 'density'");
+    EXPECT_EQ(shot.toml(), "");
+}
+
+TEST_F(ShotTest, PlansWhatItRenders) {
+    Shot shot = open();
+    std::string planned;
+    RenderOptions options;
+    options.planned = [&](const ShotPlan& plan) { planned = plan.json; };
+    const ShotPlan plan = shot.plan(1);
+    EXPECT_EQ(shot.render(1, options).report().planJson, plan.json);
+    EXPECT_EQ(planned, plan.json);
+    EXPECT_NE(plan.table.find("shadows"), std::string::npos);
+    EXPECT_GT(plan.fieldBytes, 0u);
+}
+
+TEST_F(ShotTest, KeepsToTolerancesAndLimits) {
+    Shot shot = open();
+    RenderOptions options;
+    options.tolerance = 0.2;
+    options.verify = 40;
+    const ShotReport report = shot.render(1, options).report();
+    ASSERT_TRUE(report.tolerance);
+    EXPECT_TRUE(report.tolerance->met);
+    EXPECT_LE(report.tolerance->bound, 0.2);
+    options = {};
+    options.memory = 1000;
+    EXPECT_NE(errorOf(ErrorKind::memory, [&] { shot.render(1, options); }).find("leaves nothing of the limit"),
+              std::string::npos);
+    options = {};
+    options.crop = PixelWindow{8, 8, 20, 16};
+    EXPECT_EQ(shot.render(1, options).image().window, *options.crop);
+}
+
+TEST_F(ShotTest, SharesVolumesWhereAskedTo) {
+    Shot one = open();
+    OpenOptions opening;
+    opening.shareWith = &one;
+    Shot other = open({"camera.fov=50"}, opening);
+    one.render(1);
+    writeBytes(file("smoke.vdb"), "not read again");
+    // The head of the file is looked at to tell whether the volume is in view; its grids are not read again.
+    EXPECT_FALSE(other.render(1).image().rgba.empty());
+}
+
+}  // namespace
+}  // namespace scrim::test
