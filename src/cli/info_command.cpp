@@ -29,7 +29,7 @@ std::string boundsText(const GridInfo& grid) {
 }
 
 std::string gridText(const GridInfo& g) {
-    std::string text = fmt::format("\n  grid '{}'\n", clipped(g.name));
+    std::string text = fmt::format("\n  grid '{}'\n", shortened(g.name));
     const auto row = [&text](const char* name, const std::string& value) {
         text += fmt::format("    {:<14} {}\n", name, value);
     };

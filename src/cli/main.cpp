@@ -57,7 +57,7 @@ int statusOf(ErrorKind kind) {
 /// The last line on stderr.
 int fail(int status, const std::string& reason) {
     constexpr std::size_t kLongestReason = 4000;
-    std::fputs(fmt::format("scrim: error: {}\n", clipped(reason, kLongestReason)).c_str(), stderr);
+    std::fputs(fmt::format("scrim: error: {}\n", shortened(reason, kLongestReason)).c_str(), stderr);
     return status;
 }
 
@@ -160,7 +160,7 @@ void checkCommandName(const CommandLine& line, const std::vector<std::string>& a
     for (const std::string& name : names)
         if (name == arguments.front()) return;
     throw Error(ErrorKind::usage,
-                fmt::format("unknown command '{}'; expected {}", clipped(arguments.front(), 80), choices(names)));
+                fmt::format("unknown command '{}'; expected {}", shortened(arguments.front(), 80), choices(names)));
 }
 
 int runCommand(CommandLine& line) {

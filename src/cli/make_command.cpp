@@ -32,7 +32,7 @@ std::vector<std::pair<std::string, std::string>> split(const std::vector<std::st
     for (const std::string& text : assignments) {
         const std::size_t equals = text.find('=');
         if (equals == std::string::npos || equals == 0)
-            throw Error(ErrorKind::usage, fmt::format("'{}': expected key=value", clipped(text, 80)));
+            throw Error(ErrorKind::usage, fmt::format("'{}': expected key=value", shortened(text, 80)));
         out.emplace_back(text.substr(0, equals), text.substr(equals + 1));
     }
     return out;

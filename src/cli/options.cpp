@@ -22,7 +22,7 @@ constexpr int kMostPixels = 65536;  // a side, as in scenes
 constexpr int kMostThreads = 4096;
 
 [[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& expected) {
-    throw Error(ErrorKind::usage, fmt::format("{} {}: expected {}", option, clipped(text, 80), expected));
+    throw Error(ErrorKind::usage, fmt::format("{} {}: expected {}", option, shortened(text, 80), expected));
 }
 
 /// The numbers of `text` between `separator`s; nothing where it is anything else.
@@ -34,7 +34,7 @@ std::optional<std::vector<Number>> numbersOf(std::string_view text, char separat
         const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         if (error != std::errc()) return std::nullopt;
         numbers.push_back(value);
-        text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+        text.remove_prefix(std::size_t(stop - text.data()));
         if (text.empty()) return numbers;
         if (text.front() != separator) return std::nullopt;
         text.remove_prefix(1);
@@ -45,8 +45,7 @@ std::optional<std::vector<Number>> numbersOf(std::string_view text, char separat
 double numberFrom(const std::string& option, const std::string& text, bool (*allows)(double),
                   const std::string& expected) {
     const auto numbers = numbersOf<double>(text, '\0');
-    if (!numbers || numbers->size() != 1 || !allows(numbers->front()))
-        refuse(option, text, expected);
+    if (!numbers || numbers->size() != 1 || !allows(numbers->front())) refuse(option, text, expected);
     return numbers->front();
 }
 
@@ -74,7 +73,7 @@ void addChoice(CLI::App& command, const std::string& name, const std::vector<std
     add(command, name, fmt::format("{}", fmt::join(words, "|")), help, [=](const std::string& text) {
         const auto found = std::find(words.begin(), words.end(), text);
         if (found == words.end()) refuse(name, "'" + text + "'", choices(words));
-        take(static_cast<std::size_t>(found - words.begin()));
+        take(std::size_t(found - words.begin()));
     });
 }
 
@@ -89,7 +88,7 @@ std::size_t parseSize(const std::string& text) {
     const std::string expected = "a size such as 8G, 512M, 64K, or a number of bytes";
     std::size_t value = 0;
     const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const std::string_view unit(stop, static_cast<std::size_t>(text.data() + text.size() - stop));
+    const std::string_view unit(stop, std::size_t(text.data() + text.size() - stop));
     const std::size_t place = std::string_view("KMGT").find(unit.empty() ? 'K' : unit.front());
     if (error != std::errc() || unit.size() > 1 || place == std::string_view::npos || value == 0)
         refuse("--memory", text, expected);

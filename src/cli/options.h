@@ -39,7 +39,7 @@ struct SceneOptions {
     ProgressStyle progress = ProgressStyle::automatic;
     int verify = 0;          ///< pixels; kAllPixels: all
     double verifyLimit = 0;  ///< seconds; 0: none
-    double tolerance = 0;  ///< relative RMSE, in place of quality; 0: not given
+    double tolerance = 0;    ///< relative RMSE, in place of quality; 0: not given
 
     bool json = false;  ///< of `scrim plan`
     double budget = 0;  ///< of `scrim study`: seconds; 0: none

@@ -33,10 +33,8 @@ PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
     const ShotPlan plan = input.shot().plan(frame, options);
     if (plan.skipped) return {};
     PlannedFrame planned;
-    planned.json = {{"input", input.name()},
-                    {"frame", frame},
-                    {"field_bytes", plan.fieldBytes},
-                    {"plan", Json::parse(plan.json)}};
+    planned.json = {
+        {"input", input.name()}, {"frame", frame}, {"field_bytes", plan.fieldBytes}, {"plan", Json::parse(plan.json)}};
     planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, plan.table, "memory of the fields",
                                bytesText(plan.fieldBytes));
     if (tolerance > 0) {

@@ -77,9 +77,9 @@ void RenderRun::run() {
 void RenderRun::announce(int frame, double seconds) {
     if (seconds < kWorthSaying) return;
     const bool cut = m_options.verifyLimit > 0 && seconds > m_options.verifyLimit;
-    m_console.line(fmt::format(
-        "frame {}: verifying it by brute force takes about {:.0f} s; --verify-limit {}", frame, seconds,
-        cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit) : "SECONDS would end it earlier"));
+    m_console.line(
+        fmt::format("frame {}: verifying it by brute force takes about {:.0f} s; --verify-limit {}", frame, seconds,
+                    cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit) : "SECONDS would end it earlier"));
 }
 
 RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
@@ -97,10 +97,10 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
 
 void RenderRun::keepMissed(const ShotReport& report) {
     if (!report.tolerance || report.tolerance->met) return;
-    m_missed.push_back(fmt::format(
-        "frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}", report.frame,
-        report.tolerance->bound, report.tolerance->wanted,
-        report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+    m_missed.push_back(
+        fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}", report.frame,
+                    report.tolerance->bound, report.tolerance->wanted,
+                    report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
 }
 
 /// The preview is written last: the picture is what matters.

@@ -80,7 +80,7 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
     if (lowerExtension(m_output.pattern) != ".exr")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
                                                   "kinds of pictures",
-                                                  clipped(m_output.pattern)));
+                                                  shortened(m_output.pattern)));
 }
 
 void SceneInput::change(Scene& scene) const {

@@ -48,8 +48,8 @@ class ResultFolder {
 };
 
 std::string tableOf(const Study& study) {
-    std::string text = fmt::format("{} reference pixels, {:.0f} s\n{:<12}{:<56}{:>9}{:>12}\n", study.pixels, study.spent,
-                                   "error below", "setting", "error", "time");
+    std::string text = fmt::format("{} reference pixels, {:.0f} s\n{:<12}{:<56}{:>9}{:>12}\n", study.pixels,
+                                   study.spent, "error below", "setting", "error", "time");
     for (const Recommendation& r : recommendations(study)) {
         const Trial* t = r.trial ? &study.trials[*r.trial] : nullptr;
         text += t ? fmt::format("{:>9.1f} % {:<56}{:>7.2f} %{:>9.0f} ms\n", 100 * r.tolerance, t->name,
@@ -70,8 +70,7 @@ std::string tableOf(const Study& study) {
 
 void study(const SceneOptions& options) {
     if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
-    if (options.output.empty())
-        throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
+    if (options.output.empty()) throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
     Console console(options.verbose, options.quiet);
     Progress progress(options.progress, console);
     // The output is a folder here: scenes have none of their own.

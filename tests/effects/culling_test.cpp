@@ -40,7 +40,7 @@ TEST_P(Crops, SplatAndShadeLessAndShowTheSame) {
     EXPECT_LT(crop.work.footprints, 0.6 * static_cast<double>(whole.work.footprints));
     EXPECT_LT(crop.work.lightSamples, 0.6 * static_cast<double>(whole.work.lightSamples));
     EXPECT_LT(crop.work.pixelSheets, 0.2 * static_cast<double>(whole.work.pixelSheets));
-    EXPECT_TRUE(effectOf(effectsOf(scene, makePlan(scene, 2)), "tiles left out").on);
+    EXPECT_TRUE(effectOf(effectsOf(scene, makePlan(scene, 2)), "tiles culled").on);
 }
 INSTANTIATE_TEST_SUITE_P(TexelsAndPixels, Crops, testing::Bool());
 
@@ -173,8 +173,8 @@ TEST(UselessLights, AreNamedWithTheirReasons) {
     for (ViewVolume& volume : scene.volumes) volume.medium.albedo = Rgb(0);
     EXPECT_EQ(culledLights(scene)[0], "no volume scatters light");
     const std::vector<Effect> effects = effectsOf(scene, makePlan(scene, 2));
-    EXPECT_TRUE(effectOf(effects, "lights left out").on);
-    EXPECT_NE(effectOf(effects, "lights left out").reason.find("'key': no volume scatters light"), std::string::npos);
+    EXPECT_TRUE(effectOf(effects, "lights culled").on);
+    EXPECT_NE(effectOf(effects, "lights culled").reason.find("'key': no volume scatters light"), std::string::npos);
 }
 
 // Every effect of the list can be on, and then says so; and off, and then says why.

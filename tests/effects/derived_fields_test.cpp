@@ -136,8 +136,8 @@ TEST(Assemble, LeavesOutVolumesOutOfViewAndSaysSo) {
     const auto density = boxField({0, 0, 0}, {7, 7, 7});
     const ViewScene view = assemble(scene, {{density, {}, {}}, {density, {}, {}}}, {}, 0);
     EXPECT_EQ(view.volumes.size(), 1u);
-    ASSERT_EQ(view.unseen.size(), 1u);
-    EXPECT_EQ(view.unseen[0].first, "far");
+    ASSERT_EQ(view.culled.size(), 1u);
+    EXPECT_EQ(view.culled[0].first, "far");
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST_F(CliEffects, VolumesThatThePictureHasNoUseForAreNotLoaded) {
     const std::string far = "[[volume]]\nname = \"far\"\nfile = \"far.vdb\"\ntransform = { translate = [300, 0, 0] }\n";
     write("s.toml", kCamera + kVolume + far + kLight);
     runWell({"render", "s.toml", "-o", "x.exr"});
-    const auto effect = effectOf("s.toml", "volumes left out");
+    const auto effect = effectOf("s.toml", "volumes culled");
     EXPECT_EQ(effect["on"], true);
     EXPECT_EQ(effect["reason"], "'far': it is out of view and throws no shadow into view");
     EXPECT_EQ(effect["where"][0], "s.toml:8:1");
@@ -141,13 +141,13 @@ TEST_F(CliEffects, PictureOfNothingSaysWhy) {
         runWell({"render", "scene.toml", "-o", "x.exr", "-q", "--set", "camera.target=[0,0,90]"});
     EXPECT_EQ(
         result.err,
-        "scrim: warning: frame 1: volume 'volume1' is left out: it is out of view and throws no shadow into view\n");
+        "scrim: warning: frame 1: volume 'volume1' is culled: it is out of view and throws no shadow into view\n");
 }
 
 TEST_F(CliEffects, LightsThatLightNothingAreNamedInThePlan) {
     write("s.toml", kCamera + "[[volume]]\nfile = \"smoke.vdb\"\nlights = [\"key\"]\n" + kLight +
                         "[[light]]\nname = \"rim\"\ntype = \"distant\"\ndirection = [1, 0, 0]\n");
-    const auto effect = effectOf("s.toml", "lights left out");
+    const auto effect = effectOf("s.toml", "lights culled");
     EXPECT_EQ(effect["reason"], "'rim': no volume is linked to it");
     EXPECT_EQ(effect["where"][0], "s.toml:13:1");
     EXPECT_EQ(effectOf("s.toml", "light linking")["where"][0], "s.toml:8:10");

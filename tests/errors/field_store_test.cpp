@@ -133,7 +133,7 @@ TEST_F(FieldStoreTest, LoadsWhatIsOutOfViewWhereAllIsWanted) {
     const Fields seen = store.fieldsOf(scene, files), all = store.fieldsOf(scene, files, VolumesOf::scene);
     EXPECT_FALSE(seen[0].density);
     ASSERT_TRUE(all[0].density);
-    EXPECT_EQ(all[0].unseen, seen[0].unseen);  // and yet the picture does without
+    EXPECT_EQ(all[0].culled, seen[0].culled);  // and yet the picture does without
     EXPECT_TRUE(assemble(scene, all, {}, 0).volumes.empty());
     EXPECT_EQ(assemble(scene, all, {}, 0, VolumesOf::scene).volumes.size(), 1u);
 }

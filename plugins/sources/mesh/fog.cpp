@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -43,7 +44,7 @@ class Adapter {
 
 /// Refuses what would not fit, from the triangles' extent and area.
 void checkSize(const Adapter& mesh, double halfBand) {
-    Vec3 lower(1e300), upper(-1e300);
+    Vec3 lower(std::numeric_limits<double>::infinity()), upper(-lower);
     double area = 0;
     for (std::size_t i = 0; i < mesh.polygonCount(); ++i) {
         const Vec3 a = mesh.point(i, 0), b = mesh.point(i, 1), c = mesh.point(i, 2);

@@ -4,15 +4,17 @@
 //     scrim make mesh file=bunny.ply resolution=256 density=4 -o bunny.vdb
 //
 // Parameters (lengths in the mesh's units, which become world units):
-//   file        a .obj or .ply file (text or binary); in a scene as seen from the scene, with ${NAME} and frames as other
+//   file        a .obj or .ply file (text or binary); in a scene as seen from the scene, with ${NAME} and frames as
+//   other
 //               files. Polygons are cut into triangles, materials and everything else are left out
 //   voxel       edge of a voxel; 0: the longest extent of the mesh divided by `resolution`
 //   resolution  voxels along the longest extent of the mesh, where `voxel` is 0
 //   density     value inside
 //   soft        width of the edge, over which density falls from all to nothing; 0: one voxel
-//   fill        true: the inside of closed surfaces, with the edge half inside and half outside; false: the surfaces alone,
-//               as sheets that are densest in the middle and reach `soft` to either side. An open surface has no inside,
-//               and is refused where it should be filled
+//   fill        true: the inside of closed surfaces, with the edge half inside and half outside; false: the surfaces
+//   alone,
+//               as sheets that are densest in the middle and reach `soft` to either side. An open surface has no
+//               inside, and is refused where it should be filled
 //
 // The grid is called "density". Time and memory go with the surface; the inside is tiles.
 #include "mesh.h"

@@ -20,9 +20,9 @@ struct Mesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// The triangles of an OBJ or PLY file; polygons are cut into triangles, all else is left out. At least one triangle, or
-/// none where `goOn`, which is asked now and then, said false. Throws std::runtime_error "`path`: ..." where there is no
-/// triangle or the file is missing or damaged.
+/// The triangles of an OBJ or PLY file; polygons are cut into triangles, all else is left out. At least one triangle,
+/// or none where `goOn`, which is asked now and then, said false. Throws std::runtime_error "`path`: ..." where there
+/// is no triangle or the file is missing or damaged.
 Mesh readMesh(const std::string& path, const std::function<bool()>& goOn);
 
 struct Fog {

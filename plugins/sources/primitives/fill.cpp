@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <glm/common.hpp>
 #include <glm/vec3.hpp>
@@ -25,7 +26,7 @@ class Filler {
 
     int run(double from, double to) {
         // The voxels all shapes' boxes touch; cubes of one size that cover them, at multiples of that size.
-        Vec3 lower(1e300), upper(-1e300);
+        Vec3 lower(std::numeric_limits<double>::infinity()), upper(-lower);
         Candidates all;
         for (const Shape& s : m_shapes) {
             const Vec3 reach = wsHalfExtent(s) + 0.5 * s.soft;

@@ -15,7 +15,8 @@ namespace primitives {
 
 enum class Combine { max, sum };
 
-/// Index space to world: voxel i has its centre at (i + 0.5) voxel, so that what is symmetric about the origin stays so.
+/// Index space to world: voxel i has its centre at (i + 0.5) voxel, so that what is symmetric about the origin stays
+/// so.
 struct Raster {
     double voxel = 1;
     Combine combine = Combine::max;

@@ -38,6 +38,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <stdexcept>
 #include <string_view>
 
@@ -61,7 +62,7 @@ constexpr scrim_parameter kParameters[kCount] = {
 };
 
 struct Box {
-    Vec3 lower{1e300}, upper{-1e300};
+    Vec3 lower{std::numeric_limits<double>::infinity()}, upper{-lower};
 
     void include(const Shape& s) {
         const Vec3 half = wsHalfExtent(s) + 0.5 * s.soft;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -61,7 +62,7 @@ std::array<double, 2> sinCos(double degrees) {
         constexpr std::array<double, 4> kSine{0, 1, 0, -1};
         return {kSine[static_cast<std::size_t>(q)], kSine[static_cast<std::size_t>((q + 1) % 4)]};
     }
-    const double radians = turn * std::acos(-1.0) / 180;
+    const double radians = turn * std::numbers::pi / 180;
     return {std::sin(radians), std::cos(radians)};
 }
 

@@ -26,8 +26,8 @@
 //   crop_to      first sample after those that are kept; 0, 0, 0: up to the end
 //   halve        axes, such as z or xyz, along which each two samples become their mean
 //   threshold    samples up to this (as the file has them) are empty
-//   window       "lo, hi": these become 0 and 1, what is beyond is clamped; "full": least and largest sample; empty: off
-//   scale        multiplied onto values at last
+//   window       "lo, hi": these become 0 and 1, what is beyond is clamped; "full": least and largest sample; empty:
+//   off scale        multiplied onto values at last
 //
 // The grid is called "density". A file that is shorter or (raw) longer than declared, sizes beyond 2^31 samples, and
 // compressed files too small to hold what they declare are refused before anything is allocated for them.

@@ -37,7 +37,7 @@ constexpr int kSlotCount = 64;
 std::array<Slot, kSlotCount> g_uncommitted;
 
 Slot& slotAt(int index) {
-    return g_uncommitted[static_cast<std::size_t>(index)];
+    return g_uncommitted[index];
 }
 
 /// The slot that now holds `path`; negative where there is no room.
@@ -144,7 +144,7 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
     while (error == 0 && !bytes.empty()) {
         const ssize_t written = ::write(out, bytes.data(), bytes.size());
         if (written >= 0)
-            bytes.remove_prefix(static_cast<std::size_t>(written));
+            bytes.remove_prefix(std::size_t(written));
         else if (errno != EINTR)
             error = errno;
     }

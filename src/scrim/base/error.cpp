@@ -7,7 +7,7 @@
 
 namespace scrim {
 
-std::string clipped(std::string_view message, std::size_t limit) {
+std::string shortened(std::string_view message, std::size_t limit) {
     std::string text(message.substr(0, limit));
     for (char& c : text) {
         const auto byte = static_cast<unsigned char>(c);

@@ -32,7 +32,7 @@ class Error : public std::runtime_error {
 
 /// `message` shortened to at most `limit` bytes: texts made by libraries from damaged files can be huge and
 /// hold unprintable bytes (those become '?').
-std::string clipped(std::string_view message, std::size_t limit = 300);
+std::string shortened(std::string_view message, std::size_t limit = 300);
 
 /// "3 bytes", "12.5 MB", in units of 1024.
 std::string bytesText(std::size_t bytes);

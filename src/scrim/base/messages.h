@@ -19,7 +19,7 @@ using ProgressSink = std::function<bool(double)>;
 /// Called often where nothing can be reported: throws where the caller of the library asked it to stop.
 using Checkpoint = std::function<void()>;
 
-inline void say(const MessageSink& sink, Severity severity, const std::string& text) {
+inline void notify(const MessageSink& sink, Severity severity, const std::string& text) {
     if (sink) sink(severity, text);
 }
 

@@ -33,8 +33,7 @@ struct Bounds {
     std::array<Vec3, 8> corners() const {
         std::array<Vec3, 8> c;
         for (int i = 0; i < 8; ++i)
-            c[static_cast<std::size_t>(i)] = {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y,
-                                              i & 4 ? upper.z : lower.z};
+            c[i] = {i & 1 ? upper.x : lower.x, i & 2 ? upper.y : lower.y, i & 4 ? upper.z : lower.z};
         return c;
     }
 };

@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// Of whole numbers it is half-open, [x0, x1) x [y0, y1), and begins as {0, 0, 0, 0}, which is empty. Of positions it is
-/// closed, and `Box2<double>::nothing()` is the empty one that grows by `include`. x to the right, y down.
+/// Of whole numbers it is half-open, [x0, x1) x [y0, y1), and begins as {0, 0, 0, 0}, which is empty. Of positions it
+/// is closed, and `Box2<double>::nothing()` is the empty one that grows by `include`. x to the right, y down.
 template <class T>
 struct Box2 {
     T x0{}, y0{}, x1{}, y1{};
@@ -27,7 +27,7 @@ struct Box2 {
     }
     T width() const { return x1 > x0 ? x1 - x0 : T{}; }
     T height() const { return y1 > y0 ? y1 - y0 : T{}; }
-    std::size_t pixelCount() const { return static_cast<std::size_t>(width()) * static_cast<std::size_t>(height()); }
+    std::size_t pixelCount() const { return std::size_t(width()) * std::size_t(height()); }
 
     bool contains(T x, T y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
     /// True where all of `other` lies inside (always, where `other` is empty).

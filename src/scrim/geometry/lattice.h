@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where the samples of a sheet lie: at the sheets' own texels, which all views share, or at the cells of one view.
 //
-// The lattice of a view gives all points on one of its rays the same place (x, y): what ZC02 splats into. N stays what it
-// is in texel space, so that a sheet is still a slab of N. The plan makes one for the eye and one for every light; whoever
-// treats them differently asks the lattice, not the plan.
+// The lattice of a view gives all points on one of its rays the same place (x, y): what ZC02 splats into. N stays what
+// it is in texel space, so that a sheet is still a slab of N. The plan makes one for the eye and one for every light;
+// whoever treats them differently asks the lattice, not the plan.
 #pragma once
 
 #include <scrim/geometry/sheets.h>

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -81,7 +82,7 @@ Vec3 blackbodyXyz(double kelvin) {
 }
 
 double blackbodyRadiance(double kelvin) {
-    static const double pi = std::acos(-1.0);
+    constexpr double pi = std::numbers::pi;
     return kelvin > 0 ? kStefanBoltzmann * std::pow(kelvin, 4) / pi * kMegawatts : 0;
 }
 

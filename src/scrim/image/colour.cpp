@@ -39,7 +39,7 @@ auto translated(const std::string& what, const Call& call) {
     try {
         return call();
     } catch (const OCIO::Exception& exception) {
-        throw Error(ErrorKind::input, fmt::format("{}: {}", what, clipped(exception.what())));
+        throw Error(ErrorKind::input, fmt::format("{}: {}", what, shortened(exception.what())));
     }
 }
 
@@ -145,7 +145,7 @@ bool ColourConfig::hasSpace(const std::string& name) const {
 std::string ColourConfig::resolve(const std::string& name) const {
     std::string found = findSpace(*m_opened->config, name);
     if (found.empty())
-        throw Error(ErrorKind::input, fmt::format("unknown colour space '{}' in {}; expected {}", clipped(name),
+        throw Error(ErrorKind::input, fmt::format("unknown colour space '{}' in {}; expected {}", shortened(name),
                                                   m_opened->described(), choices(spaceNames())));
     return found;
 }
@@ -235,13 +235,13 @@ std::string ColourConfig::defaultView(const std::string& display) const {
 
 std::string ColourConfig::resolvedDisplay(const std::string& display) const {
     return chosen(displays(), display.empty() ? defaultDisplay() : display,
-                  fmt::format("unknown display '{}' in {}", clipped(display), m_opened->described()));
+                  fmt::format("unknown display '{}' in {}", shortened(display), m_opened->described()));
 }
 
 std::string ColourConfig::resolvedView(const std::string& display, const std::string& view) const {
     return chosen(
         views(display), view.empty() ? defaultView(display) : view,
-        fmt::format("unknown view '{}' of display '{}' in {}", clipped(view), display, m_opened->described()));
+        fmt::format("unknown view '{}' of display '{}' in {}", shortened(view), display, m_opened->described()));
 }
 
 std::string ColourConfig::interopId(const std::string& space) const {

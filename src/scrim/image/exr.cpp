@@ -82,7 +82,7 @@ Imf::Compression compressionNamed(const std::string& name) {
     if (name == "dwaa") return Imf::DWAA_COMPRESSION;
     if (name == "none") return Imf::NO_COMPRESSION;
     throw Error(ErrorKind::usage,
-                fmt::format("unknown EXR compression '{}'; expected {}", clipped(name), choices(exrCompressions())));
+                fmt::format("unknown EXR compression '{}'; expected {}", shortened(name), choices(exrCompressions())));
 }
 
 Imath::Box2i closedBox(const PixelWindow& window) {
@@ -109,7 +109,7 @@ void checkArguments(const std::string& path, const Image& image, const ExrOption
     for (const ExrLayer& layer : layers) {
         for (const std::string& channel : layer.channels)
             if (channel.empty() || !names.insert(channel).second)
-                refuse(fmt::format("the channel name '{}' is empty or appears twice", clipped(channel)));
+                refuse(fmt::format("the channel name '{}' is empty or appears twice", shortened(channel)));
         if (layer.data.size() != layer.channels.size() * image.window.pixelCount())
             refuse(fmt::format("the layer with {} has {} values, expected {} x {} x {}", choices(layer.channels),
                                layer.data.size(), image.window.width(), image.window.height(), layer.channels.size()));
@@ -161,7 +161,7 @@ class ChannelSet {
     void add(Imf::Header& header, const std::vector<std::string>& names, const std::vector<float>& values,
              bool asHalf) {
         const std::size_t channels = names.size();
-        const auto imageWidth = static_cast<std::size_t>(m_imageWindow.width());
+        const auto imageWidth = std::size_t(m_imageWindow.width());
         const float* corner = values.data() + channels * cornerOffset();
         const auto* base = reinterpret_cast<const char*>(corner);
         std::size_t valueBytes = sizeof(float);
@@ -169,7 +169,7 @@ class ChannelSet {
         if (asHalf) {
             base = reinterpret_cast<const char*>(halves(corner, channels, imageWidth * channels).data());
             valueBytes = sizeof(half);
-            rowBytes = static_cast<std::size_t>(m_dataWindow.width()) * channels * sizeof(half);
+            rowBytes = std::size_t(m_dataWindow.width()) * channels * sizeof(half);
         }
         const Imf::PixelType type = asHalf ? Imf::HALF : Imf::FLOAT;
         for (std::size_t c = 0; c < channels; ++c) {
@@ -185,17 +185,16 @@ class ChannelSet {
   private:
     /// Pixels from the image window's first one to the data window's.
     std::size_t cornerOffset() const {
-        return static_cast<std::size_t>(m_dataWindow.y0 - m_imageWindow.y0) *
-                   static_cast<std::size_t>(m_imageWindow.width()) +
-               static_cast<std::size_t>(m_dataWindow.x0 - m_imageWindow.x0);
+        return std::size_t(m_dataWindow.y0 - m_imageWindow.y0) * std::size_t(m_imageWindow.width()) +
+               std::size_t(m_dataWindow.x0 - m_imageWindow.x0);
     }
 
     const std::vector<half>& halves(const float* corner, std::size_t channels, std::size_t floatsPerRow) {
-        const std::size_t count = static_cast<std::size_t>(m_dataWindow.width()) * channels;
+        const std::size_t count = std::size_t(m_dataWindow.width()) * channels;
         std::vector<half>& out = m_halves.emplace_back();
-        out.reserve(count * static_cast<std::size_t>(m_dataWindow.height()));
+        out.reserve(count * std::size_t(m_dataWindow.height()));
         for (int y = 0; y < m_dataWindow.height(); ++y) {
-            const float* row = corner + static_cast<std::size_t>(y) * floatsPerRow;
+            const float* row = corner + std::size_t(y) * floatsPerRow;
             for (std::size_t i = 0; i < count; ++i) out.push_back(clampedHalf(row[i]));
         }
         return out;
@@ -258,7 +257,7 @@ std::size_t writeExr(const std::string& path, const Image& image, const ExrOptio
     } catch (const std::bad_alloc&) {
         throw Error(ErrorKind::memory, fmt::format("cannot write '{}': out of memory", path));
     } catch (const std::exception& exception) {
-        throw Error(ErrorKind::output, fmt::format("cannot write '{}': {}", path, clipped(exception.what())));
+        throw Error(ErrorKind::output, fmt::format("cannot write '{}': {}", path, shortened(exception.what())));
     }
 }
 

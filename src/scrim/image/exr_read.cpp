@@ -32,7 +32,7 @@ auto reading(const std::string& path, const Call& call) {
     } catch (const Error&) {
         throw;
     } catch (const std::exception& exception) {
-        throw Error(ErrorKind::input, fmt::format("cannot read '{}': {}", path, clipped(exception.what())));
+        throw Error(ErrorKind::input, fmt::format("cannot read '{}': {}", path, shortened(exception.what())));
     }
 }
 
@@ -50,7 +50,7 @@ std::vector<float> readChannels(Imf::InputFile& file, const std::vector<std::str
     Imf::FrameBuffer frame;
     for (std::size_t c = 0; c < names.size(); ++c)
         frame.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + c, box, pixelBytes,
-                                                static_cast<std::size_t>(window.width()) * pixelBytes, 1, 1, fill[c]));
+                                                std::size_t(window.width()) * pixelBytes, 1, 1, fill[c]));
     file.setFrameBuffer(frame);
     file.readPixels(box.min.y, box.max.y);
     return values;

@@ -13,7 +13,7 @@ Image reframed(const Image& image, const PixelWindow& window) {
     Image out = emptyImage(window);
     const PixelWindow common = intersection(image.window, window);
     if (common.empty()) return out;
-    const std::size_t rowFloats = 4 * static_cast<std::size_t>(common.width());
+    const std::size_t rowFloats = 4 * std::size_t(common.width());
     for (int y = common.y0; y < common.y1; ++y)
         std::copy_n(image.rgba.data() + image.indexOf(common.x0, y), rowFloats,
                     out.rgba.data() + out.indexOf(common.x0, y));
@@ -26,7 +26,7 @@ PixelWindow nonEmptyWindow(const Image& image) {
     for (int y = window.y0; y < window.y1; ++y) {
         const float* row = image.rgba.data() + image.indexOf(window.x0, y);
         const auto used = [row, &window](int x) {
-            const float* p = row + 4 * static_cast<std::size_t>(x - window.x0);
+            const float* p = row + 4 * std::size_t(x - window.x0);
             return p[0] != 0 || p[1] != 0 || p[2] != 0 || p[3] != 0;
         };
         int left = window.x0;

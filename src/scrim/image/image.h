@@ -22,8 +22,7 @@ struct Image {
 
     /// Index into `rgba` of the red of pixel (x, y), which must lie in the window.
     std::size_t indexOf(int x, int y) const {
-        return 4 * (static_cast<std::size_t>(y - window.y0) * static_cast<std::size_t>(window.width()) +
-                    static_cast<std::size_t>(x - window.x0));
+        return 4 * (std::size_t(y - window.y0) * std::size_t(window.width()) + std::size_t(x - window.x0));
     }
 };
 

@@ -41,7 +41,7 @@ std::vector<unsigned char> pictureBytes(const std::string& name, const DisplayIm
     const OIIO::ImageSpec spec(picture.window.width(), picture.window.height(), 3, OIIO::TypeDesc::UINT8);
     const std::vector<std::uint8_t> rgb = withoutAlpha(picture);
     if (!out->open(name, spec) || !out->write_image(OIIO::TypeDesc::UINT8, rgb.data()) || !out->close())
-        refuse(clipped(out->geterror()));
+        refuse(shortened(out->geterror()));
     return bytes;
 }
 

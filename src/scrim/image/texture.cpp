@@ -31,12 +31,12 @@ Texture::Level halved(const Texture::Level& fine) {
     Texture::Level out;
     out.width = (fine.width + 1) / 2;
     out.height = (fine.height + 1) / 2;
-    out.rgba.assign(4 * static_cast<std::size_t>(out.width) * static_cast<std::size_t>(out.height), 0.0f);
-    parallelFor(static_cast<std::size_t>(out.height), [&](std::size_t row) {
+    out.rgba.assign(4 * std::size_t(out.width) * std::size_t(out.height), 0.0f);
+    parallelFor(std::size_t(out.height), [&](std::size_t row) {
         const Cover down = coverOf(static_cast<int>(row), out.height, fine.height);
         for (int x = 0; x < out.width; ++x) {
             const Cover across = coverOf(x, out.width, fine.width);
-            float* to = out.rgba.data() + 4 * (row * static_cast<std::size_t>(out.width) + static_cast<std::size_t>(x));
+            float* to = out.rgba.data() + 4 * (row * std::size_t(out.width) + std::size_t(x));
             for (int j = 0; j < down.count; ++j)
                 for (int i = 0; i < across.count; ++i) {
                     const float* from = fine.pixel(across.first + i, down.first + j);

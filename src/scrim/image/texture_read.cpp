@@ -55,7 +55,7 @@ FilePixels readPixels(const std::string& path) {
     OIIO::ImageSpec wishes;
     wishes.attribute("oiio:UnassociatedAlpha", 1);
     const auto in = OIIO::ImageInput::open(path, &wishes);
-    if (!in) refuse(path, clipped(OIIO::geterror()));
+    if (!in) refuse(path, shortened(OIIO::geterror()));
     const OIIO::ImageSpec& spec = in->spec();
     const int fullWidth = spec.full_width > 0 ? spec.full_width : spec.width;
     const int fullHeight = spec.full_height > 0 ? spec.full_height : spec.height;
@@ -72,7 +72,7 @@ FilePixels readPixels(const std::string& path) {
     stored.channelformats.clear();
     OIIO::ImageBuf data(stored);
     if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.localpixels()) || in->has_error())
-        refuse(path, clipped(in->geterror()));
+        refuse(path, shortened(in->geterror()));
     FilePixels out;
     out.integers = !spec.format.is_floating_point();
     out.alphaApart = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
@@ -85,7 +85,7 @@ FilePixels readPixels(const std::string& path) {
                          spec.nchannels);
     if (data.roi() != full) data = OIIO::ImageBufAlgo::cut(data, full);
     out.buffer = OIIO::ImageBufAlgo::reorient(data);
-    if (out.buffer.has_error() || !out.buffer.localpixels()) refuse(path, clipped(out.buffer.geterror()));
+    if (out.buffer.has_error() || !out.buffer.localpixels()) refuse(path, shortened(out.buffer.geterror()));
     return out;
 }
 
@@ -95,7 +95,7 @@ Image arranged(const OIIO::ImageBuf& pixels) {
     const Channels channels = channelsOf(spec);
     Image image = emptyImage({0, 0, spec.width, spec.height});
     const auto* from = static_cast<const float*>(pixels.localpixels());
-    const auto stride = static_cast<std::size_t>(spec.nchannels);
+    const auto stride = std::size_t(spec.nchannels);
     for (std::size_t p = 0; p < image.window.pixelCount(); ++p, from += stride) {
         for (std::size_t c = 0; c < 3; ++c) image.rgba[4 * p + c] = from[channels.rgb[c]];
         image.rgba[4 * p + 3] = channels.alpha < 0 ? 1.0f : from[channels.alpha];
@@ -143,8 +143,8 @@ std::shared_ptr<const Texture> readTexture(const std::string& path, const std::s
     const FilePixels pixels = readPixels(path);
     Image image = arranged(pixels.buffer);
     if (const std::size_t bad = sanitize(image); bad > 0)
-        say(messages, Severity::warning,
-            fmt::format("{}: {} values that are not finite or less than 0 count as 0", path, bad));
+        notify(messages, Severity::warning,
+               fmt::format("{}: {} values that are not finite or less than 0 count as 0", path, bad));
     const std::string space = !colorspace.empty() ? colorspace : pixels.integers ? "sRGB" : colour.workingSpace();
     convertPixels(image, !pixels.alphaApart, space, colour);
     return std::make_shared<Texture>(image, pixels.pixelAspect);

@@ -39,7 +39,7 @@ struct Dials {
     double maxSlant = 60;         ///< degrees
     double crossFade = 2;         ///< degrees around perpendicular in which a light is served from both sides
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
-    double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is fed; 0: never
+    double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
     int antialias = 1;            ///< n x n rays a pixel
     std::string simd = "auto";    ///< instruction set: auto, or the most one may use
 };

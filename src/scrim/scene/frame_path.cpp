@@ -93,7 +93,7 @@ bool isNameCharacter(char c, bool first) {
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& pattern, const std::string& problem) {
-    throw Error(ErrorKind::input, fmt::format("{}: the path '{}' {}", where, clipped(pattern, 120), problem));
+    throw Error(ErrorKind::input, fmt::format("{}: the path '{}' {}", where, shortened(pattern, 120), problem));
 }
 
 /// The frame in `name`, if `name` is one of the files of the pattern.
@@ -130,7 +130,7 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
             for (std::size_t k = 0; k < name.size(); ++k) good = good && isNameCharacter(name[k], k == 0);
             if (!good)
                 refuse(where, pattern,
-                       fmt::format("has '${{{}}}'; a variable's name is letters, digits and '_'", clipped(name, 40)));
+                       fmt::format("has '${{{}}}'; a variable's name is letters, digits and '_'", shortened(name, 40)));
             const auto value = lookup(name);
             if (!value)
                 refuse(where, pattern,

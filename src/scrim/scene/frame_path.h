@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // File names with a frame in them. "####", "%04d" and "$F4" stand for the frame with at least four digits,
 // "%d" and "$F" for the bare number, "$$" for a dollar sign. "${NAME}" stands for a variable. What stands for
-// the frame may be in a file's name or in the names of its folders.
+// the frame may be in a file's name or in the names of its folders. OpenImageIO has patterns, too, but no "$F4".
 #pragma once
 
 #include <functional>

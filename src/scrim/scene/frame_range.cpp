@@ -27,7 +27,7 @@ class Reader {
         if (error == std::errc::result_out_of_range || value > kLargestFrame || value < -kLargestFrame)
             fail(fmt::format("{} is beyond {}", what, kLargestFrame));
         if (error != std::errc()) fail(fmt::format("{} is not a whole number", what));
-        m_rest.remove_prefix(static_cast<std::size_t>(stop - m_rest.data()));
+        m_rest.remove_prefix(std::size_t(stop - m_rest.data()));
         return value;
     }
     bool skip(char c) {
@@ -40,7 +40,7 @@ class Reader {
     [[noreturn]] void fail(const std::string& problem) const {
         throw Error(ErrorKind::usage,
                     fmt::format("frame range '{}': in '{}' {}; expected frames and ranges such as 1-48x2,60",
-                                clipped(m_whole, 80), clipped(m_part, 40), problem));
+                                shortened(m_whole, 80), shortened(m_part, 40), problem));
     }
 
   private:
@@ -61,7 +61,7 @@ std::vector<int> parseFrameRange(const std::string& text) {
         throw Error(ErrorKind::usage,
                     fmt::format("frame range '{}': ':' is refused, since farm managers disagree on its meaning; "
                                 "write 1-48x2 for every second frame",
-                                clipped(text, 80)));
+                                shortened(text, 80)));
     std::vector<int> frames;
     std::unordered_set<int> seen;
     std::string_view rest = text;

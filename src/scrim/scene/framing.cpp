@@ -103,12 +103,12 @@ std::vector<double> opticalDepths(const std::vector<FieldRays>& fields, const Ca
     coarse.resolution = Int2(n, n);
     coarse.pixelAspect = camera.pixelAspect * camera.resolution.x / camera.resolution.y;
     const RayFamily rays = wsRays(coarse);
-    std::vector<double> depths(static_cast<std::size_t>(n) * static_cast<std::size_t>(n));
-    parallelFor(static_cast<std::size_t>(n), [&](std::size_t y) {
+    std::vector<double> depths(std::size_t(n) * std::size_t(n));
+    parallelFor(std::size_t(n), [&](std::size_t y) {
         for (int x = 0; x < n; ++x) {
             const Vec3 d = rays.direction(x + 0.5, static_cast<double>(y) + 0.5);
             for (const FieldRays& field : fields)
-                depths[y * static_cast<std::size_t>(n) + static_cast<std::size_t>(x)] +=
+                depths[y * std::size_t(n) + std::size_t(x)] +=
                     field.integral(rays.origin(x + 0.5, static_cast<double>(y) + 0.5), d);
         }
     });

@@ -6,6 +6,8 @@
 namespace scrim {
 namespace {
 
+/// Boost has this as pchip, but version 1.74 throws below four keys, and two are the usual case.
+///
 /// Slope at a key with slopes a and b of the chords before and after it, of lengths h and k in frames: their
 /// weighted harmonic mean, or 0 at a turning point (F. N. Fritsch and J. Butland, "A method for constructing
 /// local monotone piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984).
@@ -36,7 +38,7 @@ T Keyed<T>::at(double frame) const {
     if (frame >= keys.back().first) return keys.back().second;
     const auto after =
         std::upper_bound(keys.begin(), keys.end(), frame, [](double f, const auto& key) { return f < key.first; });
-    const auto i = static_cast<std::size_t>(after - keys.begin()) - 1;
+    const auto i = std::size_t(after - keys.begin()) - 1;
     const auto length = [&](std::size_t k) { return keys[k + 1].first - keys[k].first; };
     const auto chord = [&](std::size_t k) { return (keys[k + 1].second - keys[k].second) / length(k); };
 

@@ -15,7 +15,7 @@ inline const std::vector<std::string>& layerNames() {
     return names;
 }
 inline const std::string& nameOf(Layer layer) {
-    return layerNames()[static_cast<std::size_t>(layer)];
+    return layerNames()[std::size_t(layer)];
 }
 
 }  // namespace scrim

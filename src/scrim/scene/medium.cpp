@@ -2,11 +2,12 @@
 #include <scrim/scene/medium.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace scrim {
 namespace {
 
-const double kFourPi = 4 * std::acos(-1.0);
+constexpr double kFourPi = 4 * std::numbers::pi;
 
 double henyeyGreenstein(double g, double cosTheta) {
     return (1 - g * g) / (kFourPi * std::pow(1 + g * g - 2 * g * cosTheta, 1.5));

@@ -44,8 +44,8 @@ Phase flattened(const Phase& phase, double part);
 
 /// The look of multiple scattering, after M. Wrenninge, "Oz: the great and volumetric" (2013): octave n adds single
 /// scattering anew, with extinction towards the light times extinction^n, the whole times contribution^n, and a phase
-/// function of which phase^n is left. As long as contribution <= extinction no octave scatters more than it would take away
-/// from light that passed its own thinner medium; what all of them scatter together is bounded by the sum only.
+/// function of which phase^n is left. As long as contribution <= extinction no octave scatters more than it would take
+/// away from light that passed its own thinner medium; what all of them scatter together is bounded by the sum only.
 struct Octaves {
     int count = 1;  ///< 1: single scattering
     double extinction = 0.5, contribution = 0.5, phase = 0.5;

@@ -56,7 +56,7 @@ Dial choice(std::string name, std::vector<std::string> words, Enum Dials::*membe
     d.info = {std::move(name), "", "", choices(words), std::move(meaning)};
     d.words = std::move(words);
     d.setWord = [=](Dials& dials, std::size_t i) { dials.*member = static_cast<Enum>(i); };
-    d.get = [=, known = d.words](const Dials& dials) { return known[static_cast<std::size_t>(dials.*member)]; };
+    d.get = [=, known = d.words](const Dials& dials) { return known[std::size_t(dials.*member)]; };
     return d;
 }
 
@@ -108,7 +108,7 @@ std::vector<Dial> makeDials() {
     all.push_back(number("opacity_cutoff", "transmittance", 0, 0.5, &Dials::opacityCutoff,
                          "transmittance below which a pixel counts as opaque; bounds the error"));
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
-                         "size below which voxels are fed from a coarser level of the grid; 0: never"));
+                         "size below which voxels are splatted from a coarser level of the grid; 0: never"));
     all.push_back(integer(
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));
@@ -128,7 +128,7 @@ const Dial& dialNamed(const std::string& name, const std::string& where) {
         if (dial.info.name == name) return dial;
         names.push_back(dial.info.name);
     }
-    throw Error(ErrorKind::input, fmt::format("{}: there is no dial '{}'{}; expected {}", where, clipped(name, 60),
+    throw Error(ErrorKind::input, fmt::format("{}: there is no dial '{}'{}; expected {}", where, shortened(name, 60),
                                               didYouMean(name, names), choices(names)));
 }
 
@@ -148,8 +148,8 @@ struct Preset {
     int footprintSteps;
 };
 
-// Points of the front of error and time that `scrim study` finds on smoke, clouds and scans alike: sheets twice as thick as
-// texels are wide (README, "Accuracy and time").
+// Points of the front of error and time that `scrim study` finds on smoke, clouds and scans alike: sheets twice as
+// thick as texels are wide (README, "Accuracy and time").
 const std::vector<Preset>& presets() {
     static const std::vector<Preset> all{
         {"draft", 3, 1, 4}, {"standard", 1.5, 0.7, 8}, {"high", 1, 0.5, 8}, {"ultra", 0.5, 0.3, 16}};
@@ -177,7 +177,7 @@ void setDial(Dials& dials, const std::string& name, const DialValue& value, cons
     const std::string& word = std::get<std::string>(value);
     for (std::size_t i = 0; i < dial.words.size(); ++i)
         if (dial.words[i] == word) return dial.setWord(dials, i);
-    refuse(dial, fmt::format("'{}'", clipped(word, 60)), where);
+    refuse(dial, fmt::format("'{}'", shortened(word, 60)), where);
 }
 
 void setDialFromText(Dials& dials, const std::string& name, const std::string& text, const std::string& where) {

@@ -83,7 +83,7 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
     light.name = readName(table, defaultName);
     table.require("type", choices(kTypes));
     const auto type = static_cast<Type>(table.choice("type", kTypes, 0));
-    table.describe(fmt::format("{} of type '{}'", table.description(), kTypes[static_cast<std::size_t>(type)]));
+    table.describe(fmt::format("{} of type '{}'", table.description(), kTypes[std::size_t(type)]));
 
     if (type == Type::projector) table.require("slide", "a table { file = \"...\" }: what it projects");
     const auto slide = table.find("slide");

@@ -54,9 +54,8 @@ Mat4 readMatrix(const TomlValue& value) {
     Mat4 m(1.0);
     const auto rows = value.items(4, kExpected);
     for (int row = 0; row < 4; ++row) {
-        const auto numbers = rows[static_cast<std::size_t>(row)].items(4, kExpected);
-        for (int column = 0; column < 4; ++column)
-            m[column][row] = numbers[static_cast<std::size_t>(column)].number(range);
+        const auto numbers = rows[row].items(4, kExpected);
+        for (int column = 0; column < 4; ++column) m[column][row] = numbers[column].number(range);
     }
     if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
         rows[3].fail(

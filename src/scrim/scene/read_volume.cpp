@@ -60,10 +60,10 @@ std::vector<std::string> readLightNames(const TomlValue& value, const ReadContex
     for (const TomlValue& item : value.items(0, "a list of names of lights")) {
         const std::string name = item.string();
         if (std::find(context.lights.begin(), context.lights.end(), name) == context.lights.end())
-            item.fail(fmt::format("there is no light '{}'{}; expected {}", clipped(name, 60),
-                                  didYouMean(name, context.lights), clipped(choices(context.lights))));
+            item.fail(fmt::format("there is no light '{}'{}; expected {}", shortened(name, 60),
+                                  didYouMean(name, context.lights), shortened(choices(context.lights))));
         if (std::find(names.begin(), names.end(), name) != names.end())
-            item.fail(fmt::format("'{}' is named twice; expected each light once", clipped(name, 60)));
+            item.fail(fmt::format("'{}' is named twice; expected each light once", shortened(name, 60)));
         names.push_back(name);
     }
     return names;

@@ -98,7 +98,7 @@ SceneText loadSceneText(const std::string& path) {
     SceneText text{path, std::filesystem::path(path).parent_path().string(), std::string(kLargestFile + 1, '\0')};
     file.read(text.text.data(), static_cast<std::streamsize>(text.text.size()));
     if (file.bad()) throw Error(ErrorKind::input, fmt::format("{}: the scene file cannot be read", path));
-    text.text.resize(static_cast<std::size_t>(file.gcount()));
+    text.text.resize(std::size_t(file.gcount()));
     if (text.text.size() > kLargestFile)
         throw Error(ErrorKind::input, fmt::format("{}: the scene file is larger than 16 MB", path));
     return text;

@@ -94,7 +94,7 @@ class Override {
         for (; equals < assignment.size() && (quoted || assignment[equals] != '='); ++equals)
             if (assignment[equals] == '"') quoted = !quoted;
         m_path = trimmed(assignment.substr(0, equals));
-        m_where = std::string(kOverride) + clipped(m_path, 120);
+        m_where = std::string(kOverride) + shortened(m_path, 120);
         if (equals == assignment.size()) fail("there is no '='; expected key.path=value");
         m_value = trimmed(assignment.substr(equals + 1));
         splitPath();
@@ -133,7 +133,7 @@ class Override {
     std::vector<PathPart> m_parts;
 
     [[noreturn]] void fail(const std::string& problem) const {
-        throw Error(ErrorKind::input, fmt::format("{}: {}", m_where, clipped(problem)));
+        throw Error(ErrorKind::input, fmt::format("{}: {}", m_where, shortened(problem)));
     }
 
     static std::string trimmed(const std::string& text) {
@@ -169,9 +169,9 @@ class Override {
                 if (error != std::errc() || stop == end || *stop != ']')
                     fail("'[' is not followed by a place (from 0) and ']'");
                 part.indices.push_back(index);
-                i = static_cast<std::size_t>(stop - m_path.data()) + 1;
+                i = std::size_t(stop - m_path.data()) + 1;
             }
-            if (m_parts.size() == static_cast<std::size_t>(kMostKeyParts))
+            if (m_parts.size() == std::size_t(kMostKeyParts))
                 fail(fmt::format("the path has more than {} parts", kMostKeyParts));
             m_parts.push_back(std::move(part));
             if (i < m_path.size() && m_path[i] != '.') fail("a part of the path is not followed by '.' or '['");
@@ -259,8 +259,8 @@ toml::table parseToml(const std::string& text, const std::string& file) {
     try {
         return toml::parse(text, file);
     } catch (const toml::parse_error& error) {
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: malformed TOML: {}", whereOf(error.source()), clipped(error.description(), 200)));
+        throw Error(ErrorKind::input, fmt::format("{}: malformed TOML: {}", whereOf(error.source()),
+                                                  shortened(error.description(), 200)));
     }
 }
 

@@ -45,7 +45,7 @@ std::string vectorText(const Range& range) {
 }
 
 std::string foundText(const toml::node& node) {
-    if (const auto* text = node.as_string()) return fmt::format("the string \"{}\"", clipped(text->get(), 80));
+    if (const auto* text = node.as_string()) return fmt::format("the string \"{}\"", shortened(text->get(), 80));
     if (const auto* value = node.as_integer()) return fmt::format("{}", value->get());
     if (const auto* value = node.as_floating_point()) return fmt::format("{}", value->get());
     if (const auto* value = node.as_boolean()) return value->get() ? "true" : "false";
@@ -95,7 +95,7 @@ void TomlValue::fail(const std::string& problem) const {
 }
 
 void TomlValue::failExpecting(const std::string& expected) const {
-    fail(fmt::format("'{}' is {}; expected {}", clipped(m_name, 80), foundText(*m_node), expected));
+    fail(fmt::format("'{}' is {}; expected {}", shortened(m_name, 80), foundText(*m_node), expected));
 }
 
 double TomlValue::number(const Range& range) const {
@@ -131,7 +131,7 @@ std::size_t TomlValue::choice(const std::vector<std::string>& words) const {
     const auto* text = m_node->as_string();
     const auto found = text == nullptr ? words.end() : std::find(words.begin(), words.end(), text->get());
     if (found == words.end()) failExpecting(choices(words));
-    return static_cast<std::size_t>(found - words.begin());
+    return std::size_t(found - words.begin());
 }
 
 std::vector<TomlValue> TomlValue::items(std::size_t count, const std::string& expected) const {
@@ -241,8 +241,9 @@ TomlValue TomlTable::require(std::string_view key, const std::string& expected) 
         const std::string name(other.str());
         const bool known = std::find(m_known.begin(), m_known.end(), name) != m_known.end();
         if (!known && nearestName(name, {std::string(key)}) == key)
-            throw Error(ErrorKind::input, fmt::format("{}: '{}' is not known here ({}); did you mean '{}'?",
-                                                      whereOf(other.source()), clipped(name, 60), m_description, key));
+            throw Error(ErrorKind::input,
+                        fmt::format("{}: '{}' is not known here ({}); did you mean '{}'?", whereOf(other.source()),
+                                    shortened(name, 60), m_description, key));
     }
     fail(fmt::format("{} lacks '{}'; expected {}", m_description, key, expected));
 }
@@ -314,7 +315,7 @@ void TomlTable::finish() const {
     const std::string name(first->str());
     throw Error(ErrorKind::input,
                 fmt::format("{}: '{}' is not known here ({}){}; allowed: {}", whereOf(first->source()),
-                            clipped(name, 60), m_description, didYouMean(name, m_known), choices(m_known)));
+                            shortened(name, 60), m_description, didYouMean(name, m_known), choices(m_known)));
 }
 
 }  // namespace scrim

@@ -37,8 +37,8 @@ struct ViewVolume {
     Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
     Medium medium;
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead of as a medium
-    /// Where the albedo is a grid: of red, green and blue the density times the albedo, on the lattice of `field`. What is
-    /// scattered is this times medium.densityScale; medium.albedo does not count.
+    /// Where the albedo is a grid: of red, green and blue the density times the albedo, on the lattice of `field`. What
+    /// is scattered is this times medium.densityScale; medium.albedo does not count.
     std::vector<ViewField> scatter = {};
     std::vector<ViewEmission> emission = {};  ///< they add up
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
@@ -52,8 +52,8 @@ struct ViewScene {
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
-    /// Volumes that are left out, and why: names and reasons, for the plan.
-    std::vector<std::pair<std::string, std::string>> unseen;
+    /// Volumes that are culled, and why: names and reasons, for the plan.
+    std::vector<std::pair<std::string, std::string>> culled;
     std::vector<Layer> layers;                ///< to render beside the beauty
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ namespace {
 
 // Pixels that the edge of a voxel covers where the volume comes closest to the camera.
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
-    double edge = 1e300;
+    double edge = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(wsFromIs[axis])));
     const RayFamily rays = wsRays(camera);
     if (camera.type == CameraType::orthographic) return edge / glm::length(rays.originX);
@@ -134,19 +135,19 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
         volumes.push_back(viewOf(scene, scene.volumes[i], fields[i]));
         corners.push_back(volumes[i] ? wsCorners(*volumes[i], scene.dials.kernel) : std::vector<Vec3>{});
     }
-    const std::vector<std::string> reasons = unseenVolumes(scene, corners);
+    const std::vector<std::string> reasons = culledVolumes(scene, corners);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        const std::string& reason = fields[i].unseen.empty() ? reasons[i] : fields[i].unseen;
+        const std::string& reason = fields[i].culled.empty() ? reasons[i] : fields[i].culled;
         if (volumes[i] && (reason.empty() || volumesOf == VolumesOf::scene))
             out.volumes.push_back(std::move(*volumes[i]));
-        else if (volumes[i] || !fields[i].unseen.empty())
-            out.unseen.emplace_back(scene.volumes[i].name, reason);
+        else if (volumes[i] || !fields[i].culled.empty())
+            out.culled.emplace_back(scene.volumes[i].name, reason);
     }
     out.memoryLimit = limitBeside(out.volumes, fields, memoryLimit);
     return out;
 }
 
-std::vector<std::string> unseenVolumes(const Scene& scene,
+std::vector<std::string> culledVolumes(const Scene& scene,
                                        const std::vector<std::optional<std::vector<Vec3>>>& wsCorners) {
     std::vector<VolumeBox> boxes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i)

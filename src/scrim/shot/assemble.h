@@ -18,7 +18,7 @@ struct VolumeFields {
     std::shared_ptr<const SparseField> density;
     std::array<std::shared_ptr<const SparseField>, 3> albedo;       ///< red, green and blue, where the albedo is a grid
     std::vector<std::shared_ptr<const SparseField>> emission = {};  ///< one each of SceneVolume::emission
-    std::string unseen = {};  ///< why the picture has no use for the volume; then it may not be loaded
+    std::string culled = {};  ///< why the picture has no use for the volume; then it may not be loaded
 };
 
 /// Of a scene: those that the picture has a use for, or all, for a check of the picture that must not rely on which
@@ -27,7 +27,7 @@ enum class VolumesOf { picture, scene };
 
 /// For each volume of `scene`, of which `wsCorners` tells the place (see VolumeBox), why the picture has no use for it;
 /// empty where it may have.
-std::vector<std::string> unseenVolumes(const Scene& scene,
+std::vector<std::string> culledVolumes(const Scene& scene,
                                        const std::vector<std::optional<std::vector<Vec3>>>& wsCorners);
 
 /// `fields[i]` belongs to `scene.volumes[i]`. `crop` limits the region to pixels of it (display window coordinates).

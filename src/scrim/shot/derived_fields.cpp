@@ -40,7 +40,7 @@ class AlbedoProbe {
     Rgb at(const Int3& voxel) const {
         Rgb value;
         for (int c = 0; c < 3; ++c) {
-            const FieldProbe& probe = m_probes[static_cast<std::size_t>(c)];
+            const FieldProbe& probe = m_probes[c];
             value[c] = m_aligned ? probe.voxel(voxel) : probe.value(transformPoint(m_toAlbedo, Vec3(voxel)));
         }
         return glm::clamp(m_look.scale * (m_look.workingFromGrid * value), Rgb(0), Rgb(1));
@@ -78,7 +78,7 @@ FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
     parallelFor(field.blockCount(), [&](std::size_t b) {
         for (int i = 0; i < kBlockVoxels; ++i) {
             const float v = field.block(b)[i];
-            (*values)[b * kBlockVoxels + static_cast<std::size_t>(i)] = v > 0 ? ramped(ramp, v) : 0.0f;
+            (*values)[b * kBlockVoxels + std::size_t(i)] = v > 0 ? ramped(ramp, v) : 0.0f;
         }
     });
     out->blockValues = std::shared_ptr<const float>(values, values->data());
@@ -104,8 +104,7 @@ std::vector<FieldPointer> scatteringFields(const SparseField& density, const std
             const Int3 within(i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge);
             const Rgb color = probe.at(blocks[b].origin + within);
             for (std::size_t c = 0; c < 3; ++c)
-                values[c][b * kBlockVoxels + static_cast<std::size_t>(i)] =
-                    value * static_cast<float>(color[static_cast<int>(c)]);
+                values[c][b * kBlockVoxels + std::size_t(i)] = value * static_cast<float>(color[static_cast<int>(c)]);
         }
     });
     std::vector<FieldPointer> fields;

@@ -14,8 +14,8 @@ namespace scrim {
 
 using FieldPointer = std::shared_ptr<const SparseField>;
 
-/// The field with its voxels remapped, linear between the ramp's points and constant beyond them. Empty space stays empty,
-/// whatever the ramp says of 0: only active voxels are fed.
+/// The field with its voxels remapped, linear between the ramp's points and constant beyond them. Empty space stays
+/// empty, whatever the ramp says of 0: only active voxels are splatted.
 FieldPointer withRamp(const SparseField& field, const std::vector<std::pair<double, double>>& ramp);
 
 /// Of red, green and blue, the density times the albedo at each of the density's voxels, on the density's lattice. The
@@ -24,8 +24,8 @@ FieldPointer withRamp(const SparseField& field, const std::vector<std::pair<doub
 std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
                                            const ColourGrid& look);
 
-/// Radiance per world unit as fields times colours: one field where all of the ramp is shades of one colour, else three.
-/// They stay on the lattice of `field`.
+/// Radiance per world unit as fields times colours: one field where all of the ramp is shades of one colour, else
+/// three. They stay on the lattice of `field`.
 struct EmittedField {
     FieldPointer field;
     Rgb color;

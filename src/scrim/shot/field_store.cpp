@@ -150,7 +150,7 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
 }
 
 /// For each volume why the picture has no use for it, as far as the heads of files tell where they are.
-std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) const {
+std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
@@ -166,13 +166,13 @@ std::vector<std::string> FieldStore::unseenOf(const Scene& scene, const std::vec
         corners[i].emplace();
         for (const Vec3& corner : bounds->corners()) corners[i]->push_back(transformPoint(volume.wsFromAsset, corner));
     }
-    return unseenVolumes(scene, corners);
+    return culledVolumes(scene, corners);
 }
 
 Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
-    const std::vector<std::string> unseen = unseenOf(scene, files);
+    const std::vector<std::string> culled = culledOf(scene, files);
     const auto shows = [&](std::size_t i) {
-        return (unseen[i].empty() || volumesOf == VolumesOf::scene) &&
+        return (culled[i].empty() || volumesOf == VolumesOf::scene) &&
                (!isFile(scene.volumes[i]) || files[i].state == FileState::present);
     };
     std::map<Origin, std::vector<Use>> uses;  // of each origin, to be read in one go; every request once
@@ -199,14 +199,13 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         const SceneVolume& volume = scene.volumes[i];
         VolumeFields& fields = all.emplace_back();
         fields.emission.resize(volume.emission.size());
-        if (isFile(volume) && files[i].state == FileState::present) fields.unseen = unseen[i];
+        if (isFile(volume) && files[i].state == FileState::present) fields.culled = culled[i];
         if (!shows(i)) continue;
         const Origin origin = originOf(volume, files[i]);
         const auto fieldOf = [&](const GridRequest& request) { return m_fields.at({origin, request}); };
         if (usesDensity(volume)) {
             fields.density = fieldOf({volume.densityGrid});
-            for (int c = 0; volume.albedoGrid && c < 3; ++c)
-                fields.albedo[static_cast<std::size_t>(c)] = fieldOf(albedoRequest(volume, c));
+            for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = fieldOf(albedoRequest(volume, c));
         }
         for (std::size_t k = 0; k < volume.emission.size(); ++k)
             fields.emission[k] = fieldOf({volume.emission[k].grid});

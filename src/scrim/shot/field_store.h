@@ -37,7 +37,7 @@ class FieldStore {
     /// What each volume of `scene` needs, all null where `files` has none; forgets the fields of the frame before that
     /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Grids that
     /// nothing is made of are not read: of a volume whose densities count for nothing only what it emits, of one that
-    /// the picture has no use for (`unseen`) none, unless all of the scene's are wanted. Throws Error.
+    /// the picture has no use for (`culled`) none, unless all of the scene's are wanted. Throws Error.
     Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf = VolumesOf::picture);
 
     /// One field of a file, kept for the next `fieldsOf`.
@@ -58,7 +58,7 @@ class FieldStore {
     bool isFile(const SceneVolume& volume) const;
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
     static std::vector<Use> usesOf(const SceneVolume& volume);
-    std::vector<std::string> unseenOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
+    std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
     void load(const Origin& origin, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
     Grids generated(const SceneVolume& volume) const;

@@ -15,16 +15,11 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
     const Scene& scene = content.scene;
     const ShotReport& report = content.report;
     ExrAttributes attributes{
-        {"software", "scrim " + scrimVersion()},
-        {"worldToCamera", worldToCamera(scene.camera)},
-        {"worldToNDC", worldToNdc(scene.camera)},
-        {"framesPerSecond", exactFrameRate(scene.output.fps)},
-        {"imageCounter", report.frame},
-        {"scrim:version", scrimVersion()},
-        {"scrim:scene", content.sceneToml},
-        {"scrim:ocio:config", content.colour.name()},
-        {"scrim:plan", report.planJson},
-        {"scrim:stats", report.workJson},
+        {"software", "scrim " + scrimVersion()},  {"worldToCamera", worldToCamera(scene.camera)},
+        {"worldToNDC", worldToNdc(scene.camera)}, {"framesPerSecond", exactFrameRate(scene.output.fps)},
+        {"imageCounter", report.frame},           {"scrim:version", scrimVersion()},
+        {"scrim:scene", content.sceneToml},       {"scrim:ocio:config", content.colour.name()},
+        {"scrim:plan", report.planJson},          {"scrim:stats", report.workJson},
     };
     if (report.verification) {
         attributes.emplace_back("scrim:verify:error", report.verification->error);
@@ -46,7 +41,7 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
 
 std::string layerName(const Scene& scene, const FrameLayer& layer) {
     if (layer.layer != Layer::light) return nameOf(layer.layer);
-    return nameOf(layer.layer) + "." + scene.lights[static_cast<std::size_t>(layer.light)].name;
+    return nameOf(layer.layer) + "." + scene.lights[layer.light].name;
 }
 
 ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
@@ -71,8 +66,7 @@ ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
     const ShotLayer& layer = content.layers[i];
     if (content.kinds[i] == Layer::depth) return {layer.channels, layer.data, true};
     if (content.kinds[i] == Layer::transmittance) return {layer.channels, layer.data};
-    return {layer.channels,
-            converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
+    return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
 }
 
 PixelWindow displayWindowOf(const Scene& scene) {

@@ -112,7 +112,7 @@ std::string reportAsJson(const ShotReport& r) {
 std::size_t peakResidentBytes() {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;  // it counts in KiB
+    return std::size_t(usage.ru_maxrss) * 1024;  // it counts in KiB
 }
 
 }  // namespace scrim

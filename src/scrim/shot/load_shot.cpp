@@ -37,7 +37,7 @@ bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOption
     for (VolumeFile& file : files) {
         if (file.state != FileState::missing) continue;
         if (options.missing == MissingPolicy::error) throw Error(ErrorKind::input, file.problem);
-        say(options.messages, Severity::warning, missingText(frame, file.problem, options.missing, use));
+        notify(options.messages, Severity::warning, missingText(frame, file.problem, options.missing, use));
         if (options.missing == MissingPolicy::skip) return false;
         file.state = FileState::black;
     }

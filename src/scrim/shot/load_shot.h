@@ -45,8 +45,8 @@ void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& o
 /// The scene as the options change it. A scene that was built in code gets defaults for what it leaves out.
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores);
 
-/// Loads what `scene` names. Returns nothing where a file is missing and such a frame is to be skipped; the message about
-/// that depends on `use`.
+/// Loads what `scene` names. Returns nothing where a file is missing and such a frame is to be skipped; the message
+/// about that depends on `use`.
 std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, Scene scene,
                                    const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
 

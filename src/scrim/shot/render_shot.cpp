@@ -39,7 +39,8 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
         const SceneVolume& volume = shot.scene.volumes[i];
         const VolumeFields& fields = shot.fields[i];
         const auto warn = [&](const char* what, const std::string& grid) {
-            say(messages, Severity::warning,
+            notify(
+                messages, Severity::warning,
                 fmt::format("{}: {}: grid '{}' has no active voxels", originText(volume, shot.files[i]), what, grid));
         };
         if (empty(fields.density))
@@ -72,17 +73,15 @@ class FrameRender {
 
 Frame FrameRender::run() {
     const Scene& scene = m_shot.scene;
-    const ViewScene view = timed(m_report.seconds.plan, [&] {
-        return m_shot.view(m_options, scene.dials.lod, VolumesOf::picture);
-    });
+    const ViewScene view =
+        timed(m_report.seconds.plan, [&] { return m_shot.view(m_options, scene.dials.lod, VolumesOf::picture); });
     // Of a picture that shows nothing one wants to know why.
     if (view.volumes.empty())
-        for (const auto& [name, reason] : view.unseen)
-            say(m_options.messages, Severity::warning,
-                fmt::format("frame {}: volume '{}' is left out: {}", m_report.frame, name, reason));
+        for (const auto& [name, reason] : view.culled)
+            notify(m_options.messages, Severity::warning,
+                   fmt::format("frame {}: volume '{}' is culled: {}", m_report.frame, name, reason));
     // The truth does not depend on what was culled, nor on coarser levels.
-    const ViewScene truth =
-        isVerified(scene, m_options) ? m_shot.view(m_options, 0, VolumesOf::scene) : ViewScene{};
+    const ViewScene truth = isVerified(scene, m_options) ? m_shot.view(m_options, 0, VolumesOf::scene) : ViewScene{};
     return scene.tolerance > 0 ? renderTolerance(view, truth) : renderOnce(view, truth);
 }
 

@@ -146,8 +146,7 @@ std::string Shot::toml(const std::vector<std::string>& more, const RenderOptions
 }
 
 ShotPlan Shot::plan(int frame, const RenderOptions& options) {
-    return withThreads(options.threads,
-                       [&] { return m_content->plan(m_content->sceneAt(frame, options), options); });
+    return withThreads(options.threads, [&] { return m_content->plan(m_content->sceneAt(frame, options), options); });
 }
 
 ShotPlan Shot::plan(Scene scene, const RenderOptions& options) {

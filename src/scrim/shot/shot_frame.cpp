@@ -39,8 +39,8 @@ std::vector<std::string> ShotFrame::layerNames() const {
 const ShotLayer& ShotFrame::layer(const std::string& name) const {
     for (const ShotLayer& layer : m_content->layers)
         if (layer.name == name) return layer;
-    throw Error(ErrorKind::usage, fmt::format("the frame has no layer '{}'; expected {}", clipped(name, 80),
-                                              choices(layerNames())));
+    throw Error(ErrorKind::usage,
+                fmt::format("the frame has no layer '{}'; expected {}", shortened(name, 80), choices(layerNames())));
 }
 
 void ShotFrame::requirePicture() const {
@@ -59,12 +59,13 @@ void ShotFrame::write(const std::string& path, const MessageSink& messages) {
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.file, "picture");
     if (lowerExtension(file) != ".exr")
-        throw Error(ErrorKind::usage, fmt::format("the picture '{}' does not end in '.exr'", clipped(file)));
+        throw Error(ErrorKind::usage, fmt::format("the picture '{}' does not end in '.exr'", shortened(file)));
     TaskArena(report.threads).run([&] {
         const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, file); });
         report.file = file;
         if (clamped > 0)
-            say(messages, Severity::warning,
+            notify(
+                messages, Severity::warning,
                 fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" keeps them",
                             file, clamped));
     });
@@ -74,9 +75,7 @@ void ShotFrame::write(const std::string& path, const MessageSink& messages) {
 void ShotFrame::preview(const std::string& path) {
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.preview.file, "preview");
-    TaskArena(report.threads).run([&] {
-        timed(report.seconds.write, [&] { writeFramePreview(*m_content, file); });
-    });
+    TaskArena(report.threads).run([&] { timed(report.seconds.write, [&] { writeFramePreview(*m_content, file); }); });
     report.peakBytes = peakResidentBytes();
 }
 

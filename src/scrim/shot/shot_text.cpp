@@ -55,7 +55,7 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
     const std::string extension = lowerExtension(path);
     m_asset = extension == ".vdb";
     if (!m_asset && extension != ".toml")
-        throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml) or an asset (.vdb)", clipped(path)));
+        throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml) or an asset (.vdb)", shortened(path)));
     if (m_asset) {
         // Until the asset is loaded: its scene but for the numbers.
         m_assetPattern = assetPattern(path);
@@ -63,8 +63,7 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
         m_text = {path + " (framed)", "", framedText(nothing)};
     } else {
         m_text = loadSceneText(path);
-        if (resolution)
-            m_overrides.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
+        if (resolution) m_overrides.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
     }
     m_overrides.insert(m_overrides.end(), overrides.begin(), overrides.end());
 }

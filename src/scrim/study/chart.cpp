@@ -12,7 +12,8 @@ namespace scrim {
 namespace {
 
 // Okabe and Ito's palette (2008) without its yellow, which white swallows.
-constexpr std::array<const char*, 7> kColours{"#999999", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00"};
+constexpr std::array<const char*, 7> kColours{"#999999", "#0072B2", "#D55E00", "#009E73",
+                                              "#CC79A7", "#56B4E9", "#E69F00"};
 constexpr int kLeft = 64, kRight = 20, kTop = 44, kBottom = 48;
 constexpr double kMarker = 4;
 
@@ -72,22 +73,24 @@ std::string marker(int style, double x, double y) {
 }
 
 std::string axes(const Chart& chart, const Axis& x, const Axis& y) {
-    std::string svg = fmt::format(R"(<text class="title" x="{}" y="16">{}</text>)", kLeft, escaped(chart.title));
+    std::string svg = fmt::format(R"(<text class="title" x="{}" y="16">{}</text>)", kLeft, htmlEscaped(chart.title));
     for (const double v : x.ticks())
-        svg += fmt::format(R"(<path class="grid" d="M{0:.1f} {1}V{2}"/><text x="{0:.1f}" y="{3}" text-anchor="middle">{4:g}</text>)",
-                           x.at(v), kTop, chart.height - kBottom, chart.height - kBottom + 16, v);
+        svg += fmt::format(
+            R"(<path class="grid" d="M{0:.1f} {1}V{2}"/><text x="{0:.1f}" y="{3}" text-anchor="middle">{4:g}</text>)",
+            x.at(v), kTop, chart.height - kBottom, chart.height - kBottom + 16, v);
     for (const double v : y.ticks())
-        svg += fmt::format(R"(<path class="grid" d="M{0} {1:.1f}H{2}"/><text x="{3}" y="{4:.1f}" text-anchor="end">{5:g}</text>)",
-                           kLeft, y.at(v), chart.width - kRight, kLeft - 6, y.at(v) + 4, v);
+        svg += fmt::format(
+            R"(<path class="grid" d="M{0} {1:.1f}H{2}"/><text x="{3}" y="{4:.1f}" text-anchor="end">{5:g}</text>)",
+            kLeft, y.at(v), chart.width - kRight, kLeft - 6, y.at(v) + 4, v);
     svg += fmt::format(R"(<text x="{}" y="{}" text-anchor="middle">{}</text>)", (kLeft + chart.width - kRight) / 2,
-                       chart.height - 10, escaped(chart.xTitle));
+                       chart.height - 10, htmlEscaped(chart.xTitle));
     svg += fmt::format(R"svg(<text transform="translate(14 {}) rotate(-90)" text-anchor="middle">{}</text>)svg",
-                       (kTop + chart.height - kBottom) / 2, escaped(chart.yTitle));
+                       (kTop + chart.height - kBottom) / 2, htmlEscaped(chart.yTitle));
     return svg;
 }
 
 std::string series(const ChartSeries& s, const Axis& x, const Axis& y) {
-    const char* colour = kColours[static_cast<std::size_t>(s.style) % kColours.size()];
+    const char* colour = kColours[std::size_t(s.style) % kColours.size()];
     std::string line, marks, texts;
     for (const ChartPoint& p : s.points) {
         if (!(p.x > 0) || !(p.y > 0)) continue;
@@ -95,9 +98,10 @@ std::string series(const ChartSeries& s, const Axis& x, const Axis& y) {
         line += fmt::format("{}{:.1f} {:.1f}", line.empty() ? "M" : "L", px, py);
         if (p.lower > 0 && p.upper > 0)
             marks += fmt::format(R"(<path d="M{:.1f} {:.1f}V{:.1f}"/>)", px, y.at(p.lower), y.at(p.upper));
-        marks += fmt::format("<g><title>{}</title>{}</g>", escaped(p.label), marker(s.style, px, py));
+        marks += fmt::format("<g><title>{}</title>{}</g>", htmlEscaped(p.label), marker(s.style, px, py));
         if (s.labels)
-            texts += fmt::format(R"(<text class="label" x="{:.1f}" y="{:.1f}">{}</text>)", px + 8, py - 7, escaped(p.label));
+            texts += fmt::format(R"(<text class="label" x="{:.1f}" y="{:.1f}">{}</text>)", px + 8, py - 7,
+                                 htmlEscaped(p.label));
     }
     std::string svg = fmt::format(R"(<g stroke="{0}" fill="{0}">)", colour);
     if (s.line && !line.empty()) svg += fmt::format(R"(<path fill="none" stroke-width="1.5" d="{}"/>)", line);
@@ -106,7 +110,7 @@ std::string series(const ChartSeries& s, const Axis& x, const Axis& y) {
 
 }  // namespace
 
-std::string escaped(const std::string& text) {
+std::string htmlEscaped(const std::string& text) {
     std::string out;
     for (const char c : text) switch (c) {
             case '&':
@@ -140,16 +144,16 @@ std::string chartAsSvg(const Chart& chart) {
 
     std::string svg = fmt::format(
         R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" role="img" aria-label="{2}">)",
-        chart.width, chart.height, escaped(chart.title));
+        chart.width, chart.height, htmlEscaped(chart.title));
     svg += axes(chart, x, y);
     for (const ChartSeries& s : chart.series) svg += series(s, x, y);
     // The key, right above the chart, in the order of the series.
     double at = chart.width - kRight;
     for (auto s = chart.series.rbegin(); s != chart.series.rend(); ++s) {
         at -= 6.6 * double(s->name.size()) + 26;
-        const char* colour = kColours[static_cast<std::size_t>(s->style) % kColours.size()];
+        const char* colour = kColours[std::size_t(s->style) % kColours.size()];
         svg += fmt::format(R"(<g stroke="{0}" fill="{0}">{1}</g><text x="{2:.1f}" y="34">{3}</text>)", colour,
-                           marker(s->style, at, 30), at + 8, escaped(s->name));
+                           marker(s->style, at, 30), at + 8, htmlEscaped(s->name));
     }
     return svg + "</svg>\n";
 }

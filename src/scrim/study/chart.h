@@ -9,9 +9,9 @@
 namespace scrim {
 
 struct ChartPoint {
-    double x = 0, y = 0;            ///< > 0; others are left out
-    std::string label;              ///< shown where the mouse rests on the marker
-    double lower = 0, upper = 0;    ///< an interval around y; none where both are 0
+    double x = 0, y = 0;          ///< > 0; others are left out
+    std::string label;            ///< shown where the mouse rests on the marker
+    double lower = 0, upper = 0;  ///< an interval around y; none where both are 0
 };
 
 struct ChartSeries {
@@ -31,6 +31,6 @@ struct Chart {
 std::string chartAsSvg(const Chart& chart);
 
 /// `text` with what HTML and SVG take for markup escaped.
-std::string escaped(const std::string& text);
+std::string htmlEscaped(const std::string& text);
 
 }  // namespace scrim

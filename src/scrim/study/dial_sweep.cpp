@@ -74,7 +74,7 @@ std::vector<DialSweep> dialSweeps() {
 std::size_t addTrial(std::vector<Trial>& trials, const std::string& name, const Dials& dials) {
     const auto found =
         std::find_if(trials.begin(), trials.end(), [&](const Trial& t) { return sameDials(t.dials, dials); });
-    if (found != trials.end()) return static_cast<std::size_t>(found - trials.begin());
+    if (found != trials.end()) return std::size_t(found - trials.begin());
     Trial trial;
     trial.name = name;
     trial.dials = dials;
@@ -114,7 +114,7 @@ void addNeighbours(std::vector<Trial>& trials, const std::vector<DialSweep>& swe
                 if (other < 0 || other >= static_cast<std::ptrdiff_t>(sweep.values.size())) continue;
                 if (at == sweep.values.end() && other != 0) continue;
                 Dials dials = from;
-                turn(dials, sweep.dial, sweep.values[static_cast<std::size_t>(other)]);
+                turn(dials, sweep.dial, sweep.values[other]);
                 addTrial(trials, differenceName(dials, base), dials);
             }
         }

@@ -34,8 +34,7 @@ DisplayImage errorPicture(const Image& difference, double scale, int stride) {
     DisplayImage out{thinnedWindow(difference.window, stride), {}};
     for (int y = 0; y < difference.window.height(); y += stride)
         for (int x = 0; x < difference.window.width(); x += stride) {
-            const std::size_t at = static_cast<std::size_t>(y) * static_cast<std::size_t>(difference.window.width()) +
-                                   static_cast<std::size_t>(x);
+            const std::size_t at = std::size_t(y) * std::size_t(difference.window.width()) + std::size_t(x);
             const auto colour = colourOf(scale > 0 ? meanError(difference, at) / scale : 0);
             out.rgba.insert(out.rgba.end(), colour.begin(), colour.end());
         }

@@ -7,8 +7,8 @@
 
 namespace scrim {
 
-/// Mean of R, G and B of `difference` over `scale`, in [-1, 1], as colour; white is no error. Every `stride`-th pixel in
-/// both directions.
+/// Mean of R, G and B of `difference` over `scale`, in [-1, 1], as colour; white is no error. Every `stride`-th pixel
+/// in both directions.
 DisplayImage errorPicture(const Image& difference, double scale, int stride);
 
 /// The scale: largest of the means but for the worst pixels, a thousandth of those that are not empty.

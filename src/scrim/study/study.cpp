@@ -63,8 +63,8 @@ class Run {
     const Clock::time_point m_start = Clock::now();
     Study m_study;
     std::map<Kernel, std::vector<VerifiedPixel>> m_truth;
-    double m_shown = 0;           // of the progress, last
-    double m_scale = 1;           // measured over expected time
+    double m_shown = 0;          // of the progress, last
+    double m_scale = 1;          // measured over expected time
     double m_referenceTime = 0;  // seconds a pixel
 };
 
@@ -130,8 +130,8 @@ void Run::renderBase() {
 }
 
 bool Run::affordable(double seconds) const {
-    return m_options.budget == 0 || (seconds < kTrialPart * m_options.budget &&
-                                     spent() + seconds < kFirstRoundPart * m_options.budget);
+    return m_options.budget == 0 ||
+           (seconds < kTrialPart * m_options.budget && spent() + seconds < kFirstRoundPart * m_options.budget);
 }
 
 double Run::expected(const Dials& dials) const {
@@ -274,7 +274,7 @@ Study Run::study() {
 std::optional<std::size_t> placeOfBase(const DialSweep& sweep) {
     const auto at = std::find(sweep.trials.begin(), sweep.trials.end(), std::size_t{0});
     if (at == sweep.trials.end()) return std::nullopt;
-    return static_cast<std::size_t>(at - sweep.trials.begin());
+    return std::size_t(at - sweep.trials.begin());
 }
 
 constexpr double kSameError = 1.05;  // smaller changes at some hundred pixels are noise
@@ -332,9 +332,7 @@ std::vector<DialWorth> worthOfDials(const Study& study) {
         if (place >= sweep.trials.size() || !study.trials[sweep.trials[place]].run) return std::nullopt;
         return sweep.trials[place];
     };
-    const auto trial = [&](const std::optional<std::size_t>& place) {
-        return place ? &study.trials[*place] : nullptr;
-    };
+    const auto trial = [&](const std::optional<std::size_t>& place) { return place ? &study.trials[*place] : nullptr; };
     std::vector<DialWorth> all;
     for (const DialSweep& sweep : study.sweeps) {
         const std::optional<std::size_t> base = placeOfBase(sweep);

@@ -18,12 +18,12 @@ namespace scrim {
 using SceneWith = std::function<ViewScene(const Dials&)>;
 
 struct StudyOptions {
-    double budget = 0;              ///< seconds after which to stop with what there is; 0: none
-    int mostPixels = 1000;          ///< of the reference, at most
-    double intervalWanted = 0.1;    ///< of the error: stop adding pixels where half the 95 % interval is this narrow
-    int repeats = 5;                ///< of every render, interleaved; the median counts
-    int mostPictures = 4;           ///< error pictures
-    SceneWith truth = {};           ///< with all volumes, those too that a picture has no use for; none: as rendered
+    double budget = 0;            ///< seconds after which to stop with what there is; 0: none
+    int mostPixels = 1000;        ///< of the reference, at most
+    double intervalWanted = 0.1;  ///< of the error: stop adding pixels where half the 95 % interval is this narrow
+    int repeats = 5;              ///< of every render, interleaved; the median counts
+    int mostPictures = 4;         ///< error pictures
+    SceneWith truth = {};         ///< with all volumes, those too that a picture has no use for; none: as rendered
 };
 
 /// A picture's distance from the most accurate one of the study.

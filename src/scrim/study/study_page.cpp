@@ -71,12 +71,13 @@ std::string dialChart(const Study& study, const DialSweep& sweep) {
     }
     const std::string order = sweep.order ? fmt::format(": order {:.2f}", *sweep.order) : "";
     const bool inverse = sweep.dial == "footprint_steps";
-    return chartAsSvg({sweep.dial + order, inverse ? "1 / " + sweep.dial : sweep.dial, "%", {error, distance}, 480, 340});
+    return chartAsSvg(
+        {sweep.dial + order, inverse ? "1 / " + sweep.dial : sweep.dial, "%", {error, distance}, 480, 340});
 }
 
 std::string row(const std::vector<std::string>& cells, const char* tag = "td") {
     std::string text = "<tr>";
-    for (std::size_t i = 0; i < cells.size(); ++i) text += fmt::format("<{0}>{1}</{0}>", tag, escaped(cells[i]));
+    for (std::size_t i = 0; i < cells.size(); ++i) text += fmt::format("<{0}>{1}</{0}>", tag, htmlEscaped(cells[i]));
     return text + "</tr>\n";
 }
 
@@ -95,7 +96,7 @@ std::string recommendationTable(const Study& study) {
     for (const Recommendation& r : recommendations(study)) {
         if (!r.trial) continue;
         const std::string block = renderBlock(study.trials[*r.trial].dials);
-        if (block != before) html += "<pre># below " + percent(r.tolerance) + "\n" + escaped(block) + "</pre>\n";
+        if (block != before) html += "<pre># below " + percent(r.tolerance) + "\n" + htmlEscaped(block) + "</pre>\n";
         before = block;
     }
     return html;
@@ -114,10 +115,11 @@ std::string choiceTable(const Study& study) {
         if (!sweep.sizes.empty()) continue;
         for (std::size_t i = 0; i < sweep.trials.size(); ++i) {
             const Trial& t = study.trials[sweep.trials[i]];
-            html += t.run ? row({sweep.dial, sweep.values[i], percent(t.error.error),
-                                 fmt::format("{} to {}", percent(t.error.lower), percent(t.error.upper)),
-                                 timeText(t.time())})
-                          : row({sweep.dial, sweep.values[i], t.skipped, "", ""});
+            html +=
+                t.run
+                    ? row({sweep.dial, sweep.values[i], percent(t.error.error),
+                           fmt::format("{} to {}", percent(t.error.lower), percent(t.error.upper)), timeText(t.time())})
+                    : row({sweep.dial, sweep.values[i], t.skipped, "", ""});
         }
     }
     return html + "</table>\n";
@@ -135,15 +137,15 @@ std::string base64(const std::vector<unsigned char>& bytes) {
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         unsigned v = 0;
         for (std::size_t k = 0; k < 3; ++k) v = v << 8 | (i + k < bytes.size() ? bytes[i + k] : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            out += i + k <= bytes.size() ? kDigits[v >> (18 - 6 * k) & 63u] : '=';
+        for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() ? kDigits[v >> (18 - 6 * k) & 63u] : '=';
     }
     return out;
 }
 
 std::string figure(const DisplayImage& picture, const std::string& caption) {
-    return fmt::format("<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
-                       escaped(caption), base64(pictureBytes("page.png", picture)));
+    return fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/png;base64,{1}\"><figcaption>{0}</figcaption></figure>\n",
+        htmlEscaped(caption), base64(pictureBytes("page.png", picture)));
 }
 
 std::string pictures(const Study& study, const ColourConfig& colour) {
@@ -156,9 +158,10 @@ std::string pictures(const Study& study, const ColourConfig& colour) {
     for (const ErrorPicture& p : study.errorPictures)
         html += figure(errorPicture(p.difference, scale, stride),
                        fmt::format("{}: {}", p.name, percent(study.trials[p.trial].error.error)));
-    return html + fmt::format("<p>Blue: too dark, orange: too bright, against the most accurate setting; full colour is "
-                              "{} of the mean, and colour grows as the root of the error. One scale for all.</p>\n",
-                              percent(scale / study.meanReference));
+    return html + fmt::format(
+                      "<p>Blue: too dark, orange: too bright, against the most accurate setting; full colour is "
+                      "{} of the mean, and colour grows as the root of the error. One scale for all.</p>\n",
+                      percent(scale / study.meanReference));
 }
 
 }  // namespace
@@ -169,9 +172,10 @@ std::string studyAsHtml(const Study& study, const std::string& scene, const Colo
         "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
         "content=\"width=device-width\"><title>{0}</title><style>{1}</style></head><body>\n<h1>What accuracy costs: "
         "{0}</h1>\n",
-        escaped(scene), kStyle);
+        htmlEscaped(scene), kStyle);
     html += fmt::format(
-        "<p>{} settings of {} rendered on {} threads and compared with the brute-force reference at {} pixels, in {:.0f} "
+        "<p>{} settings of {} rendered on {} threads and compared with the brute-force reference at {} pixels, in "
+        "{:.0f} "
         "s{}. Error is relative RMSE, with its 95 % interval; time the median of interleaved repeats, without loading. "
         "Rest the mouse on a point to read its setting.</p>\n",
         run, study.trials.size(), study.threads, study.pixels, study.spent,
@@ -179,13 +183,14 @@ std::string studyAsHtml(const Study& study, const std::string& scene, const Colo
     html += "<h2>Settings to take</h2>\n" + recommendationTable(study) + paretoChart(study);
     html += "<h2>Presets</h2>\n" + presetTable(study);
     html += "<h2>What each dial buys</h2>\n<p>Around the scene's own setting: " +
-            escaped(resultText(study.trials.front())) + ".</p>\n" + worthTable(study);
-    html += "<h2>Convergence</h2>\n<p>Each dial alone. Error stops falling where other dials cause it; the distance from "
-            "the dial's own finest picture shows its order.</p>\n<div class=\"charts\">";
+            htmlEscaped(resultText(study.trials.front())) + ".</p>\n" + worthTable(study);
+    html +=
+        "<h2>Convergence</h2>\n<p>Each dial alone. Error stops falling where other dials cause it; the distance from "
+        "the dial's own finest picture shows its order.</p>\n<div class=\"charts\">";
     for (const DialSweep& sweep : study.sweeps)
         if (!sweep.sizes.empty()) html += dialChart(study, sweep);
-    html += "</div>\n<h2>Choices</h2>\n<p>Each kernel against a reference with the same kernel.</p>\n" +
-            choiceTable(study);
+    html +=
+        "</div>\n<h2>Choices</h2>\n<p>Each kernel against a reference with the same kernel.</p>\n" + choiceTable(study);
     if (!study.picture.rgba.empty()) html += "<h2>Where the errors are</h2>\n" + pictures(study, colour);
     return html + "</body></html>\n";
 }

@@ -14,12 +14,13 @@
 namespace scrim {
 
 struct Trial {
-    std::string name;  ///< what differs from the scene's own setting: "texel 0.5, sheet_thickness 2"; or a preset's name
+    std::string
+        name;  ///< what differs from the scene's own setting: "texel 0.5, sheet_thickness 2"; or a preset's name
     Dials dials;
     bool run = false;
-    std::string skipped;              ///< why it was not run
-    Verification error;               ///< against the reference with the same kernel
-    std::vector<double> seconds;      ///< of plan and render, one a repeat
+    std::string skipped;          ///< why it was not run
+    Verification error;           ///< against the reference with the same kernel
+    std::vector<double> seconds;  ///< of plan and render, one a repeat
     RenderWork work;
     std::vector<VerifiedPixel> seen;  ///< at the reference's pixels
     bool onFront = false;             ///< no trial with the scene's kernel is both faster and more accurate

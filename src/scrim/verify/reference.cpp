@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -164,7 +166,7 @@ Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, con
     const double length = glm::length(slope);
     const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
     const Reflected share = phong(look, normal, normalWeight(look, length, m_voxel), toLight, toEye);
-    return value.extinction / std::acos(-1.0) * (share.diffuse * value.color + share.specular);
+    return value.extinction / std::numbers::pi * (share.diffuse * value.color + share.specular);
 }
 
 // Radiance per world unit that one light adds at `ws`.
@@ -180,7 +182,7 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
         const Light::Point& point = light.point();
         if (point.decay) irradiance = 1 / std::max(distance * distance, point.radius * point.radius);
         if (const Light::Spot* spot = light.spot()) {
-            const double half = 0.5 * spot->coneAngle * std::acos(-1.0) / 180;
+            const double half = glm::radians(0.5 * spot->coneAngle);
             const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - spot->blend), half - 1e-4));
             const double t = std::clamp((glm::dot(travel, light.wsDirection) - outer) / (inner - outer), 0.0, 1.0);
             irradiance *= t * t * (3 - 2 * t);
@@ -191,10 +193,8 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     if (arriving == Rgb(0)) return arriving;
     Rgb tau(0);
     if (light.shadows)
-        tau = opticalDepth(light.distant()
-                               ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel)
-                               : light.wsPosition,
-                           ws);
+        tau = opticalDepth(
+            light.distant() ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel) : light.wsPosition, ws);
     Rgb sum(0);
     for (const Volume& v : m_volumes) {
         if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;

@@ -52,9 +52,9 @@ ToleranceModel fitModel(const std::array<Pilot, 2>& pilots) {
     const auto& [thick, thin] = pilots;
     const auto power = [](double x) { return std::pow(x, 2 * ToleranceModel::kOrder); };
     const double most = square(thin.error) / power(thin.thickness);
-    const double sheets = std::clamp((square(thick.error) - square(thin.error)) /
-                                         (power(thick.thickness) - power(thin.thickness)),
-                                     kLeastPart * most, (1 - kLeastPart) * most);
+    const double sheets =
+        std::clamp((square(thick.error) - square(thin.error)) / (power(thick.thickness) - power(thin.thickness)),
+                   kLeastPart * most, (1 - kLeastPart) * most);
     const double texels = (square(thin.error) - sheets * power(thin.thickness)) / power(thin.texel);
     return {std::sqrt(texels), std::sqrt(sheets)};
 }
@@ -66,7 +66,7 @@ ToleranceModel scaled(const ToleranceModel& model, double factor) {
 ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim,
                             const ProgressSink& progress) {
     constexpr double kFinestTexel = 0.15, kCoarsestTexel = 2.1, kFinestSheets = 0.2, kCoarsestSheets = 4.1;
-    constexpr double kStep = 1.19;         // sixth root of two and a little
+    constexpr double kStep = 1.19;           // sixth root of two and a little
     constexpr double kFineTolerance = 3e-3;  // below which eight steps of footprints show
     ViewScene with = scene;
     with.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, tolerance / 10);

@@ -42,8 +42,8 @@ ToleranceModel scaled(const ToleranceModel& model, double factor);
 
 struct ToleranceChoice {
     Dials dials;
-    double predicted = 0;  ///< error
-    bool reachable = true; ///< false: the finest dials that are tried are predicted to miss it
+    double predicted = 0;   ///< error
+    bool reachable = true;  ///< false: the finest dials that are tried are predicted to miss it
 };
 
 /// The cheapest dials, by expectedSeconds, that `model` predicts to stay below `aim` of `tolerance`. All other dials

@@ -93,12 +93,12 @@ std::array<double, 2> RelativeError::interval(double confidence, double scale) c
     if (own.deviation == 0 || scale == 0 || m_terms.size() < 2) return {own.error, own.error};
     constexpr double kWork = 2e7;  // terms that are drawn, at most
     const auto n = m_terms.size();
-    const auto count = static_cast<std::size_t>(std::clamp(kWork / double(n), 200.0, 4000.0));
+    const auto count = std::size_t(std::clamp(kWork / double(n), 200.0, 4000.0));
     std::mt19937_64 random(1);
     std::vector<double> pivots;
     std::vector<Term> drawn(n);
     for (std::size_t b = 0; b < count; ++b) {
-        for (Term& term : drawn) term = m_terms[static_cast<std::size_t>(random() % n)];
+        for (Term& term : drawn) term = m_terms[random() % n];
         const Value other = valueOf(drawn);
         if (other.deviation > 0) pivots.push_back((other.logError - own.logError) / other.deviation);
     }
@@ -106,8 +106,7 @@ std::array<double, 2> RelativeError::interval(double confidence, double scale) c
     std::sort(pivots.begin(), pivots.end());
     const double tail = 0.5 * (1 - confidence);
     const auto at = [&](double part) {
-        return pivots[static_cast<std::size_t>(
-            std::clamp(part * double(pivots.size()), 0.0, double(pivots.size() - 1)))];
+        return pivots[std::size_t(std::clamp(part * double(pivots.size()), 0.0, double(pivots.size() - 1)))];
     };
     const double step = scale * own.deviation;
     return {own.error * std::exp(std::min(-step * at(1 - tail), 0.0)),
@@ -176,7 +175,7 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
     const std::vector<Int2> order = verificationOrder(truth, image, options.seed);
     sample.candidates = order.size();
     const Reference reference(truth);
-    const auto wanted = static_cast<std::size_t>(options.count);
+    const auto wanted = std::size_t(options.count);
     const double prepared = spent();
     bool announced = false;
     std::size_t counted = 0, judged = 0;  // of the first `judged` pixels

@@ -107,7 +107,7 @@ std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, 
                     if (test.meets(x + (i + 0.5) / n, y + (j + 0.5) / n)) return true;
         return shows(image, x, y);
     };
-    std::vector<std::vector<int>> rows(static_cast<std::size_t>(region.height()));
+    std::vector<std::vector<int>> rows(std::size_t(region.height()));
     parallelFor(rows.size(), [&](std::size_t row) {
         for (int x = region.x0; x < region.x1; ++x)
             if (mayShow(x, region.y0 + static_cast<int>(row))) rows[row].push_back(x);

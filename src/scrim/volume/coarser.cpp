@@ -48,7 +48,7 @@ void addPart(const Part& part, float* coarse) {
             for (std::size_t z = 0; z < row.size(); ++z)
                 row[z] = (0.125f * a[z] + 0.125f * b[z]) + (0.125f * c[z] + 0.125f * d[z]);
             for (int z = 0; z < kHalf; ++z) {
-                const auto n = static_cast<std::size_t>(2 * z);
+                const auto n = std::size_t(2 * z);
                 out[z] = row[n] + row[n + 1];
             }
         }

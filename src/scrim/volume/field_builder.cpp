@@ -58,7 +58,7 @@ Counts clean(float* values) {
 }
 
 [[noreturn]] void refuse(const std::string& name, const std::string& reason) {
-    throw Error(ErrorKind::input, "grid '" + clipped(name, 80) + "': " + reason);
+    throw Error(ErrorKind::input, "grid '" + shortened(name, 80) + "': " + reason);
 }
 
 bool aligned(const Int3& p, int edge) {
@@ -100,7 +100,7 @@ void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks
         std::uint64_t h = part(t.origin.x) * 0x9E3779B97F4A7C15ull;
         h = (h ^ (h >> 29) ^ part(t.origin.y)) * 0xBF58476D1CE4E5B9ull;
         h = (h ^ (h >> 29) ^ part(t.origin.z)) * 0x94D049BB133111EBull;
-        return static_cast<std::size_t>(h ^ (h >> 31) ^ part(t.edge));
+        return std::size_t(h ^ (h >> 31) ^ part(t.edge));
     };
     const auto equal = [](const ConstantTile& a, const ConstantTile& b) {
         return a.origin == b.origin && a.edge == b.edge;
@@ -219,9 +219,9 @@ void reportCleaning(const SparseField& field, const std::string& where, const Me
     std::string what;
     if (field.nonFinite > 0) what = fmt::format("{} not finite", field.nonFinite);
     if (field.negative > 0) what += fmt::format("{}{} below 0", what.empty() ? "" : " and ", field.negative);
-    say(messages, Severity::warning,
-        clipped(fmt::format("{}: grid '{}': active voxels that are {} count as 0 ({} above 0 remain)", where,
-                            clipped(field.name, 80), what, field.activeVoxels)));
+    notify(messages, Severity::warning,
+           shortened(fmt::format("{}: grid '{}': active voxels that are {} count as 0 ({} above 0 remain)", where,
+                                 shortened(field.name, 80), what, field.activeVoxels)));
 }
 
 FieldBuilder::FieldBuilder(std::string name, const Mat4& wsFromIs) {

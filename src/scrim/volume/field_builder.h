@@ -39,7 +39,7 @@ struct FieldPieces {
 void checkPieces(const FieldPieces& pieces);
 
 /// Cleans, counts and sorts: values that are not finite or below 0 become 0 and are counted, denormal ones
-/// become 0, blocks and tiles without a value above 0 are dropped. The result does not depend on the number
+/// become 0, blocks and tiles without a value above 0 are removed. The result does not depend on the number
 /// of threads. Throws what `checkPieces` throws.
 SparseField buildField(FieldPieces pieces);
 

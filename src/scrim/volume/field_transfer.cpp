@@ -127,7 +127,7 @@ struct Mapping {
         // sealed; with other files the caller sees to it that the sender is gone.
         (void)::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE);
         if (::fstat(fd, &status) != 0) incomplete(std::strerror(errno));
-        size = static_cast<std::size_t>(status.st_size);
+        size = std::size_t(status.st_size);
         if (size < sizeof(Header)) incomplete("the process that read it stopped before it was done");
         address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
         if (address == MAP_FAILED) throw Error(ErrorKind::memory, "not enough memory to take over what was read");
@@ -190,7 +190,7 @@ Header readHeader(Reader& reader, const Mapping& mapping, Kind expected) {
         const auto kind = header.code <= static_cast<std::uint32_t>(ErrorKind::accuracy)
                               ? static_cast<ErrorKind>(header.code)
                               : ErrorKind::input;
-        const std::string text = clipped(reader.text(), 2000);
+        const std::string text = shortened(reader.text(), 2000);
         if (header.fields == 0) throw Error(kind, text);
         throw GridError(text, requestFrom(reader.text()));
     }
@@ -334,7 +334,7 @@ ReceivedFields receiveFields(int fd) {
     ReceivedFields out;
     for (std::uint64_t i = 0; i < header.messages; ++i) {
         const auto severity = reader.value<std::uint32_t>();
-        out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, clipped(reader.text(), 2000)});
+        out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, shortened(reader.text(), 2000)});
     }
     for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
     if (!reader.done()) incomplete("it is longer than it says");

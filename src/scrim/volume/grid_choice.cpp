@@ -35,8 +35,8 @@ std::string callName(const std::vector<GridOffer>& offers, std::size_t i) {
 std::string listOf(const std::vector<GridOffer>& offers) {
     std::string list;
     for (std::size_t i = 0; i < offers.size(); ++i)
-        list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", clipped(callName(offers, i), kNameLimit),
-                            clipped(offers[i].valueType(), kNameLimit));
+        list += fmt::format("{}'{}' ({})", i == 0 ? "" : ", ", shortened(callName(offers, i), kNameLimit),
+                            shortened(offers[i].valueType(), kNameLimit));
     return list;
 }
 
@@ -92,7 +92,7 @@ std::optional<GridChoice> chooseColour(const std::vector<GridOffer>& offers, con
     for (const std::string_view letters : {"xyz", "rgb"}) {
         std::array<std::optional<std::size_t>, 3> parts;
         for (std::size_t c = 0; c < 3; ++c) parts[c] = named(offers, request.grid + "." + letters[c], scalar);
-        if (parts[0] && parts[1] && parts[2]) return GridChoice{*parts[static_cast<std::size_t>(request.component)]};
+        if (parts[0] && parts[1] && parts[2]) return GridChoice{*parts[request.component]};
     }
     if (const auto i = named(offers, request.grid, scalar)) return GridChoice{*i};
     return {};
@@ -134,12 +134,12 @@ std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const
 
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request) {
     const bool colour = request.component != GridRequest::kScalar;
-    const std::string name = clipped(request.grid, kNameLimit);
+    const std::string name = shortened(request.grid, kNameLimit);
     if (!colour && request.grid.empty())
         return offers.empty() ? "holds no grids" : "holds no float, half or double grid, only " + listOf(offers);
     const auto found = named(offers, request.grid, anyGrid);
     if (!found) return fmt::format("no grid '{}'; it holds {}", name, offers.empty() ? "none" : listOf(offers));
-    const std::string held = clipped(offers[*found].valueType(), kNameLimit);
+    const std::string held = shortened(offers[*found].valueType(), kNameLimit);
     if (colour)
         return fmt::format(
             "grid '{0}' holds {1} values, where a colour is expected: a vec3 grid, three scalar ones "

@@ -21,7 +21,7 @@ GridRequest gridRequestFrom(const std::string& text) {
     if (text.starts_with(kScalarPrefix)) return {text.substr(prefix)};
     if (text.size() >= 2 && text[0] >= '0' && text[0] <= '2' && text[1] == ':') return {text.substr(2), text[0] - '0'};
     throw Error(ErrorKind::usage, fmt::format("'{}' requests no grid; expected scalar:NAME, 0:NAME, 1:NAME or 2:NAME",
-                                              clipped(text, 80)));
+                                              shortened(text, 80)));
 }
 
 GridError::GridError(const std::string& message, GridRequest request)

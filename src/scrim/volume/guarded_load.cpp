@@ -54,7 +54,7 @@ void check(const Checkpoint& checkpoint) {
 std::size_t sizeOf(const std::string& path) {
     std::error_code error;
     const auto size = std::filesystem::file_size(path, error);
-    return error ? 0 : static_cast<std::size_t>(size);
+    return error ? 0 : std::size_t(size);
 }
 
 /// Address space that the child may add to what it starts with.
@@ -63,7 +63,8 @@ std::size_t memoryFor(const std::string& path, const LoadOptions& options) {
     return std::max(kLeastMemory, kMemoryPerByte * sizeOf(path));
 }
 
-/// A running child; ends it where nobody waited for it.
+/// A running child; ends it where nobody waited for it. Not Boost.Process: it handles SIGCHLD for the whole process,
+/// which belongs to whoever links the library.
 class Child {
   public:
     Child(const std::string& program, const std::vector<std::string>& arguments, int transfer, bool showStderr) {
@@ -84,7 +85,7 @@ class Child {
                         fmt::format("cannot start a process to read volumes: {}", std::strerror(error)));
         if (error != 0)
             throw Error(ErrorKind::render,
-                        fmt::format("cannot start '{}' to read volumes: {}", clipped(program), std::strerror(error)));
+                        fmt::format("cannot start '{}' to read volumes: {}", shortened(program), std::strerror(error)));
     }
     ~Child() {
         if (m_pid <= 0) return;
@@ -188,7 +189,7 @@ std::vector<SparseField> guardedFields(const std::string& path, const std::vecto
     if (result.fields.size() != requests.size())
         throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were read, expected {}", path,
                                                   result.fields.size(), requests.size()));
-    for (const TransferMessage& message : result.messages) say(messages, message.severity, message.text);
+    for (const TransferMessage& message : result.messages) notify(messages, message.severity, message.text);
     return std::move(result.fields);
 }
 

@@ -34,7 +34,7 @@ constexpr int kBadArguments = 2;
 [[maybe_unused]] std::size_t addressSpace() {
     std::size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
-    return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    return pages * std::size_t(::sysconf(_SC_PAGESIZE));
 }
 
 /// No dump of a crash that was expected, no more memory than `memory` beyond that of the program itself, and

@@ -15,7 +15,7 @@ std::vector<SparseField> readFields(const std::string& path, const std::vector<G
     const VdbFile file = VdbFile::open(path, requests);
     std::set<std::string> said;
     const auto sayOnce = [&](Severity severity, const std::string& text) {
-        if (said.insert(text).second) say(messages, severity, text);
+        if (said.insert(text).second) notify(messages, severity, text);
     };
     std::vector<SparseField> fields;
     for (const GridRequest& request : requests) fields.push_back(file.field(request, sayOnce));
@@ -30,7 +30,7 @@ void readWithErrors(const std::string& path, const std::function<void()>& task) 
     } catch (const std::bad_alloc&) {
         throw Error(ErrorKind::memory, path + ": not enough memory to read it");
     } catch (const std::exception& error) {
-        throw Error(ErrorKind::input, path + ": damaged: " + clipped(error.what()));
+        throw Error(ErrorKind::input, path + ": damaged: " + shortened(error.what()));
     }
 }
 

@@ -85,9 +85,9 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
 
     out->setTransform(openvdb::math::Transform::createLinearTransform(edge));
     openvdb::tools::resampleToMatch<openvdb::tools::BoxSampler>(grid, *out);
-    say(messages, Severity::info,
-        fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}", where,
-                    clipped(grid.getName(), 80), edge));
+    notify(messages, Severity::info,
+           fmt::format("{}: grid '{}' has a transform that is not affine: resampled to voxels of edge {:.4g}", where,
+                       shortened(grid.getName(), 80), edge));
     return out;
 }
 
@@ -149,7 +149,7 @@ openvdb::FloatGrid::Ptr componentOf(const Grid& grid, int component, const std::
 template <typename Grid>
 SparseField componentField(const Grid& grid, int component, const std::string& where, const MessageSink& messages) {
     constexpr std::array<const char*, 3> kComponents{".r", ".g", ".b"};
-    const std::string name = grid.getName() + kComponents.at(static_cast<std::size_t>(component));
+    const std::string name = grid.getName() + kComponents.at(std::size_t(component));
     if (!grid.transform().isLinear()) return scalarField(*componentOf(grid, component, name), where, messages);
     const auto number = [component](const auto& value) { return static_cast<float>(value[component]); };
     return reportedField(grid, name, number, where, messages);
@@ -209,9 +209,9 @@ SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& wher
         if (original.getGridClass() != openvdb::GRID_LEVEL_SET) return scalarField(original, where, messages);
         const auto fog = original.deepCopy();
         openvdb::tools::sdfToFogVolume(*fog);
-        say(messages, Severity::info,
-            fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
-                        clipped(original.getName(), 80)));
+        notify(messages, Severity::info,
+               fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
+                           shortened(original.getName(), 80)));
         return scalarField(*fog, where, messages);
     });
 }

@@ -30,7 +30,7 @@ struct LoadedSource {
 };
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
-    throw Error(ErrorKind::input, clipped(path + ": " + reason, 600));
+    throw Error(ErrorKind::input, shortened(path + ": " + reason, 600));
 }
 
 /// Sources by name, with the path of the first found.
@@ -54,19 +54,19 @@ std::string fileOf(const std::string& name) {
     if (const auto found = files.find(name); found != files.end()) return found->second;
     std::vector<std::string> names;
     for (const auto& [other, path] : files) names.push_back(other);
-    throw Error(ErrorKind::input, clipped(fmt::format("no volume source '{}' in {}; there is {}", clipped(name, 80),
-                                                      fmt::join(sourceFolders(), ", "), choices(names)),
-                                          1000));
+    throw Error(ErrorKind::input, shortened(fmt::format("no volume source '{}' in {}; there is {}", shortened(name, 80),
+                                                        fmt::join(sourceFolders(), ", "), choices(names)),
+                                            1000));
 }
 
 std::string copied(const char* text) {
-    return text != nullptr ? clipped(text) : "";
+    return text != nullptr ? shortened(text) : "";
 }
 
 ParameterDescription describe(const scrim_parameter& p, const std::string& path) {
     ParameterDescription out;
     if (p.name == nullptr || *p.name == '\0') refuse(path, "one of its parameters has no name");
-    out.name = clipped(p.name, 80);
+    out.name = shortened(p.name, 80);
     if (p.type < SCRIM_NUMBER || p.type > SCRIM_BOOL)
         refuse(path, fmt::format("its parameter '{}' has the unknown type {}", out.name, p.type));
     out.type = static_cast<ParameterType>(p.type);
@@ -164,7 +164,7 @@ std::vector<SourceDescription> listSources(const MessageSink& messages) {
         try {
             sources.push_back(load(name, path).description);
         } catch (const Error& error) {
-            say(messages, Severity::warning, error.what());
+            notify(messages, Severity::warning, error.what());
         }
     }
     return sources;

@@ -37,13 +37,13 @@ int SourceHost::guarded(const Task& task) noexcept {
 }
 
 void SourceHost::refuse(const std::string& reason) const {
-    throw Error(ErrorKind::input, clipped(m_where + ": " + reason));
+    throw Error(ErrorKind::input, shortened(m_where + ": " + reason));
 }
 
 FieldBuilder& SourceHost::grid(int number) {
-    if (number < 0 || static_cast<std::size_t>(number) >= m_grids.size())
+    if (number < 0 || std::size_t(number) >= m_grids.size())
         refuse(fmt::format("it used grid number {}, and has added {} grids", number, m_grids.size()));
-    return m_grids[static_cast<std::size_t>(number)];
+    return m_grids[number];
 }
 
 int SourceHost::addGrid(const scrim_host* host, const char* name, const double worldFromIndex[16]) noexcept {
@@ -52,7 +52,7 @@ int SourceHost::addGrid(const scrim_host* host, const char* name, const double w
         if (name == nullptr || *name == '\0') h.refuse("it added a grid without a name");
         if (worldFromIndex == nullptr) h.refuse("it added a grid without a transform");
         for (const FieldBuilder& other : h.m_grids)
-            if (other.name() == name) h.refuse("it added two grids called '" + clipped(name, 80) + "'");
+            if (other.name() == name) h.refuse("it added two grids called '" + shortened(name, 80) + "'");
         Mat4 m;
         for (int row = 0; row < 4; ++row)
             for (int column = 0; column < 4; ++column) m[column][row] = worldFromIndex[row * 4 + column];
@@ -86,7 +86,7 @@ int SourceHost::addTile(const scrim_host* host, int grid, const std::int32_t ori
 void SourceHost::warn(const scrim_host* host, const char* text) noexcept {
     SourceHost& h = self(host);
     h.guarded([&] {
-        say(h.m_messages, Severity::warning, h.m_where + ": " + clipped(text != nullptr ? text : ""));
+        notify(h.m_messages, Severity::warning, h.m_where + ": " + shortened(text != nullptr ? text : ""));
         return 0;
     });
 }
@@ -103,7 +103,7 @@ int SourceHost::progress(const scrim_host* host, double done) noexcept {
 void SourceHost::fail(const scrim_host* host, const char* text) noexcept {
     SourceHost& h = self(host);
     h.guarded([&] {
-        if (h.m_failure.empty() && text != nullptr) h.m_failure = clipped(text);
+        if (h.m_failure.empty() && text != nullptr) h.m_failure = shortened(text);
         return 0;
     });
 }

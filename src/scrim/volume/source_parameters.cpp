@@ -93,10 +93,10 @@ scrim_value parseValue(const ParameterDescription& d, const std::string& text, c
     }
     if (!good)
         throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is '{}', expected {}", where, d.name,
-                                                  clipped(text, 80), expectation(d)));
+                                                  shortened(text, 80), expectation(d)));
     if (!inRange)
         throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is {}, expected {} to {}", where, d.name,
-                                                  clipped(text, 80), d.minimum, d.maximum));
+                                                  shortened(text, 80), d.minimum, d.maximum));
     return value;
 }
 
@@ -129,9 +129,9 @@ ParameterValues parseParameters(const std::vector<ParameterDescription>& descrip
             std::vector<std::string> names;
             for (const auto& d : descriptions) names.push_back(d.name);
             throw Error(ErrorKind::input, fmt::format("{}: unknown parameter '{}', expected {}", where,
-                                                      clipped(key, 80), choices(names)));
+                                                      shortened(key, 80), choices(names)));
         }
-        const std::string*& place = texts[static_cast<std::size_t>(found - descriptions.begin())];
+        const std::string*& place = texts[found - descriptions.begin()];
         if (place != nullptr)
             throw Error(ErrorKind::input, fmt::format("{}: parameter '{}' is given twice", where, key));
         place = &text;

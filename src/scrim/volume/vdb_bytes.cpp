@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint32_t kLongestText = 1 << 20;  ///< bytes of a name: more is no name, and not worth its memory
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
-    throw Error(ErrorKind::input, clipped(path + ": " + reason, 1000));
+    throw Error(ErrorKind::input, shortened(path + ": " + reason, 1000));
 }
 
 std::uint64_t sizeOfRegularFile(int file, const std::string& path) {
@@ -101,7 +101,7 @@ std::uint32_t VdbWalker::metadataCount() {
 }
 
 void VdbWalker::damaged(const std::string& reason) const {
-    throw Error(ErrorKind::input, clipped(m_bytes.path() + ": truncated or damaged: " + reason, 1000));
+    throw Error(ErrorKind::input, shortened(m_bytes.path() + ": truncated or damaged: " + reason, 1000));
 }
 
 void VdbWalker::need(std::uint64_t size, const char* what) const {

@@ -37,14 +37,14 @@ constexpr std::size_t kSmallFile = std::size_t{16} << 20;
 constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value worth keeping
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
-    throw Error(ErrorKind::input, clipped(path + ": " + reason, kMessageLimit));
+    throw Error(ErrorKind::input, shortened(path + ": " + reason, kMessageLimit));
 }
 
 /// A stream over bytes in memory, with the seeking that OpenVDB's point grids need.
 class MemoryBuffer : public std::streambuf {
   public:
     explicit MemoryBuffer(std::span<char> bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
-    std::size_t remaining() const { return static_cast<std::size_t>(egptr() - gptr()); }
+    std::size_t remaining() const { return std::size_t(egptr() - gptr()); }
 
   protected:
     pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
@@ -102,8 +102,8 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
     for (const std::size_t i : places)
         if (!openvdb::GridBase::isRegistered(offers[i].type))
             fail(path,
-                 fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read", clipped(offers[i].name, 80),
-                             clipped(offers[i].type, 80), openvdb::getLibraryVersionString()));
+                 fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read", shortened(offers[i].name, 80),
+                             shortened(offers[i].type, 80), openvdb::getLibraryVersionString()));
 }
 
 /// Has OpenVDB parse `bytes`, and returns the grids; everything it can throw becomes an Error.
@@ -123,17 +123,17 @@ openvdb::GridPtrVec parse(VdbFile::Content& content, std::span<char> bytes) {
         grids = *reader.getGrids();
         const openvdb::MetaMap::Ptr metadata = reader.getMetadata();
         for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
-            content.metadata.emplace_back(clipped(entry->first, kMetadataLimit),
-                                          clipped(entry->second->str(), kMetadataLimit));
+            content.metadata.emplace_back(shortened(entry->first, kMetadataLimit),
+                                          shortened(entry->second->str(), kMetadataLimit));
     } catch (const Error&) {
         throw;
     } catch (const std::ios_base::failure&) {
         fail(content.path, damaged + "its data end too early");
     } catch (const std::bad_alloc&) {
         if (bytes.size() < kSmallFile) fail(content.path, damaged + "it claims more memory than its size allows");
-        throw Error(ErrorKind::memory, clipped(content.path + ": not enough memory to read it", kMessageLimit));
+        throw Error(ErrorKind::memory, shortened(content.path + ": not enough memory to read it", kMessageLimit));
     } catch (const std::exception& error) {
-        fail(content.path, damaged + clipped(error.what(), 200));
+        fail(content.path, damaged + shortened(error.what(), 200));
     }
     for (const openvdb::GridBase::Ptr& grid : grids)
         if (!grid || !grid->baseTreePtr()) fail(content.path, damaged + "a grid has no tree");
@@ -182,7 +182,7 @@ std::unique_ptr<VdbFile::Content> readOrSayWhy(const std::string& path, const st
     try {
         return read(path, requests);
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, clipped(path + ": not enough memory to read this file", kMessageLimit));
+        throw Error(ErrorKind::memory, shortened(path + ": not enough memory to read this file", kMessageLimit));
     }
 }
 
@@ -222,15 +222,15 @@ SparseField VdbFile::field(const GridRequest& request, const MessageSink& messag
     const std::string& path = m_content->path;
     const auto choice = chooseGrid(m_content->offers, request);
     const auto refuse = [&](const std::string& reason) {
-        throw GridError(clipped(path + ": " + reason, kMessageLimit), request);
+        throw GridError(shortened(path + ": " + reason, kMessageLimit), request);
     };
     if (!choice) refuse(whyNoGrid(m_content->offers, request));
     const openvdb::GridBase::Ptr& grid = m_content->grids[choice->grid];
-    if (!grid) refuse(fmt::format("grid '{}' was not asked for when the file was opened", clipped(request.grid, 80)));
+    if (!grid) refuse(fmt::format("grid '{}' was not asked for when the file was opened", shortened(request.grid, 80)));
     if (m_content->layout.isNewer)
-        say(messages, Severity::warning,
-            fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
-                        m_content->layout.fileVersion, openvdb::getLibraryVersionString()));
+        notify(messages, Severity::warning,
+               fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
+                           m_content->layout.fileVersion, openvdb::getLibraryVersionString()));
     try {
         return request.component == GridRequest::kScalar ? fieldFromGrid(*grid, path, messages)
                                                          : colourFromGrid(*grid, choice->component, path, messages);

@@ -35,7 +35,7 @@ Mat4 matrixFrom(const json& j) {
     Mat4 m;
     for (int row = 0; row < 4; ++row)
         for (int column = 0; column < 4; ++column)
-            m[column][row] = j.at(static_cast<std::size_t>(row)).at(static_cast<std::size_t>(column)).get<double>();
+            m[column][row] = j.at(std::size_t(row)).at(std::size_t(column)).get<double>();
     return m;
 }
 
@@ -113,7 +113,7 @@ VdbFileInfo vdbFileInfoFromJson(const std::string& text) {
         for (const json& entry : all.at("grids")) info.grids.push_back(gridFrom(entry));
         return info;
     } catch (const json::exception& error) {
-        throw Error(ErrorKind::input, clipped(std::string("not a file description: ") + error.what()));
+        throw Error(ErrorKind::input, shortened(std::string("not a file description: ") + error.what()));
     }
 }
 

@@ -34,7 +34,7 @@ void checkMagic(const VdbBytes& bytes) {
     if (size == start.size() && std::memcmp(start.data(), &kMagic, sizeof kMagic) == 0) return;
     if (size == 0) throw Error(ErrorKind::input, bytes.path() + ": not a VDB file (it is empty)");
     throw Error(ErrorKind::input, fmt::format("{}: not a VDB file (starts with '{}')", bytes.path(),
-                                              clipped(std::string_view(start.data(), size))));
+                                              shortened(std::string_view(start.data(), size))));
 }
 
 std::string codecName(std::uint32_t flags) {
@@ -76,7 +76,7 @@ VdbLayout::Grid walkGrid(VdbWalker& walk, std::uint64_t fileSize) {
     const auto gridAt = walk.number<std::uint64_t>("a grid's offsets");
     const auto blocksAt = walk.number<std::uint64_t>("a grid's offsets");
     const auto endAt = walk.number<std::uint64_t>("a grid's offsets");
-    const std::string quoted = "grid '" + clipped(grid.name, 80) + "'";
+    const std::string quoted = "grid '" + shortened(grid.name, 80) + "'";
     if (gridAt != walk.at() || endAt < gridAt || (!grid.instance && (blocksAt < gridAt || blocksAt > endAt)))
         walk.damaged(quoted + " has offsets that contradict each other");
     if (endAt > fileSize) walk.damaged(fmt::format("{} ends at byte {}, the file at byte {}", quoted, endAt, fileSize));

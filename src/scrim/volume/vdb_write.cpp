@@ -53,9 +53,9 @@ void writeVdb(const std::string& path, const std::vector<SparseField>& fields) {
         out.write(grids, metadata);
         out.close();
     } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, clipped(path + ": not enough memory to write it"));
+        throw Error(ErrorKind::memory, shortened(path + ": not enough memory to write it"));
     } catch (const std::exception& error) {
-        throw Error(ErrorKind::output, clipped(path + ": cannot be written: " + error.what()));
+        throw Error(ErrorKind::output, shortened(path + ": cannot be written: " + error.what()));
     }
     file.commit();
 }

@@ -21,20 +21,20 @@ TEST(Error, CarriesItsKindAndText) {
 }
 
 TEST(Clipped, LeavesShortTextsAlone) {
-    EXPECT_EQ(clipped(""), "");
-    EXPECT_EQ(clipped("as it was: \xc3\xa4"), "as it was: \xc3\xa4");
-    EXPECT_EQ(clipped(std::string(300, 'a')), std::string(300, 'a'));
+    EXPECT_EQ(shortened(""), "");
+    EXPECT_EQ(shortened("as it was: \xc3\xa4"), "as it was: \xc3\xa4");
+    EXPECT_EQ(shortened(std::string(300, 'a')), std::string(300, 'a'));
 }
 
 TEST(Clipped, CutsLongTextsAndSaysSo) {
-    EXPECT_EQ(clipped(std::string(301, 'a')), std::string(300, 'a') + "...");
-    EXPECT_EQ(clipped("abcdef", 3), "abc...");
+    EXPECT_EQ(shortened(std::string(301, 'a')), std::string(300, 'a') + "...");
+    EXPECT_EQ(shortened("abcdef", 3), "abc...");
 }
 
 TEST(Clipped, HidesUnprintableBytes) {
-    EXPECT_EQ(clipped(std::string_view("a\0b\x1b[31m\x7f", 8)), "a?b?[31m");
-    EXPECT_EQ(clipped("\x7f\t\r"), "???");
-    EXPECT_EQ(clipped("two\nlines"), "two lines");
+    EXPECT_EQ(shortened(std::string_view("a\0b\x1b[31m\x7f", 8)), "a?b?[31m");
+    EXPECT_EQ(shortened("\x7f\t\r"), "???");
+    EXPECT_EQ(shortened("two\nlines"), "two lines");
 }
 
 TEST(Choices, ReadLikeASentence) {

@@ -154,7 +154,7 @@ TEST(WrongCulling, OfAVolumeInViewIsCaught) {
         return summarise(samplePixels(truth, renderScene(assemble(scene, fields, {}, 0)).image, kPixels, 1)).error;
     };
     EXPECT_LT(errorNow(), 0.03);
-    fields[1].unseen = "it is out of view, says a bug";
+    fields[1].culled = "it is out of view, says a bug";
     EXPECT_GT(errorNow(), 0.1);
 }
 

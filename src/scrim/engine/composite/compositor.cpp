@@ -25,7 +25,7 @@ float* sampleScratch(const OutputLayout& layout) {
         float values[16];
     };
     thread_local std::vector<Line> scratch;
-    const auto lines = static_cast<std::size_t>(layout.floats() * kTileSize / 16);
+    const auto lines = std::size_t(layout.floats() * kTileSize / 16);
     if (scratch.size() < lines) scratch.resize(lines);
     return scratch.front().values;
 }
@@ -71,7 +71,7 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
         };
         if (planes.anyActive(p, {tileOf(texels.x0, planes.width()), tileOf(texels.y0, planes.height()),
                                  tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1}))
-            walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
+            walk.planes[walk.planeCount++] = p;
     }
     if (walk.planeCount > 0) walk.setRays(m_eye.rays(x0, y0, reference));
     return walk;
@@ -83,7 +83,7 @@ Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const 
     walk.block = blockBegin(range.sheet);
     walk.firstStep = range.sheet - walk.block - range.firstPlane;
     for (int p = range.firstPlane; p < range.lastPlane; ++p)
-        if (planes.active(p, cells.x, cells.y)) walk.planes[static_cast<std::size_t>(walk.planeCount++)] = p;
+        if (planes.active(p, cells.x, cells.y)) walk.planes[walk.planeCount++] = p;
     if (walk.planeCount > 0)
         walk.setRays(m_eye.rays(m_tiles.cornerX(tile), m_tiles.cornerY(tile), blockBegin(range.sheet) + 0.5));
     return walk;
@@ -134,14 +134,14 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
         listed = 0;
     };
     for (int i = 0; i < walk.planeCount; ++i) {
-        const int p = walk.planes[static_cast<std::size_t>(i)];
+        const int p = walk.planes[i];
         const int step = p + walk.firstStep;
         switch (seenPart(step, walk.startLeast, walk.startMost, m_frontToBack)) {
             case Before::none:
                 break;
             case Before::all:
-                planes[static_cast<std::size_t>(listed)] = shaded.plane(p);
-                steps[static_cast<std::size_t>(listed++)] = static_cast<float>(step);
+                planes[listed] = shaded.plane(p);
+                steps[listed++] = static_cast<float>(step);
                 break;
             case Before::part: {
                 flush();
@@ -170,7 +170,7 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
     alignas(64) float part[kTileSize], at[kTileSize];
     float* samples = sampleScratch(layout);
     for (int i = 0; i < walk.planeCount; ++i) {
-        const int p = walk.planes[static_cast<std::size_t>(i)];
+        const int p = walk.planes[i];
         const int step = p + walk.firstStep;
         const Before seen = seenPart(step, walk.startLeast, walk.startMost, m_frontToBack);
         if (seen == Before::none) continue;
@@ -236,8 +236,8 @@ Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf
         parts.push_back({range, boxOf(range), firstSheet + last == blockEnd});
         p = last;
     }
-    std::vector<Work> walked(static_cast<std::size_t>(m_tiles.tilesY()));
-    parallelFor(static_cast<std::size_t>(m_tiles.tilesY()), [&](std::size_t row) {
+    std::vector<Work> walked(std::size_t(m_tiles.tilesY()));
+    parallelFor(std::size_t(m_tiles.tilesY()), [&](std::size_t row) {
         const int ty = static_cast<int>(row);
         for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
             const int tile = ty * m_tiles.tilesX() + tx;

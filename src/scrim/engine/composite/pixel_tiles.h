@@ -25,9 +25,9 @@ class PixelTiles {
 
     /// All pixels black and transparent.
     void reset() {
-        m_states.assign(static_cast<std::size_t>(count()) * tileFloats(), 0.0f);
-        m_depth.assign(m_keepsDepth ? static_cast<std::size_t>(count()) * kTileSize : 0, 0.0f);
-        m_opaque.assign(static_cast<std::size_t>(count()), 0);
+        m_states.assign(std::size_t(count()) * tileFloats(), 0.0f);
+        m_depth.assign(m_keepsDepth ? std::size_t(count()) * kTileSize : 0, 0.0f);
+        m_opaque.assign(std::size_t(count()), 0);
     }
 
     const PixelWindow& region() const { return m_region; }
@@ -40,8 +40,8 @@ class PixelTiles {
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
     const OutputLayout& layout() const { return m_layout; }
     /// Of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
-    float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
-    const float* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
+    float* states(int tile) { return m_states.data() + std::size_t(tile) * tileFloats(); }
+    const float* states(int tile) const { return m_states.data() + std::size_t(tile) * tileFloats(); }
     /// Of pixel (x, y) of the region.
     const float* state(int x, int y) const {
         const Place at = placeOf(x, y);
@@ -49,14 +49,14 @@ class PixelTiles {
     }
     /// Depths of a tile's pixels; 0: nothing is visible. Only where they are kept.
     bool keepsDepth() const { return m_keepsDepth; }
-    float* depths(int tile) { return m_depth.data() + static_cast<std::size_t>(tile) * kTileSize; }
+    float* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
     float depth(int x, int y) const {
         const Place at = placeOf(x, y);
-        return m_depth[static_cast<std::size_t>(at.tile) * kTileSize + static_cast<std::size_t>(at.pixel)];
+        return m_depth[std::size_t(at.tile) * kTileSize + std::size_t(at.pixel)];
     }
     std::size_t bytes() const { return (m_states.size() + m_depth.size()) * sizeof(float); }
-    bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
-    void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
+    bool opaque(int tile) const { return m_opaque[tile] != 0; }
+    void setOpaque(int tile) { m_opaque[tile] = 1; }
 
     /// The tiles that a box of raster positions touches.
     Box2<int> tilesIn(const Box2<double>& positions) const;
@@ -73,7 +73,7 @@ class PixelTiles {
         const int dx = x - m_region.x0, dy = y - m_region.y0;
         return {dy / kTileEdge * m_tilesX + dx / kTileEdge, dy % kTileEdge * kTileEdge + dx % kTileEdge};
     }
-    std::size_t tileFloats() const { return static_cast<std::size_t>(kTileSize * m_layout.floats()); }
+    std::size_t tileFloats() const { return std::size_t(kTileSize * m_layout.floats()); }
 
     PixelWindow m_region;
     OutputLayout m_layout;

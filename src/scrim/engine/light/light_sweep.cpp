@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <glm/trigonometric.hpp>
+
 namespace scrim {
 namespace {
 
@@ -45,7 +47,7 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
 
 // What every light does to each sheet of the batch.
 void LightSweep::enterBatch(int firstSheet, int count) {
-    m_onSheets.assign(static_cast<std::size_t>(count), {});
+    m_onSheets.assign(std::size_t(count), {});
     for (int p = 0; p < count; ++p)
         for (std::size_t i = 0; i < m_casters.size(); ++i)
             if (const auto light = atSheet(i, firstSheet + p)) {
@@ -68,7 +70,7 @@ LightSweep::Work LightSweep::attenuateAligned(Caster& caster, int firstSheet, in
     for (int c = 0; c < m_channels; ++c) {
         ViewShadow& shadow = caster.aligned[c];
         shadow.beginBatch(firstSheet, count);
-        std::vector<std::uint64_t> samples(static_cast<std::size_t>(shadow.taskCount()));
+        std::vector<std::uint64_t> samples(std::size_t(shadow.taskCount()));
         parallelFor(samples.size(), [&](std::size_t task) {
             samples[task] = shadow.attenuate(static_cast<int>(task), caster.ownSheets->total(c));
         });
@@ -102,7 +104,7 @@ LightSweep::Work LightSweep::attenuate(int firstSheet, int count, const Extincti
     parallelFor(tasks.size(), [&](std::size_t i) {
         tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction);
     });
-    const auto sheets = static_cast<std::size_t>(count);
+    const auto sheets = std::size_t(count);
     parallelFor(shadowed.size() * sheets,
                 [&](std::size_t i) { shadowed[i / sheets].shadow->prefilter(static_cast<int>(i % sheets)); });
     Work work;
@@ -146,7 +148,7 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
     out.radius2 = static_cast<float>(radius * radius);
     if (const Light::Spot* spot = light.spot()) {
-        const double half = 0.5 * spot->coneAngle * std::acos(-1.0) / 180;
+        const double half = glm::radians(0.5 * spot->coneAngle);
         const Vec3 axis = sheets.ssFromWs * light.wsDirection;
         out.spot = true;
         out.axisU = static_cast<float>(axis.x);

@@ -46,13 +46,13 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
       m_simd(simd),
       m_thickness(sheets.thickness),
       m_nearest(filter == ShadowFilter::nearest),
-      m_sharpening(m_nearest ? 0.0f : static_cast<float>(lookUps) / 12) {
-    m_tau.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
-    m_used.reserve(static_cast<std::size_t>(batchSheets));
+      m_prefiltering(m_nearest ? 0.0f : static_cast<float>(lookUps) / 12) {
+    m_tau.resize(std::size_t(view.width) * std::size_t(view.height));
+    m_used.reserve(std::size_t(batchSheets));
 }
 
-// The part of its own sheet that a lamp inside the volume shines through: no raster resolves it, so every ray takes
-// the extinction at the lamp.
+// The part of its own sheet that a point light inside the volume shines through: no raster resolves it, so every ray takes
+// the extinction at the light.
 void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
     alignas(64) float u[kTileSize], v[kTileSize], sigma[kTileSize];
     std::fill(u, u + kTileSize, static_cast<float>(m_view.tsSource.x));
@@ -62,7 +62,7 @@ void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
         for (int x = 0; x < m_view.width; ++x) {
             const double a = (m_view.first.x + x * m_view.cell) * m_view.slopeScale;
             const double b = (m_view.first.y + y * m_view.cell) * m_view.slopeScale;
-            m_tau[static_cast<std::size_t>(y) * static_cast<std::size_t>(m_view.width) + static_cast<std::size_t>(x)] +=
+            m_tau[std::size_t(y) * std::size_t(m_view.width) + std::size_t(x)] +=
                 static_cast<float>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
         }
 }
@@ -77,9 +77,9 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
 
     // Which raster tiles each column and row of sheet tiles looks at, sheet by sheet.
-    const auto perSheet = static_cast<std::size_t>(tilesX + tilesY);
-    std::vector<TileRange> ranges(static_cast<std::size_t>(count) * perSheet);
-    const auto columns = [&](int s) { return ranges.data() + static_cast<std::size_t>(s) * perSheet; };
+    const auto perSheet = std::size_t(tilesX + tilesY);
+    std::vector<TileRange> ranges(std::size_t(count) * perSheet);
+    const auto columns = [&](int s) { return ranges.data() + std::size_t(s) * perSheet; };
     const auto rows = [&](int s) { return columns(s) + tilesX; };
     TileRange windowX{rasterX, -1}, windowY{rasterY, -1};
     for (int s = 0; s < count; ++s) {
@@ -98,11 +98,11 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
     m_windowTileX = windowX.first;
     m_windowTileY = windowY.first;
-    if (m_entry.size() < entryStride() * static_cast<std::size_t>(count))
-        m_entry.resize(entryStride() * static_cast<std::size_t>(count));
+    if (m_entry.size() < entryStride() * std::size_t(count))
+        m_entry.resize(entryStride() * std::size_t(count));
 
-    const auto tilesPerSheet = static_cast<std::size_t>(m_windowTilesX) * static_cast<std::size_t>(m_windowTilesY);
-    m_used.assign(tilesPerSheet * static_cast<std::size_t>(count), 0);
+    const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
+    m_used.assign(tilesPerSheet * std::size_t(count), 0);
     for (int s = 0; s < count; ++s) {
         if (!m_view.reaches(firstSheet + s)) continue;
         for (int ty = 0; ty < tilesY; ++ty)
@@ -110,19 +110,19 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
                 if (!covered.active(s, tx, ty)) continue;
                 for (int y = rows(s)[ty].first; y <= rows(s)[ty].last; ++y)
                     for (int x = columns(s)[tx].first; x <= columns(s)[tx].last; ++x)
-                        m_used[static_cast<std::size_t>(s) * tilesPerSheet +
-                               static_cast<std::size_t>((y - m_windowTileY) * m_windowTilesX + x - m_windowTileX)] = 1;
+                        m_used[std::size_t(s) * tilesPerSheet +
+                               std::size_t((y - m_windowTileY) * m_windowTilesX + x - m_windowTileX)] = 1;
             }
     }
 }
 
 std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
     const int tileY = m_windowTileY + task;
-    const auto tilesPerSheet = static_cast<std::size_t>(m_windowTilesX) * static_cast<std::size_t>(m_windowTilesY);
+    const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     std::uint64_t samples = 0;
     for (int s = 0; s < m_count; ++s) {
-        const std::uint8_t* used = m_used.data() + static_cast<std::size_t>(s) * tilesPerSheet +
-                                   static_cast<std::size_t>(task * m_windowTilesX);
+        const std::uint8_t* used = m_used.data() + std::size_t(s) * tilesPerSheet +
+                                   std::size_t(task * m_windowTilesX);
         if (std::find(used, used + m_windowTilesX, 1) == used + m_windowTilesX) continue;
         const LightView::Cells map = m_view.at(m_firstSheet + s);
 
@@ -148,7 +148,7 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
                 tile.slopeStep = static_cast<float>(m_view.cell * s0);
             }
             tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
-            tile.entry = m_entry.data() + static_cast<std::size_t>(s) * entryStride() +
+            tile.entry = m_entry.data() + std::size_t(s) * entryStride() +
                          static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
             attenuateTile(tile);
             samples += kTileSize;
@@ -158,7 +158,7 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
 }
 
 void ShadowBuffer::prefilter(int s) {
-    if (m_sharpening == 0 || !lit(s)) return;
+    if (m_prefiltering == 0 || !lit(s)) return;
     const std::uint8_t* used = m_used.data() + s * m_windowTilesY * m_windowTilesX;
     const auto isUsed = [&](int x, int y) {
         return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY && used[y * m_windowTilesX + x] != 0;
@@ -172,13 +172,13 @@ void ShadowBuffer::prefilter(int s) {
             if (!isUsed(tx + 1, ty)) here[kTileEdge] = here[kTileEdge - 1];
             if (inTile == 0 && !isUsed(tx, ty - 1)) above = here;
             if (inTile == kTileEdge - 1 && !isUsed(tx, ty + 1)) below = here;
-            prefilterSpan(above, here, below, m_sharpening, out);
+            prefilterSpan(above, here, below, m_prefiltering, out);
         });
 }
 
 // Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
 FloatPlane ShadowBuffer::entryPlane(int s) const {
-    return {m_entry.data() + static_cast<std::size_t>(s) * entryStride(),
+    return {m_entry.data() + std::size_t(s) * entryStride(),
             windowWidth(),
             m_windowTilesY * kTileEdge,
             m_windowTileX * kTileEdge,
@@ -216,14 +216,14 @@ std::size_t ShadowBuffer::bytes() const {
 }
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
-    const auto raster = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+    const auto raster = std::size_t(view.width) * std::size_t(view.height);
     // The window of a batch: the sheet's raster, moved along by the slant of the light, in cells.
     const double least = view.distant ? view.cell : view.cell * std::max(0.5, -view.tsSource.z + 0.5);
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
     const double window =
         (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
     const auto entry =
-        static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) * static_cast<std::size_t>(batchSheets);
+        std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets);
     return (raster + entry) * sizeof(float);
 }
 
@@ -240,9 +240,9 @@ double pathThroughSheet(const Lattice& raster, const Sheets& sheets, double x, d
 
 ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd)
     : m_raster(raster), m_simd(simd), m_nearest(filter == ShadowFilter::nearest) {
-    const auto cells = static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height);
+    const auto cells = std::size_t(raster.width) * std::size_t(raster.height);
     m_tau.resize(cells);
-    m_entry.resize(cells * static_cast<std::size_t>(batchSheets));
+    m_entry.resize(cells * std::size_t(batchSheets));
     m_path.reserve(cells);
     for (int y = 0; y < raster.height; ++y)
         for (int x = 0; x < raster.width; ++x)
@@ -250,11 +250,11 @@ ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter
 }
 
 std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
-    const std::size_t first = static_cast<std::size_t>(task * kTileEdge) * static_cast<std::size_t>(m_raster.width);
-    const std::size_t count = static_cast<std::size_t>(kTileEdge) * static_cast<std::size_t>(m_raster.width);
+    const std::size_t first = std::size_t(task * kTileEdge) * std::size_t(m_raster.width);
+    const std::size_t count = std::size_t(kTileEdge) * std::size_t(m_raster.width);
     for (int s = 0; s < m_count; ++s) {
         std::copy_n(m_tau.begin() + static_cast<std::ptrdiff_t>(first), count,
-                    m_entry.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(s) * m_tau.size() + first));
+                    m_entry.begin() + static_cast<std::ptrdiff_t>(std::size_t(s) * m_tau.size() + first));
         const float* sigma = extinction.plane(s) + first;
         for (std::size_t i = 0; i < count; ++i) m_tau[first + i] += sigma[i] * m_path[first + i];
     }
@@ -282,8 +282,8 @@ void ViewShadow::lookUpPoints(int s, const float* u, const float* v, float* tau)
 }
 
 std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {
-    return static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height) *
-           static_cast<std::size_t>(2 + batchSheets) * sizeof(float);
+    return std::size_t(raster.width) * std::size_t(raster.height) *
+           std::size_t(2 + batchSheets) * sizeof(float);
 }
 
 }  // namespace scrim

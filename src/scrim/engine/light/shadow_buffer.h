@@ -114,7 +114,7 @@ class ShadowBuffer final : public ShadowLookup {
     Simd m_simd;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
-    float m_sharpening;        // times the second differences
+    float m_prefiltering;        // times the second differences
     std::vector<float> m_tau;  // the whole raster: tau at entry of the next batch
 
     // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.
@@ -125,7 +125,7 @@ class ShadowBuffer final : public ShadowLookup {
 
     int windowWidth() const { return m_windowTilesX * kTileEdge; }
     std::size_t entryStride() const {
-        return static_cast<std::size_t>(windowWidth()) * static_cast<std::size_t>(m_windowTilesY * kTileEdge);
+        return std::size_t(windowWidth()) * std::size_t(m_windowTilesY * kTileEdge);
     }
 };
 
@@ -152,7 +152,7 @@ class ViewShadow final : public ShadowLookup {
     static std::size_t bytes(const Lattice& raster, int batchSheets);
 
   private:
-    const float* entry(int s) const { return m_entry.data() + static_cast<std::size_t>(s) * m_tau.size(); }
+    const float* entry(int s) const { return m_entry.data() + std::size_t(s) * m_tau.size(); }
 
     Lattice m_raster;
     Simd m_simd;

@@ -251,9 +251,9 @@ HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
                      within(y, prints.boxY[k], levels.beginY, levels.endY);
             if (weight == 0) continue;
         }
-        auto value = bilinear<kOutside>(levels.places[static_cast<std::size_t>(level)], x, y);
+        auto value = bilinear<kOutside>(levels.places[level], x, y);
         if (between > 0)
-            value = lerp4(value, bilinear<kOutside>(levels.places[static_cast<std::size_t>(level + 1)], x, y), between);
+            value = lerp4(value, bilinear<kOutside>(levels.places[level + 1], x, y), between);
         weight /= static_cast<float>(taps);
         sum = each4([&](std::size_t i4)
                         HWY_ATTR { return hn::MulAdd(hn::Set(D4(), weight), value.part[i4], sum.part[i4]); });
@@ -288,8 +288,8 @@ HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SampleTile& sample
     levels.endX = static_cast<float>(image.width() - map.cornerX);
     levels.endY = static_cast<float>(image.height() - map.cornerY);
     for (int i = 0; i < levels.count; ++i) {
-        const Texture::Level& level = image.levels()[static_cast<std::size_t>(i)];
-        LevelPlace& place = levels.places[static_cast<std::size_t>(i)];
+        const Texture::Level& level = image.levels()[i];
+        LevelPlace& place = levels.places[i];
         place.pixels = level.rgba.data();
         place.width = level.width;
         place.height = level.height;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -65,7 +66,7 @@ std::vector<Vec3> ViewFrustum::visiblePart(const std::array<Vec3, 8>& wsCorners)
     std::vector<Vec3> visible;
     for (const auto& face : kFaces) {
         std::vector<Vec3> polygon;
-        for (const int corner : face) polygon.push_back(wsCorners[static_cast<std::size_t>(corner)]);
+        for (const int corner : face) polygon.push_back(wsCorners[corner]);
         for (const Plane& plane : m_planes) {
             std::vector<Vec3> cut;
             for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -129,7 +130,7 @@ bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std:
     double farthest = 0;
     for (const Vec3& p : to) farthest = std::max(farthest, glm::distance(p, light.wsPosition));
     // No point of the boxes is nearer than the plane through the nearest corner across the cone's axis.
-    double nearest = 1e300;
+    double nearest = std::numeric_limits<double>::infinity();
     for (const Vec3& p : from) nearest = std::min(nearest, glm::dot(p - light.wsPosition, a.axis));
     const double between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0, 1.0));
     return nearest <= farthest && between <= std::acos(a.cosAngle) + std::acos(b.cosAngle);
@@ -207,7 +208,7 @@ std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& 
 
 namespace {
 
-// Texels around what is seen that look-ups, sharpening and shadow buffers' cells reach into.
+// Texels around what is seen that look-ups, prefilters and shadow buffers' cells reach into.
 constexpr double kMargin = 6;
 
 using Points = std::vector<Vec3>;
@@ -275,7 +276,7 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
     Bounds seen;
     for (const Vec3& p : frustum.visibleParts(wsCorners(scene))) seen.include(sheets.tsPoint(p));
     NeededTiles needed;
-    needed.sheets.resize(static_cast<std::size_t>(sheets.count));
+    needed.sheets.resize(std::size_t(sheets.count));
     if (seen.empty()) return needed;
 
     // A sheet's neighbours count where something is made of their values, too.

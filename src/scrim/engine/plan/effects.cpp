@@ -89,20 +89,20 @@ Effect slides(const ViewScene& scene, const Plan& plan) {
         .effect("slides", "of ", "no light has a slide");
 }
 
-Effect droppedLights(const ViewScene& scene, const Plan& plan) {
+Effect culledLights(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
     for (std::size_t i = 0; i < plan.culledLights.size(); ++i)
         if (!plan.culledLights[i].empty())
             found.add(fmt::format("{}: {}", quoted(scene.lights[i].name), plan.culledLights[i]),
                       "light." + scene.lights[i].name);
-    return found.effect("lights left out", "", "every light lights something in view");
+    return found.effect("lights culled", "", "every light lights something in view");
 }
 
-Effect unseenVolumes(const ViewScene& scene) {
+Effect culledVolumes(const ViewScene& scene) {
     Finder found(scene);
-    for (const auto& [name, reason] : scene.unseen)
+    for (const auto& [name, reason] : scene.culled)
         found.add(fmt::format("{}: {}", quoted(name), reason), "volume." + name);
-    return found.effect("volumes left out", "", "every volume is in view or throws a shadow into it");
+    return found.effect("volumes culled", "", "every volume is in view or throws a shadow into it");
 }
 
 Effect surfaces(const ViewScene& scene) {
@@ -189,7 +189,7 @@ Effect crossFade(const ViewScene& scene, const Plan& plan) {
                         true,
                         fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
                                     "sides",
-                                    scene.lights[static_cast<std::size_t>(light.light)].name, scene.dials.crossFade),
+                                    scene.lights[light.light].name, scene.dials.crossFade),
                         {}};
     return {"cross-fade", false, "no light is perpendicular to the eye", {}};
 }
@@ -217,9 +217,9 @@ Effect culledTiles(const Plan& plan) {
         needed += group.needed.share(group.sheets) * tiles;
         all += tiles;
     }
-    if (all == 0 || plan.perView) return {"tiles left out", false, "every sheet is the view's own", {}};
+    if (all == 0 || plan.perView) return {"tiles culled", false, "every sheet is the view's own", {}};
     const bool some = needed < 0.999 * all;
-    return {"tiles left out",
+    return {"tiles culled",
             some,
             some ? fmt::format("{:.0f} % of all: neither eye nor light passes them", 100 * (1 - needed / all))
                  : "eye or light may pass all of them",
@@ -251,8 +251,8 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
                                           : "all views share one splat"));
     effects.push_back(ofDial(scene, "shading at pixels", "render.shade", plan.shadeAtPixels,
                              plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason));
-    effects.push_back(droppedLights(scene, plan));
-    effects.push_back(unseenVolumes(scene));
+    effects.push_back(culledLights(scene, plan));
+    effects.push_back(culledVolumes(scene));
     effects.push_back(culledTiles(plan));
     return effects;
 }

@@ -7,15 +7,15 @@
 //                          sub-light is a part with a direction or position of its own. Groups, shadow buffers, layers
 //                          and shading take parts, and know nothing of how a light came to have them.
 //   motion blur            velocity grids move voxels, not samples: a field becomes one field for each of a few times of
-//                          the shutter, with shares that sum to 1, and is fed like any other (derived_fields.h); or a
+//                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h); or a
 //                          footprint gets a length (footprint_table.h). Nothing behind the splat changes.
-//   deep output            is a consumer of the walk: EyeWalk hands each pixel's samples, sheet by sheet and in either
+//   deep output            is a consumer of the walk: Compositor hands each pixel's samples, sheet by sheet and in either
 //                          order, to one place (addSample in composite_tile.cpp), which keeps them instead of adding
 //                          them up.
-//   holdouts               are volumes whose opacity counts and whose radiance does not: rows of extinction like any
-//                          other (extinction_rows.h), without a medium in SheetShader's list. A depth picture to stop at
-//                          is the rays' end, as the near plane is their start (cutSlab in eye_walk.cpp).
-// Each is a pass, a row or a layout of its own: none doubles the loops that there are.
+//   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any
+//                          other (plan.h), without a medium in SheetShader's list. A depth picture to stop at
+//                          is the rays' end, as the near plane is their start (cutSlab in compositor.cpp).
+// Each is a pass, a channel or a layout of its own: none doubles the loops that there are.
 #pragma once
 
 #include <scrim/engine/plan/plan.h>

@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 #include <tuple>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -51,7 +53,7 @@ const std::vector<Vec3>& windowAxes() {
 // Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and its own beam.
 void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<LightPart>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
-    const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::acos(-1.0);
+    const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::numbers::pi;
     for (const Vec3& axis : axes) {
         if (angleOf(glm::dot(axis, cone.axis)) > volumeAngle + kWindowAngle) continue;
         if (angleOf(glm::dot(axis, light.wsDirection)) > beam.angle + kWindowAngle) continue;
@@ -126,7 +128,7 @@ struct Item {
 
 // The share of the sweep with s = +1 in a light whose angle to the eye has this cosine.
 double shareOfSameSide(double cosine, double crossFade) {
-    const double edge = std::sin(crossFade * std::acos(-1.0) / 180);
+    const double edge = std::sin(glm::radians(crossFade));
     // Rounding must not decide the side of a light that is perpendicular to the eye.
     if (edge <= 0) return cosine >= -1e-9 ? 1 : 0;
     const double t = std::clamp(0.5 + 0.5 * cosine / edge, 0.0, 1.0);
@@ -151,7 +153,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
             if (share <= 0) continue;
             const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
             items.push_back(
-                {part, sameSide, share < 1, slant, mean, scene.lights[static_cast<std::size_t>(part.light)].name});
+                {part, sameSide, share < 1, slant, mean, scene.lights[part.light].name});
             items.back().part.share = share;
         }
     }
@@ -196,7 +198,7 @@ void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& group
 std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
                                     const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
     const std::vector<Vec3>& eye = part.wsDirections;
-    const double limit = scene.dials.maxSlant * std::acos(-1.0) / 180;
+    const double limit = glm::radians(scene.dials.maxSlant);
 
     // Each part joins the group in which it costs the least slant, or opens its own.
     std::vector<LightGroup> groups;
@@ -227,7 +229,6 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
     sharePrimary(items, groups);
     for (LightGroup& group : groups) setAxis(group, scene, eye);
 
-    const double degrees = 180 / std::acos(-1.0);
     for (const LightGroup& group : groups) {
         if (group.slant <= kSlantLimit) continue;
         // The paper's own sheets are crossed by lights at any slant, and show it (ZC02 Fig. 17).
@@ -238,7 +239,7 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
                                            : "the camera's field of view is too wide";
         throw Error(ErrorKind::render,
                     fmt::format("{}: rays lean {:.1f} degrees from the sweep's axis, at most {:.0f} can be rendered",
-                                cause, group.slant * degrees, kSlantLimit * degrees));
+                                cause, glm::degrees(group.slant), glm::degrees(kSlantLimit)));
     }
     return groups;
 }
@@ -249,7 +250,7 @@ std::vector<Vec3> rimOfCone(const Vec3& axis, double angle) {
     std::vector<Vec3> directions;
     constexpr int kPoints = 16;
     for (int i = 0; i < kPoints; ++i) {
-        const double t = 2 * std::acos(-1.0) * i / kPoints;
+        const double t = 2 * std::numbers::pi * i / kPoints;
         directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * x + std::sin(t) * y));
     }
     return directions;
@@ -262,10 +263,10 @@ Cone coneToCorners(const Vec3& wsPoint, const std::vector<Vec3>& corners, std::v
 }
 
 Beam beamOf(const Light& light) {
-    const double pi = std::acos(-1.0);
+    constexpr double pi = std::numbers::pi;
     Beam beam{{}, pi};
     if (const Light::Spot* spot = light.spot()) {
-        beam.angle = 0.5 * spot->coneAngle * pi / 180;
+        beam.angle = glm::radians(0.5 * spot->coneAngle);
         beam.directions = rimOfCone(light.wsDirection, beam.angle);
     }
     if (!light.slide) return beam;

@@ -88,13 +88,13 @@ std::vector<int> lightsOf(const GroupPlan& group) {
 std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
     std::vector<const Light*> shadowed;
     for (const LightPlan& light : group.lights)
-        if (light.shadowed) shadowed.push_back(&scene.lights[static_cast<std::size_t>(light.light)]);
+        if (light.shadowed) shadowed.push_back(&scene.lights[light.light]);
     return shadowed;
 }
 
 // What the plan itself takes, which is little unless there are very many sheets.
 void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
-    std::size_t count = static_cast<std::size_t>(sheets);
+    std::size_t count = std::size_t(sheets);
     for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
     const std::size_t bytes = count * sizeof(Box2<int>);
     if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
@@ -229,7 +229,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan) {
         for (const LightPlan& light : group.lights)
             if (!light.ssWindows.empty())
                 return fmt::format("light {} is so near that its light changes between texels",
-                                   scene.lights[static_cast<std::size_t>(light.light)].name);
+                                   scene.lights[light.light].name);
     if (eyeAmong(scene, texel)) return "the eye stands so near that what it sees of a sheet changes between texels";
     if (const std::string reason = fineSlide(scene, plan, texel); !reason.empty()) return reason;
     return denseMedium(scene, plan);
@@ -307,16 +307,16 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     }
     std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan);
 
-    const std::size_t pixels = static_cast<std::size_t>(roundUpToTile(plan.region.width())) *
-                               static_cast<std::size_t>(roundUpToTile(plan.region.height()));
+    const std::size_t pixels = std::size_t(roundUpToTile(plan.region.width())) *
+                               std::size_t(roundUpToTile(plan.region.height()));
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
-        floats = std::max(floats, static_cast<std::size_t>(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? 1 : 0)));
+        floats = std::max(floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? 1 : 0)));
     const std::size_t layers =
         scene.layers.size() + (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
     const std::size_t frameBytes =
-        pixels * floats * sizeof(float) + static_cast<std::size_t>(scene.region.width()) *
-                                              static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
+        pixels * floats * sizeof(float) + std::size_t(scene.region.width()) *
+                                              std::size_t(scene.region.height()) * (4 + 3 * layers) *
                                               sizeof(float);
     plan.bytes = frameBytes;
     splitIntoPasses(scene, frameBytes, plan);

@@ -79,7 +79,7 @@ Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, 
 // The lattice of a light's own sheets and shadow buffer.
 Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
                        const LightPart& part) {
-    const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
+    const Light& light = scene.lights[part.light];
     const bool distant = light.distant();
     const Vec3 step(sheets.texel, sheets.texel, sheets.thickness);
     const bool image = scene.dials.shadowPlane == ShadowPlane::image;
@@ -157,7 +157,7 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
 
 LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
                     LightPart part) {
-    const Light& light = scene.lights[static_cast<std::size_t>(part.light)];
+    const Light& light = scene.lights[part.light];
     LightPlan plan;
     plan.light = part.light;
     plan.shadowed = light.shadows;

@@ -29,7 +29,7 @@ Vec3 axisOf(const GroupPlan& group) {
 }
 
 const Light& lightOf(const ViewScene& scene, const LightPlan& light) {
-    return scene.lights[static_cast<std::size_t>(light.light)];
+    return scene.lights[light.light];
 }
 
 const std::string& lightName(const ViewScene& scene, const LightPlan& light) {

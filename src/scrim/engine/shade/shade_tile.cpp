@@ -104,7 +104,7 @@ HWY_ATTR void scatterInto(const ShadeInput& input, const Lit& lit, const SheetMe
 }
 
 bool lights(const SheetLight& light, const std::vector<bool>* lit) {
-    return !lit || (*lit)[static_cast<std::size_t>(light.index)];
+    return !lit || (*lit)[light.index];
 }
 
 // The first octave is single scattering, which surfaces know too; the others are of media that have them.

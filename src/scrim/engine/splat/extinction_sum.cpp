@@ -125,7 +125,7 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
     }
     parallelFor(tasks.size(),
                 [&](std::size_t i) { tasks[i].footprints = tasks[i].field->splat(tasks[i].part, needed, cull); });
-    parallelFor(static_cast<std::size_t>(count), [&](std::size_t p) {
+    parallelFor(std::size_t(count), [&](std::size_t p) {
         for (const Volume& volume : m_volumes)
             if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p));
         if (!m_totals.empty()) addUp(static_cast<int>(p));

@@ -52,8 +52,8 @@ std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texel
                                   Lookup lookup) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
-    return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
-           static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
+    return parts * std::size_t(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
+           std::size_t(shape.sheets.count) * std::size_t(shape.rows.count * shape.rowStride);
 }
 
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
@@ -82,10 +82,10 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSte
     m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(float));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
-    parallelFor(static_cast<std::size_t>(texelSteps),
+    parallelFor(std::size_t(texelSteps),
                 [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
     if (sloped())
-        parallelFor(static_cast<std::size_t>(texelSteps),
+        parallelFor(std::size_t(texelSteps),
                     [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
 }
 
@@ -109,7 +109,7 @@ void FootprintTable::addSlopes(int stepV) {
             slab >= m_sheets.count)
             return 0.0f;
         return m_weights[offset(stepU, v, stepN) +
-                         static_cast<std::size_t>(slab * sheetStride() + row * m_rowStride + column)];
+                         std::size_t(slab * sheetStride() + row * m_rowStride + column)];
     };
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
         for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
@@ -139,7 +139,7 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     constexpr double kLongestStep = 0.25;  // voxels
     const int cuts = std::max(1, static_cast<int>(std::ceil(glm::length(isFromTs[2]) * fine / kLongestStep - 1e-9)));
     const double cut = fine / cuts, gauss = 0.5 * cut / std::sqrt(3.0);
-    std::vector<double> cumulative(static_cast<std::size_t>(fineCount) + 1);
+    std::vector<double> cumulative(std::size_t(fineCount) + 1);
 
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
         for (int row = 0; row < m_rows.count; ++row)
@@ -157,11 +157,11 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                                    (kernelValue(kernel, at0 + isFromTs[2] * (middle - gauss)) +
                                     kernelValue(kernel, at0 + isFromTs[2] * (middle + gauss)));
                     }
-                    cumulative[static_cast<std::size_t>(i) + 1] = sum;
+                    cumulative[std::size_t(i) + 1] = sum;
                 }
                 for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
                     const auto read = [&](int slab) {
-                        return cumulative[static_cast<std::size_t>((slab + 1) * m_sheetSteps - stepN)];
+                        return cumulative[(slab + 1) * m_sheetSteps - stepN];
                     };
                     float* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
                     for (int slab = 0; slab < m_sheets.count; ++slab)

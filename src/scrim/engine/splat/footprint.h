@@ -59,8 +59,8 @@ class FootprintTable {
     /// Offset of the weights for quantised fractions (each below its number of steps), sheets() x parts x rows()
     /// x rowStride() of them.
     std::size_t offset(int stepU, int stepV, int stepN) const {
-        return static_cast<std::size_t>((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
-               static_cast<std::size_t>(sheetStride() * m_sheets.count);
+        return std::size_t((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
+               std::size_t(sheetStride() * m_sheets.count);
     }
     const float* weights() const { return m_weights.data(); }
     std::size_t bytes() const { return m_weights.size() * sizeof(float); }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -14,7 +15,7 @@ constexpr double kGaussianRadius = 2.0;
 
 // 1 over the integral of exp(-2 r^2) over the ball of radius 2: pi^(3/2)/2^(3/2) erf(2 sqrt 2) - 2 pi e^-8.
 const double kGaussianScale = [] {
-    const double pi = std::acos(-1.0);
+    constexpr double pi = std::numbers::pi;
     const double integral = std::pow(pi / 2, 1.5) * std::erf(2 * std::sqrt(2.0)) -
                             pi * kGaussianRadius * std::exp(-2 * kGaussianRadius * kGaussianRadius);
     return 1 / integral;

@@ -69,9 +69,9 @@ class PlaneStack {
     static constexpr std::uint8_t kClean = 0, kStale = 1, kActive = 2;
 
     std::size_t tileIndex(int p, int tx, int ty) const {
-        return (static_cast<std::size_t>(p) * static_cast<std::size_t>(tilesY()) + static_cast<std::size_t>(ty)) *
-                   static_cast<std::size_t>(tilesX()) +
-               static_cast<std::size_t>(tx);
+        return (std::size_t(p) * std::size_t(tilesY()) + std::size_t(ty)) *
+                   std::size_t(tilesX()) +
+               std::size_t(tx);
     }
     void clearTile(int p, int tx, int ty);
 

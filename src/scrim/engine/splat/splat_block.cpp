@@ -15,7 +15,7 @@ namespace HWY_NAMESPACE {
 // Voxels whose addresses are computed together, ahead of their footprints.
 constexpr int kChunk = 32;
 
-constexpr std::int32_t kNoSheet = 1 << 29;  // of voxels that are left out: past every last sheet
+constexpr std::int32_t kNoSheet = 1 << 29;  // of culled voxels: past every last sheet
 
 struct Chunk {
     alignas(64) std::int32_t table[kChunk];  // index of the quantised fraction

@@ -35,7 +35,7 @@ struct BlockSplat {
     float scale;                 ///< factor on every value
     float most;                  ///< scaled values above it count as it
     std::int32_t width, height;  ///< of the planes, texels
-    bool clipped;                ///< footprints may leave the planes; those that do are left out
+    bool clipped;                ///< footprints may leave the planes; those that do are culled
     Simd simd = {};
 };
 

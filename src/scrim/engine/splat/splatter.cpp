@@ -130,7 +130,7 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
 
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Target& target) const {
     const BlockSplat& splat = target.splat;
-    // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are fed to a sheet,
+    // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are splatted into a sheet,
     // and the count of footprints, must not depend on how sheets are spread over calls.
     const auto [first, second] =
         m_order.between(splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
@@ -201,7 +201,7 @@ LatticeOrder::LatticeOrder(const Mat4& tsFromIs) {
             for (int z = 0; z < kBlockEdge; ++z) {
                 const int i = blockOffset(x, y, z);
                 const Vec3 ts = transformVector(tsFromIs, Vec3(x, y, z));
-                voxels[static_cast<std::size_t>(i)] = {ts, i, static_cast<int>(std::floor(ts.z)), 0, 0};
+                voxels[i] = {ts, i, static_cast<int>(std::floor(ts.z)), 0, 0};
             }
     std::stable_sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) { return a.bucket < b.bucket; });
     dealOut(voxels);
@@ -223,7 +223,7 @@ std::pair<int, int> LatticeOrder::between(double lower, double upper) const {
     const int buckets = static_cast<int>(m_bucketBegin.size()) - 1;
     const auto begin = [&](double n) {
         const double bucket = std::clamp(std::floor(n) - m_firstBucket, 0.0, double(buckets));
-        return m_bucketBegin[static_cast<std::size_t>(bucket)];
+        return m_bucketBegin[bucket];
     };
     return {begin(lower), begin(upper + 1)};
 }

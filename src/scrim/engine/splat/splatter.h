@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Feeds one field to the sheets: active voxels only, block by block in a fixed order, constant tiles as blocks
+// Splats fields into sheets: active voxels only, block by block in a fixed order, constant tiles as blocks
 // that are never allocated (algorithm, "Feeding the splatter").
 #pragma once
 
