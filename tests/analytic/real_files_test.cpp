@@ -3,7 +3,8 @@
 // one behind the eye, and two on opposite sides.
 //
 // No closed form here: what is asked for is that the picture converges to the reference, from one voxel a texel and
-// sheet to half of one, with the first order at least (rough fields have less than the second). The errors are recorded.
+// sheet to half of one, with the first order at least (rough fields have less than the second). The errors are
+// recorded.
 #include "support/data.h"
 #include "support/verified.h"
 

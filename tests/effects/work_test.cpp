@@ -142,7 +142,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Added{"coloured extinction",
                           {"exponentials", "layer samples", "bytes of shaded sheets", "bytes of the picture"},
                           {}},
-                    Added{"albedo grid", {"voxels fed", "footprints", "bytes of fields"}, {}},
+                    Added{"albedo grid", {"voxels fed", "bytes of fields"}, {}},
                     Added{
                         "emission",
                         {"voxels fed", "footprints", "bytes of fields", "emissions", "exponentials"},

@@ -61,7 +61,8 @@ TEST_F(SlideFiles, AreCountedInTheStatisticsAndNamedInThePlan) {
     EXPECT_EQ(light.at("slide").at("file"), "slide.png");
     EXPECT_EQ(light.at("slide").at("pixels"), nlohmann::json::parse("[8, 8]"));
     const ProgramResult plan = runWell({"plan", "scene.toml"});
-    EXPECT_NE(plan.out.find("slides                  on   of 'lamp' (scene.toml:12:9)\n"), std::string::npos) << plan.out;
+    EXPECT_NE(plan.out.find("slides                  on   of 'lamp' (scene.toml:12:9)\n"), std::string::npos)
+        << plan.out;
     EXPECT_NE(plan.out.find("  light 'lamp', slide of 8 x 8 pixels: shadow raster "), std::string::npos) << plan.out;
 
     write("plain.toml", kCamera + kVolume + kLight);

@@ -13,7 +13,8 @@ using StudyCommand = ProgramTest;
 using ToleranceOption = ProgramTest;
 
 TEST_F(StudyCommand, WritesATableDataAndAPage) {
-    const ProgramResult result = runWell({"study", "scene.toml", "-o", "out/deep", "--budget", "2", "--progress", "none"});
+    const ProgramResult result =
+        runWell({"study", "scene.toml", "-o", "out/deep", "--budget", "2", "--progress", "none"});
     EXPECT_NE(result.out.find("error below"), std::string::npos) << result.out;
     const auto json = nlohmann::json::parse(readBytes(file("out/deep/study.json")));
     EXPECT_EQ(json.at("scene"), "scene.toml");
@@ -27,9 +28,9 @@ TEST_F(StudyCommand, RefusesWhatItCannotStudy) {
     expectFailure({"study", "scene.toml", "smoke.vdb", "-o", "out"}, 2, "study: expected one scene or asset");
     expectFailure({"study", "scene.toml", "-o", "out", "--frames", "1-2"}, 2,
                   "study: expected one frame; say which with --frames");
-    expectFailure({"study", "scene.toml", "-o", "out", "--budget", "0"}, 2, "--budget 0: expected seconds, more than 0");
-    expectFailure({"study", "scene.toml", "-o", "smoke.vdb"}, 4,
-                  "cannot make the folder 'smoke.vdb': Not a directory");
+    expectFailure({"study", "scene.toml", "-o", "out", "--budget", "0"}, 2,
+                  "--budget 0: expected seconds, more than 0");
+    expectFailure({"study", "scene.toml", "-o", "smoke.vdb"}, 4, "cannot make the folder 'smoke.vdb': Not a directory");
     expectFailure({"study", "scene.toml", "-o", "out", "--set", "camera.target=[0, 0, 90]"}, 1,
                   "there is nothing to study: the picture is empty");
 }

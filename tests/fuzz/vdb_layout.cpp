@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzz target: the outer structure of a .vdb, and where its grids are, is told for any bytes, or refused in one line.
-// What is behind it belongs to OpenVDB, which is not safe on damaged files and is therefore kept in a process of its own:
-// damaged_vdb_test.cpp.
+// What is behind it belongs to OpenVDB, which is not safe on damaged files and is therefore kept in a process of its
+// own: damaged_vdb_test.cpp.
 #include "require.h"
 
 #include <scrim/base/error.h>

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Sources that break the interface: each gets a reason, none a crash. (What the loader's own tests have is not repeated.)
+// Sources that break the interface: each gets a reason, none a crash. (What the loader's own tests have is not
+// repeated.)
 #include "plugins/generated.h"
 
 namespace scrim::test {

@@ -19,8 +19,8 @@ class Primitives : public BuiltSource {
     }
 };
 
-// The ramp is symmetric about the surface, so a flat one keeps its mass; sampling at voxels and the curvature within the
-// ramp leave errors of second order in the voxel over the extent, here about (0.05 / 1)^2 and less.
+// The ramp is symmetric about the surface, so a flat one keeps its mass; sampling at voxels and the curvature within
+// the ramp leave errors of second order in the voxel over the extent, here about (0.05 / 1)^2 and less.
 TEST_F(Primitives, HaveTheVolumesOfTheirSolids) {
     EXPECT_NEAR(massOf("box size=1,2,3"), 6, 6e-3);
     EXPECT_NEAR(massOf("sphere radius=1"), 4 * kPi / 3, 4e-3 * 4 * kPi / 3);

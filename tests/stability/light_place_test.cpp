@@ -106,8 +106,8 @@ TEST(LampInASheet, IsWithinTheStatedErrorOnItsPlanesAndBetweenThem) {
     RecordProperty("most", std::to_string(most));
 }
 
-// On the camera all light comes back: every ray is lit along itself, so that L = I rho / 4 pi integral of sigma e^-2 tau
-// / r^2, whatever the sheets. (A perspective eye and a lamp at one place: half-way is along both.)
+// On the camera all light comes back: every ray is lit along itself, so that L = I rho / 4 pi integral of sigma e^-2
+// tau / r^2, whatever the sheets. (A perspective eye and a lamp at one place: half-way is along both.)
 TEST(LampOnTheCamera, HasItsClosedForm) {
     for (const Way& way : {kTexels, kPixels, kPerView}) {
         const ViewScene scene = haze(way, {0, 0, 40}, 0);

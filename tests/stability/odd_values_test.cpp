@@ -126,8 +126,8 @@ TEST_P(OddValues, ASingleVoxelShowsWhereverItLiesInItsLeaf) {
         s.region = {0, 0, 25, 25};
         const Frame frame = renderScene(s);
         ASSERT_TRUE(sane(frame.image));
-        // Through the middle of the tent the integral of 1 - |z| is 1; between texels a quarter of a voxel apart its tip
-        // is cut by up to (7/8)^2, of which sharpening restores a half. Classified: more than half opaque.
+        // Through the middle of the tent the integral of 1 - |z| is 1; between texels a quarter of a voxel apart its
+        // tip is cut by up to (7/8)^2, of which sharpening restores a half. Classified: more than half opaque.
         const double alpha = pixelOf(frame, 12, 12)[3];
         if (GetParam().classified)
             EXPECT_GT(alpha, 0.5) << corner;

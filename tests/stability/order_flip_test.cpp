@@ -52,8 +52,8 @@ TEST_P(OrderFlip, TheCrossFadeLeavesNoStep) {
     EXPECT_LT(changeOf("change", renderScene(scene(-1e-6, 2)).image, renderScene(scene(1e-6, 2)).image), 1e-5);
 }
 
-// Nor do its ends: where the other side's share reaches 0, it does so smoothly (a cubic, whose slope is 0 there: a part t
-// of the fade before its end the share is 3 t^2).
+// Nor do its ends: where the other side's share reaches 0, it does so smoothly (a cubic, whose slope is 0 there: a part
+// t of the fade before its end the share is 3 t^2).
 TEST_P(OrderFlip, TheCrossFadeBeginsAndEndsWithoutAStep) {
     for (const double end : {-2.0, 2.0}) {
         const double inner = end * (1 - 1e-3), outer = end * (1 + 1e-3);
@@ -63,8 +63,8 @@ TEST_P(OrderFlip, TheCrossFadeBeginsAndEndsWithoutAStep) {
     }
 }
 
-// Exactly perpendicular rounding must not choose the side: to the bit, for a light turned by whole quarters, whose cosine
-// to the eye is 0 or some 1e-17.
+// Exactly perpendicular rounding must not choose the side: to the bit, for a light turned by whole quarters, whose
+// cosine to the eye is 0 or some 1e-17.
 TEST_P(OrderFlip, ExactlyPerpendicularIsAlwaysTheSameSide) {
     for (const double hair : {0.0, 1e-17, -1e-17, 1e-12, -1e-12}) {
         ViewScene s = scene(0, 0);

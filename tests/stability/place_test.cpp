@@ -10,9 +10,10 @@ namespace {
 
 class Place : public testing::TestWithParam<Way> {};
 
-// A coordinate of 1e8 has steps of 1.5e-8: less of a voxel than a float's rounding of a texel's coordinate. Pictures may
-// differ by what floats make of positions that differ in their last bit: 1e-6 of a texel on a plane of some ten, times
-// the steepest slope of the picture (less than its brightest a texel; of classified volumes up to ten times that).
+// A coordinate of 1e8 has steps of 1.5e-8: less of a voxel than a float's rounding of a texel's coordinate. Pictures
+// may differ by what floats make of positions that differ in their last bit: 1e-6 of a texel on a plane of some ten,
+// times the steepest slope of the picture (less than its brightest a texel; of classified volumes up to ten times
+// that).
 TEST_P(Place, AHundredMillionUnitsAwayIsTheSamePicture) {
     const ViewScene scene = smallScene(GetParam());
     const Image here = renderScene(scene).image;

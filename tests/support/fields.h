@@ -22,8 +22,8 @@ std::shared_ptr<SparseField> boxField(const Int3& lower, const Int3& upper, doub
 /// Smoke of no particular shape: smooth bumps inside a ball of `radius` voxels, wispy at its edge.
 std::shared_ptr<SparseField> smokeField(int radius, double voxel = 1);
 
-/// A scene with one volume, an orthographic camera looking along -z that sees `height` world units, and no light; texels
-/// and sheets of one voxel.
+/// A scene with one volume, an orthographic camera looking along -z that sees `height` world units, and no light;
+/// texels and sheets of one voxel.
 ViewScene orthographicScene(std::shared_ptr<const SparseField> field, const Medium& medium, double height,
                             int resolution);
 

@@ -229,8 +229,8 @@ TEST(Files, BeginWithTheLicence) {
 TEST(Headers, AreGuardedByPragmaOnce) {
     for (const SourceFile& file : library())
         if (file.header()) {
-            // The plug-in interface is plain C, and guards itself as C does; what is compiled anew for every instruction set
-            // has Highway's guard.
+            // The plug-in interface is plain C, and guards itself as C does; what is compiled anew for every
+            // instruction set has Highway's guard.
             const auto has = [&](const char* text) { return file.code.find(text) != std::string::npos; };
             const bool guarded = has("#pragma once") || has("#ifndef SCRIM_") || has("HWY_TARGET_TOGGLE");
             EXPECT_TRUE(guarded) << file.path;

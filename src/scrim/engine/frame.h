@@ -10,8 +10,8 @@
 
 namespace scrim {
 
-/// Counts of what shading did. Passes over a tile count themselves, once a tile, so that a pass that is not run is seen to
-/// be absent, and loops over samples know nothing of it.
+/// Counts of what shading did. Passes over a tile count themselves, once a tile, so that a pass that is not run is seen
+/// to be absent, and loops over samples know nothing of it.
 struct ShadeWork {
     std::uint64_t samples = 0;       ///< shaded: texels, or points where pixels' rays meet sheets
     std::uint64_t lightLookups = 0;  ///< light and sample pairs
@@ -76,9 +76,9 @@ struct StageTimes {
 struct FrameLayer {
     Layer layer = Layer::light;
     int light = -1;  ///< of a light's: index into ViewScene::lights
-    /// light, ambient, emission: the part of the beauty, RGB. albedo: times what it hides, RGB. transmittance: RGB. depth:
-    /// along the viewing axis, world units, of the first thing visible and of the mean over what is seen; 0, 0 where
-    /// nothing is.
+    /// light, ambient, emission: the part of the beauty, RGB. albedo: times what it hides, RGB. transmittance: RGB.
+    /// depth: along the viewing axis, world units, of the first thing visible and of the mean over what is seen; 0, 0
+    /// where nothing is.
     std::vector<float> data;
 
     std::size_t channels() const { return layer == Layer::depth ? 2 : 3; }

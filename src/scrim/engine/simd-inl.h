@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's way): vectors of samples, interpolation between texels, and
-// exponentials of optical depths. What every inner loop of the engine is written in.
+// Internal, compiled once for each instruction set (Highway's way): vectors of samples, interpolation between texels,
+// and exponentials of optical depths. What every inner loop of the engine is written in.
 #if defined(SCRIM_ENGINE_SIMD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_ENGINE_SIMD_INL_H_
 #undef SCRIM_ENGINE_SIMD_INL_H_
@@ -91,7 +91,8 @@ HWY_ATTR HWY_INLINE V4 lerp4(const V4& a, const V4& b, Real t) {
     return each4([&](std::size_t i)
                      HWY_ATTR { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
 }
-// The bilinear sample between four texels: `texel`, its neighbour `across` floats on, and those `down` floats on from both.
+// The bilinear sample between four texels: `texel`, its neighbour `across` floats on, and those `down` floats on from
+// both.
 HWY_ATTR HWY_INLINE V4 bilinear4(const Real* texel, std::ptrdiff_t across, std::ptrdiff_t down, Real u, Real v) {
     const Real* below = texel + down;
     return lerp4(lerp4(load4(texel), load4(texel + across), u), lerp4(load4(below), load4(below + across), u), v);

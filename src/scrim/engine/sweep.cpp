@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights. Each stage is parallel;
-// the end of a stage is the only barrier.
+// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights. Each stage is
+// parallel; the end of a stage is the only barrier.
 #include <scrim/engine/sweep.h>
 
 #include <scrim/base/error.h>
@@ -82,8 +82,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
     Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}};
     auto& [tiles, work, times] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
-    ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets,
-                             ExtinctionSum::eyeOf(group));
+    ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
     Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff));

@@ -247,8 +247,8 @@ TEST_F(ShotTest, RendersScenesThatAreChangedByHand) {
     const ShotFrame byHand = shot.render(scene);
     EXPECT_EQ(byHand.report().frame, 2);
     EXPECT_EQ(byHand.layerNames().front(), "light.key");
-    const std::string without = kScene.substr(0, kScene.find("[[light]]\nname = \"rim\"")) +
-                                kScene.substr(kScene.find("[ambient]"));
+    const std::string without =
+        kScene.substr(0, kScene.find("[[light]]\nname = \"rim\"")) + kScene.substr(kScene.find("[ambient]"));
     writeBytes(file("shot.toml"), without);
     EXPECT_EQ(byHand.image().rgba,
               open({"light.key.intensity=6", "volume.smoke.density.scale=0.5"}).render(2).image().rgba);

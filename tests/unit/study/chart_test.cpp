@@ -45,7 +45,8 @@ TEST(Chart, SeriesDifferInShapeToo) {
     Chart chart;
     for (int style = 0; style < 5; ++style) chart.series.push_back({"s", {{1, 1, "p"}}, false, false, style});
     const std::string svg = chartAsSvg(chart);
-    for (const char* shape : {"<circle", "<rect", "h-", "l5.6 5.6"}) EXPECT_NE(svg.find(shape), std::string::npos) << shape;
+    for (const char* shape : {"<circle", "<rect", "h-", "l5.6 5.6"})
+        EXPECT_NE(svg.find(shape), std::string::npos) << shape;
 }
 
 }  // namespace

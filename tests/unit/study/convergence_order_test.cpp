@@ -11,7 +11,8 @@ namespace {
 // Signed errors C h^p, seen from the finest of them.
 std::vector<DialDistance> distances(double order, double finest) {
     std::vector<DialDistance> all;
-    for (const double h : {0.25, 0.5, 1.0, 2.0, 4.0}) all.push_back({h, 3 * (std::pow(h, order) - std::pow(finest, order))});
+    for (const double h : {0.25, 0.5, 1.0, 2.0, 4.0})
+        all.push_back({h, 3 * (std::pow(h, order) - std::pow(finest, order))});
     return all;
 }
 

@@ -58,7 +58,8 @@ TEST(DialSweeps, TurnEveryDialThatTradesAccuracyAndKeepTheOthers) {
                 EXPECT_EQ(dialText(trials[sweep.trials[i]].dials, dial.name),
                           dial.name == sweep.dial ? sweep.values[i] : dialText(base, dial.name))
                     << sweep.dial << " " << sweep.values[i];
-        for (std::size_t i = 1; i < sweep.sizes.size(); ++i) EXPECT_GT(sweep.sizes[i], sweep.sizes[i - 1]) << sweep.dial;
+        for (std::size_t i = 1; i < sweep.sizes.size(); ++i)
+            EXPECT_GT(sweep.sizes[i], sweep.sizes[i - 1]) << sweep.dial;
     }
 }
 

@@ -62,8 +62,8 @@ TEST(Tolerance, OfSmokeIsMetByWhatThePilotsChoose) {
         runPilots(pilots, scene, scene, 64, 9);
         for (const Pilot& p : pilots) EXPECT_GT(p.error, 0);
         scene.dials = chooseDials(scene, fitModel(pilots), tolerance).dials;
-        EXPECT_LT(errorOf(scene, 64), tolerance) << "texel " << scene.dials.texel << " sheets "
-                                                 << scene.dials.sheetThickness;
+        EXPECT_LT(errorOf(scene, 64), tolerance)
+            << "texel " << scene.dials.texel << " sheets " << scene.dials.sheetThickness;
     }
 }
 

@@ -52,9 +52,9 @@ struct SheetList {
 /// A sample of less opacity than this is no first thing that a ray shows.
 constexpr Real kLeastVisible = Real(1e-3);
 
-/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `firstDepth`: of
-/// 256 pixels, the depth of the first sheet of more opacity than kLeastVisible (the last to come, back to front), and 0
-/// until there is one; null where nobody asks, as where there is nothing but the beauty.
+/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `firstDepth`:
+/// of 256 pixels, the depth of the first sheet of more opacity than kLeastVisible (the last to come, back to front),
+/// and 0 until there is one; null where nobody asks, as where there is nothing but the beauty.
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
                    Real* firstDepth = nullptr);
 

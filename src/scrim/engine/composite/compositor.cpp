@@ -69,8 +69,9 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
         const auto tileOf = [](double texel, int size) {
             return static_cast<int>(std::clamp(std::floor(texel), 0.0, size - 1.0)) / kTileEdge;
         };
-        if (planes.anyActive(p, {tileOf(texels.x0, planes.width()), tileOf(texels.y0, planes.height()),
-                                 tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1}))
+        if (planes.anyActive(p,
+                             {tileOf(texels.x0, planes.width()), tileOf(texels.y0, planes.height()),
+                              tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1}))
             walk.planes[walk.planeCount++] = p;
     }
     if (walk.planeCount > 0) walk.setRays(m_eye.rays(x0, y0, reference));
@@ -78,7 +79,8 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
 }
 
 // The same on the eye's own lattice, where a tile meets the same tile of every plane: `cells`.
-Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const {
+Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const PlaneStack& planes,
+                                            const Int2& cells) const {
     TileWalk walk;
     walk.block = blockBegin(range.sheet);
     walk.firstStep = range.sheet - walk.block - range.firstPlane;
@@ -140,8 +142,8 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
             case Before::none:
                 break;
             case Before::all:
-                planes[static_cast<std::size_t>(listed)] = shaded.plane(p);
-                steps[static_cast<std::size_t>(listed++)] = static_cast<Real>(step);
+                planes[listed] = shaded.plane(p);
+                steps[listed++] = static_cast<Real>(step);
                 break;
             case Before::part: {
                 flush();
@@ -243,8 +245,7 @@ Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf
             const int tile = ty * m_tiles.tilesX() + tx;
             for (const Part& part : parts) {
                 if (m_tiles.opaque(tile)) break;
-                if (part.box.contains(tx, ty))
-                    walked[row] += walk(tile, part.range);
+                if (part.box.contains(tx, ty)) walked[row] += walk(tile, part.range);
                 if (part.endsBlock) markIfOpaque(tile);
             }
         }
@@ -271,7 +272,8 @@ Compositor::Work Compositor::throughPixels(int firstSheet, int count, const Plan
     return forOpenTiles(
         firstSheet, count, [&](const Range&) { return m_tiles.all(); },
         [&](int tile, const Range& range) {
-            const Int2 cells(tile % m_tiles.tilesX() + lattice.guardTiles, tile / m_tiles.tilesX() + lattice.guardTiles);
+            const Int2 cells(tile % m_tiles.tilesX() + lattice.guardTiles,
+                             tile / m_tiles.tilesX() + lattice.guardTiles);
             return shadeAlong(enterCells(tile, range, covered, cells), tile, cells, shader);
         });
 }

@@ -53,7 +53,8 @@ class EyeView {
     /// Writes to `samples` how deep positions on the plane N = `middle` lie.
     void setDepth(double middle, SampleTile& samples) const;
 
-    /// The pixels whose rays may pass through a box of texels on the plane N = `middle`: as raster positions, or nothing where no bound is known (next to the eye and behind it).
+    /// The pixels whose rays may pass through a box of texels on the plane N = `middle`: as raster positions, or
+    /// nothing where no bound is known (next to the eye and behind it).
     std::optional<Box2<double>> seenBy(const Box2<double>& texels, double middle) const;
 
   private:

@@ -10,9 +10,10 @@ Box2<int> PixelTiles::tilesIn(const Box2<double>& positions) const {
     const auto tile = [](double position, int origin, int tiles) {
         return static_cast<int>(std::clamp(std::floor((position - origin) / kTileEdge), -1.0, double(tiles)));
     };
-    return intersection<int>({0, 0, m_tilesX, m_tilesY},
-                        {tile(positions.x0, m_region.x0, m_tilesX), tile(positions.y0, m_region.y0, m_tilesY),
-                         tile(positions.x1, m_region.x0, m_tilesX) + 1, tile(positions.y1, m_region.y0, m_tilesY) + 1});
+    return intersection<int>(
+        {0, 0, m_tilesX, m_tilesY},
+        {tile(positions.x0, m_region.x0, m_tilesX), tile(positions.y0, m_region.y0, m_tilesY),
+         tile(positions.x1, m_region.x0, m_tilesX) + 1, tile(positions.y1, m_region.y0, m_tilesY) + 1});
 }
 
 bool PixelTiles::anyOpen(const Box2<int>& tiles) const {

@@ -26,9 +26,9 @@ class PixelTiles {
 
     /// All pixels black and transparent.
     void reset() {
-        m_states.assign(static_cast<std::size_t>(count()) * tileFloats(), Real(0));
-        m_depth.assign(m_keepsDepth ? static_cast<std::size_t>(count()) * kTileSize : 0, Real(0));
-        m_opaque.assign(static_cast<std::size_t>(count()), 0);
+        m_states.assign(std::size_t(count()) * tileFloats(), Real(0));
+        m_depth.assign(m_keepsDepth ? std::size_t(count()) * kTileSize : 0, Real(0));
+        m_opaque.assign(std::size_t(count()), 0);
     }
 
     const PixelWindow& region() const { return m_region; }
@@ -41,8 +41,8 @@ class PixelTiles {
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
     const OutputLayout& layout() const { return m_layout; }
     /// Of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
-    Real* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
-    const Real* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
+    Real* states(int tile) { return m_states.data() + std::size_t(tile) * tileFloats(); }
+    const Real* states(int tile) const { return m_states.data() + std::size_t(tile) * tileFloats(); }
     /// Of pixel (x, y) of the region.
     const Real* state(int x, int y) const {
         const Place at = placeOf(x, y);
@@ -50,14 +50,14 @@ class PixelTiles {
     }
     /// Depths of a tile's pixels; 0: nothing is visible. Only where they are kept.
     bool keepsDepth() const { return m_keepsDepth; }
-    Real* depths(int tile) { return m_depth.data() + static_cast<std::size_t>(tile) * kTileSize; }
+    Real* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
     Real depth(int x, int y) const {
         const Place at = placeOf(x, y);
         return m_depth[std::size_t(at.tile) * kTileSize + std::size_t(at.pixel)];
     }
     std::size_t bytes() const { return (m_states.size() + m_depth.size()) * sizeof(Real); }
-    bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
-    void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
+    bool opaque(int tile) const { return m_opaque[tile] != 0; }
+    void setOpaque(int tile) { m_opaque[tile] = 1; }
 
     /// The tiles that a box of raster positions touches.
     Box2<int> tilesIn(const Box2<double>& positions) const;

@@ -50,7 +50,7 @@ void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
             const Real* state = tiles.state(x * n + i, y * n + j);
-            for (int f = 0; f < count; ++f) sum.floats[static_cast<std::size_t>(f)] += state[f];
+            for (int f = 0; f < count; ++f) sum.floats[f] += state[f];
             if (!tiles.keepsDepth()) continue;
             const Real depth = tiles.depth(x * n + i, y * n + j);
             if (depth > 0 && (sum.first == 0 || depth < sum.first)) sum.first = depth;
@@ -81,10 +81,10 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
     const std::vector<Target> targets = targetsOf(group, frame);
     FrameLayer* const transmittance = group.primary > 0 ? find(frame, Layer::transmittance) : nullptr;
     const OutputLayout& layout = tiles.layout();
-    const std::size_t opacities = static_cast<std::size_t>(layout.floats() - 4);
-    const auto beauties = static_cast<std::size_t>(layout.beauty ? 1 : layout.quadOf(layout.beautyParts));
-    parallelFor(static_cast<std::size_t>(part.window.height()), [&](std::size_t row) {
-        PixelSum sum{std::vector<Real>(static_cast<std::size_t>(layout.floats())), 0};
+    const std::size_t opacities = std::size_t(layout.floats() - 4);
+    const auto beauties = std::size_t(layout.beauty ? 1 : layout.quadOf(layout.beautyParts));
+    parallelFor(std::size_t(part.window.height()), [&](std::size_t row) {
+        PixelSum sum{std::vector<Real>(std::size_t(layout.floats())), 0};
         const int y = part.window.y0 + static_cast<int>(row);
         for (int x = part.window.x0; x < part.window.x1; ++x) {
             sumRays(tiles, n, x, y, sum);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 3 of a batch: every light's shadow buffer through the sheets, and what shading needs to know of each light at each
-// of them.
+// Stage 3 of a batch: every light's shadow buffer through the sheets, and what shading needs to know of each light at
+// each of them.
 #pragma once
 
 #include <scrim/engine/light/shadow_buffer.h>
@@ -22,12 +22,12 @@ class LightSweep {
         std::uint64_t samples = 0;     ///< cells of shadow buffers walked
         std::uint64_t footprints = 0;  ///< splatted for lights alone
     };
-    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction`: of the shared sheets; a
-    /// light whose lattice is its own splats its own instead.
+    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction`: of the shared sheets;
+    /// a light whose lattice is its own splats its own instead.
     Work attenuate(int firstSheet, int count, const ExtinctionSum& extinction);
 
-    /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each extinction channel (nullptr:
-    /// unshadowed).
+    /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each extinction channel
+    /// (nullptr: unshadowed).
     struct OnSheet {
         std::vector<SheetLight> lights;
         std::vector<const ShadowLookup*> shadows;
@@ -39,8 +39,8 @@ class LightSweep {
     static std::size_t shadowBytes(const LightPlan& light, const Sheets& sheets, int batchSheets);
 
   private:
-    // What casts one light's shadows: a buffer for each extinction channel, resampled from the shared sheets; or, with a
-    // lattice of its own, sheets and buffers of its own.
+    // What casts one light's shadows: a buffer for each extinction channel, resampled from the shared sheets; or, with
+    // a lattice of its own, sheets and buffers of its own.
     struct Caster {
         std::vector<ShadowBuffer> resampled;
         std::unique_ptr<ExtinctionSum> ownSheets;

@@ -26,8 +26,8 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
     return {tile(lower), tile(upper)};
 }
 
-// One tile's part of a row, prefiltered by `strength` times its second differences, but not beyond its neighbours: where
-// an opaque edge lies between two cells, the lit one stays as it is.
+// One tile's part of a row, prefiltered by `strength` times its second differences, but not beyond its neighbours:
+// where an opaque edge lies between two cells, the lit one stays as it is.
 void prefilterSpan(const Real* above, const Real* here, const Real* below, Real strength, Real* out) {
     for (int x = 0; x < kTileEdge; ++x) {
         const Real left = here[x - 1], right = here[x + 1], own = here[x];
@@ -46,13 +46,13 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
       m_simd(simd),
       m_thickness(sheets.thickness),
       m_nearest(filter == ShadowFilter::nearest),
-      m_sharpening(m_nearest ? Real(0) : static_cast<Real>(lookUps) / 12) {
-    m_tau.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
-    m_used.reserve(static_cast<std::size_t>(batchSheets));
+      m_prefiltering(m_nearest ? Real(0) : static_cast<Real>(lookUps) / 12) {
+    m_tau.resize(std::size_t(view.width) * std::size_t(view.height));
+    m_used.reserve(std::size_t(batchSheets));
 }
 
-// The part of its own sheet that a point light inside the volume shines through: no raster resolves it, so every ray takes
-// the extinction at the light.
+// The part of its own sheet that a point light inside the volume shines through: no raster resolves it, so every ray
+// takes the extinction at the light.
 void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
     alignas(64) Real u[kTileSize], v[kTileSize], sigma[kTileSize];
     std::fill(u, u + kTileSize, static_cast<Real>(m_view.tsSource.x));
@@ -62,7 +62,7 @@ void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
         for (int x = 0; x < m_view.width; ++x) {
             const double a = (m_view.first.x + x * m_view.cell) * m_view.slopeScale;
             const double b = (m_view.first.y + y * m_view.cell) * m_view.slopeScale;
-            m_tau[static_cast<std::size_t>(y) * static_cast<std::size_t>(m_view.width) + static_cast<std::size_t>(x)] +=
+            m_tau[std::size_t(y) * std::size_t(m_view.width) + std::size_t(x)] +=
                 static_cast<Real>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
         }
 }
@@ -98,8 +98,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
     m_windowTileX = windowX.first;
     m_windowTileY = windowY.first;
-    if (m_entry.size() < entryStride() * std::size_t(count))
-        m_entry.resize(entryStride() * std::size_t(count));
+    if (m_entry.size() < entryStride() * std::size_t(count)) m_entry.resize(entryStride() * std::size_t(count));
 
     const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     m_used.assign(tilesPerSheet * std::size_t(count), 0);
@@ -121,8 +120,7 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
     const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     std::uint64_t samples = 0;
     for (int s = 0; s < m_count; ++s) {
-        const std::uint8_t* used = m_used.data() + std::size_t(s) * tilesPerSheet +
-                                   std::size_t(task * m_windowTilesX);
+        const std::uint8_t* used = m_used.data() + std::size_t(s) * tilesPerSheet + std::size_t(task * m_windowTilesX);
         if (std::find(used, used + m_windowTilesX, 1) == used + m_windowTilesX) continue;
         const LightView::Cells map = m_view.at(m_firstSheet + s);
 
@@ -171,7 +169,7 @@ void ShadowBuffer::prefilter(int s) {
                             if (!isUsed(tx + 1, ty)) here[kTileEdge] = here[kTileEdge - 1];
                             if (inTile == 0 && !isUsed(tx, ty - 1)) above = here;
                             if (inTile == kTileEdge - 1 && !isUsed(tx, ty + 1)) below = here;
-                            prefilterSpan(above, here, below, m_sharpening, out);
+                            prefilterSpan(above, here, below, m_prefiltering, out);
                         });
 }
 
@@ -221,8 +219,7 @@ std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
     const double window =
         (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
-    const auto entry =
-        static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) * static_cast<std::size_t>(batchSheets);
+    const auto entry = std::size_t(std::min(window, static_cast<double>(raster))) * std::size_t(batchSheets);
     return (raster + entry) * sizeof(Real);
 }
 
@@ -253,7 +250,7 @@ std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
     const std::size_t count = std::size_t(kTileEdge) * std::size_t(m_raster.width);
     for (int s = 0; s < m_count; ++s) {
         std::copy_n(m_tau.begin() + static_cast<std::ptrdiff_t>(first), count,
-                    m_entry.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(s) * m_tau.size() + first));
+                    m_entry.begin() + static_cast<std::ptrdiff_t>(std::size_t(s) * m_tau.size() + first));
         const Real* sigma = extinction.plane(s) + first;
         for (std::size_t i = 0; i < count; ++i) m_tau[first + i] += sigma[i] * m_path[first + i];
     }
@@ -281,8 +278,7 @@ void ViewShadow::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) co
 }
 
 std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {
-    return static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height) *
-           static_cast<std::size_t>(2 + batchSheets) * sizeof(Real);
+    return std::size_t(raster.width) * std::size_t(raster.height) * std::size_t(2 + batchSheets) * sizeof(Real);
 }
 
 }  // namespace scrim

@@ -23,10 +23,10 @@ namespace scrim {
 
 /// A light as one sweep sees it: the raster of its shadow buffer and the map between raster and sheets.
 ///
-/// The raster is parallel to the sheets. A cell (i, j) is a light ray, named by where it crosses the plane N = 0 (distant
-/// lights) or by its slope (point lights), and either way the cells of one sheet are a scaled and shifted lattice: texel =
-/// offset + cell * scale. The projective map of ZC02 eq. 4 thus separates into rows and columns; for distant lights the
-/// scale is 1 at every sheet and resampling is a streaming operation.
+/// The raster is parallel to the sheets. A cell (i, j) is a light ray, named by where it crosses the plane N = 0
+/// (distant lights) or by its slope (point lights), and either way the cells of one sheet are a scaled and shifted
+/// lattice: texel = offset + cell * scale. The projective map of ZC02 eq. 4 thus separates into rows and columns; for
+/// distant lights the scale is 1 at every sheet and resampling is a streaming operation.
 struct LightView {
     /// Texel coordinates of cell (i, j) on one sheet: offset + (i, j) * scale.
     struct Cells {
@@ -68,8 +68,8 @@ class ShadowLookup {
     virtual void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const = 0;
 };
 
-/// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's active texels can see are
-/// touched.
+/// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's active texels can see
+/// are touched.
 class ShadowBuffer final : public ShadowLookup {
   public:
     /// `lookUps`: bilinear ones on the way from this buffer to the picture, one where pixels look into it, two where
@@ -94,9 +94,9 @@ class ShadowBuffer final : public ShadowLookup {
     /// extinction times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    /// Makes up beforehand for the blur of the look-ups to come, as PlaneStack::prefilter does for sheets: tau at entry of sheet s
-    /// of the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`; what the
-    /// buffer carries on stays as it is.
+    /// Makes up beforehand for the blur of the look-ups to come, as PlaneStack::prefilter does for sheets: tau at entry
+    /// of sheet s of the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`;
+    /// what the buffer carries on stays as it is.
     void prefilter(int s);
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
@@ -115,7 +115,7 @@ class ShadowBuffer final : public ShadowLookup {
     Simd m_simd;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
-    Real m_sharpening;        // times the second differences
+    Real m_prefiltering;      // times the second differences
     std::vector<Real> m_tau;  // the whole raster: tau at entry of the next batch
 
     // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.
@@ -125,14 +125,12 @@ class ShadowBuffer final : public ShadowLookup {
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
 
     int windowWidth() const { return m_windowTilesX * kTileEdge; }
-    std::size_t entryStride() const {
-        return std::size_t(windowWidth()) * std::size_t(m_windowTilesY * kTileEdge);
-    }
+    std::size_t entryStride() const { return std::size_t(windowWidth()) * std::size_t(m_windowTilesY * kTileEdge); }
 };
 
-/// The paper's shadow buffer: a raster that is aligned with its light (or with the image plane), into which the light's own
-/// footprints are splatted, sheet by sheet (ZC02 section 3.2; Fig. 5, lines 10, 14 and 17). Nothing is resampled on the
-/// way: a cell is one light ray. Shading maps its points to the buffer after ZC02 eq. 4.
+/// The paper's shadow buffer: a raster that is aligned with its light (or with the image plane), into which the light's
+/// own footprints are splatted, sheet by sheet (ZC02 section 3.2; Fig. 5, lines 10, 14 and 17). Nothing is resampled on
+/// the way: a cell is one light ray. Shading maps its points to the buffer after ZC02 eq. 4.
 class ViewShadow final : public ShadowLookup {
   public:
     ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd = {});
@@ -153,7 +151,7 @@ class ViewShadow final : public ShadowLookup {
     static std::size_t bytes(const Lattice& raster, int batchSheets);
 
   private:
-    const Real* entry(int s) const { return m_entry.data() + static_cast<std::size_t>(s) * m_tau.size(); }
+    const Real* entry(int s) const { return m_entry.data() + std::size_t(s) * m_tau.size(); }
 
     Lattice m_raster;
     Simd m_simd;

@@ -19,8 +19,8 @@ namespace scrim {
 /// (X, Y, W) = perWs * (ws - wsOrigin) + atOrigin; the slide position is (X / W, Y / W), and where W <= 0 the light
 /// does not shine: that is behind it. Distant lights have W = 1 everywhere.
 struct SlideMap {
-    /// The map over one sheet: (X, Y, W) = atOrigin + u perU + v perV + (N - middle) perN, with u and v in texels and N in
-    /// sheets.
+    /// The map over one sheet: (X, Y, W) = atOrigin + u perU + v perV + (N - middle) perN, with u and v in texels and N
+    /// in sheets.
     struct OnSheet {
         Vec3 atOrigin{0, 0, 1}, perU{0}, perV{0}, perN{0};
     };

@@ -66,9 +66,9 @@ TileMap tileMap(const SheetSlide& slide, Real u0, Real v0) {
 struct LevelPlace {
     const float* pixels;
     int width, height;
-    int x, y;              // whole part
-    Real fx, fy;           // and rest
-    Real scaleX, scaleY;   // level pixels a pixel of the picture
+    int x, y;             // whole part
+    Real fx, fy;          // and rest
+    Real scaleX, scaleY;  // level pixels a pixel of the picture
 };
 constexpr std::size_t kMostLevels = 32;
 
@@ -114,6 +114,51 @@ HWY_ATTR HWY_INLINE Vector3 combined(const TileMap& m, VF u, VF v, VF n) {
     return {part(0), part(1), part(2)};
 }
 
+// One vector of samples: is it lit, the centre of its footprint, and the sums over the footprint's edges of the
+// products of their coordinates.
+struct Spread {
+    hn::Mask<DF> lit;
+    VF x, y, xx, xy, yy;
+};
+
+// Cuts footprints along their long axis into taps.
+HWY_ATTR HWY_INLINE void storeFootprint(const Spread& spread, int k, Footprints& out) {
+    const DF d;
+    const auto zero = constant(0), one = constant(1);
+    const auto& [lit, x, y, xx, xy, yy] = spread;
+    // Squares of the lengths of the two axes: eigenvalues of the covariance times 12.
+    const auto half = constant(0.5);
+    const auto mean = hn::Mul(half, hn::Add(xx, yy)), difference = hn::Mul(half, hn::Sub(xx, yy));
+    const auto root = hn::Sqrt(hn::MulAdd(difference, difference, hn::Mul(xy, xy)));
+    const auto longer = hn::Sqrt(hn::Add(mean, root));
+    const auto shorter = hn::Sqrt(hn::Max(hn::Sub(mean, root), zero));
+    auto taps = hn::Ceil(hn::Sub(hn::Div(longer, hn::Max(shorter, constant(kPoint))), constant(kNearlyRound)));
+    taps = hn::Min(hn::Max(taps, one), constant(kMostTaps));
+    const auto part = hn::Div(longer, taps);
+
+    // The long axis' direction, from whichever column of the matrix is the longer one.
+    const auto steep = hn::Lt(difference, zero);
+    auto axisX = hn::IfThenElse(steep, xy, hn::Add(difference, root));
+    auto axisY = hn::IfThenElse(steep, hn::Sub(root, difference), xy);
+    const auto norm = hn::Sqrt(hn::MulAdd(axisX, axisX, hn::Mul(axisY, axisY)));
+    const auto round = hn::Lt(norm, constant(1e-20));
+    const auto toUnit = hn::Div(one, hn::IfThenElse(round, one, norm));
+    axisX = hn::IfThenElse(round, one, hn::Mul(axisX, toUnit));
+    axisY = hn::IfThenElse(round, zero, hn::Mul(axisY, toUnit));
+
+    hn::Store(x, d, out.x + k);
+    hn::Store(y, d, out.y + k);
+    hn::Store(hn::Mul(part, axisX), d, out.stepX + k);
+    hn::Store(hn::Mul(part, axisY), d, out.stepY + k);
+    hn::Store(hn::IfThenElseZero(lit, taps), d, out.taps + k);
+    hn::Store(hn::Max(shorter, part), d, out.size + k);
+    // What remains of the footprint once the taps have their share. A thousandth of a pixel keeps quotients finite.
+    const auto taken = hn::Mul(hn::Mul(longer, longer), hn::Sub(one, hn::Div(one, hn::Mul(taps, taps))));
+    const auto least = constant(1e-6);
+    hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisX, axisX), xx), least)), d, out.boxX + k);
+    hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisY, axisY), yy), least)), d, out.boxY + k);
+}
+
 HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, Real slopeToTexels, Footprints& out) {
     const DF d;
     const SampleSpacing& spacing = samples.spacing;
@@ -154,37 +199,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, Real sl
         }
         include(slopeU, slopeV, one);
 
-        // Squares of the lengths of the two axes: eigenvalues of the covariance times 12.
-        const auto half = constant(0.5);
-        const auto mean = hn::Mul(half, hn::Add(xx, yy)), difference = hn::Mul(half, hn::Sub(xx, yy));
-        const auto root = hn::Sqrt(hn::MulAdd(difference, difference, hn::Mul(xy, xy)));
-        const auto longer = hn::Sqrt(hn::Add(mean, root));
-        const auto shorter = hn::Sqrt(hn::Max(hn::Sub(mean, root), zero));
-        auto taps = hn::Ceil(hn::Sub(hn::Div(longer, hn::Max(shorter, constant(kPoint))), constant(kNearlyRound)));
-        taps = hn::Min(hn::Max(taps, one), constant(kMostTaps));
-        const auto part = hn::Div(longer, taps);
-
-        // The long axis' direction, from whichever column of the matrix is the longer one.
-        const auto steep = hn::Lt(difference, zero);
-        auto axisX = hn::IfThenElse(steep, xy, hn::Add(difference, root));
-        auto axisY = hn::IfThenElse(steep, hn::Sub(root, difference), xy);
-        const auto norm = hn::Sqrt(hn::MulAdd(axisX, axisX, hn::Mul(axisY, axisY)));
-        const auto round = hn::Lt(norm, constant(1e-20));
-        const auto toUnit = hn::Div(one, hn::IfThenElse(round, one, norm));
-        axisX = hn::IfThenElse(round, one, hn::Mul(axisX, toUnit));
-        axisY = hn::IfThenElse(round, zero, hn::Mul(axisY, toUnit));
-
-        hn::Store(x, d, out.x + k);
-        hn::Store(y, d, out.y + k);
-        hn::Store(hn::Mul(part, axisX), d, out.stepX + k);
-        hn::Store(hn::Mul(part, axisY), d, out.stepY + k);
-        hn::Store(hn::IfThenElseZero(lit, taps), d, out.taps + k);
-        hn::Store(hn::Max(shorter, part), d, out.size + k);
-        // What remains of the footprint once the taps have their share. A thousandth of a pixel keeps quotients finite.
-        const auto taken = hn::Mul(hn::Mul(longer, longer), hn::Sub(one, hn::Div(one, hn::Mul(taps, taps))));
-        const auto least = constant(1e-6);
-        hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisX, axisX), xx), least)), d, out.boxX + k);
-        hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisY, axisY), yy), least)), d, out.boxY + k);
+        storeFootprint({lit, x, y, xx, xy, yy}, k, out);
     }
 }
 
@@ -250,8 +265,7 @@ HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
             if (weight == 0) continue;
         }
         auto value = bilinear<kOutside>(levels.places[level], x, y);
-        if (between > 0)
-            value = lerp4(value, bilinear<kOutside>(levels.places[static_cast<std::size_t>(level + 1)], x, y), between);
+        if (between > 0) value = lerp4(value, bilinear<kOutside>(levels.places[level + 1], x, y), between);
         weight /= static_cast<Real>(taps);
         sum = each4([&](std::size_t i4)
                         HWY_ATTR { return hn::MulAdd(hn::Set(D4(), weight), value.part[i4], sum.part[i4]); });

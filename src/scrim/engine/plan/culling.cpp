@@ -178,7 +178,7 @@ std::vector<std::string> culledLights(const ViewScene& scene) {
 }
 
 std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& picture,
-                                        const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes) {
+                                       const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes) {
     const ViewFrustum frustum(camera, picture);
     std::vector<std::vector<Vec3>> visible;
     bool allKnown = true;
@@ -232,8 +232,7 @@ void includeSlice(const Points& hull, double lower, double upper, Bounds& box) {
 Points withWayOf(const Light& light, const Sheets& sheets, const Points& points) {
     Points hull = points;
     for (const Vec3& p : points) {
-        Vec3 back = light.distant() ? sheets.tsVector(light.wsDirection)
-                                                     : p - sheets.tsPoint(light.wsPosition);
+        Vec3 back = light.distant() ? sheets.tsVector(light.wsDirection) : p - sheets.tsPoint(light.wsPosition);
         if (!light.distant() && p.z - back.z > 0) {
             hull.push_back(p - back);  // the light itself
             continue;
@@ -249,10 +248,10 @@ Box2<int> tilesAround(const Bounds& ts, const Sheets& sheets) {
     const auto tile = [](double texel, int tiles) {
         return static_cast<int>(std::clamp(std::floor(texel / kTileEdge), -1.0, double(tiles)));
     };
-    return intersection<int>({0, 0, sheets.tilesX(), sheets.tilesY()},
-                        {tile(ts.lower.x - kMargin, sheets.tilesX()), tile(ts.lower.y - kMargin, sheets.tilesY()),
-                         tile(ts.upper.x + kMargin, sheets.tilesX()) + 1,
-                         tile(ts.upper.y + kMargin, sheets.tilesY()) + 1});
+    return intersection<int>(
+        {0, 0, sheets.tilesX(), sheets.tilesY()},
+        {tile(ts.lower.x - kMargin, sheets.tilesX()), tile(ts.lower.y - kMargin, sheets.tilesY()),
+         tile(ts.upper.x + kMargin, sheets.tilesX()) + 1, tile(ts.upper.y + kMargin, sheets.tilesY()) + 1});
 }
 
 }  // namespace
@@ -281,7 +280,8 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
 
     // A sheet's neighbours count where something is made of their values, too.
     double reach = 1;
-    for (const ViewVolume& volume : scene.volumes) reach = std::max(reach, 1.0 + (volume.classified ? Surface::halo(volume, sheets) : 0));
+    for (const ViewVolume& volume : scene.volumes)
+        reach = std::max(reach, 1.0 + (volume.classified ? Surface::halo(volume, sheets) : 0));
     const std::array<Vec3, 8> box = seen.corners();
     const Points eye(box.begin(), box.end());
     std::vector<Points> hulls{eye};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a picture has no use for: lights, volumes and parts of sheets that neither its pixels see nor light passes on its
-// way there. Judged by the whole picture and not by a crop, whose pixels must come out as in the whole.
+// What a picture has no use for: lights, volumes and parts of sheets that neither its pixels see nor light passes on
+// its way there. Judged by the whole picture and not by a crop, whose pixels must come out as in the whole.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -51,13 +51,14 @@ struct VolumeBox {
 
 /// For each volume why it is culled: it is out of view, and throws no shadow on what is in view. Empty where it is not.
 std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& picture,
-                                        const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes);
+                                       const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes);
 
 /// The part of a sweep's sheets that the picture needs: what its pixels see, and what light passes on its way there.
-/// Sheets and tiles keep their places; what is culled is not splatted, so that a crop's pixels come out as in the whole.
+/// Sheets and tiles keep their places; what is culled is not splatted, so that a crop's pixels come out as in the
+/// whole.
 struct NeededTiles {
     std::vector<Box2<int>> sheets;  ///< for each sheet the box of needed tiles
-    int first = 0, last = 0;  ///< sheets [first, last) hold all that is needed
+    int first = 0, last = 0;        ///< sheets [first, last) hold all that is needed
 
     /// The box around those of sheets [from, to), which may reach beyond the stack.
     Box2<int> over(int from, int to) const;

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene needs and what it does not, each with its reason and the lines of the scene that brought it about. A pure
-// function of the scene and its plan; what is off has cost nothing: no buffer, no splat, no loop.
+// What a scene needs and what it does not, each with its reason and the lines of the scene that brought it about. A
+// pure function of the scene and its plan; what is off has cost nothing: no buffer, no splat, no loop.
 //
 // Where later effects go, and what they meet:
 //   area and dome lights   are several lights: LightPart already cuts one light into views with shares (grouping.h); a
 //                          sub-light is a part with a direction or position of its own. Groups, shadow buffers, layers
 //                          and shading take parts, and know nothing of how a light came to have them.
-//   motion blur            velocity grids move voxels, not samples: a field becomes one field for each of a few times of
-//                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h); or a
-//                          footprint gets a length (footprint_table.h). Nothing behind the splat changes.
-//   deep output            is a consumer of the walk: Compositor hands each pixel's samples, sheet by sheet and in either
+//   motion blur            velocity grids move voxels, not samples: a field becomes one field for each of a few times
+//   of
+//                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h);
+//                          or a footprint gets a length (footprint_table.h). Nothing behind the splat changes.
+//   deep output            is a consumer of the walk: Compositor hands each pixel's samples, sheet by sheet and in
+//   either
 //                          order, to one place (addSample in composite_tile.cpp), which keeps them instead of adding
 //                          them up.
 //   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any

@@ -152,8 +152,7 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
             const double share = sameSide ? same : 1 - same;
             if (share <= 0) continue;
             const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
-            items.push_back(
-                {part, sameSide, share < 1, slant, mean, scene.lights[part.light].name});
+            items.push_back({part, sameSide, share < 1, slant, mean, scene.lights[part.light].name});
             items.back().part.share = share;
         }
     }

@@ -50,8 +50,8 @@ std::vector<LightGroup> groupLights(
     const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye,
     const std::vector<std::string>& culled = {}, const Checkpoint& checkpoint = [] {});
 
-/// Directions whose cone around light.wsDirection holds all of a light's, and half that cone's angle in radians. A light
-/// that shines all around has no directions and 180 degrees. Not of distant lights.
+/// Directions whose cone around light.wsDirection holds all of a light's, and half that cone's angle in radians. A
+/// light that shines all around has no directions and 180 degrees. Not of distant lights.
 struct Beam {
     std::vector<Vec3> directions;
     double angle = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outputs of a sweep (AOVs): the beauty, which is number 0, and what is composited beside it; and how the floats of a
-// shaded sample are laid out for them.
+// The outputs of a sweep (AOVs): the beauty, which is number 0, and what is composited beside it; and how the floats of
+// a shaded sample are laid out for them.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -19,8 +19,8 @@ struct Output {
 /// every quad is (S.rgb, -alpha). Where it is `coloured` quads are (S.rgb, 0), and one quad of opacities that all share
 /// follows: (-alpha.rgb, -the least of the three). Compositing comes in these two kinds, whatever outputs there are.
 ///
-/// Without `beauty` output 0 has no quad of its own: all that it consists of has one, and it is added up once the pixels
-/// are done.
+/// Without `beauty` output 0 has no quad of its own: all that it consists of has one, and it is added up once the
+/// pixels are done.
 struct OutputLayout {
     int outputs = 1;  ///< with the beauty
     bool coloured = false;
@@ -45,8 +45,8 @@ struct SweepOutputs {
     std::vector<int> ofLights;  ///< the output of each of the sweep's lights
 };
 
-/// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns alpha,
-/// ambient light and emission. Throws Error(usage) where there are too many.
+/// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns
+/// alpha, ambient light and emission. Throws Error(usage) where there are too many.
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights);
 
 }  // namespace scrim

@@ -146,8 +146,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             rest.primary = 0;
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
-                half->outputs =
-                    chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, lightsOf(*half));
+                half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, lightsOf(*half));
                 open.push_back(std::move(*half));
             }
         }
@@ -173,9 +172,9 @@ Bounds wsBounds(const ViewScene& scene) {
     return ws;
 }
 
-// Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels as
-// large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where none
-// does.
+// Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels
+// as large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where
+// none does.
 std::string fineSlide(const ViewScene& scene, const Plan& plan, double texel) {
     const Vec3 center = wsBounds(scene).center();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -190,9 +189,9 @@ std::string fineSlide(const ViewScene& scene, const Plan& plan, double texel) {
     return {};
 }
 
-// Optical depth of a sheet from which on media are shaded at pixels. What a texel shows, 1 - e^-tau, bends more and more as
-// tau grows, and so does what lies between two texels. (Smoke of so many a voxel, error at texels and at pixels: 0.23: 0.5,
-// 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
+// Optical depth of a sheet from which on media are shaded at pixels. What a texel shows, 1 - e^-tau, bends more and
+// more as tau grows, and so does what lies between two texels. (Smoke of so many a voxel, error at texels and at
+// pixels: 0.23: 0.5, 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
 constexpr double kDenseSheet = 0.4;
 
 // Empty where no medium is that dense.
@@ -207,8 +206,8 @@ std::string denseMedium(const ViewScene& scene, const Plan& plan) {
     return {};
 }
 
-// Rays from an eye fan out: the slant of its rays, and with it the optical depth of a sheet, changes from a texel to the
-// next by about texel / distance. Nearer than this, in texels, that is no longer a small part of either.
+// Rays from an eye fan out: the slant of its rays, and with it the optical depth of a sheet, changes from a texel to
+// the next by about texel / distance. Nearer than this, in texels, that is no longer a small part of either.
 constexpr double kNearEye = 4;
 
 bool eyeAmong(const ViewScene& scene, double texel) {
@@ -242,8 +241,8 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
     if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
     if (const std::string need = needOfPixels(scene, plan); !need.empty()) return {true, need};
 
-    // Shading at texels costs by texel, shading at pixels by pixel; for a thin medium both are equally exact. Counted are
-    // the pixels of the whole picture: a crop must be shaded as the rest is.
+    // Shading at texels costs by texel, shading at pixels by pixel; for a thin medium both are equally exact. Counted
+    // are the pixels of the whole picture: a crop must be shaded as the rest is.
     const double n = scene.dials.antialias;
     const double pixels = n * n * scene.camera.resolution.x * scene.camera.resolution.y;
     const Sheets& sheets = plan.groups.front().sheets;
@@ -307,17 +306,18 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     }
     std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan);
 
-    const std::size_t pixels = std::size_t(roundUpToTile(plan.region.width())) *
-                               std::size_t(roundUpToTile(plan.region.height()));
+    const std::size_t pixels =
+        std::size_t(roundUpToTile(plan.region.width())) * std::size_t(roundUpToTile(plan.region.height()));
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
-        floats = std::max(floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? 1 : 0)));
+        floats =
+            std::max(floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? 1 : 0)));
     const std::size_t layers =
-        scene.layers.size() + (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
-    const std::size_t frameBytes =
-        pixels * floats * sizeof(Real) + static_cast<std::size_t>(scene.region.width()) *
-                                             static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
-                                             sizeof(float);
+        scene.layers.size() +
+        (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
+    const std::size_t frameBytes = pixels * floats * sizeof(Real) + std::size_t(scene.region.width()) *
+                                                                        std::size_t(scene.region.height()) *
+                                                                        (4 + 3 * layers) * sizeof(float);
     plan.bytes = frameBytes;
     splitIntoPasses(scene, frameBytes, plan);
     for (GroupPlan& group : plan.groups) {
@@ -329,8 +329,9 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
 }
 
 double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
-    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint reaches about three voxels
-    // beyond its slab in u and v, so it has that many texels, squared; of sheets and pictures about a third is not empty.
+    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint reaches about three
+    // voxels beyond its slab in u and v, so it has that many texels, squared; of sheets and pictures about a third is
+    // not empty.
     constexpr double kFootprint = 2.0e-8, kFootprintTexel = 1.2e-9, kReach = 4;
     constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
     const double across = kReach / scene.dials.texel;

@@ -20,9 +20,9 @@
 
 namespace scrim {
 
-/// Extinction in colour c = sum over extinction channels of (channel's value) * tints[channel][c]. A scene without colours
-/// has one channel of white. One of up to three tints has a channel a tint; one of more has the channels red, green, blue.
-/// So sheets and shadow buffers are scalar whatever the colours are.
+/// Extinction in colour c = sum over extinction channels of (channel's value) * tints[channel][c]. A scene without
+/// colours has one channel of white. One of up to three tints has a channel a tint; one of more has the channels red,
+/// green, blue. So sheets and shadow buffers are scalar whatever the colours are.
 struct ExtinctionChannels {
     bool coloured = false;
     std::vector<Rgb> tints{Rgb(1)};
@@ -43,8 +43,8 @@ struct LightPlan {
     LightView view;
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
     int window = 0;
-    double share = 1;   ///< of the light's intensity
-    Lattice lattice;    ///< of the sheets that it passes through: the shared ones, or its own
+    double share = 1;  ///< of the light's intensity
+    Lattice lattice;   ///< of the sheets that it passes through: the shared ones, or its own
 };
 
 struct GroupPlan {
@@ -84,11 +84,11 @@ struct Plan {
     bool perView = false;  ///< footprints go into every view's own sheets, not into shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;
-    double voxel = 1;                        ///< the unit of the dials, world units
-    PixelWindow region;                      ///< in pixels of the antialiasing raster
+    double voxel = 1;                       ///< the unit of the dials, world units
+    PixelWindow region;                     ///< in pixels of the antialiasing raster
     std::vector<std::string> culledLights;  ///< for each light of the scene why it is culled; empty: it is not
-    std::vector<EyePart> eyeParts;           ///< in pixels of the picture; windows cut to the region
-    std::size_t bytes = 0;                   ///< buffers at their largest, frame included; without the fields
+    std::vector<EyePart> eyeParts;          ///< in pixels of the picture; windows cut to the region
+    std::size_t bytes = 0;                  ///< buffers at their largest, frame included; without the fields
     Work work;
 };
 
@@ -97,8 +97,8 @@ struct Plan {
 /// or not the plan), interrupted (where `progress`, which is asked now and then, and always with 0, wished it).
 Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress = {});
 
-/// How long a render will take, from its plan alone. Good for choosing between settings of one scene (which takes how many
-/// times as long as which); in seconds it is as good as this machine is like the one it was fitted on.
+/// How long a render will take, from its plan alone. Good for choosing between settings of one scene (which takes how
+/// many times as long as which); in seconds it is as good as this machine is like the one it was fitted on.
 double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads);
 
 }  // namespace scrim

@@ -40,7 +40,7 @@ void layCells(const Box2<double>& extent, LightView& view) {
     view.height = cells(view.first.y, extent.y1);
 }
 
-constexpr double kMargin = 8;        // cells: a footprint's rounded-up rows must lie within
+constexpr double kMargin = 8;  // cells: a footprint's rounded-up rows must lie within
 
 // Rays may not lie within the sheets: half a degree is what they keep to them.
 constexpr double kLeastRise = 0.0087;
@@ -60,7 +60,8 @@ Vec3 meanOf(const std::vector<Vec3>& directions) {
 }
 
 // Rows to a raster, whose cells have the size 1 / `perCell` in the units of the rows, around the extent.
-Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, const glm::dvec4& y, const glm::dvec4& w) {
+Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, const glm::dvec4& y,
+                  const glm::dvec4& w) {
     cell = std::max({cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
     const auto size = [&](double first, double last) {
         const int cells = static_cast<int>(std::ceil((last - first) / cell + 2 * kMargin));
@@ -78,7 +79,7 @@ Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, 
 
 // The lattice of a light's own sheets and shadow buffer.
 Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
-                       const LightPart& part) {
+                     const LightPart& part) {
     const Light& light = scene.lights[part.light];
     const bool distant = light.distant();
     const Vec3 step(sheets.texel, sheets.texel, sheets.thickness);
@@ -209,8 +210,7 @@ LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, co
         inFront = inFront && ts.z > 0.5;
         if (inFront) seen.include(ts.x / ts.z, ts.y / ts.z);
     }
-    if (inFront)
-        extent = intersection(extent, seen);
+    if (inFront) extent = intersection(extent, seen);
     extent = {std::clamp(extent.x0, -steepest, steepest), std::clamp(extent.y0, -steepest, steepest),
               std::clamp(extent.x1, -steepest, steepest), std::clamp(extent.y1, -steepest, steepest)};
     if (extent.x1 < extent.x0) std::swap(extent.x0, extent.x1);

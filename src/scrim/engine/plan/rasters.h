@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a sweep's rasters lie: those of shadow buffers over the shared sheets, and those that per-view splatting fills for
-// every view (ZC02 section 3.2: the paper's image sheet and shadow sheets).
+// Where a sweep's rasters lie: those of shadow buffers over the shared sheets, and those that per-view splatting fills
+// for every view (ZC02 section 3.2: the paper's image sheet and shadow sheets).
 #pragma once
 
 #include <scrim/engine/plan/light_groups.h>
@@ -11,9 +11,9 @@
 namespace scrim {
 
 /// The view of one light part onto `sheets`: cells as large as the dial `shadow_texel` says where they are
-/// largest, and as many as the rays that meet the volume need. With per-view splatting its own sheets, too: perpendicular to
-/// the light, or parallel to the image plane, as the dial `shadow_plane` says. Throws Error(render) where a light's rays lie
-/// along the image plane.
+/// largest, and as many as the rays that meet the volume need. With per-view splatting its own sheets, too:
+/// perpendicular to the light, or parallel to the image plane, as the dial `shadow_plane` says. Throws Error(render)
+/// where a light's rays lie along the image plane.
 LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets, double slant,
                     LightPart part);
 

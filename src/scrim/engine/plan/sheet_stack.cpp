@@ -62,8 +62,8 @@ struct Cuts {
     Vec2 ramp(std::size_t edge) const { return {edges[edge] - overlap[edge], edges[edge] + overlap[edge]}; }
 };
 
-// Sheets in a sweep, or texels along a side, at most: a transform that squeezes one axis to a millionth asks for millions of
-// sheets, or for more than an int holds.
+// Sheets in a sweep, or texels along a side, at most: a transform that squeezes one axis to a millionth asks for
+// millions of sheets, or for more than an int holds.
 constexpr int kMostAddressed = 1 << 20;
 
 // Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's way): where a light stands and shines, as seen from the samples
-// of a tile, and what volumes make of it. What a light does not need (distance, cone, window) is a pass that is not run.
+// Internal, compiled once for each instruction set (Highway's way): where a light stands and shines, as seen from the
+// samples of a tile, and what volumes make of it. What a light does not need (distance, cone, window) is a pass that is
+// not run.
 #if defined(SCRIM_SHADE_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_SHADE_TILE_INL_H_
 #undef SCRIM_SHADE_TILE_INL_H_

@@ -65,7 +65,8 @@ HWY_ATTR void mix(const ShadeInput& input, const Real* const* rows, Rows& out) {
     for (int c = 0; c < 3; ++c)
         forSamples([&](int k) HWY_ATTR {
             auto sum = hn::Mul(load(rows[0], k), constant(input.tints[0][c]));
-            for (int r = 1; r < input.channels; ++r) sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
+            for (int r = 1; r < input.channels; ++r)
+                sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
             hn::Store(sum, d, out.values[c] + k);
         });
 }
@@ -132,7 +133,8 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     const SheetLight& light = input.lights[index];
     if (light.slide.image) {
         w.done.slideLookups += kTileSize;
-        if (!tintTile(light.slide, *input.samples, input.thickness / input.texel, w.in.tint)) return;  // outside of the picture
+        if (!tintTile(light.slide, *input.samples, input.thickness / input.texel, w.in.tint))
+            return;  // outside of the picture
     }
     if (light.distant)
         meetDistant(light, w.in);

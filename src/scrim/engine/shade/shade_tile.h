@@ -54,7 +54,7 @@ struct SheetLight {
     Real windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
     Real intensity[3] = {1, 1, 1};
     int output = 0;  ///< where what it lights goes: a part of the beauty, or the beauty
-    int index = 0;    ///< among the scene's lights
+    int index = 0;   ///< among the scene's lights
     SheetSlide slide;
 };
 
@@ -89,8 +89,8 @@ struct SheetSurface {
 /// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
-    Real texel, thickness;   ///< world units
-    bool sameSide;           ///< eye and light meet the same side of a sheet first (s = +1)
+    Real texel, thickness;  ///< world units
+    bool sameSide;          ///< eye and light meet the same side of a sheet first (s = +1)
     /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
     /// is the sum over the extinction channels of a row times its tint, and so is tau at entry.
     const Real* extinction[3];

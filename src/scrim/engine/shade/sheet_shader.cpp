@@ -166,9 +166,9 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::
     return work;
 }
 
-// Classifies all surfaces at positions `at` of the eye's lattice, and lets the total extinction be what they and the media
-// have there: what the sheets hold of classified volumes is classified at texels, which serves lights. False where nothing
-// is to be seen.
+// Classifies all surfaces at positions `at` of the eye's lattice, and lets the total extinction be what they and the
+// media have there: what the sheets hold of classified volumes is classified at texels, which serves lights. False
+// where nothing is to be seen.
 bool SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, Real(0));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 4 of a batch: brings together what one tile of samples needs (extinction, surfaces, lights, shadows) and shades it,
-// at texels or at the points where pixels' rays meet the sheet.
+// Stage 4 of a batch: brings together what one tile of samples needs (extinction, surfaces, lights, shadows) and shades
+// it, at texels or at the points where pixels' rays meet the sheet.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -21,8 +21,8 @@ class SheetShader {
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
 
-    /// Shades points of plane p: where pixels' rays meet it. `cells`: the tile of the eye's own lattice whose cells they
-    /// are, with per-view splatting.
+    /// Shades points of plane p: where pixels' rays meet it. `cells`: the tile of the eye's own lattice whose cells
+    /// they are, with per-view splatting.
     ShadeWork shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out) const;
 
     /// Texels a sheet times this is a slope, du/dw.

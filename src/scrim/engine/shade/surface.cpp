@@ -36,8 +36,8 @@ Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
 
 // The field at both faces and in the middle of a sheet, from its values on the planes of sheets n - 1, n and n + 1.
 //
-// Those are means over sheets, and between them the field is taken to be linear. Either makes it smoother than it is: over
-// a sheet, by a 24th and on average by a twelfth of the second difference. An eighth of it is taken away again (as
+// Those are means over sheets, and between them the field is taken to be linear. Either makes it smoother than it is:
+// over a sheet, by a 24th and on average by a twelfth of the second difference. An eighth of it is taken away again (as
 // PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
 void runThroughSheet(Real& before, Real& here, Real& behind) {
     const Real blur = Real(0.125) * (before - 2 * here + behind);
@@ -92,7 +92,8 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_table(*volume.classified),
       m_vagueGradient(vagueGradient(*volume.classified, voxel)),
       m_step(stepFor(lattice.rsFromTs)),
-      m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice, batchSheets),
+      m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
+              batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
 
 int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {
@@ -227,14 +228,13 @@ Surface::GradientStep Surface::stepAt(int p, const Int2& tile) const {
 }
 
 std::size_t Surface::bytes() const {
-    return m_field.bytes() +
-           PlaneStack::bytes(m_extinction.planes(), m_extinction.width(), m_extinction.height(), 1);
+    return m_field.bytes() + PlaneStack::bytes(m_extinction.planes(), m_extinction.width(), m_extinction.height(), 1);
 }
 
 std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                            int batchSheets) {
-    return FieldPlanes::bytes({volume.field, volume.wsFromIs}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
-                              batchSheets) +
+    return FieldPlanes::bytes({volume.field, volume.wsFromIs}, settingsOf(volume, dials, sheets), dials, sheets,
+                              lattice, batchSheets) +
            PlaneStack::bytes(batchSheets, lattice.width, lattice.height, 1);
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 2b of a batch: classification (ZC02 Fig. 5, lines 12 and 13). The field of a classified volume in its sheets, with
-// some sheets more on either side for gradients; the extinction that its transfer function gives to lights, at texels;
-// and what the eye sees of it at the samples of a tile: extinction, colour and normals.
+// Stage 2b of a batch: classification (ZC02 Fig. 5, lines 12 and 13). The field of a classified volume in its sheets,
+// with some sheets more on either side for gradients; the extinction that its transfer function gives to lights, at
+// texels; and what the eye sees of it at the samples of a tile: extinction, colour and normals.
 //
 // Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours; the
 // transfer function is averaged over the part of that run that lies within the sheet (transfer.h).

@@ -13,8 +13,8 @@ ViewField densityOf(const ViewVolume& volume) {
     return {volume.field, volume.wsFromIs};
 }
 
-// Voxels of more than 1e9 optical depths a voxel count as that: sums of floats must not overflow, and beyond it a voxel's
-// tent is opaque to its rim but for a millionth of a voxel, which no raster resolves.
+// Voxels of more than 1e9 optical depths a voxel count as that: sums of floats must not overflow, and beyond it a
+// voxel's tent is opaque to its rim but for a millionth of a voxel, which no raster resolves.
 FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel) {
     FieldPlanes::Settings settings;
     settings.scale = static_cast<Real>(scale);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages 1 and 2 of a batch: every volume's fields into their own sheets, and the sum of what is extinct there, which eye
-// and lights pass through.
+// Stages 1 and 2 of a batch: every volume's fields into their own sheets, and the sum of what is extinct there, which
+// eye and lights pass through.
 #pragma once
 
 #include <scrim/engine/plan/plan.h>
@@ -16,7 +16,8 @@ namespace scrim {
 
 class ExtinctionSum {
   public:
-    /// Who looks at the sheets: lights need extinction only, the eye what scatters, too, and one of its sweeps emission.
+    /// Who looks at the sheets: lights need extinction only, the eye what scatters, too, and one of its sweeps
+    /// emission.
     enum class For { light, eye, primaryEye };
     static For eyeOf(const GroupPlan& group) { return group.primary > 0 ? For::primaryEye : For::eye; }
 
@@ -24,11 +25,12 @@ class ExtinctionSum {
     ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                   int batchSheets, For who);
 
-    /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count). Returns the footprints that
-    /// were added. See FieldPlanes::splat.
+    /// Splats and classifies sheets [firstSheet, firstSheet + count) into planes [0, count). Returns the footprints
+    /// that were added. See FieldPlanes::splat.
     std::uint64_t splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
 
-    /// An extinction channel of all volumes together, per world unit. Where there is one volume these are its own planes.
+    /// An extinction channel of all volumes together, per world unit. Where there is one volume these are its own
+    /// planes.
     const PlaneStack& total(int channel) const {
         return m_totals.empty() ? m_volumes.front().extinction() : m_totals[channel];
     }
@@ -37,11 +39,12 @@ class ExtinctionSum {
 
     /// A volume that has extinction.
     struct Volume {
-        int sceneVolume = 0;                                      ///< its place among the scene's
+        int sceneVolume = 0;                                    ///< its place among the scene's
         std::vector<std::unique_ptr<FieldPlanes>> fields = {};  ///< of a medium: density, and what it scatters
         std::unique_ptr<Surface> surface = {};                  ///< of a classified volume
         const PlaneStack* density = nullptr;                    ///< of a medium: its extinction
-        std::array<const PlaneStack*, 3> scatter = {};  ///< where the albedo is a grid: what each colour scatters; or null
+        std::array<const PlaneStack*, 3> scatter =
+            {};  ///< where the albedo is a grid: what each colour scatters; or null
 
         const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }
     };

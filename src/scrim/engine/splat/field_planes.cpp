@@ -30,9 +30,7 @@ Splatter splatterFor(const std::vector<ViewField>& fields, const FieldPlanes::Se
 
 FieldPlanes::FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
                          const Sheets& sheets, const Lattice& lattice, int batchSheets)
-    : m_lattice(lattice),
-      m_settings(settings),
-      m_splatter(splatterFor(fields, settings, dials, sheets, lattice)) {
+    : m_lattice(lattice), m_settings(settings), m_splatter(splatterFor(fields, settings, dials, sheets, lattice)) {
     for (std::size_t f = 0; f < fields.size(); ++f)
         m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
 }
@@ -69,8 +67,7 @@ std::uint64_t FieldPlanes::splat(int task, const NeededTiles* needed, const Tile
         footprints = splatter->splat(run.sheet, end, std::span(m_planes), first, culled);
     else
         for (std::size_t f = 0; f < m_planes.size(); ++f)
-            footprints +=
-                std::get<1>(m_splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
+            footprints += std::get<1>(m_splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
     for (PlaneStack& planes : m_planes)
         for (int p = first; p < first + run.count; ++p) {
             planes.finish(p);
@@ -99,7 +96,8 @@ std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings,
     if (!lattice.parallel()) return sum;  // one small table
     const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
     const FootprintTable::Steps steps = footprintSteps(rsFromIs, settings.stepsPerVoxel);
-    return sum + FootprintTable::bytes(dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
+    return sum +
+           FootprintTable::bytes(dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
 }
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 1 of a batch: a field splatted into sheets, or several of one topology together. Densities, albedos, emission and temperatures are all fields;
-// what is extinct there is made of some of them (extinction_sum.h).
+// Stage 1 of a batch: a field splatted into sheets, or several of one topology together. Densities, albedos, emission
+// and temperatures are all fields; what is extinct there is made of some of them (extinction_sum.h).
 #pragma once
 
 #include <scrim/base/real.h>
@@ -18,16 +18,16 @@ class FieldPlanes {
   public:
     /// How a field is splatted.
     struct Settings {
-        Real scale = 1;                                   ///< times every voxel
-        Real most = std::numeric_limits<float>::max();    ///< scaled voxels count as this above it
-        int stepsPerVoxel = 8;                            ///< of its footprints, see FootprintTable
-        int halo = 0;                                     ///< sheets kept on either side of a batch
+        Real scale = 1;                                 ///< times every voxel
+        Real most = std::numeric_limits<float>::max();  ///< scaled voxels count as this above it
+        int stepsPerVoxel = 8;                          ///< of its footprints, see FootprintTable
+        int halo = 0;                                   ///< sheets kept on either side of a batch
     };
 
-    /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `sheets` and `lattice` must outlive this. Several
-    /// fields must have the topology of the first (haveOneTopology).
-    FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials, const Sheets& sheets,
-                const Lattice& lattice, int batchSheets);
+    /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `sheets` and `lattice` must outlive this.
+    /// Several fields must have the topology of the first (haveOneTopology).
+    FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
+                const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
     /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
     int beginBatch(int firstSheet, int count);
@@ -54,7 +54,7 @@ class FieldPlanes {
     Settings m_settings;
     std::variant<FieldSplatter, std::vector<WarpedSplatter>> m_splatter;
     std::vector<PlaneStack> m_planes;  // one a field
-    int m_origin = -1;  // the first sheet of the first batch, whose planes lie as it wants them
+    int m_origin = -1;                 // the first sheet of the first batch, whose planes lie as it wants them
     int m_readySheet = 0;
     std::vector<Run> m_runs;
 };

@@ -48,12 +48,11 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     return shape;
 }
 
-std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                                  Lookup lookup) {
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
-    return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(Real) *
-           static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
+    return parts * std::size_t(texelSteps * texelSteps * sheetSteps) * sizeof(Real) * std::size_t(shape.sheets.count) *
+           std::size_t(shape.rows.count * shape.rowStride);
 }
 
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
@@ -70,8 +69,7 @@ FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     return {steps(std::min(voxelAlong(0), voxelAlong(1))), steps(voxelAlong(2))};
 }
 
-FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                               Lookup lookup)
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup)
     : m_parts(lookup == Lookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     m_extent = shape.extent;
@@ -82,11 +80,8 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSte
     m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(Real));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
-    parallelFor(std::size_t(texelSteps),
-                [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
-    if (sloped())
-        parallelFor(std::size_t(texelSteps),
-                    [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
+    parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
+    if (sloped()) parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
 }
 
 // Central differences over a step on either side. One step past a texel's last is the first of the next texel, where
@@ -108,8 +103,7 @@ void FootprintTable::addSlopes(int stepV) {
         if (column < 0 || column >= m_columns.count || row < 0 || row >= m_rows.count || slab < 0 ||
             slab >= m_sheets.count)
             return Real(0);
-        return m_weights[offset(stepU, v, stepN) +
-                         std::size_t(slab * sheetStride() + row * m_rowStride + column)];
+        return m_weights[offset(stepU, v, stepN) + std::size_t(slab * sheetStride() + row * m_rowStride + column)];
     };
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
         for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
@@ -160,9 +154,7 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                     cumulative[std::size_t(i) + 1] = sum;
                 }
                 for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
-                    const auto read = [&](int slab) {
-                        return cumulative[(slab + 1) * m_sheetSteps - stepN];
-                    };
+                    const auto read = [&](int slab) { return cumulative[(slab + 1) * m_sheetSteps - stepN]; };
                     Real* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
                     for (int slab = 0; slab < m_sheets.count; ++slab)
                         entry[slab * sheetStride()] = static_cast<Real>(read(slab + 1) - read(slab));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Reconstruction kernels: how a voxel spreads into the space around it (ZC02 section 2). A field is the sum of all voxels'
-// kernels; everything else in Scrim, and the reference it is checked against, follows from that.
+// Reconstruction kernels: how a voxel spreads into the space around it (ZC02 section 2). A field is the sum of all
+// voxels' kernels; everything else in Scrim, and the reference it is checked against, follows from that.
 #pragma once
 
 #include <scrim/geometry/spaces.h>

@@ -15,14 +15,13 @@ constexpr std::size_t kAlignment = 64;  // bytes: a cache line and the widest ve
 constexpr std::size_t kTail = 64;
 
 std::size_t planeFloats(int width, int height, int channels) {
-    return std::size_t(width) * std::size_t(height) * std::size_t(channels) +
-           kTail;
+    return std::size_t(width) * std::size_t(height) * std::size_t(channels) + kTail;
 }
 
 }  // namespace
 
 std::size_t PlaneStack::bytes(int planes, int width, int height, int channels) {
-    return planeFloats(width, height, channels) * static_cast<std::size_t>(planes) * sizeof(Real);
+    return planeFloats(width, height, channels) * std::size_t(planes) * sizeof(Real);
 }
 
 PlaneStack::PlaneStack(int planes, int width, int height, int channels)
@@ -36,8 +35,7 @@ PlaneStack::PlaneStack(int planes, int width, int height, int channels)
     if (!m_memory) throw Error(ErrorKind::memory, "no memory for the buffers of a batch of sheets");
     const auto address = reinterpret_cast<std::uintptr_t>(m_memory.get());
     m_data = reinterpret_cast<Real*>((address + kAlignment - 1) / kAlignment * kAlignment);
-    m_state.resize(static_cast<std::size_t>(planes) * static_cast<std::size_t>(tilesX()) *
-                   static_cast<std::size_t>(tilesY()));
+    m_state.resize(std::size_t(planes) * std::size_t(tilesX()) * std::size_t(tilesY()));
 }
 
 bool PlaneStack::anyActive(int p, const Box2<int>& tiles) const {
@@ -117,7 +115,7 @@ void PlaneStack::dropEmpty(int p) {
 }
 
 void PlaneStack::clearTile(int p, int tx, int ty) {
-    const std::size_t rowFloats = static_cast<std::size_t>(kTileEdge * m_channels);
+    const std::size_t rowFloats = std::size_t(kTileEdge * m_channels);
     Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() +
                 static_cast<std::ptrdiff_t>(tx) * kTileEdge * m_channels;
     for (int y = 0; y < kTileEdge; ++y, row += rowStride()) std::memset(row, 0, rowFloats * sizeof(Real));

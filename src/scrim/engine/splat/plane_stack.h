@@ -54,8 +54,8 @@ class PlaneStack {
     /// Clears what is left of the old content. `finishRow` does so for one row of tiles.
     void finish(int p);
     void finishRow(int p, int ty);
-    /// Makes up for the blur of the look-ups to come: f - 1/12 (second differences along u and v), but not below 0, of a
-    /// plane with one channel that is finished. See forPrefilteredSpans.
+    /// Makes up for the blur of the look-ups to come: f - 1/12 (second differences along u and v), but not below 0, of
+    /// a plane with one channel that is finished. See forPrefilteredSpans.
     void prefilter(int p);
     /// What is below 0 in active tiles becomes 0.
     void raiseToZero(int p);
@@ -70,9 +70,7 @@ class PlaneStack {
     static constexpr std::uint8_t kClean = 0, kStale = 1, kActive = 2;
 
     std::size_t tileIndex(int p, int tx, int ty) const {
-        return (std::size_t(p) * std::size_t(tilesY()) + std::size_t(ty)) *
-                   std::size_t(tilesX()) +
-               std::size_t(tx);
+        return (std::size_t(p) * std::size_t(tilesY()) + std::size_t(ty)) * std::size_t(tilesX()) + std::size_t(tx);
     }
     void clearTile(int p, int tx, int ty);
 
@@ -83,15 +81,15 @@ class PlaneStack {
     std::vector<std::uint8_t> m_state;
 };
 
-/// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. span(tx, y, above, here, below,
-/// out) is called for the 16 cells that row y has in an active tile. It reads the cells as they were, `here` with one on
-/// either side, and writes `out`. Beyond the plane are zeros.
+/// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. span(tx, y, above, here,
+/// below, out) is called for the 16 cells that row y has in an active tile. It reads the cells as they were, `here`
+/// with one on either side, and writes `out`. Beyond the plane are zeros.
 ///
 /// Why: views look sheets up between texels, bilinearly. Over all positions between texels that adds, on average, a
-/// twelfth of the second difference along each axis: a blur that every view sees and that does not average out. Taking it
-/// away beforehand leaves an error that changes sign from texel to texel and sheet to sheet, and does average out along a
-/// ray (quasi-interpolation; compare T. Blu, P. Thevenaz, M. Unser, "Linear Interpolation Revitalized", IEEE Transactions
-/// on Image Processing, 2004). Constant and linear fields stay as they are.
+/// twelfth of the second difference along each axis: a blur that every view sees and that does not average out. Taking
+/// it away beforehand leaves an error that changes sign from texel to texel and sheet to sheet, and does average out
+/// along a ray (quasi-interpolation; compare T. Blu, P. Thevenaz, M. Unser, "Linear Interpolation Revitalized", IEEE
+/// Transactions on Image Processing, 2004). Constant and linear fields stay as they are.
 template <class Active, class Span>
 void forPrefilteredSpans(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
                          const Span& span) {
@@ -104,8 +102,7 @@ void forPrefilteredSpans(Real* plane, int tilesX, int tilesY, std::ptrdiff_t row
         const Real* below = y + 1 < height ? row + rowStride : zeros.data();
         for (int tx = 0; tx < tilesX; ++tx) {
             const int x = tx * kTileEdge;
-            if (active(tx, y / kTileEdge))
-                span(tx, y, above.data() + 1 + x, here.data() + 1 + x, below + x, row + x);
+            if (active(tx, y / kTileEdge)) span(tx, y, above.data() + 1 + x, here.data() + 1 + x, below + x, row + x);
         }
         std::swap(above, here);
     }

@@ -89,12 +89,12 @@ struct Slopes {
     }
 };
 
-// One footprint, into the same texels of one field or of several: value[f] * weights on `rows` rows of `width` texels, a
-// multiple of 4, from texels[f] on.
+// One footprint, into the same texels of one field or of several: value[f] * weights on `rows` rows of `width` texels,
+// a multiple of 4, from texels[f] on.
 struct Footprint {
     const Real* weights;
-    int part;       // floats from part to part of the table
-    Real rest[3];   // steps from where the weights were tabulated
+    int part;      // floats from part to part of the table
+    Real rest[3];  // steps from where the weights were tabulated
     int rows, width;
     std::ptrdiff_t rowStride;
 };

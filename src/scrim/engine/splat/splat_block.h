@@ -16,8 +16,8 @@ namespace scrim {
 
 /// How the blocks of a field are splatted.
 struct BlockSplat {
-    /// Where a block lies in texel space: its first voxel at whole + fraction on each axis. Split so that floats only ever
-    /// hold offsets within a block, however large the raster is.
+    /// Where a block lies in texel space: its first voxel at whole + fraction on each axis. Split so that floats only
+    /// ever hold offsets within a block, however large the raster is.
     struct Place {
         std::int32_t wholeU, wholeV, wholeN;
         Real fractionU, fractionV, fractionN;
@@ -40,9 +40,9 @@ struct BlockSplat {
     Simd simd = {};
 };
 
-/// Adds the footprints of the voxels [first, second) of the lattice order to the sheets: of each field with `values` (512
-/// floats in `blockOffset` order) times scale, at most `most`. Voxels of value 0 are skipped. Returns the number of
-/// footprints (voxel and sheet pairs), which all fields share.
+/// Adds the footprints of the voxels [first, second) of the lattice order to the sheets: of each field with `values`
+/// (512 floats in `blockOffset` order) times scale, at most `most`. Voxels of value 0 are skipped. Returns the number
+/// of footprints (voxel and sheet pairs), which all fields share.
 std::uint64_t splatBlock(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values, int first,
                          int second);
 

@@ -92,8 +92,20 @@ void FieldSplatter::join(const SparseField& field) {
 std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                                    const TileCull& cull) const {
     PlaneStack& own = planes.front();
-    Target target{{&m_order, &m_table, {}, static_cast<int>(planes.size()), own.planeStride(), own.rowStride(),
-                   firstSheet, lastSheet, m_scale, m_most, own.width(), own.height(), false, m_simd},
+    Target target{{&m_order,
+                   &m_table,
+                   {},
+                   static_cast<int>(planes.size()),
+                   own.planeStride(),
+                   own.rowStride(),
+                   firstSheet,
+                   lastSheet,
+                   m_scale,
+                   m_most,
+                   own.width(),
+                   own.height(),
+                   false,
+                   m_simd},
                   planes,
                   firstPlane,
                   &cull};
@@ -130,8 +142,8 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
 
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Target& target) const {
     const BlockSplat& splat = target.splat;
-    // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are splatted into a sheet,
-    // and the count of footprints, must not depend on how sheets are spread over calls.
+    // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are splatted into a
+    // sheet, and the count of footprints, must not depend on how sheets are spread over calls.
     const auto [first, second] =
         m_order.between(splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
                         splat.lastSheet - m_table.firstSheet() - ts.z);
@@ -282,7 +294,7 @@ WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, c
 }
 
 std::uint64_t WarpedSplatter::splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
-                                const TileCull& cull) const {
+                                    const TileCull& cull) const {
     Target target{firstSheet, lastSheet, &planes, firstPlane, &cull};
     for (std::size_t b = 0; b < m_field.blockCount(); ++b)
         splatOneBlock(m_field.blockOrigins[b], m_field.block(b), target);

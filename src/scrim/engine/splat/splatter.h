@@ -23,10 +23,10 @@ namespace scrim {
 /// Says of a box of tiles that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
 using TileCull = std::function<bool(const Box2<int>&)>;
 
-/// The depth order of the voxels inside a block. A block is 8^3 voxels on a lattice and a grid has one affine map, so the 512
-/// offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid: the voxels that touch
-/// a sheet are a contiguous range. This is what ZC02's bucket sort (Fig. 5, line 2) comes down to here: nothing per voxel,
-/// and no memory.
+/// The depth order of the voxels inside a block. A block is 8^3 voxels on a lattice and a grid has one affine map, so
+/// the 512 offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid: the voxels
+/// that touch a sheet are a contiguous range. This is what ZC02's bucket sort (Fig. 5, line 2) comes down to here:
+/// nothing per voxel, and no memory.
 class LatticeOrder {
   public:
     // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a
@@ -60,15 +60,15 @@ class FieldSplatter {
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, Real scale,
                   Real most = std::numeric_limits<float>::max(), Simd simd = {});
 
-    /// Has `field`, which must outlive this, share the footprints of the first field: it is splatted beside it, with the
-    /// same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
+    /// Has `field`, which must outlive this, share the footprints of the first field: it is splatted beside it, with
+    /// the same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
     void join(const SparseField& field);
 
     const FootprintTable& table() const { return m_table; }
 
-    /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed field
-    /// times scale, at texel centres, goes to planes firstPlane + [0, lastSheet - firstSheet), on which `begin` was
-    /// called. Returns the number of footprints (voxel and sheet pairs). Safe to call at once for different planes.
+    /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed
+    /// field times scale, at texel centres, goes to planes firstPlane + [0, lastSheet - firstSheet), on which `begin`
+    /// was called. Returns the number of footprints (voxel and sheet pairs). Safe to call at once for different planes.
     /// Footprints that do not lie on the planes as a whole are culled, and so are blocks that `cull` names.
     /// `planes`: one a field, the first one's and those that have joined it.
     std::uint64_t splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
@@ -96,12 +96,12 @@ class FieldSplatter {
     int m_sheetSpan = 0;                        // sheets a block can touch at most
 };
 
-/// Splats a field onto the cells of a perspective view: every footprint is warped by the Jacobian of the projection at its
-/// voxel (ZC02 section 6: "the footprints are individually warped").
+/// Splats a field onto the cells of a perspective view: every footprint is warped by the Jacobian of the projection at
+/// its voxel (ZC02 section 6: "the footprints are individually warped").
 ///
-/// The footprint is tabulated once, finely, as the kernel's mean through the sheet along the view's middle ray, and looked
-/// up at every cell that it covers. What that leaves out is of second order: in the angle between a voxel's own ray and the
-/// middle one (times the sheet's thickness), and in the size of a voxel over its distance from the view.
+/// The footprint is tabulated once, finely, as the kernel's mean through the sheet along the view's middle ray, and
+/// looked up at every cell that it covers. What that leaves out is of second order: in the angle between a voxel's own
+/// ray and the middle one (times the sheet's thickness), and in the size of a voxel over its distance from the view.
 class WarpedSplatter {
   public:
     /// `field` must outlive this. Voxel values are multiplied by `scale`, and count as `most` above it.

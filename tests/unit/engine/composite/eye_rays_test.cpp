@@ -133,9 +133,9 @@ TEST_P(EyeViewOf, BoxOfTexelsHoldsEveryPixelWhoseRayMeetsThem) {
         for (int i = 0; i < 200; ++i) {
             const double x = random.in(0, 640), y = random.in(0, 480), middle = random.in(0, 160);
             const EyeView::Ray ray = eye.ray(x, y, middle);
-            const auto seen = eye.seenBy({ray.u - random.in(0, 9), ray.v - random.in(0, 9), ray.u + random.in(0, 9),
-                                          ray.v + random.in(0, 9)},
-                                         middle);
+            const auto seen = eye.seenBy(
+                {ray.u - random.in(0, 9), ray.v - random.in(0, 9), ray.u + random.in(0, 9), ray.v + random.in(0, 9)},
+                middle);
             ASSERT_TRUE(seen);
             const double slack = 1e-6 + 100 * rounding();
             EXPECT_LE(seen->x0, x + slack);

@@ -234,8 +234,7 @@ TEST(ShadowBuffer, AtPointsIsTheTileThatHoldsThem) {
 ShadowBuffer behindColumns(const std::function<double(int)>& tau, int lookUps) {
     PlaneStack extinction = uniform();
     for (int y = 0; y < kHeight; ++y)
-        for (int x = 0; x < kWidth; ++x)
-            extinction.plane(0)[y * kWidth + x] = static_cast<float>(tau(x) / kThickness);
+        for (int x = 0; x < kWidth; ++x) extinction.plane(0)[y * kWidth + x] = static_cast<float>(tau(x) / kThickness);
     ShadowBuffer buffer(distantView(0, 0), sheetsOf(kSheets), ShadowFilter::bilinear, lookUps, kSheets);
     buffer.beginBatch(0, kSheets, extinction);
     for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, extinction);

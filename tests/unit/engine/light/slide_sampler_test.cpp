@@ -134,7 +134,8 @@ TEST(SlideTile, MagnifiedIsAsSharpAsTheSlide) {
     const auto image = makeTexture(8, 8, [](int x, int) { return Rgb(x < 4 ? 0 : 1); });
     const Setting s(distantSlide({0, 0, -1}, 80, image));  // a pixel is 10 texels; the step is at u = 40
     const TintedTile tile(s.slide, 32, 32, 0, 0);
-    for (int k = 0; k < kTileSize; ++k) EXPECT_NEAR(tile.tint[k], s.exact(tile.samples.u[k], tile.samples.v[k], 9.5).x, 1e-5) << k;
+    for (int k = 0; k < kTileSize; ++k)
+        EXPECT_NEAR(tile.tint[k], s.exact(tile.samples.u[k], tile.samples.v[k], 9.5).x, 1e-5) << k;
 }
 
 // The picture's border is as sharp as the samples, even where its pixels are large.
@@ -196,8 +197,8 @@ TEST(SlideTile, KeepsItsPlaceFarFromTheOrigin) {
     s.slide.map = sheetMap(slideMap(light), s.sheets, 9.5);
     const TintedTile tile(s.slide, 32, 48, 0, 0, points());
     for (int k = 0; k < kTileSize; k += 5) {
-        const Vec3 h =
-            s.slide.map.atOrigin + double(tile.samples.u[k]) * s.slide.map.perU + double(tile.samples.v[k]) * s.slide.map.perV;
+        const Vec3 h = s.slide.map.atOrigin + double(tile.samples.u[k]) * s.slide.map.perU +
+                       double(tile.samples.v[k]) * s.slide.map.perV;
         EXPECT_NEAR(tile.tint[k], 0.5 + 0.5 * std::sin((h.x - 0.5) * 6.283185 / 40), 4e-3);
     }
 }

@@ -167,7 +167,8 @@ Plain plainShade(const ShadeInput& in, int k) {
         double transmit = psi(tauEye);
         if (light.shadowed) {
             const double tauLight = sigma * glm::length(way) * in.thickness;
-            transmit = std::exp(-double(in.tauIn[i * kTileSize + std::size_t(k)])) * sheetTransmit(tauEye, tauLight, in.sameSide);
+            transmit = std::exp(-double(in.tauIn[i * kTileSize + std::size_t(k)])) *
+                       sheetTransmit(tauEye, tauLight, in.sameSide);
         }
         for (const SheetMedium& medium : in.media) {
             // Light leaves towards the eye, against its ray.
@@ -182,8 +183,7 @@ Plain plainShade(const ShadeInput& in, int k) {
     }
     for (const SheetMedium& medium : in.media)
         for (int c = 0; c < 3; ++c) {
-            const double full =
-                double(medium.scatter[0][k]) * pathEye * medium.albedo[c] * in.ambient[c] * psi(tauEye);
+            const double full = double(medium.scatter[0][k]) * pathEye * medium.albedo[c] * in.ambient[c] * psi(tauEye);
             out.rgb[c] += full;
             out.scale[c] += full;
         }
