@@ -2,6 +2,7 @@
 // Are the pixels of two OpenEXR files the same, bit by bit, in all channels? Prints what differs, and how much.
 //
 //     scrim_same_pixels [--within RELATIVE] A.exr B.exr      RELATIVE: to the brightest value of A's channel
+//     scrim_same_pixels --list A.exr B.exr                   prints each channel and its largest relative difference
 #include <OpenImageIO/imagebuf.h>
 
 #include <bit>
@@ -65,23 +66,36 @@ bool samePixels(const std::string& first, const std::string& second, double with
     return same;
 }
 
+void listDifferences(const std::string& first, const std::string& second) {
+    const Pixels a = read(first), b = read(second);
+    if (a.spec.channelnames != b.spec.channelnames || !(a.spec.roi() == b.spec.roi()))
+        throw std::runtime_error(second + ": another window or other channels");
+    for (std::size_t c = 0; c < a.spec.channelnames.size(); ++c)
+        fmt::print("{} {:.3g}\n", a.spec.channelnames[c], compare(a, b, c).relative());
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     std::vector<std::string> files;
     double within = 0;
+    bool list = false;
     for (int i = 1; i < argc; ++i) {
         if (std::string(argv[i]) == "--within" && i + 1 < argc)
             within = std::stod(argv[++i]);
+        else if (std::string(argv[i]) == "--list")
+            list = true;
         else
             files.emplace_back(argv[i]);
     }
     if (files.size() != 2) {
-        fmt::print(stderr, "usage: scrim_same_pixels [--within RELATIVE] A.exr B.exr\n");
+        fmt::print(stderr, "usage: scrim_same_pixels [--within RELATIVE | --list] A.exr B.exr\n");
         return 2;
     }
     try {
-        return samePixels(files[0], files[1], within) ? 0 : 1;
+        if (!list) return samePixels(files[0], files[1], within) ? 0 : 1;
+        listDifferences(files[0], files[1]);
+        return 0;
     } catch (const std::exception& error) {
         fmt::print(stderr, "scrim_same_pixels: {}\n", error.what());
         return 2;

@@ -8,6 +8,7 @@
 #define SCRIM_ENGINE_SIMD_INL_H_
 #endif
 
+#include <scrim/base/real.h>
 #include <scrim/geometry/sheets.h>
 
 #include <hwy/highway.h>
@@ -18,15 +19,15 @@ namespace scrim {
 namespace HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-using DF = hn::CappedTag<float, kTileEdge>;
+using DF = hn::CappedTag<Real, kTileEdge>;
 using DI = hn::RebindToSigned<DF>;
 using VF = hn::Vec<DF>;
 using VI = hn::Vec<DI>;
 
-HWY_ATTR HWY_INLINE VF constant(float value) {
+HWY_ATTR HWY_INLINE VF constant(Real value) {
     return hn::Set(DF(), value);
 }
-HWY_ATTR HWY_INLINE VF load(const float* from, int k) {
+HWY_ATTR HWY_INLINE VF load(const Real* from, int k) {
     return hn::Load(DF(), from + k);
 }
 
@@ -46,10 +47,10 @@ struct Split {
 HWY_ATTR HWY_INLINE Split split(VF x, int first, int size, bool nearest = false) {
     const DF d;
     const DI di;
-    x = hn::Min(hn::Max(x, hn::Set(d, static_cast<float>(first))), hn::Set(d, static_cast<float>(first + size - 1)));
-    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<float>(first + size - 2)));
+    x = hn::Min(hn::Max(x, hn::Set(d, static_cast<Real>(first))), hn::Set(d, static_cast<Real>(first + size - 1)));
+    const auto floor = hn::Min(hn::Floor(x), hn::Set(d, static_cast<Real>(first + size - 2)));
     auto fraction = hn::Sub(x, floor);
-    if (nearest) fraction = hn::Floor(hn::Add(fraction, hn::Set(d, 0.5f)));
+    if (nearest) fraction = hn::Floor(hn::Add(fraction, hn::Set(d, Real(0.5))));
     return {hn::Sub(hn::ConvertTo(di, floor), hn::Set(di, first)), fraction};
 }
 
@@ -58,7 +59,7 @@ HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
 }
 
 // Four floats: the channels of a texel or of a pixel. One vector, or more where the instruction set has shorter ones.
-using D4 = hn::CappedTag<float, 4>;
+using D4 = hn::CappedTag<Real, 4>;
 constexpr std::size_t kParts4 = 4 / hn::MaxLanes(D4());
 struct V4 {
     hn::Vec<D4> part[kParts4];
@@ -71,29 +72,39 @@ HWY_ATTR HWY_INLINE V4 each4(const Make& make) {
     for (std::size_t i = 0; i < kParts4; ++i) out.part[i] = make(i);
     return out;
 }
-HWY_ATTR HWY_INLINE V4 load4(const float* from) {
+HWY_ATTR HWY_INLINE V4 load4(const Real* from) {
     return each4([&](std::size_t i) HWY_ATTR { return hn::LoadU(D4(), from + i * hn::MaxLanes(D4())); });
 }
-HWY_ATTR HWY_INLINE void store4(const V4& v, float* to) {
+#ifdef SCRIM_DOUBLE
+// Pixels of slides are floats in any build.
+HWY_ATTR HWY_INLINE V4 load4(const float* from) {
+    const hn::Rebind<float, D4> df;
+    return each4([&](std::size_t i)
+                     HWY_ATTR { return hn::PromoteTo(D4(), hn::LoadU(df, from + i * hn::MaxLanes(D4()))); });
+}
+#endif
+HWY_ATTR HWY_INLINE void store4(const V4& v, Real* to) {
     for (std::size_t i = 0; i < kParts4; ++i) hn::StoreU(v.part[i], D4(), to + i * hn::MaxLanes(D4()));
 }
 // a + t (b - a)
-HWY_ATTR HWY_INLINE V4 lerp4(const V4& a, const V4& b, float t) {
+HWY_ATTR HWY_INLINE V4 lerp4(const V4& a, const V4& b, Real t) {
     return each4([&](std::size_t i)
                      HWY_ATTR { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
 }
 // The bilinear sample between four texels: `texel`, its neighbour `across` floats on, and those `down` floats on from both.
-HWY_ATTR HWY_INLINE V4 bilinear4(const float* texel, std::ptrdiff_t across, std::ptrdiff_t down, float u, float v) {
-    const float* below = texel + down;
+HWY_ATTR HWY_INLINE V4 bilinear4(const Real* texel, std::ptrdiff_t across, std::ptrdiff_t down, Real u, Real v) {
+    const Real* below = texel + down;
     return lerp4(lerp4(load4(texel), load4(texel + across), u), lerp4(load4(below), load4(below + across), u), v);
 }
-HWY_ATTR HWY_INLINE float lane3(const V4& v) {
+HWY_ATTR HWY_INLINE Real lane3(const V4& v) {
     constexpr std::size_t kLast = hn::MaxLanes(D4()) - 1;
     return hn::ExtractLane(v.part[kParts4 - 1], kLast);
 }
 HWY_ATTR HWY_INLINE V4 lastLane(const V4& v) {
 #if HWY_TARGET == HWY_SCALAR
     return each4([&](std::size_t) HWY_ATTR { return v.part[kParts4 - 1]; });
+#elif defined(SCRIM_DOUBLE)  // four lanes are more than a block, within which Broadcast stays
+    return each4([&](std::size_t) HWY_ATTR { return hn::Set(D4(), lane3(v)); });
 #else
     return each4([&](std::size_t) HWY_ATTR { return hn::Broadcast<3>(v.part[kParts4 - 1]); });
 #endif
@@ -102,18 +113,18 @@ HWY_ATTR HWY_INLINE V4 lastLane(const V4& v) {
 // 1 - e^-t for t >= 0, to rounding also where t is small. Past 80 it is 1: the library's exponential is only
 // good down to where floats become denormal.
 HWY_ATTR HWY_INLINE VF oneMinusExp(VF t) {
-    return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80.0f)))));
+    return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80)))));
 }
 
 // e^-t for t >= 0, 0 past the smallest normal float.
 HWY_ATTR HWY_INLINE VF expMinus(VF t) {
     const DF d;
-    return hn::IfThenElseZero(hn::Lt(t, constant(87.0f)), hn::Exp(d, hn::Neg(hn::Min(t, constant(87.0f)))));
+    return hn::IfThenElseZero(hn::Lt(t, constant(87)), hn::Exp(d, hn::Neg(hn::Min(t, constant(87)))));
 }
 
 // (1 - e^-t) / t, see sheet_integral.h. 1e-20 stands for 0: there the quotient's rounding is still exact.
 HWY_ATTR HWY_INLINE VF psi(VF t) {
-    const auto safe = hn::Max(t, constant(1e-20f));
+    const auto safe = hn::Max(t, constant(1e-20));
     return hn::Div(oneMinusExp(safe), safe);
 }
 

@@ -41,15 +41,15 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelT
     parallelFor(work.size(), [&](std::size_t task) {
         const int p = static_cast<int>(task) / tilesY, ty = static_cast<int>(task) % tilesY;
         const int sheet = firstSheet + p;
-        std::vector<float> out(std::size_t(floats) * kTileSize);
+        std::vector<Real> out(std::size_t(floats) * kTileSize);
         for (int tx = 0; tx < shaded.tilesX(); ++tx) {
             if (!covered.active(p, tx, ty)) continue;
             const auto seen = eye.seenBy(texelsAround({tx, ty, tx + 1, ty + 1}), sheet + 0.5);
             if (seen && !tiles.anyOpen(*seen)) continue;
             work[task] += shader.shadeTexels(p, sheet, tx, ty, out.data());
             shaded.replace(p, tx, ty);
-            float* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
-                         tx * kTileEdge * floats;
+            Real* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
+                        tx * kTileEdge * floats;
             for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
                 std::copy_n(out.data() + y * kTileEdge * floats, kTileEdge * floats, row);
         }
@@ -86,7 +86,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
                              ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<float>(scene.dials.opacityCutoff));
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff));
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());

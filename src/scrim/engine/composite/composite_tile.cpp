@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/composite/composite_tile.cpp"
@@ -17,7 +18,7 @@ namespace HWY_NAMESPACE {
 // b + (1 + hidden) * a, where `hidden` is an opacity below 0.
 HWY_ATTR HWY_INLINE V4 through(const V4& hidden, const V4& a, const V4& b) {
     return each4([&](std::size_t i) HWY_ATTR {
-        return hn::MulAdd(hn::Add(hn::Set(D4(), 1.0f), hidden.part[i]), a.part[i], b.part[i]);
+        return hn::MulAdd(hn::Add(hn::Set(D4(), Real(1)), hidden.part[i]), a.part[i], b.part[i]);
     });
 }
 HWY_ATTR HWY_INLINE V4 before(V4 state, V4 texel) {
@@ -30,7 +31,7 @@ HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
 // One sample into a pixel's state, whatever pictures there are. quad(q): the sample's quads. Returns what tells how
 // much the sample hides, in its last lane.
 template <bool kFrontToBack, bool kColoured, class Quad>
-HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, float* state) {
+HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
     const int last = quads - 1;
     const V4 hides = quad(last);
     if constexpr (kColoured) {
@@ -51,18 +52,18 @@ HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, float* state) {
 
 // Front to back the first visible sheet counts, back to front the last one.
 template <bool kFrontToBack>
-HWY_ATTR HWY_INLINE void noteDepth(float* first, int k, float hides, float depth) {
+HWY_ATTR HWY_INLINE void noteDepth(Real* first, int k, Real hides, Real depth) {
     if (-hides > kLeastVisible && !(kFrontToBack && first[k] != 0)) first[k] = depth;
 }
 
 // Where the rays of a tile meet one plane.
 struct Addresses {
-    alignas(64) std::int32_t texel[kTileSize];  // offset of its first channel
-    alignas(64) float u[kTileSize];             // fractions
-    alignas(64) float v[kTileSize];
+    alignas(64) RealIndex texel[kTileSize];  // offset of its first channel
+    alignas(64) Real u[kTileSize];           // fractions
+    alignas(64) Real v[kTileSize];
 };
 
-HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, int floats, Addresses& at) {
+HWY_ATTR void locate(const RayTile& rays, Real step, int width, int height, int floats, Addresses& at) {
     const DF d;
     const DI di;
     const auto steps = hn::Set(d, step);
@@ -78,7 +79,6 @@ HWY_ATTR void locate(const RayTile& rays, float step, int width, int height, int
 
 HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
     const hn::CappedTag<double, kTileEdge> d;
-    const hn::Rebind<float, decltype(d)> df;
     for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
         const auto column = hn::Iota(d, static_cast<double>(i));
         const auto at = [&](const double* start, const double* step, int axis)
@@ -89,7 +89,13 @@ HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
         const auto slopeU = hn::Mul(at(row.direction, row.directionStep, 0), inverse);
         const auto slopeV = hn::Mul(at(row.direction, row.directionStep, 1), inverse);
         const int k = j * kTileEdge + i;
-        const auto store = [&](auto value, float* to) HWY_ATTR { hn::StoreU(hn::DemoteTo(df, value), df, to + k); };
+        const auto store = [&](auto value, Real* to) HWY_ATTR {
+            const hn::Rebind<Real, decltype(d)> dr;
+            if constexpr (std::is_same_v<Real, double>)
+                hn::StoreU(value, dr, to + k);
+            else
+                hn::StoreU(hn::DemoteTo(dr, value), dr, to + k);
+        };
         store(hn::MulAdd(slopeU, away, at(row.origin, row.originStep, 0)), tile.u);
         store(hn::MulAdd(slopeV, away, at(row.origin, row.originStep, 1)), tile.v);
         store(slopeU, tile.stepU);
@@ -106,7 +112,7 @@ struct OpenPixels {
     int count = 0;
 };
 template <bool kFrontToBack>
-HWY_ATTR void findOpen(const float* states, int floats, float cutoff, OpenPixels& open) {
+HWY_ATTR void findOpen(const Real* states, int floats, Real cutoff, OpenPixels& open) {
     for (int k = 0; k < kTileSize; ++k) {
         open.pixels[open.count] = k;
         open.count += !kFrontToBack || 1 + states[floats * k + floats - 1] >= cutoff ? 1 : 0;
@@ -116,7 +122,7 @@ HWY_ATTR void findOpen(const float* states, int floats, float cutoff, OpenPixels
 // Plane by plane and pixel by pixel: neighbours do not wait for each other, as the sheets of one pixel do.
 // add(k, texel, u, v, rowStride, s) composites pixel k over the texels behind address `texel`.
 template <bool kFrontToBack, class Add>
-HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, float cutoff, const float* states,
+HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real cutoff, const Real* states,
                               const Add& add) {
     const int floats = sheets.layout.floats();
     const std::ptrdiff_t rowStride = static_cast<std::ptrdiff_t>(floats) * sheets.width;
@@ -126,7 +132,7 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, floa
     Addresses at;
     for (int s = 0; s < sheets.count; ++s) {
         locate(rays, sheets.steps[s], sheets.width, sheets.height, floats, at);
-        const float* plane = sheets.planes[s];
+        const Real* plane = sheets.planes[s];
         for (int i = 0; i < open.count; ++i) {
             const int k = open.pixels[i];
             add(k, plane + at.texel[k], at.u[k], at.v[k], rowStride, s);
@@ -136,9 +142,9 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, floa
 
 // Nothing but the beauty under grey extinction.
 template <bool kFrontToBack>
-HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, float cutoff, float* states) {
+HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* states) {
     walk<kFrontToBack>(rays, sheets, cutoff, states,
-                       [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, int) HWY_ATTR {
+                       [&](int k, const Real* at, Real u, Real v, std::ptrdiff_t rowStride, int) HWY_ATTR {
                            const auto texel = bilinear4(at, 4, rowStride, u, v);
                            const auto state = load4(states + 4 * k);
                            store4(kFrontToBack ? before(state, texel) : behind(state, texel), states + 4 * k);
@@ -146,12 +152,12 @@ HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, float cut
 }
 
 template <bool kFrontToBack, bool kColoured, bool kDepth>
-HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, float cutoff, float* states,
-                           [[maybe_unused]] float* first) {
+HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* states,
+                          [[maybe_unused]] Real* first) {
     const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
     walk<kFrontToBack>(
         rays, sheets, cutoff, states,
-        [&](int k, const float* at, float u, float v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
+        [&](int k, const Real* at, Real u, Real v, std::ptrdiff_t rowStride, [[maybe_unused]] int s) HWY_ATTR {
             const auto quad = [&](int q) HWY_ATTR { return bilinear4(at + 4 * q, floats, rowStride, u, v); };
             [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
             if constexpr (kDepth)
@@ -160,8 +166,7 @@ HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, float cu
 }
 
 template <bool kFrontToBack>
-HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, float cutoff, float* state,
-                      float* first) {
+HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* state, Real* first) {
     if (sheets.layout.beautyAlone())
         walkBeauty<kFrontToBack>(rays, sheets, cutoff, state);
     else if (sheets.layout.coloured && first)
@@ -174,22 +179,22 @@ HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, float cutoff
         walkOutputs<kFrontToBack, false, false>(rays, sheets, cutoff, state, first);
 }
 
-HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff,
-                                    float* state, float* first) {
+HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff,
+                                    Real* state, Real* first) {
     if (frontToBack)
         walkAny<true>(rays, sheets, cutoff, state, first);
     else
         walkAny<false>(rays, sheets, cutoff, state, first);
 }
 
-HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                                  const OutputLayout& layout, float* samples) {
+HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
+                                  const OutputLayout& layout, Real* samples) {
     const int floats = layout.floats();
     for (int k = 0; k < kTileSize; ++k) {
-        const float u = std::clamp(rays.u[k] + at[k] * rays.stepU[k], 0.0f, static_cast<float>(width - 2));
-        const float v = std::clamp(rays.v[k] + at[k] * rays.stepV[k], 0.0f, static_cast<float>(height - 2));
-        const float column = std::floor(u), row = std::floor(v);
-        const float* texel =
+        const Real u = std::clamp(rays.u[k] + at[k] * rays.stepU[k], Real(0), static_cast<Real>(width - 2));
+        const Real v = std::clamp(rays.v[k] + at[k] * rays.stepV[k], Real(0), static_cast<Real>(height - 2));
+        const Real column = std::floor(u), row = std::floor(v);
+        const Real* texel =
             plane + floats * (static_cast<std::ptrdiff_t>(row) * width + static_cast<std::ptrdiff_t>(column));
         for (int q = 0; q < layout.quads(); ++q)
             store4(bilinear4(texel + 4 * q, floats, static_cast<std::ptrdiff_t>(floats) * width, u - column, v - row),
@@ -198,33 +203,33 @@ HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const float* at, const fl
 }
 
 // A part f of the sheet has tau f: opacity 1 - (1 - alpha)^f. What share of the opacity -hides that is.
-float shownShare(float hides, float part) {
-    const float alpha = std::clamp(-hides, 0.0f, 1.0f);
-    if (alpha <= 1e-20f) return part;
-    const float shown = alpha < 1 ? -std::expm1(part * std::log1p(-alpha)) : (part > 0 ? 1.0f : 0.0f);
+Real shownShare(Real hides, Real part) {
+    const Real alpha = std::clamp(-hides, Real(0), Real(1));
+    if (alpha <= Real(1e-20)) return part;
+    const Real shown = alpha < 1 ? -std::expm1(part * std::log1p(-alpha)) : (part > 0 ? Real(1) : Real(0));
     return shown / alpha;
 }
 
 // Leaves the part of a sample that is seen: radiance in proportion to its opacity.
-void keepPart(const OutputLayout& layout, float part, const float* from, float* to) {
+void keepPart(const OutputLayout& layout, Real part, const Real* from, Real* to) {
     const int last = layout.floats() - 4;
     for (int c = 0; c < 4; ++c) {
-        const float share = shownShare(from[last + (layout.coloured ? c : 3)], part);
+        const Real share = shownShare(from[last + (layout.coloured ? c : 3)], part);
         for (int q = 0; q <= last; q += 4) to[q + c] = from[q + c] * share;
     }
 }
 
 template <bool kFrontToBack>
-HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* states, float* first) {
+HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* states, Real* first) {
     const int floats = sheet.layout.floats(), quads = sheet.layout.quads();
-    std::array<float, 4 * 256> kept;
+    std::array<Real, 4 * 256> kept;
     for (int k = 0; k < kTileSize; ++k) {
-        const float* sample = sheet.samples + floats * k;
+        const Real* sample = sheet.samples + floats * k;
         if (sheet.part && sheet.part[k] < 1) {
             keepPart(sheet.layout, sheet.part[k], sample, kept.data());
             sample = kept.data();
         }
-        float* state = states + floats * k;
+        Real* state = states + floats * k;
         const auto quad = [&](int q) HWY_ATTR { return load4(sample + 4 * q); };
         const V4 hides = sheet.layout.coloured ? addSample<kFrontToBack, true>(quads, quad, state)
                                                : addSample<kFrontToBack, false>(quads, quad, state);
@@ -232,8 +237,8 @@ HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, float* 
     }
 }
 
-HWY_ATTR void compositeSamplesOnTarget(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* states,
-                                       float* first) {
+HWY_ATTR void compositeSamplesOnTarget(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* states,
+                                       Real* first) {
     if (frontToBack)
         addSamples<true>(rays, sheet, states, first);
     else
@@ -256,18 +261,17 @@ void fillRays(const RayRow& row, int j, RayTile& tile) {
     SCRIM_ON_TARGET(row.simd, fillRaysOnTarget)(row, j, tile);
 }
 
-void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
-                   float* first) {
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
+                   Real* first) {
     SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
 }
 
-void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                 const OutputLayout& layout, float* samples, Simd simd) {
+void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
+                 const OutputLayout& layout, Real* samples, Simd simd) {
     SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
 }
 
-void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
-                      float* first) {
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state, Real* first) {
     SCRIM_ON_TARGET(sheet.simd, compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
 }
 

@@ -8,6 +8,7 @@
 // all.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/engine/plan/outputs.h>
@@ -18,13 +19,13 @@ namespace scrim {
 
 /// The rays of a tile of pixels: texel position at the batch's first plane, and step from plane to plane.
 struct RayTile {
-    alignas(64) float u[kTileSize];
-    alignas(64) float v[kTileSize];
-    alignas(64) float stepU[kTileSize];
-    alignas(64) float stepV[kTileSize];
-    alignas(64) float startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
-    alignas(64) float depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
-    alignas(64) float stepDepth[kTileSize];
+    alignas(64) Real u[kTileSize];
+    alignas(64) Real v[kTileSize];
+    alignas(64) Real stepU[kTileSize];
+    alignas(64) Real stepV[kTileSize];
+    alignas(64) Real startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
+    alignas(64) Real depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
+    alignas(64) Real stepDepth[kTileSize];
 };
 
 /// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
@@ -40,8 +41,8 @@ struct RayRow {
 void fillRays(const RayRow& row, int j, RayTile& tile);
 
 struct SheetList {
-    const float* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
-    const float* steps;          ///< its place in the batch: planes from the batch's first
+    const Real* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
+    const Real* steps;          ///< its place in the batch: planes from the batch's first
     int count;
     int width, height;  ///< of the planes, texels
     OutputLayout layout = {};
@@ -49,28 +50,28 @@ struct SheetList {
 };
 
 /// A sample of less opacity than this is no first thing that a ray shows.
-constexpr float kLeastVisible = 1e-3f;
+constexpr Real kLeastVisible = Real(1e-3);
 
 /// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `firstDepth`: of
 /// 256 pixels, the depth of the first sheet of more opacity than kLeastVisible (the last to come, back to front), and 0
 /// until there is one; null where nobody asks, as where there is nothing but the beauty.
-void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, float cutoff, float* state,
-                   float* firstDepth = nullptr);
+void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
+                   Real* firstDepth = nullptr);
 
 /// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the part in [0, 1] of the sheet that
 /// lies before the eye (nullptr: all of it).
 struct SheetSamples {
-    const float* samples;
-    const float* part;
-    const float* at = nullptr;  ///< read where the first depth is asked for
+    const Real* samples;
+    const Real* part;
+    const Real* at = nullptr;  ///< read where the first depth is asked for
     OutputLayout layout = {};
     Simd simd = {};
 };
-void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, float* state,
-                      float* firstDepth = nullptr);
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
+                      Real* firstDepth = nullptr);
 
 /// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
-void samplePlane(const RayTile& rays, const float* at, const float* plane, int width, int height,
-                 const OutputLayout& layout, float* samples, Simd simd = {});
+void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
+                 const OutputLayout& layout, Real* samples, Simd simd = {});
 
 }  // namespace scrim

@@ -20,9 +20,9 @@ int blockBegin(int sheet) {
 }
 
 // Room for a tile's samples, kept by each thread.
-float* sampleScratch(const OutputLayout& layout) {
+Real* sampleScratch(const OutputLayout& layout) {
     struct alignas(64) Line {
-        float values[16];
+        Real values[16];
     };
     thread_local std::vector<Line> scratch;
     const auto lines = static_cast<std::size_t>(layout.floats() * kTileSize / 16);
@@ -35,7 +35,7 @@ float* sampleScratch(const OutputLayout& layout) {
 // A tile's rays, and what they meet in a batch.
 struct Compositor::TileWalk {
     RayTile rays;
-    float startLeast, startMost;     // extremes of rays.startN
+    Real startLeast, startMost;      // extremes of rays.startN
     int block;                       // the block's first sheet
     int firstStep;                   // place of plane 0 among the block's sheets
     std::array<int, kBlock> planes;  // those with active texels under the tile
@@ -94,22 +94,22 @@ namespace {
 enum class Before { all, part, none };
 
 // How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies beyond the start of the rays?
-Before seenPart(int step, float startLeast, float startMost, bool frontToBack) {
-    const float near = static_cast<float>(step) - 0.5f, far = near + 1;
+Before seenPart(int step, Real startLeast, Real startMost, bool frontToBack) {
+    const Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
     if (frontToBack) return startMost <= near ? Before::all : startLeast >= far ? Before::none : Before::part;
     return startLeast >= far ? Before::all : startMost <= near ? Before::none : Before::part;
 }
 
 // The seen part of a slab that the rays begin in, and the place in the middle of it.
-void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float* at) {
+void cutSlab(const RayTile& rays, int step, bool frontToBack, Real* part, Real* at) {
     for (int k = 0; k < kTileSize; ++k) {
-        float near = static_cast<float>(step) - 0.5f, far = near + 1;
+        Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
         if (frontToBack)
             near = std::clamp(rays.startN[k], near, far);
         else
             far = std::clamp(rays.startN[k], near, far);
         part[k] = far - near;
-        at[k] = 0.5f * (near + far);
+        at[k] = Real(0.5) * (near + far);
     }
 }
 
@@ -117,11 +117,11 @@ void cutSlab(const RayTile& rays, int step, bool frontToBack, float* part, float
 
 Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
-    float* states = m_tiles.states(tile);
+    Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
-    float* const first = firstDepth(tile);
-    std::array<const float*, kBlock> planes;
-    std::array<float, kBlock> steps{};
+    Real* const first = firstDepth(tile);
+    std::array<const Real*, kBlock> planes;
+    std::array<Real, kBlock> steps{};
     int listed = 0;
     std::uint64_t walked = 0;
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
@@ -129,7 +129,7 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
         if (listed == 0) return;
         compositeTile(walk.rays,
                       {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout, m_eye.simd()},
-                      m_frontToBack, mayStop ? m_cutoff : 0.0f, states, first);
+                      m_frontToBack, mayStop ? m_cutoff : Real(0), states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
     };
@@ -141,12 +141,12 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
                 break;
             case Before::all:
                 planes[static_cast<std::size_t>(listed)] = shaded.plane(p);
-                steps[static_cast<std::size_t>(listed++)] = static_cast<float>(step);
+                steps[static_cast<std::size_t>(listed++)] = static_cast<Real>(step);
                 break;
             case Before::part: {
                 flush();
-                alignas(64) float part[kTileSize], at[kTileSize];
-                float* samples = sampleScratch(layout);
+                alignas(64) Real part[kTileSize], at[kTileSize];
+                Real* samples = sampleScratch(layout);
                 cutSlab(walk.rays, step, m_frontToBack, part, at);
                 samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
                             m_eye.simd());
@@ -162,13 +162,13 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
 // Shades where the tile's rays meet each plane; `cells`: see SheetShader::shadePoints.
 Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells,
                                         const SheetShader& shader) {
-    float* states = m_tiles.states(tile);
+    Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
-    float* const first = firstDepth(tile);
+    Real* const first = firstDepth(tile);
     Work work;
     SampleTile points;
-    alignas(64) float part[kTileSize], at[kTileSize];
-    float* samples = sampleScratch(layout);
+    alignas(64) Real part[kTileSize], at[kTileSize];
+    Real* samples = sampleScratch(layout);
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[static_cast<std::size_t>(i)];
         const int step = p + walk.firstStep;
@@ -177,9 +177,9 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
         if (seen == Before::part)
             cutSlab(walk.rays, step, m_frontToBack, part, at);
         else
-            std::fill(at, at + kTileSize, static_cast<float>(step));
+            std::fill(at, at + kTileSize, static_cast<Real>(step));
         points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
-        const auto toSlope = static_cast<float>(shader.slopeScale());
+        const auto toSlope = static_cast<Real>(shader.slopeScale());
         for (int k = 0; k < kTileSize; ++k) {
             points.u[k] = walk.rays.u[k] + at[k] * walk.rays.stepU[k];
             points.v[k] = walk.rays.v[k] + at[k] * walk.rays.stepV[k];
@@ -195,13 +195,13 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
     return work;
 }
 
-float* Compositor::firstDepth(int tile) {
+Real* Compositor::firstDepth(int tile) {
     return m_tiles.keepsDepth() ? m_tiles.depths(tile) : nullptr;
 }
 
 void Compositor::markIfOpaque(int tile) {
     if (!m_frontToBack) return;
-    const float* states = m_tiles.states(tile);
+    const Real* states = m_tiles.states(tile);
     const int floats = m_tiles.layout().floats();  // the last of which is the least opacity
     for (int k = 0; k < kTileSize; ++k)
         if (1 + states[floats * k + floats - 1] >= m_cutoff) return;

@@ -2,6 +2,7 @@
 // Stage 5 of a batch: every pixel's ray through the batch's sheets, front to back or back to front.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/composite/pixel_tiles.h>
@@ -15,7 +16,7 @@ namespace scrim {
 
 class Compositor {
   public:
-    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, float cutoff)
+    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff)
         : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
 
     /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
@@ -56,12 +57,12 @@ class Compositor {
     Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
     Box2<int> tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void markIfOpaque(int tile);
-    float* firstDepth(int tile);
+    Real* firstDepth(int tile);
 
     const EyeView& m_eye;
     PixelTiles& m_tiles;
     bool m_frontToBack;
-    float m_cutoff;
+    Real m_cutoff;
 };
 
 }  // namespace scrim

@@ -82,23 +82,23 @@ SampleSpacing EyeView::pixelSpacing(double middle) const {
     const Vec3 &x = m_orthographic ? m_ts.originX : m_ts.directionX,
                &y = m_orthographic ? m_ts.originY : m_ts.directionY;
     for (int axis = 0; axis < 3; ++axis) {
-        spacing.x[axis] = static_cast<float>(x[axis]);
-        spacing.y[axis] = static_cast<float>(y[axis]);
+        spacing.x[axis] = static_cast<Real>(x[axis]);
+        spacing.y[axis] = static_cast<Real>(y[axis]);
     }
     if (m_orthographic) return spacing;
     const double tu = m_rasterFromOffset[0].z, tv = m_rasterFromOffset[1].z;
     const Vec3 atOrigin = m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0);
-    spacing.t0 = static_cast<float>(atOrigin.z);
-    spacing.tu = static_cast<float>(tu);
-    spacing.tv = static_cast<float>(tv);
+    spacing.t0 = static_cast<Real>(atOrigin.z);
+    spacing.tu = static_cast<Real>(tu);
+    spacing.tv = static_cast<Real>(tv);
     return spacing;
 }
 
 // The last row of the inverse tells how far along a ray, and so how deep, a point lies.
 void EyeView::setDepth(double middle, SampleTile& samples) const {
-    samples.depth = static_cast<float>((m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0)).z);
-    samples.depthU = static_cast<float>(m_rasterFromOffset[0].z);
-    samples.depthV = static_cast<float>(m_rasterFromOffset[1].z);
+    samples.depth = static_cast<Real>((m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0)).z);
+    samples.depthU = static_cast<Real>(m_rasterFromOffset[0].z);
+    samples.depthV = static_cast<Real>(m_rasterFromOffset[1].z);
 }
 
 std::optional<Box2<double>> EyeView::seenBy(const Box2<double>& texels, double middle) const {

@@ -2,6 +2,7 @@
 // The picture while a sweep is under way: pixels in tiles of 16 x 16, so that a task's states lie together.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
 #include <scrim/engine/plan/outputs.h>
@@ -25,8 +26,8 @@ class PixelTiles {
 
     /// All pixels black and transparent.
     void reset() {
-        m_states.assign(static_cast<std::size_t>(count()) * tileFloats(), 0.0f);
-        m_depth.assign(m_keepsDepth ? static_cast<std::size_t>(count()) * kTileSize : 0, 0.0f);
+        m_states.assign(static_cast<std::size_t>(count()) * tileFloats(), Real(0));
+        m_depth.assign(m_keepsDepth ? static_cast<std::size_t>(count()) * kTileSize : 0, Real(0));
         m_opaque.assign(static_cast<std::size_t>(count()), 0);
     }
 
@@ -40,21 +41,21 @@ class PixelTiles {
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
     const OutputLayout& layout() const { return m_layout; }
     /// Of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
-    float* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
-    const float* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
+    Real* states(int tile) { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
+    const Real* states(int tile) const { return m_states.data() + static_cast<std::size_t>(tile) * tileFloats(); }
     /// Of pixel (x, y) of the region.
-    const float* state(int x, int y) const {
+    const Real* state(int x, int y) const {
         const Place at = placeOf(x, y);
         return states(at.tile) + at.pixel * m_layout.floats();
     }
     /// Depths of a tile's pixels; 0: nothing is visible. Only where they are kept.
     bool keepsDepth() const { return m_keepsDepth; }
-    float* depths(int tile) { return m_depth.data() + static_cast<std::size_t>(tile) * kTileSize; }
-    float depth(int x, int y) const {
+    Real* depths(int tile) { return m_depth.data() + static_cast<std::size_t>(tile) * kTileSize; }
+    Real depth(int x, int y) const {
         const Place at = placeOf(x, y);
         return m_depth[static_cast<std::size_t>(at.tile) * kTileSize + static_cast<std::size_t>(at.pixel)];
     }
-    std::size_t bytes() const { return (m_states.size() + m_depth.size()) * sizeof(float); }
+    std::size_t bytes() const { return (m_states.size() + m_depth.size()) * sizeof(Real); }
     bool opaque(int tile) const { return m_opaque[static_cast<std::size_t>(tile)] != 0; }
     void setOpaque(int tile) { m_opaque[static_cast<std::size_t>(tile)] = 1; }
 
@@ -79,7 +80,7 @@ class PixelTiles {
     OutputLayout m_layout;
     bool m_keepsDepth;
     int m_tilesX, m_tilesY;
-    std::vector<float> m_states, m_depth;
+    std::vector<Real> m_states, m_depth;
     std::vector<std::uint8_t> m_opaque;
 };
 

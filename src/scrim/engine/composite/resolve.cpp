@@ -35,11 +35,11 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
 
 // A pixel's rays: the sums of their states, quad by quad, and the least depth of any.
 struct PixelSum {
-    std::vector<float> floats;
-    float first = 0;
+    std::vector<Real> floats;
+    Real first = 0;
 
     void clear() {
-        std::fill(floats.begin(), floats.end(), 0.0f);
+        std::fill(floats.begin(), floats.end(), Real(0));
         first = 0;
     }
 };
@@ -49,10 +49,10 @@ void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
     const int count = tiles.layout().floats();
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
-            const float* state = tiles.state(x * n + i, y * n + j);
+            const Real* state = tiles.state(x * n + i, y * n + j);
             for (int f = 0; f < count; ++f) sum.floats[static_cast<std::size_t>(f)] += state[f];
             if (!tiles.keepsDepth()) continue;
-            const float depth = tiles.depth(x * n + i, y * n + j);
+            const Real depth = tiles.depth(x * n + i, y * n + j);
             if (depth > 0 && (sum.first == 0 || depth < sum.first)) sum.first = depth;
         }
 }
@@ -84,7 +84,7 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
     const std::size_t opacities = static_cast<std::size_t>(layout.floats() - 4);
     const auto beauties = static_cast<std::size_t>(layout.beauty ? 1 : layout.quadOf(layout.beautyParts));
     parallelFor(static_cast<std::size_t>(part.window.height()), [&](std::size_t row) {
-        PixelSum sum{std::vector<float>(static_cast<std::size_t>(layout.floats())), 0};
+        PixelSum sum{std::vector<Real>(static_cast<std::size_t>(layout.floats())), 0};
         const int y = part.window.y0 + static_cast<int>(row);
         for (int x = part.window.x0; x < part.window.x1; ++x) {
             sumRays(tiles, n, x, y, sum);
@@ -92,18 +92,18 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
             const std::size_t at = frame.image.indexOf(x, y);
             // Interpolation between texels rounds: what is nothing may come out a hair below, and opaque above.
             const auto radiance = [&](std::size_t f, double share) {
-                return static_cast<float>(weight * share) * std::max(sum.floats[f], 0.0f);
+                return static_cast<Real>(weight * share) * std::max(sum.floats[f], Real(0));
             };
             float* pixel = frame.image.rgba.data() + at;
             // The beauty's quad, or those that add up to it: they come first either way.
             for (std::size_t q = 0; q < beauties; ++q)
                 for (std::size_t c = 0; c < 3; ++c) pixel[c] += radiance(4 * q + c, 1);
-            float hidden[3];
+            Real hidden[3];
             for (std::size_t c = 0; c < 3; ++c)
-                hidden[c] = static_cast<float>(weight * group.primary) *
+                hidden[c] = static_cast<Real>(weight * group.primary) *
                             -sum.floats[layout.coloured ? opacities + c : opacities + 3];
-            const float alpha = layout.coloured ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
-            pixel[3] = std::clamp(pixel[3] + alpha, 0.0f, 1.0f);
+            const Real alpha = layout.coloured ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
+            pixel[3] = static_cast<float>(std::clamp(pixel[3] + alpha, Real(0), Real(1)));
 
             for (const Target& target : targets) {
                 const auto quad = static_cast<std::size_t>(4 * target.quad);

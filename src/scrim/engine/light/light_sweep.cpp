@@ -128,38 +128,38 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     out.output = m_group.outputs.ofLights[i];
     out.index = plan.light;
     out.withinSheet = !plan.view.distant || pathInSheets(plan.view) < kSteepestPath;
-    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<float>(part * plan.share * light.intensity[c]);
+    for (int c = 0; c < 3; ++c) out.intensity[c] = static_cast<Real>(part * plan.share * light.intensity[c]);
     out.distant = plan.view.distant;
     if (light.slide)
         out.slide = {light.slide->image.get(), light.slide->outside, sheetMap(slideMap(light), sheets, sheet + 0.5),
                      m_simd};
     if (out.distant) {
-        out.slopeA = static_cast<float>(plan.view.tsSource.x * plan.view.slopeScale);
-        out.slopeB = static_cast<float>(plan.view.tsSource.y * plan.view.slopeScale);
+        out.slopeA = static_cast<Real>(plan.view.tsSource.x * plan.view.slopeScale);
+        out.slopeB = static_cast<Real>(plan.view.tsSource.y * plan.view.slopeScale);
         return out;
     }
-    out.texelU = static_cast<float>(plan.view.tsSource.x);
-    out.texelV = static_cast<float>(plan.view.tsSource.y);
+    out.texelU = static_cast<Real>(plan.view.tsSource.x);
+    out.texelV = static_cast<Real>(plan.view.tsSource.y);
     const double away = part < 1 ? 0.5 * part : sheet + 0.5 - plan.view.tsSource.z;
-    out.distanceW = static_cast<float>(away * sheets.thickness);
+    out.distanceW = static_cast<Real>(away * sheets.thickness);
     out.decay = light.point().decay;
     const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
-    out.radius2 = static_cast<float>(radius * radius);
+    out.radius2 = static_cast<Real>(radius * radius);
     if (const Light::Spot* spot = light.spot()) {
         const double half = 0.5 * spot->coneAngle * std::acos(-1.0) / 180;
         const Vec3 axis = sheets.ssFromWs * light.wsDirection;
         out.spot = true;
-        out.axisU = static_cast<float>(axis.x);
-        out.axisV = static_cast<float>(axis.y);
-        out.axisW = static_cast<float>(axis.z);
-        out.cosOuter = static_cast<float>(std::cos(half));
+        out.axisU = static_cast<Real>(axis.x);
+        out.axisV = static_cast<Real>(axis.y);
+        out.axisW = static_cast<Real>(axis.z);
+        out.cosOuter = static_cast<Real>(std::cos(half));
         // A cone without a blend still has an edge of some width: a hundredth of a degree.
-        out.cosInner = static_cast<float>(std::cos(std::min(half * (1 - spot->blend), half - 1e-4)));
+        out.cosInner = static_cast<Real>(std::cos(std::min(half * (1 - spot->blend), half - 1e-4)));
     }
     if (!plan.ssWindows.empty()) {
         out.windows = &plan.ssWindows;
         out.window = plan.window;
-        out.windowCos = static_cast<float>(std::cos(kWindowAngle));
+        out.windowCos = static_cast<Real>(std::cos(kWindowAngle));
     }
     return out;
 }

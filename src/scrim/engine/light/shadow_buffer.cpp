@@ -28,12 +28,12 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
 
 // One tile's part of a row, prefiltered by `strength` times its second differences, but not beyond its neighbours: where
 // an opaque edge lies between two cells, the lit one stays as it is.
-void prefilterSpan(const float* above, const float* here, const float* below, float strength, float* out) {
+void prefilterSpan(const Real* above, const Real* here, const Real* below, Real strength, Real* out) {
     for (int x = 0; x < kTileEdge; ++x) {
-        const float left = here[x - 1], right = here[x + 1], own = here[x];
-        const float least = std::min(std::min(std::min(left, right), std::min(above[x], below[x])), own);
-        const float most = std::max(std::max(std::max(left, right), std::max(above[x], below[x])), own);
-        const float around = left + right + above[x] + below[x];
+        const Real left = here[x - 1], right = here[x + 1], own = here[x];
+        const Real least = std::min(std::min(std::min(left, right), std::min(above[x], below[x])), own);
+        const Real most = std::max(std::max(std::max(left, right), std::max(above[x], below[x])), own);
+        const Real around = left + right + above[x] + below[x];
         out[x] = std::min(std::max(own - strength * (around - 4 * own), least), most);
     }
 }
@@ -46,7 +46,7 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
       m_simd(simd),
       m_thickness(sheets.thickness),
       m_nearest(filter == ShadowFilter::nearest),
-      m_sharpening(m_nearest ? 0.0f : static_cast<float>(lookUps) / 12) {
+      m_sharpening(m_nearest ? Real(0) : static_cast<Real>(lookUps) / 12) {
     m_tau.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
     m_used.reserve(static_cast<std::size_t>(batchSheets));
 }
@@ -54,16 +54,16 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
 // The part of its own sheet that a lamp inside the volume shines through: no raster resolves it, so every ray takes
 // the extinction at the lamp.
 void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
-    alignas(64) float u[kTileSize], v[kTileSize], sigma[kTileSize];
-    std::fill(u, u + kTileSize, static_cast<float>(m_view.tsSource.x));
-    std::fill(v, v + kTileSize, static_cast<float>(m_view.tsSource.y));
+    alignas(64) Real u[kTileSize], v[kTileSize], sigma[kTileSize];
+    std::fill(u, u + kTileSize, static_cast<Real>(m_view.tsSource.x));
+    std::fill(v, v + kTileSize, static_cast<Real>(m_view.tsSource.y));
     samplePoints(extinction, u, v, false, kTileEdge, sigma);
     for (int y = 0; y < m_view.height; ++y)
         for (int x = 0; x < m_view.width; ++x) {
             const double a = (m_view.first.x + x * m_view.cell) * m_view.slopeScale;
             const double b = (m_view.first.y + y * m_view.cell) * m_view.slopeScale;
             m_tau[static_cast<std::size_t>(y) * static_cast<std::size_t>(m_view.width) + static_cast<std::size_t>(x)] +=
-                static_cast<float>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
+                static_cast<Real>(part * m_thickness * std::sqrt(1 + a * a + b * b)) * sigma[0];
         }
 }
 
@@ -129,23 +129,23 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
         AttenuateTile tile{};
         tile.extinction = {extinction.plane(s), extinction.width(), extinction.height(), 0, 0, m_simd};
         tile.nearest = m_nearest;
-        tile.path = static_cast<float>(m_thickness);
-        tile.step = static_cast<float>(map.scale);
+        tile.path = static_cast<Real>(m_thickness);
+        tile.step = static_cast<Real>(map.scale);
         tile.tauStride = m_view.width;
         tile.entryStride = windowWidth();
         for (int x = 0; x < m_windowTilesX; ++x) {
             if (!used[x]) continue;
             const int cellX = (m_windowTileX + x) * kTileEdge, cellY = tileY * kTileEdge;
-            tile.u = static_cast<float>(map.offsetU + cellX * map.scale);
-            tile.v = static_cast<float>(map.offsetV + cellY * map.scale);
+            tile.u = static_cast<Real>(map.offsetU + cellX * map.scale);
+            tile.v = static_cast<Real>(map.offsetV + cellY * map.scale);
             const double s0 = m_view.slopeScale;
             if (m_view.distant) {
-                tile.slopeA = static_cast<float>(m_view.tsSource.x * s0);
-                tile.slopeB = static_cast<float>(m_view.tsSource.y * s0);
+                tile.slopeA = static_cast<Real>(m_view.tsSource.x * s0);
+                tile.slopeB = static_cast<Real>(m_view.tsSource.y * s0);
             } else {
-                tile.slopeA = static_cast<float>((m_view.first.x + cellX * m_view.cell) * s0);
-                tile.slopeB = static_cast<float>((m_view.first.y + cellY * m_view.cell) * s0);
-                tile.slopeStep = static_cast<float>(m_view.cell * s0);
+                tile.slopeA = static_cast<Real>((m_view.first.x + cellX * m_view.cell) * s0);
+                tile.slopeB = static_cast<Real>((m_view.first.y + cellY * m_view.cell) * s0);
+                tile.slopeStep = static_cast<Real>(m_view.cell * s0);
             }
             tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
             tile.entry = m_entry.data() + static_cast<std::size_t>(s) * entryStride() +
@@ -164,16 +164,15 @@ void ShadowBuffer::prefilter(int s) {
         return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY && used[y * m_windowTilesX + x] != 0;
     };
     // Tiles that take no part hold nothing: the cells that border on them stand in for theirs.
-    forPrefilteredSpans(
-        m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(), isUsed,
-        [&](int tx, int y, const float* above, float* here, const float* below, float* out) {
-            const int ty = y / kTileEdge, inTile = y % kTileEdge;
-            if (!isUsed(tx - 1, ty)) here[-1] = here[0];
-            if (!isUsed(tx + 1, ty)) here[kTileEdge] = here[kTileEdge - 1];
-            if (inTile == 0 && !isUsed(tx, ty - 1)) above = here;
-            if (inTile == kTileEdge - 1 && !isUsed(tx, ty + 1)) below = here;
-            prefilterSpan(above, here, below, m_sharpening, out);
-        });
+    forPrefilteredSpans(m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(),
+                        isUsed, [&](int tx, int y, const Real* above, Real* here, const Real* below, Real* out) {
+                            const int ty = y / kTileEdge, inTile = y % kTileEdge;
+                            if (!isUsed(tx - 1, ty)) here[-1] = here[0];
+                            if (!isUsed(tx + 1, ty)) here[kTileEdge] = here[kTileEdge - 1];
+                            if (inTile == 0 && !isUsed(tx, ty - 1)) above = here;
+                            if (inTile == kTileEdge - 1 && !isUsed(tx, ty + 1)) below = here;
+                            prefilterSpan(above, here, below, m_sharpening, out);
+                        });
 }
 
 // Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
@@ -186,33 +185,33 @@ FloatPlane ShadowBuffer::entryPlane(int s) const {
             m_simd};
 }
 
-void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, float* tau) const {
+void ShadowBuffer::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
     if (!lit(s)) {
-        std::fill(tau, tau + kTileSize, 0.0f);
+        std::fill(tau, tau + kTileSize, Real(0));
         return;
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
-    sampleLattice(entryPlane(s), static_cast<float>((texelX - map.offsetU) / map.scale),
-                  static_cast<float>((texelY - map.offsetV) / map.scale), static_cast<float>(1 / map.scale), m_nearest,
+    sampleLattice(entryPlane(s), static_cast<Real>((texelX - map.offsetU) / map.scale),
+                  static_cast<Real>((texelY - map.offsetV) / map.scale), static_cast<Real>(1 / map.scale), m_nearest,
                   tau);
 }
 
-void ShadowBuffer::lookUpPoints(int s, const float* u, const float* v, float* tau) const {
+void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const {
     if (!lit(s)) {
-        std::fill(tau, tau + kTileSize, 0.0f);
+        std::fill(tau, tau + kTileSize, Real(0));
         return;
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
-    alignas(64) float cellU[kTileSize], cellV[kTileSize];
+    alignas(64) Real cellU[kTileSize], cellV[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
-        cellU[k] = static_cast<float>((u[k] - map.offsetU) / map.scale);
-        cellV[k] = static_cast<float>((v[k] - map.offsetV) / map.scale);
+        cellU[k] = static_cast<Real>((u[k] - map.offsetU) / map.scale);
+        cellV[k] = static_cast<Real>((v[k] - map.offsetV) / map.scale);
     }
     samplePoints(entryPlane(s), cellU, cellV, m_nearest, kTileSize, tau);
 }
 
 std::size_t ShadowBuffer::bytes() const {
-    return (m_tau.size() + m_entry.size()) * sizeof(float) + m_used.size();
+    return (m_tau.size() + m_entry.size()) * sizeof(Real) + m_used.size();
 }
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
@@ -224,7 +223,7 @@ std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int
         (sheets.width + drift + 4 * kTileEdge) * (sheets.height + drift + 4 * kTileEdge) / (least * least);
     const auto entry =
         static_cast<std::size_t>(std::min(window, static_cast<double>(raster))) * static_cast<std::size_t>(batchSheets);
-    return (raster + entry) * sizeof(float);
+    return (raster + entry) * sizeof(Real);
 }
 
 namespace {
@@ -246,7 +245,7 @@ ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter
     m_path.reserve(cells);
     for (int y = 0; y < raster.height; ++y)
         for (int x = 0; x < raster.width; ++x)
-            m_path.push_back(static_cast<float>(pathThroughSheet(raster, sheets, x, y)));
+            m_path.push_back(static_cast<Real>(pathThroughSheet(raster, sheets, x, y)));
 }
 
 std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
@@ -255,35 +254,35 @@ std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
     for (int s = 0; s < m_count; ++s) {
         std::copy_n(m_tau.begin() + static_cast<std::ptrdiff_t>(first), count,
                     m_entry.begin() + static_cast<std::ptrdiff_t>(static_cast<std::size_t>(s) * m_tau.size() + first));
-        const float* sigma = extinction.plane(s) + first;
+        const Real* sigma = extinction.plane(s) + first;
         for (std::size_t i = 0; i < count; ++i) m_tau[first + i] += sigma[i] * m_path[first + i];
     }
     return static_cast<std::uint64_t>(count) * static_cast<std::uint64_t>(m_count);
 }
 
-void ViewShadow::lookUpTile(int s, int texelX, int texelY, float* tau) const {
-    alignas(64) float u[kTileSize], v[kTileSize];
+void ViewShadow::lookUpTile(int s, int texelX, int texelY, Real* tau) const {
+    alignas(64) Real u[kTileSize], v[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
-        u[k] = static_cast<float>(texelX + k % kTileEdge);
-        v[k] = static_cast<float>(texelY + k / kTileEdge);
+        u[k] = static_cast<Real>(texelX + k % kTileEdge);
+        v[k] = static_cast<Real>(texelY + k / kTileEdge);
     }
     lookUpPoints(s, u, v, tau);
 }
 
-void ViewShadow::lookUpPoints(int s, const float* u, const float* v, float* tau) const {
+void ViewShadow::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const {
     const Mat3 rsFromPlane = m_raster.fromPlane(m_firstSheet + s + 0.5);
-    alignas(64) float x[kTileSize], y[kTileSize];
+    alignas(64) Real x[kTileSize], y[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
         const Vec3 p = rsFromPlane * Vec3(u[k], v[k], 1);
-        x[k] = static_cast<float>(p.x / p.z);
-        y[k] = static_cast<float>(p.y / p.z);
+        x[k] = static_cast<Real>(p.x / p.z);
+        y[k] = static_cast<Real>(p.y / p.z);
     }
     samplePoints({entry(s), m_raster.width, m_raster.height, 0, 0, m_simd}, x, y, m_nearest, kTileSize, tau);
 }
 
 std::size_t ViewShadow::bytes(const Lattice& raster, int batchSheets) {
     return static_cast<std::size_t>(raster.width) * static_cast<std::size_t>(raster.height) *
-           static_cast<std::size_t>(2 + batchSheets) * sizeof(float);
+           static_cast<std::size_t>(2 + batchSheets) * sizeof(Real);
 }
 
 }  // namespace scrim

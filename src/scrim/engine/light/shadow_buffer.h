@@ -7,6 +7,7 @@
 // the sheet; that is what shading reads.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/engine/splat/plane_sampling.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/geometry/sheets.h>
@@ -62,9 +63,9 @@ class ShadowLookup {
   public:
     virtual ~ShadowLookup() = default;
     /// Tau at entry of sheet s of the batch for the 16 x 16 texels from (texelX, texelY), rows of 16.
-    virtual void lookUpTile(int s, int texelX, int texelY, float* tau) const = 0;
+    virtual void lookUpTile(int s, int texelX, int texelY, Real* tau) const = 0;
     /// The same at 256 arbitrary texel positions.
-    virtual void lookUpPoints(int s, const float* u, const float* v, float* tau) const = 0;
+    virtual void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const = 0;
 };
 
 /// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's active texels can see are
@@ -98,8 +99,8 @@ class ShadowBuffer final : public ShadowLookup {
     /// buffer carries on stays as it is.
     void prefilter(int s);
 
-    void lookUpTile(int s, int texelX, int texelY, float* tau) const override;
-    void lookUpPoints(int s, const float* u, const float* v, float* tau) const override;
+    void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
+    void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
 
     std::size_t bytes() const;
     /// Upper estimate of the bytes a buffer takes.
@@ -114,13 +115,13 @@ class ShadowBuffer final : public ShadowLookup {
     Simd m_simd;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
-    float m_sharpening;        // times the second differences
-    std::vector<float> m_tau;  // the whole raster: tau at entry of the next batch
+    Real m_sharpening;        // times the second differences
+    std::vector<Real> m_tau;  // the whole raster: tau at entry of the next batch
 
     // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.
     int m_firstSheet = 0, m_count = 0;
     int m_windowTileX = 0, m_windowTileY = 0, m_windowTilesX = 0, m_windowTilesY = 0;
-    std::vector<float> m_entry;
+    std::vector<Real> m_entry;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
 
     int windowWidth() const { return m_windowTilesX * kTileEdge; }
@@ -145,22 +146,22 @@ class ViewShadow final : public ShadowLookup {
     /// Carries one row of tiles through the batch's sheets; `extinction` is of this raster. Returns light samples.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    void lookUpTile(int s, int texelX, int texelY, float* tau) const override;
-    void lookUpPoints(int s, const float* u, const float* v, float* tau) const override;
+    void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
+    void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
 
-    std::size_t bytes() const { return (m_tau.size() + m_path.size() + m_entry.size()) * sizeof(float); }
+    std::size_t bytes() const { return (m_tau.size() + m_path.size() + m_entry.size()) * sizeof(Real); }
     static std::size_t bytes(const Lattice& raster, int batchSheets);
 
   private:
-    const float* entry(int s) const { return m_entry.data() + static_cast<std::size_t>(s) * m_tau.size(); }
+    const Real* entry(int s) const { return m_entry.data() + static_cast<std::size_t>(s) * m_tau.size(); }
 
     Lattice m_raster;
     Simd m_simd;
     bool m_nearest;
     int m_firstSheet = 0, m_count = 0;
-    std::vector<float> m_path;   // world length of each cell's ray through a sheet
-    std::vector<float> m_tau;    // at entry of the next batch
-    std::vector<float> m_entry;  // at entry of each sheet of the batch
+    std::vector<Real> m_path;   // world length of each cell's ray through a sheet
+    std::vector<Real> m_tau;    // at entry of the next batch
+    std::vector<Real> m_entry;  // at entry of each sheet of the batch
 };
 
 }  // namespace scrim

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/light/slide_sampler.cpp"
@@ -23,20 +21,20 @@ namespace {
 constexpr int kMostTaps = 16;
 
 // Footprints shorter than this part of a pixel of the slide are points.
-constexpr float kPoint = 0.5f;
+constexpr Real kPoint = Real(0.5);
 
 // A footprint that is longer than wide by less than this part of its width is round: one tap does.
-constexpr float kNearlyRound = 0.25f;
+constexpr Real kNearlyRound = Real(0.25);
 
-// The map of one tile in float: slide positions relative to `corner`, the position of the tile's first sample,
+// The map of one tile as the engine counts: slide positions relative to `corner`, where the tile has its first sample,
 // so that nothing is lost however far that is from the picture's origin, and however far from the world's.
 struct TileMap {
-    float u0, v0;
-    float at[3], perU[3], perV[3], perN[3];  // (X - cornerX W, Y - cornerY W, W)
+    Real u0, v0;
+    Real at[3], perU[3], perV[3], perN[3];  // (X - cornerX W, Y - cornerY W, W)
     double cornerX, cornerY;
 };
 
-TileMap tileMap(const SheetSlide& slide, float u0, float v0) {
+TileMap tileMap(const SheetSlide& slide, Real u0, Real v0) {
     const SlideMap::OnSheet& m = slide.map;
     const double width = slide.image->width(), height = slide.image->height();
     const Vec3 base = m.atOrigin + double(u0) * m.perU + double(v0) * m.perV;
@@ -52,10 +50,10 @@ TileMap tileMap(const SheetSlide& slide, float u0, float v0) {
     }
     // W counts in world units, of any size: relative to the corner's it is near 1.
     const double scale = inFront ? 1 / base.z : 1;
-    const auto put = [&](const Vec3& h, float* to) {
-        to[0] = static_cast<float>(scale * (h.x - out.cornerX * h.z));
-        to[1] = static_cast<float>(scale * (h.y - out.cornerY * h.z));
-        to[2] = static_cast<float>(scale * h.z);
+    const auto put = [&](const Vec3& h, Real* to) {
+        to[0] = static_cast<Real>(scale * (h.x - out.cornerX * h.z));
+        to[1] = static_cast<Real>(scale * (h.y - out.cornerY * h.z));
+        to[2] = static_cast<Real>(scale * h.z);
     };
     put(base, out.at);
     put(m.perU, out.perU);
@@ -69,18 +67,18 @@ struct LevelPlace {
     const float* pixels;
     int width, height;
     int x, y;              // whole part
-    float fx, fy;          // and rest
-    float scaleX, scaleY;  // level pixels a pixel of the picture
+    Real fx, fy;           // and rest
+    Real scaleX, scaleY;   // level pixels a pixel of the picture
 };
 constexpr std::size_t kMostLevels = 32;
 
-void splitPlace(double corner, int whole, int part, SlideOutside outside, int& index, float& rest, float& scale) {
+void splitPlace(double corner, int whole, int part, SlideOutside outside, int& index, Real& rest, Real& scale) {
     const double ratio = double(part) / whole;
     if (outside == SlideOutside::repeat) corner -= whole * std::floor(corner / whole);
     const double at = corner * ratio - 0.5, floor = std::floor(at);
     index = static_cast<int>(floor);
-    rest = static_cast<float>(at - floor);
-    scale = static_cast<float>(ratio);
+    rest = static_cast<Real>(at - floor);
+    scale = static_cast<Real>(ratio);
 }
 
 }  // namespace
@@ -93,11 +91,11 @@ namespace HWY_NAMESPACE {
 
 // One footprint a sample: everything in pixels of the picture, positions relative to the tile's corner.
 struct Footprints {
-    alignas(64) float x[kTileSize], y[kTileSize];          // centre
-    alignas(64) float stepX[kTileSize], stepY[kTileSize];  // from tap to tap
-    alignas(64) float taps[kTileSize];                     // how many; 0: unlit
-    alignas(64) float size[kTileSize];                     // what a tap must be averaged over
-    alignas(64) float boxX[kTileSize], boxY[kTileSize];    // edges of a tap's own box
+    alignas(64) Real x[kTileSize], y[kTileSize];          // centre
+    alignas(64) Real stepX[kTileSize], stepY[kTileSize];  // from tap to tap
+    alignas(64) Real taps[kTileSize];                     // how many; 0: unlit
+    alignas(64) Real size[kTileSize];                     // what a tap must be averaged over
+    alignas(64) Real boxX[kTileSize], boxY[kTileSize];    // edges of a tap's own box
 };
 
 // How the slide position moves along (dX, dY, dW), at position (x, y): the derivative of X / W.
@@ -116,7 +114,7 @@ HWY_ATTR HWY_INLINE Vector3 combined(const TileMap& m, VF u, VF v, VF n) {
     return {part(0), part(1), part(2)};
 }
 
-HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float slopeToTexels, Footprints& out) {
+HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, Real slopeToTexels, Footprints& out) {
     const DF d;
     const SampleSpacing& spacing = samples.spacing;
     const auto zero = constant(0), one = constant(1);
@@ -128,10 +126,10 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float s
         };
         // Behind the light, and too near for floats: no light.
         const auto w = place(2);
-        const auto lit = hn::Gt(w, constant(1e-12f));
+        const auto lit = hn::Gt(w, constant(1e-12));
         const auto inverse = hn::Div(one, hn::IfThenElse(lit, w, one));
         // Beyond that nothing is told apart any more; squares must stay finite.
-        const auto far = constant(1e7f);
+        const auto far = constant(1e7);
         const auto x = hn::Max(hn::Min(hn::Mul(place(0), inverse), far), hn::Neg(far));
         const auto y = hn::Max(hn::Min(hn::Mul(place(1), inverse), far), hn::Neg(far));
 
@@ -149,7 +147,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float s
             xy = hn::MulAdd(ex, ey, xy);
             yy = hn::MulAdd(ey, ey, yy);
         };
-        for (const float* step : {spacing.x, spacing.y}) {
+        for (const Real* step : {spacing.x, spacing.y}) {
             const auto n = constant(step[2]);
             include(hn::Mul(t, hn::NegMulAdd(slopeU, n, constant(step[0]))),
                     hn::Mul(t, hn::NegMulAdd(slopeV, n, constant(step[1]))), zero);
@@ -157,7 +155,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float s
         include(slopeU, slopeV, one);
 
         // Squares of the lengths of the two axes: eigenvalues of the covariance times 12.
-        const auto half = constant(0.5f);
+        const auto half = constant(0.5);
         const auto mean = hn::Mul(half, hn::Add(xx, yy)), difference = hn::Mul(half, hn::Sub(xx, yy));
         const auto root = hn::Sqrt(hn::MulAdd(difference, difference, hn::Mul(xy, xy)));
         const auto longer = hn::Sqrt(hn::Add(mean, root));
@@ -171,7 +169,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float s
         auto axisX = hn::IfThenElse(steep, xy, hn::Add(difference, root));
         auto axisY = hn::IfThenElse(steep, hn::Sub(root, difference), xy);
         const auto norm = hn::Sqrt(hn::MulAdd(axisX, axisX, hn::Mul(axisY, axisY)));
-        const auto round = hn::Lt(norm, constant(1e-20f));
+        const auto round = hn::Lt(norm, constant(1e-20));
         const auto toUnit = hn::Div(one, hn::IfThenElse(round, one, norm));
         axisX = hn::IfThenElse(round, one, hn::Mul(axisX, toUnit));
         axisY = hn::IfThenElse(round, zero, hn::Mul(axisY, toUnit));
@@ -184,7 +182,7 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, float s
         hn::Store(hn::Max(shorter, part), d, out.size + k);
         // What remains of the footprint once the taps have their share. A thousandth of a pixel keeps quotients finite.
         const auto taken = hn::Mul(hn::Mul(longer, longer), hn::Sub(one, hn::Div(one, hn::Mul(taps, taps))));
-        const auto least = constant(1e-6f);
+        const auto least = constant(1e-6);
         hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisX, axisX), xx), least)), d, out.boxX + k);
         hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisY, axisY), yy), least)), d, out.boxY + k);
     }
@@ -201,9 +199,9 @@ HWY_INLINE int placed(int i, int size) {
 }
 
 template <SlideOutside kOutside>
-HWY_ATTR HWY_INLINE V4 bilinear(const LevelPlace& level, float x, float y) {
-    const float ax = level.fx + x * level.scaleX, ay = level.fy + y * level.scaleY;
-    const float floorX = std::floor(ax), floorY = std::floor(ay);
+HWY_ATTR HWY_INLINE V4 bilinear(const LevelPlace& level, Real x, Real y) {
+    const Real ax = level.fx + x * level.scaleX, ay = level.fy + y * level.scaleY;
+    const Real floorX = std::floor(ax), floorY = std::floor(ay);
     const int ix = level.x + static_cast<int>(floorX), iy = level.y + static_cast<int>(floorY);
     const auto column = [&](int i) { return 4 * static_cast<std::ptrdiff_t>(placed<kOutside>(i, level.width)); };
     const auto row = [&](int i) {
@@ -216,36 +214,36 @@ HWY_ATTR HWY_INLINE V4 bilinear(const LevelPlace& level, float x, float y) {
 }
 
 // The part of a tap's box, along one axis, that lies within the picture.
-HWY_INLINE float within(float middle, float box, float begin, float end) {
+HWY_INLINE Real within(Real middle, Real box, Real begin, Real end) {
     // Counted from both borders, so that well inside it is 1 to the last bit, however small the box.
-    const float left = std::min((middle - begin) / box + 0.5f, 1.0f),
-                right = std::min((end - middle) / box + 0.5f, 1.0f);
-    return std::max(left + right - 1, 0.0f);
+    const Real left = std::min((middle - begin) / box + Real(0.5), Real(1)),
+               right = std::min((end - middle) / box + Real(0.5), Real(1));
+    return std::max(left + right - 1, Real(0));
 }
 
 struct Levels {
     std::array<LevelPlace, kMostLevels> places;
     int count;
-    float beginX, beginY, endX, endY;  // the picture, relative to the tile's corner
+    Real beginX, beginY, endX, endY;  // the picture, relative to the tile's corner
 };
 
 // All taps of sample k.
 template <SlideOutside kOutside>
 HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
     const int taps = static_cast<int>(prints.taps[k]);
-    // A size of 2^l needs level l; between them, in proportion. A float holds both: as exponent and mantissa.
-    const auto bits = std::bit_cast<std::uint32_t>(std::max(prints.size[k], 1.0f));
-    int level = static_cast<int>(bits >> 23) - 127;
-    float between = std::bit_cast<float>((bits & 0x7fffffu) | 0x3f800000u) - 1;
+    // A size of 2^l needs level l; between them, in proportion: what is left of a size once its exponent is taken.
+    int exponent;
+    Real between = 2 * std::frexp(std::max(Real(1), prints.size[k]), &exponent) - 1;
+    int level = exponent - 1;
     if (level >= levels.count - 1) {
         level = levels.count - 1;
         between = 0;
     }
     V4 sum = each4([](std::size_t) HWY_ATTR { return hn::Zero(D4()); });
     for (int i = 0; i < taps; ++i) {
-        const float offset = static_cast<float>(i) - 0.5f * static_cast<float>(taps - 1);
-        const float x = prints.x[k] + offset * prints.stepX[k], y = prints.y[k] + offset * prints.stepY[k];
-        float weight = 1;
+        const Real offset = static_cast<Real>(i) - Real(0.5) * static_cast<Real>(taps - 1);
+        const Real x = prints.x[k] + offset * prints.stepX[k], y = prints.y[k] + offset * prints.stepY[k];
+        Real weight = 1;
         if constexpr (kOutside == SlideOutside::black) {
             weight = within(x, prints.boxX[k], levels.beginX, levels.endX) *
                      within(y, prints.boxY[k], levels.beginY, levels.endY);
@@ -254,7 +252,7 @@ HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
         auto value = bilinear<kOutside>(levels.places[static_cast<std::size_t>(level)], x, y);
         if (between > 0)
             value = lerp4(value, bilinear<kOutside>(levels.places[static_cast<std::size_t>(level + 1)], x, y), between);
-        weight /= static_cast<float>(taps);
+        weight /= static_cast<Real>(taps);
         sum = each4([&](std::size_t i4)
                         HWY_ATTR { return hn::MulAdd(hn::Set(D4(), weight), value.part[i4], sum.part[i4]); });
     }
@@ -262,10 +260,10 @@ HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
 }
 
 template <SlideOutside kOutside>
-HWY_ATTR bool tintWith(const Levels& levels, const Footprints& prints, float* tint) {
-    float most = 0;
+HWY_ATTR bool tintWith(const Levels& levels, const Footprints& prints, Real* tint) {
+    Real most = 0;
     for (int k = 0; k < kTileSize; ++k) {
-        alignas(16) float value[4] = {0, 0, 0, 0};
+        alignas(32) Real value[4] = {0, 0, 0, 0};
         if (prints.taps[k] > 0) {
             store4(tapped<kOutside>(levels, prints, k), value);
             most = std::max({most, value[0], value[1], value[2]});
@@ -275,7 +273,7 @@ HWY_ATTR bool tintWith(const Levels& levels, const Footprints& prints, float* ti
     return most > 0;
 }
 
-HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SampleTile& samples, float slopeToTexels, float* tint) {
+HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SampleTile& samples, Real slopeToTexels, Real* tint) {
     const TileMap map = tileMap(slide, samples.u[0], samples.v[0]);
     Footprints prints;
     layFootprints(map, samples, slopeToTexels, prints);
@@ -283,10 +281,10 @@ HWY_ATTR bool tintTileOnTarget(const SheetSlide& slide, const SampleTile& sample
     const Texture& image = *slide.image;
     Levels levels;
     levels.count = static_cast<int>(std::min(image.levels().size(), kMostLevels));
-    levels.beginX = static_cast<float>(-map.cornerX);
-    levels.beginY = static_cast<float>(-map.cornerY);
-    levels.endX = static_cast<float>(image.width() - map.cornerX);
-    levels.endY = static_cast<float>(image.height() - map.cornerY);
+    levels.beginX = static_cast<Real>(-map.cornerX);
+    levels.beginY = static_cast<Real>(-map.cornerY);
+    levels.endX = static_cast<Real>(image.width() - map.cornerX);
+    levels.endY = static_cast<Real>(image.height() - map.cornerY);
     for (int i = 0; i < levels.count; ++i) {
         const Texture::Level& level = image.levels()[static_cast<std::size_t>(i)];
         LevelPlace& place = levels.places[static_cast<std::size_t>(i)];
@@ -316,7 +314,7 @@ namespace scrim {
 
 HWY_EXPORT(tintTileOnTarget);
 
-bool tintTile(const SheetSlide& slide, const SampleTile& samples, float slopeToTexels, float* tint) {
+bool tintTile(const SheetSlide& slide, const SampleTile& samples, Real slopeToTexels, Real* tint) {
     return SCRIM_ON_TARGET(slide.simd, tintTileOnTarget)(slide, samples, slopeToTexels, tint);
 }
 

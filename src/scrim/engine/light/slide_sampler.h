@@ -10,6 +10,7 @@
 // counts as much as the part of its box that lies within.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/light/slide_map.h>
 
@@ -18,19 +19,19 @@ namespace scrim {
 /// How far apart samples are on a sheet, along two directions: x * t and y * t, (u, v, N) in texels and sheets, with
 /// t = t0 + u tu + v tv; what moves off the plane follows the eye's ray back to it. As it is here: one texel.
 struct SampleSpacing {
-    float x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
-    float t0 = 1, tu = 0, tv = 0;
+    Real x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
+    Real t0 = 1, tu = 0, tv = 0;
 };
 
 /// 256 samples of one sheet, in texel coordinates of its raster.
 struct SampleTile {
-    alignas(64) float u[kTileSize];
-    alignas(64) float v[kTileSize];
-    alignas(64) float eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
-    alignas(64) float eyeB[kTileSize];
+    alignas(64) Real u[kTileSize];
+    alignas(64) Real v[kTileSize];
+    alignas(64) Real eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
+    alignas(64) Real eyeB[kTileSize];
     SampleSpacing spacing;  ///< texels, unless said otherwise
     /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the output of it.
-    float depth = 0, depthU = 0, depthV = 0;
+    Real depth = 0, depthU = 0, depthV = 0;
 };
 
 /// A slide over one sheet. Without an image there is none.
@@ -43,6 +44,6 @@ struct SheetSlide {
 
 /// Writes 3 x 256 floats, all reds first: what the light's intensity is multiplied by. False, and nothing written,
 /// where that is 0 for all samples. `toTexels`: texels a sheet, which takes slopes du/dw to texels.
-bool tintTile(const SheetSlide& slide, const SampleTile& samples, float toTexels, float* tint);
+bool tintTile(const SheetSlide& slide, const SampleTile& samples, Real toTexels, Real* tint);
 
 }  // namespace scrim

@@ -262,7 +262,7 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
     for (const ViewVolume& volume : scene.volumes) {
         const Rgb tint = tintOf(volume);
         const auto known = std::find(channels.tints.begin(), channels.tints.end(), tint);
-        channels.shares.push_back({{static_cast<int>(known - channels.tints.begin()), 1.0f}});
+        channels.shares.push_back({{static_cast<int>(known - channels.tints.begin()), 1}});
         if (known == channels.tints.end()) channels.tints.push_back(tint);
         channels.coloured = channels.coloured || tint != Rgb(1);
     }
@@ -274,7 +274,7 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
         const Rgb tint = tintOf(scene.volumes[v]);
         channels.shares[v].clear();
         for (int c = 0; c < static_cast<int>(kColours); ++c)
-            if (tint[c] > 0) channels.shares[v].push_back({c, static_cast<float>(tint[c])});
+            if (tint[c] > 0) channels.shares[v].push_back({c, static_cast<Real>(tint[c])});
     }
     return channels;
 }
@@ -315,9 +315,9 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
     const std::size_t layers =
         scene.layers.size() + (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
     const std::size_t frameBytes =
-        pixels * floats * sizeof(float) + static_cast<std::size_t>(scene.region.width()) *
-                                              static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
-                                              sizeof(float);
+        pixels * floats * sizeof(Real) + static_cast<std::size_t>(scene.region.width()) *
+                                             static_cast<std::size_t>(scene.region.height()) * (4 + 3 * layers) *
+                                             sizeof(float);
     plan.bytes = frameBytes;
     splitIntoPasses(scene, frameBytes, plan);
     for (GroupPlan& group : plan.groups) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/base/messages.h>
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/light/shadow_buffer.h>
 #include <scrim/engine/plan/culling.h>
@@ -28,7 +29,7 @@ struct ExtinctionChannels {
     /// A volume's part in a channel: its extinction in the colour that has most, times `weight`.
     struct Share {
         int channel = 0;
-        float weight = 1;
+        Real weight = 1;
     };
     std::vector<std::vector<Share>> shares;  ///< for each volume of the scene
 

@@ -8,6 +8,7 @@
 #define SCRIM_SHADE_TILE_INL_H_
 #endif
 
+#include <scrim/base/real.h>
 #include <scrim/engine/shade/shade_tile.h>
 
 #include <scrim/engine/simd-inl.h>
@@ -18,11 +19,11 @@ namespace HWY_NAMESPACE {
 
 // How one light meets the samples of a tile.
 struct Incidence {
-    alignas(64) float a[kTileSize];  // slopes of its rays
-    alignas(64) float b[kTileSize];
-    alignas(64) float slant[kTileSize];       // 1 / cos of its angle to w
-    alignas(64) float irradiance[kTileSize];  // before attenuation, relative to intensity
-    alignas(64) float tint[3 * kTileSize];    // by the light's slide, if it has one
+    alignas(64) Real a[kTileSize];  // slopes of its rays
+    alignas(64) Real b[kTileSize];
+    alignas(64) Real slant[kTileSize];       // 1 / cos of its angle to w
+    alignas(64) Real irradiance[kTileSize];  // before attenuation, relative to intensity
+    alignas(64) Real tint[3 * kTileSize];    // by the light's slide, if it has one
 };
 
 HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
@@ -40,7 +41,7 @@ HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
 // Near a light 1/r^2 changes within a sheet: its mean over the eye's segment is taken at the two points of Gauss'
 // quadrature. Below the light's radius it stays what it is there.
 HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const SheetLight& light, VF a, VF b, VF slant2, int k) {
-    const auto z = constant(light.distanceW), gauss = constant(0.288675135f * input.thickness);
+    const auto z = constant(light.distanceW), gauss = constant(Real(0.28867513459481287) * input.thickness);
     const auto ea = load(input.samples->eyeA, k), eb = load(input.samples->eyeB, k);
     // |z (a, b, 1) +- g (ea, eb, 1)|^2
     const auto cross = hn::Mul(hn::Mul(z, gauss), hn::MulAdd(a, ea, hn::MulAdd(b, eb, constant(1))));
@@ -49,7 +50,7 @@ HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const SheetLight& ligh
     const auto least = constant(light.radius2);
     const auto far = hn::Max(hn::MulAdd(constant(2), cross, middle), least);
     const auto near = hn::Max(hn::NegMulAdd(constant(2), cross, middle), least);
-    return hn::Mul(constant(0.5f), hn::Add(hn::Div(constant(1), far), hn::Div(constant(1), near)));
+    return hn::Mul(constant(0.5), hn::Add(hn::Div(constant(1), far), hn::Div(constant(1), near)));
 }
 
 HWY_ATTR void meetPoint(const ShadeInput& input, const SheetLight& light, Incidence& in) {
@@ -91,28 +92,28 @@ HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
         for (std::size_t i = 0; i < light.windows->size(); ++i) {
             const Vec3& axis = (*light.windows)[i];
             const auto along = hn::MulAdd(
-                load(in.a, k), constant(static_cast<float>(axis.x)),
-                hn::MulAdd(load(in.b, k), constant(static_cast<float>(axis.y)), constant(static_cast<float>(axis.z))));
+                load(in.a, k), constant(static_cast<Real>(axis.x)),
+                hn::MulAdd(load(in.b, k), constant(static_cast<Real>(axis.y)), constant(static_cast<Real>(axis.z))));
             auto t = hn::Max(hn::Sub(hn::Div(along, load(in.slant, k)), edge), constant(0));
             t = hn::Mul(t, t);
             sum = hn::Add(sum, t);
             if (static_cast<int>(i) == light.window) own = t;
         }
-        const auto share = hn::Div(own, hn::Max(sum, constant(1e-20f)));
+        const auto share = hn::Div(own, hn::Max(sum, constant(1e-20)));
         hn::Store(hn::Mul(load(in.irradiance, k), share), d, in.irradiance + k);
     });
 }
 
-constexpr float kInverseFourPi = 0.0795774715f;
+constexpr Real kInverseFourPi = Real(0.07957747154594767);
 
 // A light at the samples of a tile, and where what is made of it goes. Rows of channels may be one and the same.
 struct Lit {
     const ShadeInput* input;
     const SheetLight* light;
     const Incidence* in;
-    const float* slantEye;
-    const float* amount[3];  // radiance per unit of intensity, scattering coefficient and phase function
-    float* to[3];
+    const Real* slantEye;
+    const Real* amount[3];  // radiance per unit of intensity, scattering coefficient and phase function
+    Real* to[3];
 };
 
 // Cosine between the way light travels and the way it leaves towards the eye, against the direction of the eye's ray.
@@ -124,7 +125,7 @@ HWY_ATTR HWY_INLINE VF scatteringCosine(const Lit& lit, int k) {
     return lit.input->sameSide ? hn::Neg(cosine) : cosine;
 }
 
-HWY_ATTR HWY_INLINE VF henyeyGreenstein(VF cosine, float g) {
+HWY_ATTR HWY_INLINE VF henyeyGreenstein(VF cosine, Real g) {
     const auto x = hn::NegMulAdd(constant(2 * g), cosine, constant(1 + g * g));
     return hn::Div(constant((1 - g * g) * kInverseFourPi), hn::Mul(x, hn::Sqrt(x)));
 }
@@ -136,10 +137,10 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
         forSamples([&](int k) HWY_ATTR { add(k, constant(kInverseFourPi)); });
         return;
     }
-    const auto g = static_cast<float>(phase.g), g2 = static_cast<float>(phase.g2);
-    const auto blend = constant(static_cast<float>(phase.blend));
-    const auto directed = constant(0.75f * kInverseFourPi * static_cast<float>(phase.strength));
-    const auto even = constant(kInverseFourPi * static_cast<float>(1 - 0.25 * phase.strength));
+    const auto g = static_cast<Real>(phase.g), g2 = static_cast<Real>(phase.g2);
+    const auto blend = constant(static_cast<Real>(phase.blend));
+    const auto directed = constant(Real(0.75) * kInverseFourPi * static_cast<Real>(phase.strength));
+    const auto even = constant(kInverseFourPi * static_cast<Real>(1 - 0.25 * phase.strength));
     switch (phase.type) {
         case PhaseType::henyeyGreenstein:
             return forSamples([&](int k) HWY_ATTR { add(k, henyeyGreenstein(scatteringCosine(lit, k), g)); });
@@ -160,9 +161,9 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
 // `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place to place).
 // `kPerChannel`: channels differ in more than a factor, because extinction is coloured or the albedo is a grid.
 template <bool kTinted, bool kPerChannel>
-HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phase& phase, float part) {
+HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phase& phase, Real part) {
     const DF d;
-    float weight[3];
+    Real weight[3];
     for (int c = 0; c < 3; ++c) weight[c] = part * lit.light->intensity[c] * medium.albedo[c];
     withPhase(phase, lit, [&](int k, VF value) HWY_ATTR {
         const auto scattered = [&](int c)
@@ -181,10 +182,10 @@ HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phas
 }
 
 // x^exponent for x in [0, 1]; 0 at 0.
-HWY_ATTR HWY_INLINE VF power(VF x, float exponent) {
+HWY_ATTR HWY_INLINE VF power(VF x, Real exponent) {
     const DF d;
-    const auto safe = hn::Max(x, constant(1e-30f));
-    return hn::IfThenElseZero(hn::Gt(x, constant(1e-30f)),
+    const auto safe = hn::Max(x, constant(1e-30));
+    return hn::IfThenElseZero(hn::Gt(x, constant(1e-30)),
                               expMinus(hn::Mul(hn::Neg(hn::Log(d, safe)), constant(exponent))));
 }
 
@@ -193,10 +194,10 @@ HWY_ATTR HWY_INLINE VF power(VF x, float exponent) {
 template <bool kTinted>
 HWY_ATTR void addReflected(const Lit& lit, const SheetSurface& surface) {
     const DF d;
-    constexpr float kInversePi = 0.318309886f;
+    constexpr Real kInversePi = Real(0.3183098861837907);
     const Incidence& in = *lit.in;
     const SampleTile& samples = *lit.input->samples;
-    const float eyeSign = lit.input->sameSide ? -1.0f : 1.0f;  // from the sample to the eye is -d
+    const Real eyeSign = lit.input->sameSide ? Real(-1) : Real(1);  // from the sample to the eye is -d
     forSamples([&](int k) HWY_ATTR {
         const auto a = load(in.a, k), b = load(in.b, k), slant = load(in.slant, k);
         const auto nx = load(surface.normal[0], k), ny = load(surface.normal[1], k), nz = load(surface.normal[2], k);

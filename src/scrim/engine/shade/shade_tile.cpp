@@ -17,16 +17,16 @@ namespace HWY_NAMESPACE {
 // Light that passes the sheet on its way to the samples and from there to the eye, for one channel: all rows are its
 // own.
 struct Passage {
-    const float* extinction;
-    const float* tauIn;
-    const float* tauEye;
-    float pathScale;  // of a light's path through the sheet
-    float depth;      // optical depths towards the light count this much
+    const Real* extinction;
+    const Real* tauIn;
+    const Real* tauEye;
+    Real pathScale;  // of a light's path through the sheet
+    Real depth;      // optical depths towards the light count this much
 };
 
 // Radiance that one light adds per unit of intensity, scattering coefficient and phase function.
 template <bool kShadowed, bool kSameSide>
-HWY_ATTR void transmit(const Passage& p, const Incidence& in, const float* pathEye, float* out) {
+HWY_ATTR void transmit(const Passage& p, const Incidence& in, const Real* pathEye, Real* out) {
     const DF d;
     [[maybe_unused]] const auto depth = constant(p.depth), scale = constant(p.depth * p.pathScale);
     forSamples([&](int k) HWY_ATTR {
@@ -38,7 +38,7 @@ HWY_ATTR void transmit(const Passage& p, const Incidence& in, const float* pathE
             if constexpr (kSameSide)
                 light = hn::Mul(expMinus(entry), psi(hn::Add(te, tl)));
             else
-                light = hn::Mul(expMinus(hn::Add(entry, hn::Min(te, tl))), psi(hn::AbsDiff(te, tl)));
+                light = hn::Mul(expMinus(hn::Add(entry, hn::Min(te, tl))), psi(hn::Abs(hn::Sub(te, tl))));
         }
         hn::Store(hn::Mul(hn::Mul(light, load(in.irradiance, k)), load(pathEye, k)), d, out + k);
     });
@@ -46,12 +46,12 @@ HWY_ATTR void transmit(const Passage& p, const Incidence& in, const float* pathE
 
 // Where extinction is grey the three rows of a quantity are one and the same: the first.
 struct Rows {
-    alignas(64) float values[3][kTileSize];
+    alignas(64) Real values[3][kTileSize];
 };
 
 struct Work {
-    alignas(64) float slantEye[kTileSize];
-    alignas(64) float pathEye[kTileSize];
+    alignas(64) Real slantEye[kTileSize];
+    alignas(64) Real pathEye[kTileSize];
     Rows extinction, tauIn;  // coloured only
     Rows tauEye, light, through;
     Rows beauty;
@@ -60,7 +60,7 @@ struct Work {
 };
 
 // Sum over the input's rows of a row times its tint.
-HWY_ATTR void mix(const ShadeInput& input, const float* const* rows, Rows& out) {
+HWY_ATTR void mix(const ShadeInput& input, const Real* const* rows, Rows& out) {
     const DF d;
     for (int c = 0; c < 3; ++c)
         forSamples([&](int k) HWY_ATTR {
@@ -70,19 +70,19 @@ HWY_ATTR void mix(const ShadeInput& input, const float* const* rows, Rows& out) 
         });
 }
 
-float* outputRow(const ShadeInput& input, Work& w, int output, int channel) {
+Real* outputRow(const ShadeInput& input, Work& w, int output, int channel) {
     if (output == 0) return w.beauty.values[channel];
     return input.outputs + ((output - 1) * 3 + channel) * kTileSize;
 }
 
 // The light that is left of one light at the samples, through `depth` times the extinction that there is.
-HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const float* tauIn, float depth, Work& w) {
+HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const Real* tauIn, Real depth, Work& w) {
     const int channels = input.coloured ? 3 : 1;
     for (int c = 0; c < channels; ++c) {
         const Passage passage{input.coloured ? w.extinction.values[c] : input.extinction[0],
                               input.coloured ? w.tauIn.values[c] : tauIn, w.tauEye.values[c],
-                              light.withinSheet ? input.thickness : 0.0f, depth};
-        float* out = w.light.values[c];
+                              light.withinSheet ? input.thickness : Real(0), depth};
+        Real* out = w.light.values[c];
         if (!light.shadowed)
             transmit<false, true>(passage, w.in, w.pathEye, out);
         else if (input.sameSide)
@@ -95,7 +95,7 @@ HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, cons
 
 template <bool kTinted>
 HWY_ATTR void scatterInto(const ShadeInput& input, const Lit& lit, const SheetMedium& medium, const Phase& phase,
-                          float part, Work& w) {
+                          Real part, Work& w) {
     if (input.coloured || medium.scatter[1] != medium.scatter[0])
         addScattered<kTinted, true>(lit, medium, phase, part);
     else
@@ -109,7 +109,7 @@ bool lights(const SheetLight& light, const std::vector<bool>* lit) {
 
 // The first octave is single scattering, which surfaces know too; the others are of media that have them.
 template <bool kTinted>
-HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const float* tauIn, const Lit& lit,
+HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const Real* tauIn, const Lit& lit,
                            Work& w) {
     transmitAll(input, light, tauIn, 1, w);
     for (const SheetMedium& medium : input.media)
@@ -120,9 +120,9 @@ HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, con
         if (!lights(light, medium.lit)) continue;
         const Octaves& o = medium.octaves;
         for (int n = 1; n < o.count; ++n) {
-            transmitAll(input, light, tauIn, static_cast<float>(std::pow(o.extinction, n)), w);
+            transmitAll(input, light, tauIn, static_cast<Real>(std::pow(o.extinction, n)), w);
             scatterInto<kTinted>(input, lit, medium, flattened(medium.phase, std::pow(o.phase, n)),
-                                 static_cast<float>(std::pow(o.contribution, n)), w);
+                                 static_cast<Real>(std::pow(o.contribution, n)), w);
             w.done.octaves += kTileSize;
         }
     }
@@ -142,9 +142,9 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     if (light.windows) limitToWindow(light, w.in);
     w.done.lightLookups += kTileSize;
 
-    const float* tauIn = input.tauIn + index * std::size_t(input.channels * kTileSize);
+    const Real* tauIn = input.tauIn + index * std::size_t(input.channels * kTileSize);
     if (input.coloured && light.shadowed) {
-        const float* rows[3];
+        const Real* rows[3];
         for (int r = 0; r < input.channels; ++r) rows[r] = tauIn + r * kTileSize;
         mix(input, rows, w.tauIn);
     }
@@ -170,12 +170,12 @@ HWY_ATTR void fillThrough(const ShadeInput& input, Work& w) {
     w.done.exponentials += static_cast<std::uint64_t>(channels * kTileSize);
 }
 
-HWY_ATTR void addSource(const ShadeInput& input, const float* coefficient, float color, int channel, int output,
+HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output,
                         Work& w) {
     const DF d;
     if (color == 0) return;
-    const float* through = w.through.values[input.coloured ? channel : 0];
-    float* to = outputRow(input, w, output, channel);
+    const Real* through = w.through.values[input.coloured ? channel : 0];
+    Real* to = outputRow(input, w, output, channel);
     forSamples([&](int k) HWY_ATTR {
         const auto part = hn::Mul(load(coefficient, k), load(through, k));
         hn::Store(hn::MulAdd(part, constant(color), load(to, k)), d, to + k);
@@ -184,7 +184,7 @@ HWY_ATTR void addSource(const ShadeInput& input, const float* coefficient, float
 
 // What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
 template <class SurfaceShare>
-HWY_ATTR void addEnvironment(const ShadeInput& input, const float* radiance, int output, const SurfaceShare& share,
+HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, const SurfaceShare& share,
                              Work& w) {
     for (int c = 0; c < 3; ++c) {
         for (const SheetMedium& medium : input.media)
@@ -209,10 +209,10 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
             addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, w);
         w.done.emissions += kTileSize;
     }
-    constexpr float kWhite[3] = {1, 1, 1};
+    constexpr Real kWhite[3] = {1, 1, 1};
     if (input.layout.albedo >= 0)
         addEnvironment(
-            input, kWhite, input.layout.albedo, [](const SheetSurface&) { return 1.0f; }, w);
+            input, kWhite, input.layout.albedo, [](const SheetSurface&) { return Real(1); }, w);
 }
 
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
@@ -226,18 +226,18 @@ HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
         hn::Store(hn::Mul(slant, constant(input.thickness)), d, w.pathEye + k);
     });
     for (int c = 0; c < channels; ++c) {
-        const float* extinction = input.coloured ? w.extinction.values[c] : input.extinction[0];
+        const Real* extinction = input.coloured ? w.extinction.values[c] : input.extinction[0];
         forSamples([&](int k) HWY_ATTR {
             hn::Store(hn::Mul(load(w.pathEye, k), load(extinction, k)), d, w.tauEye.values[c] + k);
         });
     }
     for (auto& channel : w.beauty.values) forSamples([&](int k) HWY_ATTR { hn::Store(constant(0), d, channel + k); });
-    std::fill(input.outputs, input.outputs + (input.layout.outputs - 1) * 3 * kTileSize, 0.0f);
+    std::fill(input.outputs, input.outputs + (input.layout.outputs - 1) * 3 * kTileSize, Real(0));
     w.done.samples = kTileSize;
 }
 
 // The usual case: grey extinction and nothing but the beauty.
-HWY_ATTR void writeBeauty(Work& w, float* out) {
+HWY_ATTR void writeBeauty(Work& w, Real* out) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
         hn::StoreInterleaved4(load(w.beauty.values[0], k), load(w.beauty.values[1], k), load(w.beauty.values[2], k),
@@ -250,8 +250,8 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const DF d;
     const SampleTile& s = *input.samples;
     for (int c = 0; c < 3; ++c) {
-        const float* hides = opacity.values[input.coloured ? c : 0];
-        float* to = outputRow(input, w, input.layout.depth, c);
+        const Real* hides = opacity.values[input.coloured ? c : 0];
+        Real* to = outputRow(input, w, input.layout.depth, c);
         forSamples([&](int k) HWY_ATTR {
             const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
                                           hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
@@ -265,13 +265,13 @@ HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
     const DF d;
     for (int p = 1; p < input.layout.beautyParts; ++p)
         for (int c = 0; c < 3; ++c) {
-            const float* from = outputRow(input, w, p, c);
-            float* to = w.beauty.values[c];
+            const Real* from = outputRow(input, w, p, c);
+            Real* to = w.beauty.values[c];
             forSamples([&](int k) HWY_ATTR { hn::Store(hn::Add(load(to, k), load(from, k)), d, to + k); });
         }
 }
 
-HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, float* out) {
+HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, Real* out) {
     const DF d;
     const OutputLayout& layout = input.layout;
     Rows& opacity = w.light;  // no longer needed
@@ -282,24 +282,23 @@ HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, float* out) {
     if (input.layout.depth >= 0) fillDepth(input, opacity, w);
     const int stride = layout.floats();
     for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {
-        float* quad = out + 4 * layout.quadOf(p);
-        const float* const rows[3] = {outputRow(input, w, p, 0), outputRow(input, w, p, 1),
-                                      outputRow(input, w, p, 2)};
+        Real* quad = out + 4 * layout.quadOf(p);
+        const Real* const rows[3] = {outputRow(input, w, p, 0), outputRow(input, w, p, 1), outputRow(input, w, p, 2)};
         for (int k = 0; k < kTileSize; ++k, quad += stride) {
             for (int c = 0; c < 3; ++c) quad[c] = rows[c][k];
             quad[3] = input.coloured ? 0 : -opacity.values[0][k];
         }
     }
     if (!layout.coloured) return;
-    float* quad = out + 4 * layout.outputQuads();
+    Real* quad = out + 4 * layout.outputQuads();
     for (int k = 0; k < kTileSize; ++k, quad += stride) {
-        const float alpha[3] = {opacity.values[0][k], opacity.values[1][k], opacity.values[2][k]};
+        const Real alpha[3] = {opacity.values[0][k], opacity.values[1][k], opacity.values[2][k]};
         for (int c = 0; c < 3; ++c) quad[c] = -alpha[c];
         quad[3] = -std::min({alpha[0], alpha[1], alpha[2]});
     }
 }
 
-HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, float* out) {
+HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, Real* out) {
     Work w;
     enterSheet(input, w);
     for (std::size_t i = 0; i < input.lights.size(); ++i) addLight(input, i, w);
@@ -320,16 +319,16 @@ HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, d
     double away = middle - eye.tsEye.z;
     if (away > -0.25 && away < 0.25) away = away < 0 ? -0.25 : 0.25;
     const double scale = sheets.texel / (sheets.thickness * away);
-    const auto step = constant(static_cast<float>(scale));
-    const float a0 = static_cast<float>((texelX - eye.tsEye.x) * scale);
+    const auto step = constant(static_cast<Real>(scale));
+    const Real a0 = static_cast<Real>((texelX - eye.tsEye.x) * scale);
     for (int j = 0; j < kTileEdge; ++j) {
-        const float b = static_cast<float>(eye.parallel ? eye.b : (texelY + j - eye.tsEye.y) * scale);
+        const Real b = static_cast<Real>(eye.parallel ? eye.b : (texelY + j - eye.tsEye.y) * scale);
         for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
             const int k = j * kTileEdge + i;
-            const auto column = hn::Iota(d, static_cast<float>(i));
-            hn::Store(hn::Add(column, constant(static_cast<float>(texelX))), d, samples.u + k);
-            hn::Store(constant(static_cast<float>(texelY + j)), d, samples.v + k);
-            hn::Store(eye.parallel ? constant(static_cast<float>(eye.a)) : hn::MulAdd(column, step, constant(a0)), d,
+            const auto column = hn::Iota(d, static_cast<Real>(i));
+            hn::Store(hn::Add(column, constant(static_cast<Real>(texelX))), d, samples.u + k);
+            hn::Store(constant(static_cast<Real>(texelY + j)), d, samples.v + k);
+            hn::Store(eye.parallel ? constant(static_cast<Real>(eye.a)) : hn::MulAdd(column, step, constant(a0)), d,
                       samples.eyeA + k);
             hn::Store(constant(b), d, samples.eyeB + k);
         }
@@ -346,7 +345,7 @@ namespace scrim {
 HWY_EXPORT(shadeTileOnTarget);
 HWY_EXPORT(texelSamplesOnTarget);
 
-ShadeWork shadeTile(const ShadeInput& input, float* out) {
+ShadeWork shadeTile(const ShadeInput& input, Real* out) {
     return SCRIM_ON_TARGET(input.simd, shadeTileOnTarget)(input, out);
 }
 

@@ -9,6 +9,7 @@
 // (scattering: 2 x 2 x 4 loops), so that a new effect is a new pass and not twice as many of all the others.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
@@ -40,18 +41,18 @@ struct SheetLight {
     bool shadowed = true;
     bool withinSheet = true;  ///< counts what the sheet itself takes of the light
     bool decay = true;
-    float slopeA = 0, slopeB = 0;           ///< distant: du/dw, dv/dw
-    float texelU = 0, texelV = 0;           ///< otherwise: the source, in texels
-    float distanceW = 0;                    ///< and its distance to the sheet's plane along w, world units, > 0
-    float radius2 = 0;                      ///< world units squared, > 0 where decay
-    float axisU = 0, axisV = 0, axisW = 1;  ///< spot
-    float cosOuter = -1, cosInner = -0.9f;  ///< spot: light fades between them
+    Real slopeA = 0, slopeB = 0;                ///< distant: du/dw, dv/dw
+    Real texelU = 0, texelV = 0;                ///< otherwise: the source, in texels
+    Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
+    Real radius2 = 0;                           ///< world units squared, > 0 where decay
+    Real axisU = 0, axisV = 0, axisW = 1;       ///< spot
+    Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: light fades between them
     // Windows cut a light into overlapping parts (light close to the volume): this part's share of a direction
     // is its window's value there over the sum of all. None: 0.
     const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
     int window = 0;
-    float windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
-    float intensity[3] = {1, 1, 1};
+    Real windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
+    Real intensity[3] = {1, 1, 1};
     int output = 0;  ///< where what it lights goes: a part of the beauty, or the beauty
     int index = 0;    ///< among the scene's lights
     SheetSlide slide;
@@ -61,8 +62,8 @@ struct SheetLight {
 struct SheetMedium {
     /// 256 values for each channel: scattering coefficient, per world unit, is this times `albedo`. All three are the
     /// medium's extinction, unless its albedo is a grid.
-    const float* scatter[3];
-    float albedo[3];  ///< times extinction's tint
+    const Real* scatter[3];
+    Real albedo[3];  ///< times extinction's tint
     Phase phase;
     Octaves octaves;
     const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
@@ -70,17 +71,17 @@ struct SheetMedium {
 
 /// A part of what a sheet sends out by itself: 256 coefficients times a colour are radiance per world unit.
 struct SheetEmission {
-    const float* coefficient;
-    float color[3];
+    const Real* coefficient;
+    Real color[3];
 };
 
 /// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
 struct SheetSurface {
-    const float* extinction;
-    const float* emission[3];  ///< extinction times colour
-    const float* normal[3];    ///< unit, in sweep space, out of the denser side
-    const float* weight;       ///< of the normal
-    float ambient, diffuse, specular, exponent;
+    const Real* extinction;
+    const Real* emission[3];  ///< extinction times colour
+    const Real* normal[3];    ///< unit, in sweep space, out of the denser side
+    const Real* weight;       ///< of the normal
+    Real ambient, diffuse, specular, exponent;
     bool twoSided;
     const std::vector<bool>* lit = nullptr;  ///< as a medium's
 };
@@ -88,26 +89,26 @@ struct SheetSurface {
 /// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.
 struct ShadeInput {
     const SampleTile* samples;
-    float texel, thickness;  ///< world units
+    Real texel, thickness;   ///< world units
     bool sameSide;           ///< eye and light meet the same side of a sheet first (s = +1)
     /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
     /// is the sum over the extinction channels of a row times its tint, and so is tau at entry.
-    const float* extinction[3];
+    const Real* extinction[3];
     bool coloured;
     int channels;  ///< 1, where not coloured
-    float tints[3][3];
+    Real tints[3][3];
     std::span<const SheetMedium> media;
     std::span<const SheetSurface> surfaces;
     std::span<const SheetEmission> emissions;
     std::span<const SheetLight> lights;
-    const float* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
-    float ambient[3];    ///< radiance of an unshadowed environment; all 0: none
+    const Real* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
+    Real ambient[3];    ///< radiance of an unshadowed environment; all 0: none
     OutputLayout layout;
-    float* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
+    Real* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
     Simd simd;
 };
 
 /// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns what it did.
-ShadeWork shadeTile(const ShadeInput& input, float* out);
+ShadeWork shadeTile(const ShadeInput& input, Real* out);
 
 }  // namespace scrim

@@ -11,7 +11,7 @@ namespace scrim {
 namespace {
 
 struct alignas(64) Row {
-    float values[kTileSize];
+    Real values[kTileSize];
 };
 
 // Memory for the samples of a tile, kept by each thread, so that shading a tile allocates nothing.
@@ -32,11 +32,11 @@ const std::vector<bool>* litOrAll(const ViewVolume& volume) {
     return volume.lights.empty() ? nullptr : &volume.lights;
 }
 
-void copyTile(const PlaneStack& planes, int p, int tx, int ty, float* to) {
-    const float* from =
+void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
+    const Real* from =
         planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
     for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
-        std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(float));
+        std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(Real));
 }
 
 }  // namespace
@@ -56,12 +56,12 @@ struct SheetShader::Rows {
         scratch.surfaces.clear();
     }
     // Of all volumes, by extinction channel.
-    float* total(int channel) const { return scratch.rows[channel].values; }
-    float* medium(std::size_t i) const { return scratch.rows[m_medium + 4 * i].values; }
-    float* scatter(std::size_t i, int c) const { return scratch.rows[m_medium + 4 * i + 1 + std::size_t(c)].values; }
-    float* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
-    float* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
-    float* outputs() const { return scratch.rows[m_outputs].values; }
+    Real* total(int channel) const { return scratch.rows[channel].values; }
+    Real* medium(std::size_t i) const { return scratch.rows[m_medium + 4 * i].values; }
+    Real* scatter(std::size_t i, int c) const { return scratch.rows[m_medium + 4 * i + 1 + std::size_t(c)].values; }
+    Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
+    Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
+    Real* outputs() const { return scratch.rows[m_outputs].values; }
 
     Scratch& scratch;
 
@@ -72,17 +72,17 @@ struct SheetShader::Rows {
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
                          const ExtinctionSum& extinction, const LightSweep& lights, const EyeView& eye)
     : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye) {
-    for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<float>(group.primary * scene.ambient[c]);
-    m_emitting = static_cast<float>(group.primary);
+    for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(group.primary * scene.ambient[c]);
+    m_emitting = static_cast<Real>(group.primary);
     for (std::size_t i = 0; i < extinction.volumes().size(); ++i) {
         const ViewVolume& volume = scene.volumes[extinction.volumes()[i].sceneVolume];
         if (const Classified* c = volume.classified.get()) {
             SheetSurface& look = m_surfaces.emplace_back();
             m_surfaceVolumes.push_back(static_cast<int>(i));
-            look.ambient = static_cast<float>(c->ambient);
-            look.diffuse = static_cast<float>(c->diffuse);
-            look.specular = static_cast<float>(c->specular);
-            look.exponent = static_cast<float>(c->exponent);
+            look.ambient = static_cast<Real>(c->ambient);
+            look.diffuse = static_cast<Real>(c->diffuse);
+            look.specular = static_cast<Real>(c->specular);
+            look.exponent = static_cast<Real>(c->exponent);
             look.twoSided = c->twoSided;
             look.lit = litOrAll(volume);
             continue;
@@ -90,7 +90,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
         const Rgb albedo = (grid ? Rgb(1) : volume.medium.albedo) * volume.medium.relativeTint();
         SheetMedium look{{}, {}, volume.medium.phase, volume.medium.octaves, litOrAll(volume)};
-        for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<float>(albedo[c]);
+        for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
         m_media.push_back(look);
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
@@ -115,10 +115,10 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
 }
 
 void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
-    gather([&](const PlaneStack& planes, float* to) { copyTile(planes, p, tile.x, tile.y, to); }, rows);
+    gather([&](const PlaneStack& planes, Real* to) { copyTile(planes, p, tile.x, tile.y, to); }, rows);
 }
 
-ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out) const {
+ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) const {
     SampleTile samples;
     texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples, m_plan.simd);
     m_eye.setDepth(sheet + 0.5, samples);
@@ -134,14 +134,14 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, float* out)
 }
 
 ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells,
-                                   float* out) const {
+                                   Real* out) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows rows(*this, lights.lights.size());
     if (cells)
         gatherTile(p, *cells, rows);
     else
         gather(
-            [&](const PlaneStack& planes, float* to) {
+            [&](const PlaneStack& planes, Real* to) {
                 samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, samples.u,
                              samples.v, false, kTileSize, to);
             },
@@ -152,11 +152,11 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::
         SampleTile atCells{};
         if (cells)
             for (int k = 0; k < kTileSize; ++k) {
-                atCells.u[k] = static_cast<float>(cells->x * kTileEdge + k % kTileEdge);
-                atCells.v[k] = static_cast<float>(cells->y * kTileEdge + k / kTileEdge);
+                atCells.u[k] = static_cast<Real>(cells->x * kTileEdge + k % kTileEdge);
+                atCells.v[k] = static_cast<Real>(cells->y * kTileEdge + k / kTileEdge);
             }
         if (!classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), rows, work)) {
-            std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, 0.0f);
+            std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, Real(0));
             return work;
         }
     }
@@ -171,10 +171,10 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::
 // is to be seen.
 bool SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
-    for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, 0.0f);
-    const auto add = [&](int volume, const float* extinction) {
+    for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, Real(0));
+    const auto add = [&](int volume, const Real* extinction) {
         for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
-            float* total = rows.total(share.channel);
+            Real* total = rows.total(share.channel);
             for (int k = 0; k < kTileSize; ++k) total[k] += share.weight * extinction[k];
         }
     };
@@ -193,8 +193,8 @@ bool SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
         surface.weight = seen.weight;
         rows.scratch.surfaces.push_back(surface);
     }
-    const auto shows = [](const float* values) {
-        return std::any_of(values, values + kTileSize, [](float value) { return value > 0; });
+    const auto shows = [](const Real* values) {
+        return std::any_of(values, values + kTileSize, [](Real value) { return value > 0; });
     };
     for (int i = 0; i < channels; ++i)
         if (shows(rows.total(i))) return true;
@@ -218,18 +218,18 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
         SheetEmission& emission = scratch.emissions.emplace_back();
         emission.coefficient = rows.emission(e);
         for (int c = 0; c < 3; ++c)
-            emission.color[c] = m_emitting * static_cast<float>(m_extinction.emissions()[e].color[c]);
+            emission.color[c] = m_emitting * static_cast<Real>(m_extinction.emissions()[e].color[c]);
     }
     ShadeInput input{};
     input.samples = &samples;
-    input.texel = static_cast<float>(m_group.sheets.texel);
-    input.thickness = static_cast<float>(m_group.sheets.thickness);
+    input.texel = static_cast<Real>(m_group.sheets.texel);
+    input.thickness = static_cast<Real>(m_group.sheets.thickness);
     input.sameSide = m_group.sameSide;
     input.coloured = m_plan.extinction.coloured;
     input.channels = m_plan.extinction.count();
     for (int i = 0; i < input.channels; ++i) {
         input.extinction[i] = rows.total(i);
-        for (int c = 0; c < 3; ++c) input.tints[i][c] = static_cast<float>(m_plan.extinction.tints[i][c]);
+        for (int c = 0; c < 3; ++c) input.tints[i][c] = static_cast<Real>(m_plan.extinction.tints[i][c]);
     }
     input.media = scratch.media;
     input.surfaces = scratch.surfaces;

@@ -3,6 +3,7 @@
 // at texels or at the points where pixels' rays meet the sheet.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/splat/extinction_sum.h>
@@ -18,11 +19,11 @@ class SheetShader {
                 const LightSweep& lights, const EyeView& eye);
 
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
-    ShadeWork shadeTexels(int p, int sheet, int tx, int ty, float* out) const;
+    ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
 
     /// Shades points of plane p: where pixels' rays meet it. `cells`: the tile of the eye's own lattice whose cells they
     /// are, with per-view splatting.
-    ShadeWork shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, float* out) const;
+    ShadeWork shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out) const;
 
     /// Texels a sheet times this is a slope, du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
@@ -41,8 +42,8 @@ class SheetShader {
     const LightSweep& m_lights;
     const EyeView& m_eye;
     bool m_alone;  // one medium has all the extinction there is
-    float m_ambient[3];
-    float m_emitting;  // the group's share of emission
+    Real m_ambient[3];
+    Real m_emitting;  // the group's share of emission
     // What volumes look like, without what differs from sample to sample; and which of m_extinction's they are.
     std::vector<SheetMedium> m_media;
     std::vector<SheetSurface> m_surfaces;

@@ -15,7 +15,7 @@ namespace {
 
 // Least and greatest value of a tile and the texels next to it on some planes.
 struct Limits {
-    float low, high;
+    Real low, high;
 };
 
 Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
@@ -25,7 +25,7 @@ Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
     Limits limits{planes[0].data[y0 * width + x0], 0};
     for (const FloatPlane& plane : planes)
         for (int y = y0; y < y1; ++y) {
-            const float* row = plane.data + static_cast<std::ptrdiff_t>(y) * width;
+            const Real* row = plane.data + static_cast<std::ptrdiff_t>(y) * width;
             for (int x = x0; x < x1; ++x) {
                 limits.low = std::min(limits.low, row[x]);
                 limits.high = std::max(limits.high, row[x]);
@@ -39,18 +39,19 @@ Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
 // Those are means over sheets, and between them the field is taken to be linear. Either makes it smoother than it is: over
 // a sheet, by a 24th and on average by a twelfth of the second difference. An eighth of it is taken away again (as
 // PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
-void runThroughSheet(float& before, float& here, float& behind) {
-    const float blur = 0.125f * (before - 2 * here + behind);
-    const auto sharp = [blur](float value) { return value > blur ? value - blur : 0.0f; };
-    const float front = sharp(0.5f * (before + here)), middle = sharp(here), back = sharp(0.5f * (here + behind));
+void runThroughSheet(Real& before, Real& here, Real& behind) {
+    const Real blur = Real(0.125) * (before - 2 * here + behind);
+    const auto sharp = [blur](Real value) { return value > blur ? value - blur : Real(0); };
+    const Real front = sharp(Real(0.5) * (before + here)), middle = sharp(here),
+               back = sharp(Real(0.5) * (here + behind));
     before = front;
     here = middle;
     behind = back;
 }
 
 // Values of a plane at the samples, moved by (du, dv) cells.
-void sampleMoved(const FloatPlane& plane, const SampleTile& at, float du, float dv, float* out) {
-    alignas(64) float u[kTileSize], v[kTileSize];
+void sampleMoved(const FloatPlane& plane, const SampleTile& at, Real du, Real dv, Real* out) {
+    alignas(64) Real u[kTileSize], v[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
         u[k] = at.u[k] + du;
         v[k] = at.v[k] + dv;
@@ -59,8 +60,8 @@ void sampleMoved(const FloatPlane& plane, const SampleTile& at, float du, float 
 }
 
 // Values of a plane where the eye's rays cross it; per unit of slope they move by `texels`.
-void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, float texels, float* out) {
-    alignas(64) float u[kTileSize], v[kTileSize];
+void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels, Real* out) {
+    alignas(64) Real u[kTileSize], v[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
         u[k] = at.u[k] + texels * at.eyeA[k];
         v[k] = at.v[k] + texels * at.eyeB[k];
@@ -73,7 +74,7 @@ void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, float texels
 FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials, const Sheets& sheets) {
     constexpr int kMostSteps = 128;
     FieldPlanes::Settings settings;
-    settings.most = static_cast<float>(
+    settings.most = static_cast<Real>(
         std::min<double>(1e6 * volume.classified->transfer.back().value, std::numeric_limits<float>::max()));
     settings.stepsPerVoxel = std::min(2 * dials.footprintSteps, kMostSteps);
     settings.halo = Surface::halo(volume, sheets);
@@ -112,7 +113,7 @@ void Surface::classifyTexels(int p) {
     const int sheet = m_firstSheet + p;
     const PlaneStack& values = m_field.planes();
     PlaneStack& out = m_extinction;
-    alignas(64) float front[kTileSize], middle[kTileSize], back[kTileSize], sigma[kTileSize];
+    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], sigma[kTileSize];
     const auto anyActive = [&](int tx, int ty) {
         for (int steps = -1; steps <= 1; ++steps)
             if (values.anyActive(m_field.planeOf(sheet + steps), {tx - 1, ty - 1, tx + 2, ty + 2})) return true;
@@ -137,7 +138,7 @@ void Surface::classifyTexels(int p) {
                 runThroughSheet(front[k], middle[k], back[k]);
             }
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
-            float* to = out.plane(p) + corner;
+            Real* to = out.plane(p) + corner;
             for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
         }
@@ -145,7 +146,7 @@ void Surface::classifyTexels(int p) {
 }
 
 void Surface::sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const {
-    const auto texelsPerSlope = static_cast<float>(m_sheets.thickness / m_sheets.texel);
+    const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
     sampleAlongRays(plane(p, -1), at, -texelsPerSlope, run.front);
     sampleAlongRays(plane(p, 0), at, 0, run.middle);
     sampleAlongRays(plane(p, 1), at, texelsPerSlope, run.back);
@@ -154,18 +155,18 @@ void Surface::sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const 
 
 bool Surface::classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const {
     sampleRun(p, at, out);
-    float low = out.front[0], high = low;
-    for (const float* values : {out.front, out.middle, out.back})
+    Real low = out.front[0], high = low;
+    for (const Real* values : {out.front, out.middle, out.back})
         for (int k = 0; k < kTileSize; ++k) {
             low = std::min(low, values[k]);
             high = std::max(high, values[k]);
         }
     if (!m_table.anyBetween(low, high)) {
-        std::fill(out.extinction, out.extinction + kTileSize, 0.0f);
+        std::fill(out.extinction, out.extinction + kTileSize, Real(0));
         return false;
     }
     m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
-    if (std::none_of(out.extinction, out.extinction + kTileSize, [](float sigma) { return sigma > 0; })) return false;
+    if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
     for (int c = 0; c < 3; ++c)
         m_table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], m_simd);
     findNormals(p, at, m_lattice.parallel() ? m_step : stepAt(p, tile), out);
@@ -173,35 +174,35 @@ bool Surface::classify(int p, const SampleTile& at, const Int2& tile, Classified
 }
 
 // Values at the samples moved by `tsOffset`: between planes, linearly.
-void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, float* out) const {
-    const auto du = static_cast<float>(tsOffset.x), dv = static_cast<float>(tsOffset.y);
+void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const {
+    const auto du = static_cast<Real>(tsOffset.x), dv = static_cast<Real>(tsOffset.y);
     const int whole = static_cast<int>(std::floor(tsOffset.z));
-    const auto fraction = static_cast<float>(tsOffset.z - whole);
+    const auto fraction = static_cast<Real>(tsOffset.z - whole);
     sampleMoved(plane(p, whole), at, du, dv, out);
     if (fraction == 0) return;
-    alignas(64) float further[kTileSize];
+    alignas(64) Real further[kTileSize];
     sampleMoved(plane(p, whole + 1), at, du, dv, further);
     for (int k = 0; k < kTileSize; ++k) out[k] += fraction * (further[k] - out[k]);
 }
 
 void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const {
-    alignas(64) float lower[kTileSize], upper[kTileSize];
-    for (float* axis : out.normal) std::fill(axis, axis + kTileSize, 0.0f);
+    alignas(64) Real lower[kTileSize], upper[kTileSize];
+    for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
     for (int axis = 0; axis < 3; ++axis) {
         sampleBetween(p, at, -step.rsVoxel[axis], lower);
         sampleBetween(p, at, step.rsVoxel[axis], upper);
         for (int c = 0; c < 3; ++c) {
             // Out of the denser side: down the gradient. In units of the vague one: squares of gradients neither
             // overflow nor vanish, whatever the units of the field and the size of its voxels.
-            const auto part = static_cast<float>(-step.ssFromDifference[axis][c] / m_vagueGradient);
+            const auto part = static_cast<Real>(-step.ssFromDifference[axis][c] / m_vagueGradient);
             for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
         }
     }
     for (int k = 0; k < kTileSize; ++k) {
-        float *x = out.normal[0] + k, *y = out.normal[1] + k, *z = out.normal[2] + k;
-        const float g2 = *x * *x + *y * *y + *z * *z;
+        Real *x = out.normal[0] + k, *y = out.normal[1] + k, *z = out.normal[2] + k;
+        const Real g2 = *x * *x + *y * *y + *z * *z;
         out.weight[k] = g2 / (g2 + 1);
-        const float inverse = 1 / std::sqrt(std::max(g2, 1e-30f));  // a gradient of 0 has no weight
+        const Real inverse = 1 / std::sqrt(std::max(g2, Real(1e-30)));  // a gradient of 0 has no weight
         *x *= inverse;
         *y *= inverse;
         *z *= inverse;

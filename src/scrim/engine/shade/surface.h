@@ -11,6 +11,7 @@
 // lattice points, interpolated, and do not depend on how the sheets happen to lie.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/shade/transfer.h>
 #include <scrim/engine/splat/field_planes.h>
@@ -20,13 +21,13 @@ namespace scrim {
 
 /// Classified samples: of the eye's segments through the sheet.
 struct ClassifiedTile {
-    alignas(64) float front[kTileSize];  ///< the field where the segments begin, in their middle, where they end
-    alignas(64) float middle[kTileSize];
-    alignas(64) float back[kTileSize];
-    alignas(64) float extinction[kTileSize];   ///< mean, per world unit
-    alignas(64) float emission[3][kTileSize];  ///< mean of extinction times colour
-    alignas(64) float normal[3][kTileSize];    ///< unit, in sweep space, out of the denser side
-    alignas(64) float weight[kTileSize];       ///< of the normal, see normalWeight
+    alignas(64) Real front[kTileSize];  ///< the field where the segments begin, in their middle, where they end
+    alignas(64) Real middle[kTileSize];
+    alignas(64) Real back[kTileSize];
+    alignas(64) Real extinction[kTileSize];   ///< mean, per world unit
+    alignas(64) Real emission[3][kTileSize];  ///< mean of extinction times colour
+    alignas(64) Real normal[3][kTileSize];    ///< unit, in sweep space, out of the denser side
+    alignas(64) Real weight[kTileSize];       ///< of the normal, see normalWeight
 };
 
 class Surface {
@@ -66,7 +67,7 @@ class Surface {
     GradientStep stepAt(int p, const Int2& tile) const;
     FloatPlane plane(int p, int steps) const;
     void sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const;
-    void sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, float* out) const;
+    void sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const;
     void findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;

@@ -17,16 +17,16 @@ namespace scrim {
 namespace HWY_NAMESPACE {
 
 struct Lookup {
-    const float* table;
+    const Real* table;
     int cells;
-    float beyond;  // slope past the last place
+    Real beyond;  // slope past the last place
 
     // Linear between places; past the last one it goes on with `beyond`.
     HWY_ATTR HWY_INLINE VF at(VF x) const {
         const DF d;
-        const auto last = hn::Set(d, static_cast<float>(cells));
+        const auto last = hn::Set(d, static_cast<Real>(cells));
         const auto inside = hn::Min(hn::Max(x, hn::Zero(d)), last);
-        const auto floor = hn::Min(hn::Floor(inside), hn::Set(d, static_cast<float>(cells - 1)));
+        const auto floor = hn::Min(hn::Floor(inside), hn::Set(d, static_cast<Real>(cells - 1)));
         const auto index = hn::ConvertTo(DI(), floor);
         const auto lower = hn::GatherIndex(d, table, index), upper = hn::GatherIndex(d, table + 1, index);
         const auto value = hn::MulAdd(hn::Sub(inside, floor), hn::Sub(upper, lower), lower);
@@ -39,16 +39,16 @@ struct Lookup {
 HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX, VF integralY) {
     const DF d;
     const auto run = hn::Sub(y, x);
-    const auto isShort = hn::Lt(hn::Abs(run), hn::Set(d, 1.0f));
-    const auto safe = hn::IfThenElse(isShort, hn::Set(d, 1.0f), run);
+    const auto isShort = hn::Lt(hn::Abs(run), hn::Set(d, Real(1)));
+    const auto safe = hn::IfThenElse(isShort, hn::Set(d, Real(1)), run);
     const auto quotient = hn::Div(hn::Sub(integralY, integralX), safe);
     if (hn::AllFalse(d, isShort)) return quotient;
-    const auto middle = value.at(hn::Mul(hn::Set(d, 0.5f), hn::Add(x, y)));
+    const auto middle = value.at(hn::Mul(hn::Set(d, Real(0.5)), hn::Add(x, y)));
     return hn::IfThenElse(isShort, middle, quotient);
 }
 
-HWY_ATTR void meanOnTarget(const float* values, const float* integrals, int cells, float beyond, float cellsPerValue,
-                           const float* a, const float* b, const float* c, int count, float* out) {
+HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real cellsPerValue,
+                           const Real* a, const Real* b, const Real* c, int count, Real* out) {
     const DF d;
     // Tables of integrals are in units of cells, so that means are differences over differences of cells.
     const Lookup value{values, cells, 0}, integral{integrals, cells, beyond};
@@ -58,7 +58,7 @@ HWY_ATTR void meanOnTarget(const float* values, const float* integrals, int cell
                    z = hn::Mul(hn::Load(d, c + k), scale);
         const auto ix = integral.at(x), iy = integral.at(y), iz = integral.at(z);
         const auto sum = hn::Add(meanBetween(value, x, y, ix, iy), meanBetween(value, y, z, iy, iz));
-        hn::Store(hn::Max(hn::Mul(hn::Set(d, 0.5f), sum), hn::Zero(d)), d, out + k);
+        hn::Store(hn::Max(hn::Mul(hn::Set(d, Real(0.5)), sum), hn::Zero(d)), d, out + k);
     }
 }
 
@@ -84,8 +84,8 @@ TransferTable::TransferTable(const Classified& classified) {
         double integral = 0;
         for (int i = 0; i <= kCells; ++i) {
             const double place = i * m_cell;
-            function.value.push_back(static_cast<float>(at(place)));
-            function.integral.push_back(static_cast<float>(integral));
+            function.value.push_back(static_cast<Real>(at(place)));
+            function.integral.push_back(static_cast<Real>(integral));
             std::vector<double> cuts{place};
             for (const TransferPoint& p : points)
                 if (p.value > place && p.value < place + m_cell) cuts.push_back(p.value);
@@ -97,7 +97,7 @@ TransferTable::TransferTable(const Classified& classified) {
                 integral += sum / 6 * width / m_cell;
             }
         }
-        function.beyond = static_cast<float>(at(points.back().value + 1));
+        function.beyond = static_cast<Real>(at(points.back().value + 1));
     }
     const double infinity = std::numeric_limits<double>::infinity();
     if (points.front().extinction > 0) m_opaque.emplace_back(-infinity, points.front().value);
@@ -107,23 +107,22 @@ TransferTable::TransferTable(const Classified& classified) {
     if (points.back().extinction > 0) m_opaque.emplace_back(points.back().value, infinity);
 }
 
-void TransferTable::mean(const Function& f, const float* a, const float* b, const float* c, int count, float* out,
+void TransferTable::mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out,
                          Simd simd) const {
     SCRIM_ON_TARGET(simd, meanOnTarget)
-    (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<float>(1 / m_cell), a, b, c, count, out);
+    (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<Real>(1 / m_cell), a, b, c, count, out);
 }
 
-void TransferTable::meanExtinction(const float* a, const float* b, const float* c, int count, float* out,
-                                   Simd simd) const {
+void TransferTable::meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const {
     mean(m_functions[0], a, b, c, count, out, simd);
 }
 
-void TransferTable::meanEmission(int channel, const float* a, const float* b, const float* c, int count, float* out,
+void TransferTable::meanEmission(int channel, const Real* a, const Real* b, const Real* c, int count, Real* out,
                                  Simd simd) const {
     mean(m_functions[1 + channel], a, b, c, count, out, simd);
 }
 
-bool TransferTable::anyBetween(float low, float high) const {
+bool TransferTable::anyBetween(Real low, Real high) const {
     return std::any_of(m_opaque.begin(), m_opaque.end(),
                        [&](const auto& range) { return high >= range.first && low <= range.second; });
 }

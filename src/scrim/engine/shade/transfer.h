@@ -11,6 +11,7 @@
 // the transfer function jumps.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/scene/classified.h>
 
@@ -24,23 +25,21 @@ class TransferTable {
 
     /// Mean extinction over the values from a to b to c, half of the way each; `count` samples each (a multiple of
     /// 16), buffers aligned to 64 bytes.
-    void meanExtinction(const float* a, const float* b, const float* c, int count, float* extinction,
-                        Simd simd = {}) const;
+    void meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* extinction, Simd simd = {}) const;
     /// The same of extinction times one channel of colour.
-    void meanEmission(int channel, const float* a, const float* b, const float* c, int count, float* out,
+    void meanEmission(int channel, const Real* a, const Real* b, const Real* c, int count, Real* out,
                       Simd simd = {}) const;
 
     /// Is there any extinction among the values in [low, high]?
-    bool anyBetween(float low, float high) const;
+    bool anyBetween(Real low, Real high) const;
 
   private:
     static constexpr int kCells = 2048;  // over the range of values
     struct Function {
-        std::vector<float> value, integral;  // at kCells + 1 places
-        float beyond = 0;                    // value past the last place
+        std::vector<Real> value, integral;  // at kCells + 1 places
+        Real beyond = 0;                    // value past the last place
     };
-    void mean(const Function& f, const float* a, const float* b, const float* c, int count, float* out,
-              Simd simd) const;
+    void mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const;
 
     double m_cell;                                    // width in values; place i is at i * m_cell
     Function m_functions[4];                          // extinction, extinction times R, G, B

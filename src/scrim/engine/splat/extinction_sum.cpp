@@ -17,8 +17,8 @@ ViewField densityOf(const ViewVolume& volume) {
 // tent is opaque to its rim but for a millionth of a voxel, which no raster resolves.
 FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel) {
     FieldPlanes::Settings settings;
-    settings.scale = static_cast<float>(scale);
-    settings.most = static_cast<float>(std::min<double>(1e9 / voxel, std::numeric_limits<float>::max()));
+    settings.scale = static_cast<Real>(scale);
+    settings.most = static_cast<Real>(std::min<double>(1e9 / voxel, std::numeric_limits<float>::max()));
     settings.stepsPerVoxel = dials.footprintSteps;
     return settings;
 }
@@ -48,7 +48,7 @@ bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For wh
 
 // Adds the active tiles of plane p of `from`, times `weight`, to those of `to`; nothing is added where it is 0, but the
 // tiles count as active.
-void addPlane(const PlaneStack& from, float weight, int p, PlaneStack& to) {
+void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
     for (int ty = 0; ty < to.tilesY(); ++ty)
         for (int tx = 0; tx < to.tilesX(); ++tx) {
             if (!from.active(p, tx, ty)) continue;
@@ -57,8 +57,8 @@ void addPlane(const PlaneStack& from, float weight, int p, PlaneStack& to) {
             const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * to.rowStride() + tx * kTileEdge;
             for (int y = 0; y < kTileEdge; ++y) {
                 const std::ptrdiff_t row = corner + static_cast<std::ptrdiff_t>(y) * to.rowStride();
-                const float* source = from.plane(p) + row;
-                float* target = to.plane(p) + row;
+                const Real* source = from.plane(p) + row;
+                Real* target = to.plane(p) + row;
                 for (int x = 0; x < kTileEdge; ++x) target[x] += weight * source[x];
             }
         }

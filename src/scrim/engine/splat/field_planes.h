@@ -3,6 +3,7 @@
 // what is extinct there is made of some of them (extinction_sum.h).
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/splat/splatter.h>
@@ -17,8 +18,8 @@ class FieldPlanes {
   public:
     /// How a field is splatted.
     struct Settings {
-        float scale = 1;                                  ///< times every voxel
-        float most = std::numeric_limits<float>::max();   ///< scaled voxels count as this above it
+        Real scale = 1;                                   ///< times every voxel
+        Real most = std::numeric_limits<float>::max();    ///< scaled voxels count as this above it
         int stepsPerVoxel = 8;                            ///< of its footprints, see FootprintTable
         int halo = 0;                                     ///< sheets kept on either side of a batch
     };

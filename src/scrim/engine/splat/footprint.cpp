@@ -52,7 +52,7 @@ std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texel
                                   Lookup lookup) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
-    return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(float) *
+    return parts * static_cast<std::size_t>(texelSteps * texelSteps * sheetSteps) * sizeof(Real) *
            static_cast<std::size_t>(shape.sheets.count) * static_cast<std::size_t>(shape.rows.count * shape.rowStride);
 }
 
@@ -79,7 +79,7 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSte
     m_rows = shape.rows;
     m_sheets = shape.sheets;
     m_rowStride = shape.rowStride;
-    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(float));
+    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(Real));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
     parallelFor(static_cast<std::size_t>(texelSteps),
@@ -107,7 +107,7 @@ void FootprintTable::addSlopes(int stepV) {
         wrap(stepN, m_sheetSteps, slab);
         if (column < 0 || column >= m_columns.count || row < 0 || row >= m_rows.count || slab < 0 ||
             slab >= m_sheets.count)
-            return 0.0f;
+            return Real(0);
         return m_weights[offset(stepU, v, stepN) +
                          static_cast<std::size_t>(slab * sheetStride() + row * m_rowStride + column)];
     };
@@ -117,11 +117,11 @@ void FootprintTable::addSlopes(int stepV) {
                 for (int row = 0; row < m_rows.count; ++row)
                     for (int column = 0; column < m_columns.count; ++column) {
                         const auto change = [&](int u, int v, int n) {
-                            return 0.5f * (weight(stepU + u, stepV + v, stepN + n, slab, row, column) -
-                                           weight(stepU - u, stepV - v, stepN - n, slab, row, column));
+                            return Real(0.5) * (weight(stepU + u, stepV + v, stepN + n, slab, row, column) -
+                                                weight(stepU - u, stepV - v, stepN - n, slab, row, column));
                         };
-                        float* entry = m_weights.data() + offset(stepU, stepV, stepN) + slab * sheetStride() +
-                                       row * m_rowStride + column;
+                        Real* entry = m_weights.data() + offset(stepU, stepV, stepN) + slab * sheetStride() +
+                                      row * m_rowStride + column;
                         entry[partStride()] = change(1, 0, 0);
                         entry[2 * partStride()] = change(0, 1, 0);
                         entry[3 * partStride()] = change(0, 0, 1);
@@ -163,9 +163,9 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                     const auto read = [&](int slab) {
                         return cumulative[static_cast<std::size_t>((slab + 1) * m_sheetSteps - stepN)];
                     };
-                    float* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
+                    Real* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
                     for (int slab = 0; slab < m_sheets.count; ++slab)
-                        entry[slab * sheetStride()] = static_cast<float>(read(slab + 1) - read(slab));
+                        entry[slab * sheetStride()] = static_cast<Real>(read(slab + 1) - read(slab));
                 }
             }
 }

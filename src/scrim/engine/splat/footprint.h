@@ -12,6 +12,7 @@
 // is of second order.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/engine/splat/kernel.h>
 
@@ -62,8 +63,8 @@ class FootprintTable {
         return static_cast<std::size_t>((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
                static_cast<std::size_t>(sheetStride() * m_sheets.count);
     }
-    const float* weights() const { return m_weights.data(); }
-    std::size_t bytes() const { return m_weights.size() * sizeof(float); }
+    const Real* weights() const { return m_weights.data(); }
+    std::size_t bytes() const { return m_weights.size() * sizeof(Real); }
 
     /// Bytes a table would take, without building it.
     static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
@@ -81,7 +82,7 @@ class FootprintTable {
     int m_parts = 1, m_texelSteps = 0, m_sheetSteps = 0, m_rowStride = 0;
     Vec3 m_extent{0};
     Range m_columns, m_rows, m_sheets;
-    std::vector<float> m_weights;
+    std::vector<Real> m_weights;
 };
 
 /// How finely to quantise positions: powers of two, and at least 3/4 of `stepsPerVoxel` for a voxel of the size that

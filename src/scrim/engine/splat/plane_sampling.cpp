@@ -19,14 +19,14 @@ HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Spl
     const DF d;
     const DI di;
     const auto at = hn::Add(hn::Mul(v.whole, hn::Set(di, plane.width)), u.whole);
-    const float* below = plane.data + plane.width;
+    const Real* below = plane.data + plane.width;
     const auto top = lerp(hn::GatherIndex(d, plane.data, at), hn::GatherIndex(d, plane.data + 1, at), u.fraction);
     const auto bottom = lerp(hn::GatherIndex(d, below, at), hn::GatherIndex(d, below + 1, at), u.fraction);
     return lerp(top, bottom, v.fraction);
 }
 
-HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count,
-                                   float* out) {
+HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count,
+                                   Real* out) {
     const DF d;
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
         const auto su = split(hn::LoadU(d, u + k), plane.x0, plane.width, nearest);
@@ -37,37 +37,37 @@ HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const float* u, cons
 
 // Calls consume(j, i, samples) for the lattice of 16 x 16 positions, a vector of columns at a time.
 template <class Consume>
-HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, float u, float v, float step, bool nearest,
+HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest,
                                     const Consume& consume) {
     const DF d;
     const int lanes = static_cast<int>(hn::Lanes(d));
-    const float floorU = std::floor(u);
-    const float column = floorU - static_cast<float>(plane.x0);
-    const bool streaming = step == 1.0f && column >= 0 && column + kTileEdge < static_cast<float>(plane.width);
+    const Real floorU = std::floor(u);
+    const Real column = floorU - static_cast<Real>(plane.x0);
+    const bool streaming = step == Real(1) && column >= 0 && column + kTileEdge < static_cast<Real>(plane.width);
     for (int j = 0; j < kTileEdge; ++j) {
-        const auto sv = split(hn::Set(d, v + static_cast<float>(j) * step), plane.y0, plane.height, nearest);
+        const auto sv = split(hn::Set(d, v + static_cast<Real>(j) * step), plane.y0, plane.height, nearest);
         if (streaming) {
             // One texel a cell: the whole row shares its fractions, and neighbours are consecutive floats.
-            float fraction = u - floorU;
-            if (nearest) fraction = std::floor(fraction + 0.5f);
+            Real fraction = u - floorU;
+            if (nearest) fraction = std::floor(fraction + Real(0.5));
             const auto t = hn::Set(d, fraction);
-            const float* top = plane.data + hn::GetLane(sv.whole) * static_cast<std::ptrdiff_t>(plane.width) +
-                               static_cast<std::ptrdiff_t>(column);
-            const float* bottom = top + plane.width;
+            const Real* top = plane.data + hn::GetLane(sv.whole) * static_cast<std::ptrdiff_t>(plane.width) +
+                              static_cast<std::ptrdiff_t>(column);
+            const Real* bottom = top + plane.width;
             for (int i = 0; i < kTileEdge; i += lanes)
                 consume(j, i,
                         lerp(lerp(hn::LoadU(d, top + i), hn::LoadU(d, top + i + 1), t),
                              lerp(hn::LoadU(d, bottom + i), hn::LoadU(d, bottom + i + 1), t), sv.fraction));
         } else {
             for (int i = 0; i < kTileEdge; i += lanes) {
-                const auto at = hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, step), hn::Set(d, u));
+                const auto at = hn::MulAdd(hn::Iota(d, static_cast<Real>(i)), hn::Set(d, step), hn::Set(d, u));
                 consume(j, i, gather(plane, split(at, plane.x0, plane.width, nearest), sv));
             }
         }
     }
 }
 
-HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {
+HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out) {
     const DF d;
     forLattice(plane, u, v, step, nearest,
                [&](int j, int i, VF sample) HWY_ATTR { hn::StoreU(sample, d, out + j * kTileEdge + i); });
@@ -77,10 +77,10 @@ HWY_ATTR void attenuateTileOnTarget(const AttenuateTile& tile) {
     const DF d;
     forLattice(tile.extinction, tile.u, tile.v, tile.step, tile.nearest, [&](int j, int i, VF sigma) HWY_ATTR {
         const auto a =
-            hn::MulAdd(hn::Iota(d, static_cast<float>(i)), hn::Set(d, tile.slopeStep), hn::Set(d, tile.slopeA));
-        const auto b = hn::Set(d, tile.slopeB + static_cast<float>(j) * tile.slopeStep);
-        const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, 1.0f))));
-        float* tau = tile.tau + j * tile.tauStride + i;
+            hn::MulAdd(hn::Iota(d, static_cast<Real>(i)), hn::Set(d, tile.slopeStep), hn::Set(d, tile.slopeA));
+        const auto b = hn::Set(d, tile.slopeB + static_cast<Real>(j) * tile.slopeStep);
+        const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, Real(1)))));
+        Real* tau = tile.tau + j * tile.tauStride + i;
         const auto before = hn::LoadU(d, tau);
         hn::StoreU(before, d, tile.entry + j * tile.entryStride + i);
         hn::StoreU(hn::MulAdd(sigma, hn::Mul(slant, hn::Set(d, tile.path)), before), d, tau);
@@ -98,11 +98,11 @@ HWY_EXPORT(samplePointsOnTarget);
 HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
 
-void samplePoints(const FloatPlane& plane, const float* u, const float* v, bool nearest, int count, float* out) {
+void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out) {
     SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out);
 }
 
-void sampleLattice(const FloatPlane& plane, float u, float v, float step, bool nearest, float* out) {
+void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out) {
     SCRIM_ON_TARGET(plane.simd, sampleLatticeOnTarget)(plane, u, v, step, nearest, out);
 }
 

@@ -22,7 +22,7 @@ std::size_t planeFloats(int width, int height, int channels) {
 }  // namespace
 
 std::size_t PlaneStack::bytes(int planes, int width, int height, int channels) {
-    return planeFloats(width, height, channels) * static_cast<std::size_t>(planes) * sizeof(float);
+    return planeFloats(width, height, channels) * static_cast<std::size_t>(planes) * sizeof(Real);
 }
 
 PlaneStack::PlaneStack(int planes, int width, int height, int channels)
@@ -35,7 +35,7 @@ PlaneStack::PlaneStack(int planes, int width, int height, int channels)
       m_memory(std::calloc(bytes(planes, width, height, channels) + kAlignment, 1), std::free) {
     if (!m_memory) throw Error(ErrorKind::memory, "no memory for the buffers of a batch of sheets");
     const auto address = reinterpret_cast<std::uintptr_t>(m_memory.get());
-    m_data = reinterpret_cast<float*>((address + kAlignment - 1) / kAlignment * kAlignment);
+    m_data = reinterpret_cast<Real*>((address + kAlignment - 1) / kAlignment * kAlignment);
     m_state.resize(static_cast<std::size_t>(planes) * static_cast<std::size_t>(tilesX()) *
                    static_cast<std::size_t>(tilesY()));
 }
@@ -81,13 +81,13 @@ void PlaneStack::finishRow(int p, int ty) {
 }
 
 void PlaneStack::prefilter(int p) {
-    constexpr float kTwelfth = 1.0f / 12;
+    constexpr Real kTwelfth = Real(1) / 12;
     forPrefilteredSpans(
         plane(p), tilesX(), tilesY(), rowStride(), [&](int tx, int ty) { return active(p, tx, ty); },
-        [](int, int, const float* above, const float* here, const float* below, float* out) {
+        [](int, int, const Real* above, const Real* here, const Real* below, Real* out) {
             for (int x = 0; x < kTileEdge; ++x) {
-                const float around = here[x - 1] + here[x + 1] + above[x] + below[x];
-                out[x] = std::max(0.0f, here[x] - kTwelfth * (around - 4 * here[x]));
+                const Real around = here[x - 1] + here[x + 1] + above[x] + below[x];
+                out[x] = std::max(Real(0), here[x] - kTwelfth * (around - 4 * here[x]));
             }
         });
 }
@@ -97,9 +97,9 @@ void PlaneStack::raiseToZero(int p) {
         for (int tx = 0; tx < tilesX(); ++tx) {
             if (!active(p, tx, ty)) continue;
             const int floats = kTileEdge * m_channels;
-            float* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * floats;
+            Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * floats;
             for (int y = 0; y < kTileEdge; ++y, row += rowStride())
-                for (int x = 0; x < floats; ++x) row[x] = std::max(row[x], 0.0f);
+                for (int x = 0; x < floats; ++x) row[x] = std::max(row[x], Real(0));
         }
 }
 
@@ -108,8 +108,8 @@ void PlaneStack::dropEmpty(int p) {
         for (int tx = 0; tx < tilesX(); ++tx) {
             std::uint8_t& state = m_state[tileIndex(p, tx, ty)];
             if (state != kActive) continue;
-            const float* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge;
-            float largest = 0;
+            const Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge;
+            Real largest = 0;
             for (int y = 0; y < kTileEdge && largest == 0; ++y, row += rowStride())
                 for (int x = 0; x < kTileEdge; ++x) largest = std::max(largest, row[x]);
             if (largest == 0) state = kClean;
@@ -118,9 +118,9 @@ void PlaneStack::dropEmpty(int p) {
 
 void PlaneStack::clearTile(int p, int tx, int ty) {
     const std::size_t rowFloats = static_cast<std::size_t>(kTileEdge * m_channels);
-    float* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() +
-                 static_cast<std::ptrdiff_t>(tx) * kTileEdge * m_channels;
-    for (int y = 0; y < kTileEdge; ++y, row += rowStride()) std::memset(row, 0, rowFloats * sizeof(float));
+    Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() +
+                static_cast<std::ptrdiff_t>(tx) * kTileEdge * m_channels;
+    for (int y = 0; y < kTileEdge; ++y, row += rowStride()) std::memset(row, 0, rowFloats * sizeof(Real));
 }
 
 }  // namespace scrim

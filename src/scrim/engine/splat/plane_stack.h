@@ -6,6 +6,7 @@
 // active reads as zeros; the work of clearing follows the tiles that were written, never the plane's size.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/geometry/box2.h>
 #include <scrim/geometry/sheets.h>
 
@@ -29,8 +30,8 @@ class PlaneStack {
     int channels() const { return m_channels; }
     int rowStride() const { return m_width * m_channels; }  ///< floats
     std::ptrdiff_t planeStride() const { return m_planeStride; }
-    float* plane(int p) { return m_data + p * m_planeStride; }
-    const float* plane(int p) const { return m_data + p * m_planeStride; }
+    Real* plane(int p) { return m_data + p * m_planeStride; }
+    const Real* plane(int p) const { return m_data + p * m_planeStride; }
 
     int tilesX() const { return m_width / kTileEdge; }
     int tilesY() const { return m_height / kTileEdge; }
@@ -78,7 +79,7 @@ class PlaneStack {
     int m_planes, m_width, m_height, m_channels;
     std::ptrdiff_t m_planeStride;
     std::unique_ptr<void, void (*)(void*)> m_memory;
-    float* m_data;
+    Real* m_data;
     std::vector<std::uint8_t> m_state;
 };
 
@@ -92,15 +93,15 @@ class PlaneStack {
 /// ray (quasi-interpolation; compare T. Blu, P. Thevenaz, M. Unser, "Linear Interpolation Revitalized", IEEE Transactions
 /// on Image Processing, 2004). Constant and linear fields stay as they are.
 template <class Active, class Span>
-void forPrefilteredSpans(float* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
+void forPrefilteredSpans(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
                          const Span& span) {
     const int width = tilesX * kTileEdge, height = tilesY * kTileEdge;
-    std::vector<float> above(std::size_t(width) + 2, 0.0f), here(above);
-    const std::vector<float> zeros(std::size_t(width), 0.0f);
+    std::vector<Real> above(std::size_t(width) + 2, Real(0)), here(above);
+    const std::vector<Real> zeros(std::size_t(width), Real(0));
     for (int y = 0; y < height; ++y) {
-        float* row = plane + y * rowStride;
+        Real* row = plane + y * rowStride;
         std::copy_n(row, width, here.begin() + 1);
-        const float* below = y + 1 < height ? row + rowStride : zeros.data();
+        const Real* below = y + 1 < height ? row + rowStride : zeros.data();
         for (int tx = 0; tx < tilesX; ++tx) {
             const int x = tx * kTileEdge;
             if (active(tx, y / kTileEdge))

@@ -18,12 +18,12 @@ constexpr int kChunk = 32;
 constexpr std::int32_t kNoSheet = 1 << 29;  // of voxels that are left out: past every last sheet
 
 struct Chunk {
-    alignas(64) std::int32_t table[kChunk];  // index of the quantised fraction
-    alignas(64) std::int32_t texel[kChunk];  // offset of the footprint's first texel in its plane
-    alignas(64) std::int32_t sheet[kChunk];  // first sheet of the footprint
-    alignas(64) float restU[kChunk];         // what rounding left, in steps
-    alignas(64) float restV[kChunk];
-    alignas(64) float restN[kChunk];
+    alignas(64) RealIndex table[kChunk];  // index of the quantised fraction
+    alignas(64) RealIndex texel[kChunk];  // offset of the footprint's first texel in its plane
+    alignas(64) RealIndex sheet[kChunk];  // first sheet of the footprint
+    alignas(64) Real restU[kChunk];       // what rounding left, in steps
+    alignas(64) Real restV[kChunk];
+    alignas(64) Real restN[kChunk];
 };
 
 HWY_INLINE int log2Of(int powerOfTwo) {
@@ -35,7 +35,7 @@ HWY_INLINE int log2Of(int powerOfTwo) {
 // Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
 template <bool kClipped>
 HWY_ATTR void locate(const BlockSplat& splat, const BlockSplat::Place& place, int k, Chunk& chunk) {
-    const hn::ScalableTag<float> df;
+    const hn::ScalableTag<Real> df;
     const hn::RebindToSigned<decltype(df)> di;
     const FootprintTable& table = *splat.table;
     const int log2Texel = log2Of(table.texelSteps()), log2Sheet = log2Of(table.sheetSteps());
@@ -43,12 +43,12 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockSplat::Place& place, in
 
     for (int i = 0; i < kChunk; i += static_cast<int>(hn::Lanes(df))) {
         // Positions in quantisation steps, rounded to the nearest.
-        const auto at = [&](float fraction, const auto& offsets, int steps, float* rest) {
+        const auto at = [&](Real fraction, const auto& offsets, int steps, Real* rest) {
             const auto offset = hn::LoadU(df, offsets.data() + k + i);
             const auto position = hn::Add(hn::Set(df, fraction), offset);
-            const auto inSteps = hn::MulAdd(position, hn::Set(df, static_cast<float>(steps)), hn::Set(df, 0.5f));
+            const auto inSteps = hn::MulAdd(position, hn::Set(df, static_cast<Real>(steps)), hn::Set(df, Real(0.5)));
             const auto rounded = hn::Floor(inSteps);
-            hn::StoreU(hn::Sub(hn::Sub(inSteps, rounded), hn::Set(df, 0.5f)), df, rest + i);
+            hn::StoreU(hn::Sub(hn::Sub(inSteps, rounded), hn::Set(df, Real(0.5))), df, rest + i);
             return hn::ConvertTo(di, rounded);
         };
         const auto u = at(place.fractionU, splat.order->offsetU, table.texelSteps(), chunk.restU);
@@ -81,9 +81,9 @@ template <class D>
 struct Slopes {
     hn::Vec<D> u, v, n;
 
-    HWY_ATTR HWY_INLINE Slopes(D d, const float (&rest)[3])
+    HWY_ATTR HWY_INLINE Slopes(D d, const Real (&rest)[3])
         : u(hn::Set(d, rest[0])), v(hn::Set(d, rest[1])), n(hn::Set(d, rest[2])) {}
-    HWY_ATTR HWY_INLINE hn::Vec<D> weights(D d, const float* from, int part) const {
+    HWY_ATTR HWY_INLINE hn::Vec<D> weights(D d, const Real* from, int part) const {
         const auto sum = hn::MulAdd(u, hn::LoadU(d, from + part), hn::LoadU(d, from));
         return hn::MulAdd(n, hn::LoadU(d, from + 3 * part), hn::MulAdd(v, hn::LoadU(d, from + 2 * part), sum));
     }
@@ -92,32 +92,32 @@ struct Slopes {
 // One footprint, into the same texels of one field or of several: value[f] * weights on `rows` rows of `width` texels, a
 // multiple of 4, from texels[f] on.
 struct Footprint {
-    const float* weights;
+    const Real* weights;
     int part;       // floats from part to part of the table
-    float rest[3];  // steps from where the weights were tabulated
+    Real rest[3];   // steps from where the weights were tabulated
     int rows, width;
     std::ptrdiff_t rowStride;
 };
 
 template <class D, int kFields>
-HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const float* value, float* const* texels, std::ptrdiff_t at,
+HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const Real* value, Real* const* texels, std::ptrdiff_t at,
                                int fields) {
     for (int f = 0; f < (kFields > 0 ? kFields : fields); ++f) {
-        float* to = texels[f] + at;
+        Real* to = texels[f] + at;
         hn::StoreU(hn::MulAdd(hn::Set(d, value[f]), weights, hn::LoadU(d, to)), d, to);
     }
 }
 
 // Rows of four are taken in pairs: in the table they lie side by side.
 template <int kWidth, int kFields>
-HWY_ATTR HWY_INLINE void addFootprint(const Footprint& print, const float* value, float* const* texels, int fields) {
-    const hn::CappedTag<float, 4> d;
-    const float* HWY_RESTRICT weights = print.weights;
+HWY_ATTR HWY_INLINE void addFootprint(const Footprint& print, const Real* value, Real* const* texels, int fields) {
+    const hn::CappedTag<Real, 4> d;
+    const Real* HWY_RESTRICT weights = print.weights;
     std::ptrdiff_t at = 0;
     int row = 0;
 #if HWY_TARGET != HWY_SCALAR
     if constexpr (kWidth == 4) {
-        const hn::CappedTag<float, 8> d8;
+        const hn::CappedTag<Real, 8> d8;
         if (hn::Lanes(d8) == 8) {
             const Slopes<decltype(d8)> slopes(d8, print.rest);
             const hn::Half<decltype(d8)> half;
@@ -145,10 +145,10 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
     const std::ptrdiff_t sheetStride = table.sheetStride(), entryStride = sheetStride * sheets;
     const std::ptrdiff_t planeStride = splat.planeStride;
     const int firstSheet = splat.firstSheet, lastSheet = splat.lastSheet;
-    const float scale = splat.scale, most = splat.most;
-    const float* const allWeights = table.weights();
+    const Real scale = splat.scale, most = splat.most;
+    const Real* const allWeights = table.weights();
     const std::int32_t* const index = splat.order->index.data();
-    const std::array<float*, BlockSplat::kMost> planes = splat.planes;
+    const std::array<Real*, BlockSplat::kMost> planes = splat.planes;
     Footprint print{nullptr, table.partStride(), {}, table.rows(), table.rowStride(), splat.rowStride};
     std::uint64_t footprints = 0;
     Chunk chunk;
@@ -159,7 +159,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
         locate<kClipped>(splat, place, k, chunk);
         const int end = std::min(kChunk, second - k);
         for (int i = k0 - k; i < end; ++i) {
-            float value[BlockSplat::kMost], any = 0;
+            Real value[BlockSplat::kMost], any = 0;
             for (int f = 0; f < fields; ++f) {
                 value[f] = std::min(values[f][index[k + i]] * scale, most);
                 any = std::max(any, value[f]);
@@ -175,7 +175,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
             print.rest[2] = chunk.restN[i];
             std::ptrdiff_t at = (sheet + from - firstSheet) * planeStride + chunk.texel[i];
             for (int s = from; s < to; ++s, print.weights += sheetStride, at += planeStride) {
-                float* texels[BlockSplat::kMost];
+                Real* texels[BlockSplat::kMost];
                 for (int f = 0; f < fields; ++f) texels[f] = planes[f] + at;
                 addFootprint<kWidth, kFields>(print, value, texels, fields);
             }

@@ -3,6 +3,7 @@
 // once for every instruction set that the processor may have.
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/splat/footprint.h>
 #include <scrim/engine/splat/splatter.h>
@@ -19,21 +20,21 @@ struct BlockSplat {
     /// hold offsets within a block, however large the raster is.
     struct Place {
         std::int32_t wholeU, wholeV, wholeN;
-        float fractionU, fractionV, fractionN;
+        Real fractionU, fractionV, fractionN;
     };
 
     const LatticeOrder* order;
     const FootprintTable* table;
     /// Of up to kMost fields that share their footprints: the plane of sheet `firstSheet`.
     static constexpr int kMost = 4;
-    std::array<float*, kMost> planes;
+    std::array<Real*, kMost> planes;
     int fields;
     std::ptrdiff_t planeStride;  ///< floats from one sheet's plane to the next
     std::int32_t rowStride;      ///< floats from one row of texels to the next
     std::int32_t firstSheet;     ///< sheets [firstSheet, lastSheet) are written
     std::int32_t lastSheet;
-    float scale;                 ///< factor on every value
-    float most;                  ///< scaled values above it count as it
+    Real scale;                  ///< factor on every value
+    Real most;                   ///< scaled values above it count as it
     std::int32_t width, height;  ///< of the planes, texels
     bool clipped;                ///< footprints may leave the planes; those that do are left out
     Simd simd = {};

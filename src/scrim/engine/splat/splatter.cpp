@@ -40,7 +40,7 @@ struct FieldSplatter::Target {
 };
 
 FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel,
-                             float scale, float most, Simd simd)
+                             Real scale, Real most, Simd simd)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_scale(scale),
@@ -159,8 +159,8 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Ta
 
     const Vec3 whole = glm::floor(ts);
     const BlockSplat::Place place{static_cast<std::int32_t>(whole.x), static_cast<std::int32_t>(whole.y),
-                           static_cast<std::int32_t>(whole.z), static_cast<float>(ts.x - whole.x),
-                           static_cast<float>(ts.y - whole.y), static_cast<float>(ts.z - whole.z)};
+                                  static_cast<std::int32_t>(whole.z), static_cast<Real>(ts.x - whole.x),
+                                  static_cast<Real>(ts.y - whole.y),  static_cast<Real>(ts.z - whole.z)};
     target.footprints += splatBlock(splat, place, values, first, second);
 }
 
@@ -211,9 +211,9 @@ LatticeOrder::LatticeOrder(const Mat4& tsFromIs) {
         const Voxel& v = voxels[k];
         while (static_cast<int>(m_bucketBegin.size()) <= v.bucket - m_firstBucket)
             m_bucketBegin.push_back(static_cast<int>(k));
-        offsetU[k] = static_cast<float>(v.ts.x);
-        offsetV[k] = static_cast<float>(v.ts.y);
-        offsetN[k] = static_cast<float>(v.ts.z);
+        offsetU[k] = static_cast<Real>(v.ts.x);
+        offsetV[k] = static_cast<Real>(v.ts.y);
+        offsetN[k] = static_cast<Real>(v.ts.z);
         index[k] = v.index;
     }
     m_bucketBegin.push_back(kBlockVoxels);
@@ -264,7 +264,7 @@ struct WarpedSplatter::Target {
 };
 
 WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster, Kernel kernel,
-                               int stepsPerVoxel, float scale, float most)
+                               int stepsPerVoxel, Real scale, Real most)
     : m_field(field),
       m_tsFromIs(tsFromIs),
       m_raster(raster),
@@ -308,17 +308,17 @@ void WarpedSplatter::splatOneBlock(const Int3& origin, const float* values, Targ
     for (int x = 0; x < kBlockEdge; ++x)
         for (int y = 0; y < kBlockEdge; ++y)
             for (int z = 0; z < kBlockEdge; ++z) {
-                const float value = std::min(values[blockOffset(x, y, z)] * m_scale, m_most);
+                const Real value = std::min(values[blockOffset(x, y, z)] * m_scale, m_most);
                 if (value != 0) splatVoxel(transformPoint(m_tsFromIs, Vec3(origin + Int3(x, y, z))), value, target);
             }
 }
 
-void WarpedSplatter::splatVoxel(const Vec3& ts, float value, Target& target) const {
+void WarpedSplatter::splatVoxel(const Vec3& ts, Real value, Target& target) const {
     // The quantised depth decides the entry; its sheets follow.
     const int steps = m_table.sheetSteps();
     const auto depth = static_cast<int>(std::floor(ts.z * steps + 0.5));
     const int whole = depth >= 0 ? depth / steps : -((-depth + steps - 1) / steps);
-    const float* entry = m_table.weights() + m_table.offset(0, 0, depth - whole * steps);
+    const Real* entry = m_table.weights() + m_table.offset(0, 0, depth - whole * steps);
     const int first = whole + m_table.firstSheet();
     for (int slab = 0; slab < m_table.sheets(); ++slab) {
         const int sheet = first + slab;
@@ -345,25 +345,25 @@ void WarpedSplatter::splatVoxel(const Vec3& ts, float value, Target& target) con
         ++target.footprints;
 
         // From cells to columns and rows of the table.
-        const float* weights = entry + slab * m_table.sheetStride();
-        const auto uX = static_cast<float>(m_finer * d / determinant),
-                   uY = static_cast<float>(-m_finer * b / determinant);
-        const auto vX = static_cast<float>(-m_finer * c / determinant),
-                   vY = static_cast<float>(m_finer * a / determinant);
+        const Real* weights = entry + slab * m_table.sheetStride();
+        const auto uX = static_cast<Real>(m_finer * d / determinant),
+                   uY = static_cast<Real>(-m_finer * b / determinant);
+        const auto vX = static_cast<Real>(-m_finer * c / determinant),
+                   vY = static_cast<Real>(m_finer * a / determinant);
         const int columns = m_table.columns(), rows = m_table.rows(), stride = m_table.rowStride();
         for (int y = y0; y <= y1; ++y) {
-            float* row = target.planes->plane(p) + static_cast<std::ptrdiff_t>(y) * target.planes->rowStride();
-            const auto dy = static_cast<float>(y - at.y);
+            Real* row = target.planes->plane(p) + static_cast<std::ptrdiff_t>(y) * target.planes->rowStride();
+            const auto dy = static_cast<Real>(y - at.y);
             for (int x = x0; x <= x1; ++x) {
-                const auto dx = static_cast<float>(x - at.x);
-                const float u = uX * dx + uY * dy - static_cast<float>(m_table.firstColumn());
-                const float v = vX * dx + vY * dy - static_cast<float>(m_table.firstRow());
-                if (!(u >= 0 && v >= 0 && u < static_cast<float>(columns - 1) && v < static_cast<float>(rows - 1)))
+                const auto dx = static_cast<Real>(x - at.x);
+                const Real u = uX * dx + uY * dy - static_cast<Real>(m_table.firstColumn());
+                const Real v = vX * dx + vY * dy - static_cast<Real>(m_table.firstRow());
+                if (!(u >= 0 && v >= 0 && u < static_cast<Real>(columns - 1) && v < static_cast<Real>(rows - 1)))
                     continue;
                 const int column = static_cast<int>(u), line = static_cast<int>(v);
-                const float fu = u - static_cast<float>(column), fv = v - static_cast<float>(line);
-                const float* w = weights + line * stride + column;
-                const float top = w[0] + fu * (w[1] - w[0]), bottom = w[stride] + fu * (w[stride + 1] - w[stride]);
+                const Real fu = u - static_cast<Real>(column), fv = v - static_cast<Real>(line);
+                const Real* w = weights + line * stride + column;
+                const Real top = w[0] + fu * (w[1] - w[0]), bottom = w[stride] + fu * (w[stride + 1] - w[stride]);
                 row[x] += value * (top + fv * (bottom - top));
             }
         }

@@ -3,6 +3,7 @@
 // that are never allocated (algorithm, "Feeding the splatter").
 #pragma once
 
+#include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/splat/footprint.h>
 #include <scrim/engine/splat/plane_stack.h>
@@ -31,9 +32,9 @@ class LatticeOrder {
     // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a
     // bucket neighbours in the list lie apart in (U, V): a voxel that adds to texels which the one before has
     // just written would wait for them.
-    alignas(64) std::array<float, kBlockVoxels> offsetU;
-    alignas(64) std::array<float, kBlockVoxels> offsetV;
-    alignas(64) std::array<float, kBlockVoxels> offsetN;
+    alignas(64) std::array<Real, kBlockVoxels> offsetU;
+    alignas(64) std::array<Real, kBlockVoxels> offsetV;
+    alignas(64) std::array<Real, kBlockVoxels> offsetN;
     alignas(64) std::array<std::int32_t, kBlockVoxels> index;  ///< into a block's values
 
     explicit LatticeOrder(const Mat4& tsFromIs);
@@ -56,8 +57,8 @@ class FieldSplatter {
   public:
     /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
     /// by `scale`, and count as `most` above it; positions are quantised to `stepsPerVoxel`.
-    FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, float scale,
-                  float most = std::numeric_limits<float>::max(), Simd simd = {});
+    FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, Real scale,
+                  Real most = std::numeric_limits<float>::max(), Simd simd = {});
 
     /// Has `field`, which must outlive this, share the footprints of the first field: it is splatted beside it, with the
     /// same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
@@ -85,7 +86,7 @@ class FieldSplatter {
     const SparseField& m_field;
     std::vector<std::vector<const float*>> m_joined;  // of each field that joined, its values for each block of m_field
     Mat4 m_tsFromIs;
-    float m_scale, m_most;
+    Real m_scale, m_most;
     Simd m_simd;
     FootprintTable m_table;
     LatticeOrder m_order;
@@ -105,7 +106,7 @@ class WarpedSplatter {
   public:
     /// `field` must outlive this. Voxel values are multiplied by `scale`, and count as `most` above it.
     WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster, Kernel kernel,
-                   int stepsPerVoxel, float scale, float most = std::numeric_limits<float>::max());
+                   int stepsPerVoxel, Real scale, Real most = std::numeric_limits<float>::max());
 
     /// As FieldSplatter::splat.
     std::uint64_t splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane, const TileCull& cull) const;
@@ -116,12 +117,12 @@ class WarpedSplatter {
     struct Target;
     void splatOneBlock(const Int3& origin, const float* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
-    void splatVoxel(const Vec3& ts, float value, Target& target) const;
+    void splatVoxel(const Vec3& ts, Real value, Target& target) const;
 
     const SparseField& m_field;
     Mat4 m_tsFromIs;
     Lattice m_raster;
-    float m_scale, m_most;
+    Real m_scale, m_most;
     double m_finer;          // table's columns a texel
     Vec2 m_slope;            // of the ray through the middle of the field, texels a sheet
     FootprintTable m_table;  // of the space in which the middle ray is upright

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the engine computes in, from footprints to pixels: float. The CMake option SCRIM_DOUBLE makes it double,
+// a build that nobody renders with: it tells how much of a picture is rounding (tests/precision/run.sh). What a render
+// reads (voxels, pixels of slides) and what it yields is float either way.
+#pragma once
+
+#include <cstdint>
+
+namespace scrim {
+
+#ifdef SCRIM_DOUBLE
+using Real = double;
+using RealIndex = std::int64_t;  ///< an integer as wide, as vectors of indices have them
+static_assert(sizeof(Real) == 8);
+#else
+using Real = float;
+using RealIndex = std::int32_t;  ///< an integer as wide, as vectors of indices have them
+#endif
+static_assert(sizeof(Real) == sizeof(RealIndex));
+
+}  // namespace scrim
