@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # From a bare Debian 12 to all tests passed: installs packages, builds, runs every test.
-#   tests/run.sh              release build: all tests, benchmarks built, the installed package used
+#   tests/run.sh              release build: all tests, benchmarks built, the house rules counted, the installed package used
 #   tests/run.sh --sanitize   the tests that read, parse and render, with address and undefined-behaviour sanitizers
 #   tests/run.sh --threads    renders side by side under the thread sanitizer (builds oneTBB with it, too)
 # Tests that need the volumes of $SCRIM_DATA (or ../shared/data) are skipped and counted where it is absent; where it is
@@ -45,6 +45,7 @@ stage building
 # shellcheck disable=SC2086
 cmake --build "$build" $targets -- --quiet
 stage testing
+[ "$preset" != "release" ] || tests/house/count.sh
 logs="$(mktemp -d)"
 trap 'rm -rf "$logs"' EXIT
 failed=0

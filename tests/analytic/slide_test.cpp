@@ -260,7 +260,6 @@ TEST(SlideOfALampInside, AgreesWithBruteForceInEveryWindow) {
         medium.densityScale = 0.02;
         ViewScene scene = orthographicScene(boxField({-16, -16, -16}, {15, 15, 15}), medium, 40, 40);
         Light light = projector({1, -2, 9}, 100, soft);
-        light.kind = Light::Point{};
         light.wsDirection = glm::normalize(Vec3(0.2, 0.1, -1));
         light.slide->outside = outside;
         scene.lights.push_back(light);

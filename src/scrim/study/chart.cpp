@@ -143,7 +143,8 @@ std::string chartAsSvg(const Chart& chart) {
     y.finish(chart.height - kBottom, kTop);
 
     std::string svg = fmt::format(
-        R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" role="img" aria-label="{2}">)",
+        R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {0} {1}" width="{0}" height="{1}" role="img" )"
+        R"(aria-label="{2}">)",
         chart.width, chart.height, htmlEscaped(chart.title));
     svg += axes(chart, x, y);
     for (const ChartSeries& s : chart.series) svg += series(s, x, y);

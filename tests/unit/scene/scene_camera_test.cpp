@@ -9,13 +9,8 @@
 
 #include <glm/geometric.hpp>
 
-namespace scrim {
+namespace scrim::test {
 namespace {
-
-using test::errorOf;
-using test::kCamera;
-using test::kVolume;
-using test::read;
 
 Camera camera(const std::string& lines, double frame = 1) {
     return read(kCamera + lines + kVolume, {}, frame).camera;
@@ -157,4 +152,4 @@ TEST(SceneCamera, UnknownKeysAreErrors) {
 }
 
 }  // namespace
-}  // namespace scrim
+}  // namespace scrim::test

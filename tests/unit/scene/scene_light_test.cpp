@@ -9,13 +9,8 @@
 
 #include <glm/geometric.hpp>
 
-namespace scrim {
+namespace scrim::test {
 namespace {
-
-using test::errorOf;
-using test::kCamera;
-using test::kVolume;
-using test::read;
 
 /// [[light]] is line 6, `lines` begin at line 7.
 std::string sceneWith(const std::string& lines) {
@@ -168,4 +163,4 @@ TEST(SceneAmbient, IsColourTimesIntensity) {
 }
 
 }  // namespace
-}  // namespace scrim
+}  // namespace scrim::test

@@ -6,13 +6,8 @@
 
 #include <gtest/gtest.h>
 
-namespace scrim {
+namespace scrim::test {
 namespace {
-
-using test::errorOf;
-using test::kCamera;
-using test::kVolume;
-using test::read;
 
 /// [[light]] is line 6, `lines` begin at line 7.
 Light light(const std::string& lines, double frame = 1) {
@@ -148,4 +143,4 @@ TEST(SceneSlide, KeysThatOnlySlidesUseNeedOne) {
 }
 
 }  // namespace
-}  // namespace scrim
+}  // namespace scrim::test

@@ -15,14 +15,8 @@
 
 #include <sys/stat.h>
 
-namespace scrim {
+namespace scrim::test {
 namespace {
-
-using test::box;
-using test::errorOf;
-using test::MadeGrid;
-using test::makeVdb;
-using test::TempFolder;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -392,4 +386,4 @@ TEST(RealVdbFiles, AreAllReadOrRefusedWithAReason) {
 }
 
 }  // namespace
-}  // namespace scrim
+}  // namespace scrim::test

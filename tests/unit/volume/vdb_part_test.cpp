@@ -10,14 +10,8 @@
 
 #include <cstring>
 
-namespace scrim {
+namespace scrim::test {
 namespace {
-
-using test::box;
-using test::errorOf;
-using test::MadeGrid;
-using test::makeVdb;
-using test::TempFolder;
 
 const std::vector<MadeGrid> kSeveral{
     {.name = "ids", .type = "int32", .voxels = box({0, 0, 0}, {9, 9, 9}, 3)},
@@ -135,4 +129,4 @@ TEST(RealVdbFiles, GiveEachGridAlone) {
 }
 
 }  // namespace
-}  // namespace scrim
+}  // namespace scrim::test
