@@ -111,7 +111,7 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         if (!m_surfaces.empty() || !(grid || m_alone)) read(volume.extinction(), rows.medium(i));
     }
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
-        read(m_extinction.emissions()[e].field->planes(), rows.emission(e));
+        read(*m_extinction.emissions()[e].planes, rows.emission(e));
 }
 
 void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {

@@ -66,6 +66,24 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
 
 }  // namespace
 
+// planesOf(fields, scale) makes the planes of fields of one topology.
+template <class PlanesOf>
+void ExtinctionSum::addEmission(const ViewVolume& volume, const PlanesOf& planesOf) {
+    std::vector<ViewField> fields;
+    std::vector<Rgb> colors;
+    for (const ViewEmission& emission : volume.emission) {
+        if (emission.field.field->empty()) continue;
+        fields.push_back(emission.field);
+        colors.push_back(emission.color);
+    }
+    auto color = colors.begin();
+    for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
+        m_emitted.push_back(planesOf(together, 1));
+        for (std::size_t f = 0; f < together.size(); ++f)
+            m_emissions.push_back({&m_emitted.back()->planes(f), *color++});
+    }
+}
+
 ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets, For who)
     : m_channels(plan.extinction) {
@@ -103,8 +121,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
             }
         }
         if (who != For::primaryEye) continue;
-        for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty()) m_emissions.push_back({planesOf({emission.field}, 1), emission.color});
+        addEmission(volume, planesOf);
     }
     if (!needsTotals(scene, plan, who)) return;
     for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
@@ -144,7 +161,7 @@ void ExtinctionSum::addUp(int p) {
         for (const ExtinctionChannels::Share& share : m_channels.shares[volume.sceneVolume])
             addPlane(own, share.weight, p, m_totals[share.channel]);
     }
-    for (const Emission& emission : m_emissions) addPlane(emission.field->planes(), 0, p, m_totals.front());
+    for (const Emission& emission : m_emissions) addPlane(*emission.planes, 0, p, m_totals.front());
     for (PlaneStack& total : m_totals) total.finish(p);
 }
 

@@ -52,7 +52,7 @@ class ExtinctionSum {
 
     /// Radiance per world unit = planes times colour.
     struct Emission {
-        std::unique_ptr<FieldPlanes> field;
+        const PlaneStack* planes;
         Rgb color;
     };
     const std::vector<Emission>& emissions() const { return m_emissions; }
@@ -64,11 +64,14 @@ class ExtinctionSum {
                              int batchSheets, For who);
 
   private:
+    template <class PlanesOf>
+    void addEmission(const ViewVolume& volume, const PlanesOf& planesOf);
     void addUp(int plane);
 
     const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
     std::vector<Emission> m_emissions;
+    std::vector<std::unique_ptr<FieldPlanes>> m_emitted;
     std::vector<FieldPlanes*> m_fields;  // all of them
     std::vector<PlaneStack> m_totals;    // one a channel, only where extinction is not that of one volume
     std::uint64_t m_voxels = 0;
