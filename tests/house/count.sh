@@ -23,6 +23,12 @@ units="$(files | sed -E 's/(-inl)?\.(h|cpp)$//' | sort -u | wc -l)"
 lines="$(files | xargs cat | wc -l)"
 longest="$(files | xargs wc -l | grep -v total | sort -n | tail -1 | awk '{print $1, $2}')"
 wide="$(find "$tree/src" -name '*.h' -o -name '*.cpp' | xargs awk 'length($0) > 120' | wc -l)"
-printf 'header types  %4d  (at most 60)\nunits         %4d  (at most 32)\nlines         %4d\nlongest file  %s  (at most 400 lines)\nlines over 120 columns in src  %d  (none)\n' \
-    "$types" "$units" "$lines" "$longest" "$wide"
-[ "$types" -le 60 ] && [ "$units" -le 32 ] && [ "${longest%% *}" -le 400 ] && [ "$wide" -eq 0 ]
+# A function begins and ends in the first column.
+long="$(find "$tree/src" -name '*.h' -o -name '*.cpp' | xargs awk '
+    FNR == 1 { open = 0 }
+    /^[A-Za-z_].*\(.*\{$/ && !/^(namespace|struct|class|enum|extern|constexpr)/ { start = FNR; open = 1 }
+    /^[A-Za-z_].*[,(]$/ { start = FNR; open = 1 }
+    /^}/ && open { if (FNR - start + 1 > 60) print FILENAME ":" start; open = 0 }')"
+printf 'header types  %4d  (at most 60)\nunits         %4d  (at most 32)\nlines         %4d\nlongest file  %s  (at most 400 lines)\nlines over 120 columns in src  %d  (none)\nfunctions over 60 lines in src  %s  (none)\n' \
+    "$types" "$units" "$lines" "$longest" "$wide" "${long:-0}"
+[ "$types" -le 60 ] && [ "$units" -le 32 ] && [ "${longest%% *}" -le 400 ] && [ "$wide" -eq 0 ] && [ -z "$long" ]

@@ -77,27 +77,29 @@ Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, 
     return raster;
 }
 
+// What a light's own sheets are perpendicular to, in sweep space: the light, or the image plane, as the dial says.
+Vec3 planeNormal(const ViewScene& scene, const Light& light, const Sheets& sheets, const Vec3& along) {
+    if (scene.dials.shadowPlane != ShadowPlane::image) return along;
+    Vec3 normal = sheets.ssFromWs * viewingAxis(scene.camera);
+    if (glm::dot(normal, along) < 0) normal = -normal;
+    if (glm::dot(normal, along) < kLeastCrossing)
+        throw Error(ErrorKind::render,
+                    fmt::format("light '{}' runs along the image plane, to which its shadow buffer cannot be aligned; "
+                                "shadow_plane = \"light\" can",
+                                light.name));
+    return normal;
+}
+
 // The lattice of a light's own sheets and shadow buffer.
 Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
                      const LightPart& part) {
     const Light& light = scene.lights[part.light];
     const bool distant = light.distant();
     const Vec3 step(sheets.texel, sheets.texel, sheets.thickness);
-    const bool image = scene.dials.shadowPlane == ShadowPlane::image;
 
     Vec3 along = sheets.ssFromWs * meanOf(part.wsDirections);
     if (std::abs(along.z) < kLeastRise) along = glm::normalize(Vec3(along.x, along.y, kLeastRise));
-    Vec3 normal = along;
-    if (image) {
-        normal = sheets.ssFromWs * viewingAxis(scene.camera);
-        if (glm::dot(normal, along) < 0) normal = -normal;
-        if (glm::dot(normal, along) < kLeastCrossing)
-            throw Error(
-                ErrorKind::render,
-                fmt::format("light '{}' runs along the image plane, to which its shadow buffer cannot be aligned; "
-                            "shadow_plane = \"light\" can",
-                            light.name));
-    }
+    const Vec3 normal = planeNormal(scene, light, sheets, along);
     const Vec3 other = std::abs(normal.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
     const Vec3 ey = glm::normalize(glm::cross(normal, other)), ex = glm::cross(ey, normal);
 
@@ -154,50 +156,37 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
     return static_cast<int>(std::ceil((2 * reach + 6) / kTileEdge));
 }
 
-}  // namespace
+// The raster of a distant light over the volumes' corners, or the part of it that a slide lights.
+void layDistant(const ViewScene& scene, const Light& light, const std::vector<Vec3>& corners, const Sheets& sheets,
+                LightView& view) {
+    Vec3 travel = sheets.tsVector(light.wsDirection);
+    // Image-aligned sheets may have a light that runs within them.
+    travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
+    view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
+    view.cell = scene.dials.shadowTexel;
+    const auto covered = [&](const std::vector<Vec3>& points) {
+        auto all = Box2<double>::nothing();
+        for (const Vec3& point : points) {
+            const Vec3 ts = sheets.tsPoint(point);
+            all.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
+        }
+        return all;
+    };
+    Box2<double> extent = covered(corners);
+    if (light.slide && light.slide->outside == SlideOutside::black)
+        extent = common(extent, covered(distantSlideCorners(light)));
+    layCells(extent, view);
+}
 
-LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
-                    LightPart part) {
-    const Light& light = scene.lights[part.light];
-    LightPlan plan;
-    plan.light = part.light;
-    plan.shadowed = light.shadows;
-    for (const Vec3& axis : part.wsWindows) plan.ssWindows.push_back(sheets.ssFromWs * axis);
-    plan.window = part.window;
-    plan.share = part.share;
-    if (scene.dials.splat == SplatMode::perView && light.shadows)
-        plan.lattice = lightLattice(scene, corners, sheets, part);
-
-    LightView& view = plan.view;
-    view.distant = light.distant();
-    view.slopeScale = sheets.texel / sheets.thickness;
-    auto extent = Box2<double>::nothing();
-    if (view.distant) {
-        Vec3 travel = sheets.tsVector(light.wsDirection);
-        // Image-aligned sheets may have a light that runs within them.
-        travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
-        view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
-        view.cell = scene.dials.shadowTexel;
-        const auto covered = [&](const std::vector<Vec3>& points) {
-            auto all = Box2<double>::nothing();
-            for (const Vec3& point : points) {
-                const Vec3 ts = sheets.tsPoint(point);
-                all.include(ts.x - view.tsSource.x * ts.z, ts.y - view.tsSource.y * ts.z);
-            }
-            return all;
-        };
-        extent = covered(corners);
-        if (light.slide && light.slide->outside == SlideOutside::black)
-            extent = common(extent, covered(distantSlideCorners(light)));
-        layCells(extent, view);
-        return plan;
-    }
-
+// The raster of a light that shines from a point, in `wsDirections`.
+void layPoint(const ViewScene& scene, const Light& light, const std::vector<Vec3>& corners, const Sheets& sheets,
+              double slant, const std::vector<Vec3>& wsDirections, LightView& view) {
     // Rays from a point are named by their slopes: those of the part's directions, or of the volume's corners
     // where that is less. No slope may exceed the sweep's slant.
+    auto extent = Box2<double>::nothing();
     view.tsSource = sheets.tsPoint(light.wsPosition);
     const double steepest = std::tan(std::min(slant + 0.02, kSlantLimit)) / view.slopeScale;
-    for (const Vec3& ws : part.wsDirections) {
+    for (const Vec3& ws : wsDirections) {
         const Vec3 ts = sheets.tsVector(ws);
         if (ts.z > 0) extent.include(ts.x / ts.z, ts.y / ts.z);
     }
@@ -218,6 +207,29 @@ LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, co
     // Cells are largest where the light has gone furthest.
     view.cell = scene.dials.shadowTexel / farthest;
     layCells(extent, view);
+}
+
+}  // namespace
+
+LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
+                    LightPart part) {
+    const Light& light = scene.lights[part.light];
+    LightPlan plan;
+    plan.light = part.light;
+    plan.shadowed = light.shadows;
+    for (const Vec3& axis : part.wsWindows) plan.ssWindows.push_back(sheets.ssFromWs * axis);
+    plan.window = part.window;
+    plan.share = part.share;
+    if (scene.dials.splat == SplatMode::perView && light.shadows)
+        plan.lattice = lightLattice(scene, corners, sheets, part);
+
+    LightView& view = plan.view;
+    view.distant = light.distant();
+    view.slopeScale = sheets.texel / sheets.thickness;
+    if (view.distant)
+        layDistant(scene, light, corners, sheets, view);
+    else
+        layPoint(scene, light, corners, sheets, slant, part.wsDirections, view);
     return plan;
 }
 
