@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <charconv>
 #include <functional>
-#include <limits>
 #include <string_view>
 
 namespace scrim::cli {
@@ -85,16 +84,15 @@ void addProgress(CLI::App& command, SceneOptions& o) {
 }  // namespace
 
 std::size_t parseSize(const std::string& text) {
-    const std::string expected = "a size such as 8G, 512M, 64K, or a number of bytes";
+    std::string bytes = text;
     std::size_t value = 0;
-    const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    const std::string_view unit(stop, std::size_t(text.data() + text.size() - stop));
-    const std::size_t place = std::string_view("KMGT").find(unit.empty() ? 'K' : unit.front());
-    if (error != std::errc() || unit.size() > 1 || place == std::string_view::npos || value == 0)
-        refuse("--memory", text, expected);
-    const int shift = unit.empty() ? 0 : 10 * (static_cast<int>(place) + 1);
-    if (value > std::numeric_limits<std::size_t>::max() >> shift) refuse("--memory", text, expected);
-    return value << shift;
+    try {
+        CLI::AsSizeValue(false)(bytes);
+        std::from_chars(bytes.data(), bytes.data() + bytes.size(), value);
+    } catch (const CLI::ValidationError&) {
+    }
+    if (value == 0) refuse("--memory", text, "a size such as 8G, 512M, 64K, or a number of bytes");
+    return value;
 }
 
 Int2 parseResolution(const std::string& text) {
