@@ -60,7 +60,7 @@ void printOut(const std::string& text) {
 }
 
 void flushOut() {
-    if (std::fflush(stdout) != 0) cannotPrint();
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) cannotPrint();
 }
 
 }  // namespace scrim::cli

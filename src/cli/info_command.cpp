@@ -2,74 +2,95 @@
 #include "info_command.h"
 
 #include "console.h"
-#include "internal_load.h"
+#include "guarded_loading.h"
+#include "info_text.h"
 #include "interrupt.h"
 
 #include <scrim/base/error.h>
+#include <scrim/scene/frame_path.h>
+#include <scrim/volume/foreign_format.h>
 #include <scrim/volume/load_fields.h>
+#include <scrim/volume/scan_info.h>
 #include <scrim/volume/vdb_info_text.h>
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
+
 namespace scrim::cli {
 namespace {
 
-std::string vectorText(const Vec3& v) {
-    return fmt::format("[{:.6g}, {:.6g}, {:.6g}]", v.x, v.y, v.z);
-}
-std::string vectorText(const Int3& v) {
-    return fmt::format("[{}, {}, {}]", v.x, v.y, v.z);
-}
+/// An argument: one file, or a sequence with those of its frames that are wanted.
+struct Asked {
+    std::string name;
+    std::vector<int> frames;  ///< empty: one file
+    std::vector<std::string> files;
+};
 
-std::string boundsText(const GridInfo& grid) {
-    if (grid.isUpper.x < grid.isLower.x) return "empty";
-    const Int3 size = grid.isUpper - grid.isLower + 1;
-    return fmt::format("{} to {} ({} x {} x {})", vectorText(grid.isLower), vectorText(grid.isUpper), size.x, size.y,
-                       size.z);
-}
-
-std::string gridText(const GridInfo& g) {
-    std::string text = fmt::format("\n  grid '{}'\n", shortened(g.name));
-    const auto row = [&text](const char* name, const std::string& value) {
-        text += fmt::format("    {:<14} {}\n", name, value);
-    };
-    row("type", g.valueType + (g.savedAsHalf ? ", saved as half" : ""));
-    row("class", g.gridClass);
-    row("active voxels", fmt::format("{}, and {} tiles", g.activeVoxels, g.activeTiles));
-    row("voxel size", vectorText(g.voxelSize) + (g.affine ? "" : " in the middle (not affine)"));
-    row("bounds", boundsText(g));
-    if (g.usable) {
-        row("values", fmt::format("{:.6g} to {:.6g}", g.minValue, g.maxValue));
-        row("NaN or inf", fmt::format("{}", g.nonFinite));
-        row("negative", fmt::format("{}", g.negative));
+Asked asked(const std::string& argument, const std::vector<int>& frames) {
+    std::error_code ignored;
+    if (std::filesystem::exists(argument, ignored) || !hasFrame(argument)) return {argument, {}, {argument}};
+    const FramePath path{"", argument};
+    Asked out{argument, {}, {}};
+    for (const int frame : frames.empty() ? existingFrames(path) : frames) {
+        out.frames.push_back(frame);
+        out.files.push_back(path.at(frame));
     }
-    row("codec", g.codec.empty() ? "unknown" : g.codec);
-    if (g.colour) row("usable", "as a colour");
-    if (!g.usable && !g.colour) row("usable", "no: not float, half or double");
-    return text;
+    if (out.files.empty())
+        throw Error(ErrorKind::input, fmt::format("{}: the sequence has no files", shortened(argument)));
+    return out;
 }
 
-std::string fileText(const VdbFileInfo& info) {
-    std::string text =
-        fmt::format("{}\n  {:<16} {}\n  {:<16} {}, written by OpenVDB {}.{}\n", info.path, "bytes", info.fileBytes,
-                    "file version", info.fileVersion, info.libraryMajor, info.libraryMinor);
-    for (const auto& [name, value] : info.metadata) text += fmt::format("  {:<16} {}\n", name, value);
-    for (const GridInfo& grid : info.grids) text += gridText(grid);
-    return text;
-}
+class Info {
+  public:
+    explicit Info(const InfoOptions& options) : m_options(options), m_loading(guardedLoading(0, options.verbose)) {}
+
+    void run() {
+        std::size_t files = 0;
+        for (const std::string& argument : m_options.files) {
+            const Asked what = asked(argument, m_options.frames);
+            files += what.files.size();
+            for (const std::string& file : what.files)
+                if (const ForeignFormat* const format = foreignFormat(file))
+                    throw Error(ErrorKind::input, fmt::format("{}: {}", shortened(file), textOf(*format)));
+            if (what.frames.size() > 1 && !m_options.json && !isScanFile(what.name))
+                addSequence(what);
+            else
+                for (const std::string& file : what.files) addFile(file);
+        }
+        if (m_options.json) m_text = (files > 1 ? "[" + m_text + "]" : m_text) + "\n";
+        printOut(m_text);
+    }
+
+  private:
+    void add(const std::string& text) {
+        if (!m_text.empty()) m_text += m_options.json ? ",\n" : "\n";
+        m_text += text;
+    }
+    void addFile(const std::string& file) {
+        if (isScanFile(file)) {
+            const ScanInfo info = loadScanInfo(file, m_loading, throwIfInterrupted);
+            return add(m_options.json ? toJson(info) : infoText(info));
+        }
+        const VdbFileInfo info = loadInfo(file, m_loading, throwIfInterrupted);
+        add(m_options.json ? toJson(info) : infoText(info));
+    }
+    void addSequence(const Asked& what) {
+        std::vector<VdbFileInfo> infos;
+        for (const std::string& file : what.files) infos.push_back(loadInfo(file, m_loading, throwIfInterrupted));
+        add(sequenceText(what.name, what.frames, infos));
+    }
+
+    const InfoOptions& m_options;
+    LoadOptions m_loading;
+    std::string m_text;
+};
 
 }  // namespace
 
 void infoCommand(const InfoOptions& options) {
-    const LoadOptions loading = guardedLoading(0, 0, options.verbose);
-    std::string text;
-    for (const std::string& file : options.files) {
-        const VdbFileInfo info = loadInfo(file, loading, throwIfInterrupted);
-        if (!text.empty()) text += options.json ? ",\n" : "\n";
-        text += options.json ? toJson(info) : fileText(info);
-    }
-    if (options.json) text = (options.files.size() > 1 ? "[" + text + "]" : text) + "\n";
-    printOut(text);
+    Info(options).run();
 }
 
 }  // namespace scrim::cli

@@ -39,6 +39,8 @@ void handleInterrupts() {
     // A reader of our output that went away is an error of writing, not a reason to die with files half
     // written.
     std::signal(SIGPIPE, SIG_IGN);
+    // So is a file that may not grow any further.
+    std::signal(SIGXFSZ, SIG_IGN);
 }
 
 int interruptSignal() noexcept {

@@ -2,8 +2,8 @@
 // The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an
 // exit status. The only place that catches exceptions.
 #include "console.h"
+#include "help_command.h"
 #include "info_command.h"
-#include "internal_load.h"
 #include "interrupt.h"
 #include "make_command.h"
 #include "options.h"
@@ -11,9 +11,10 @@
 #include "render_command.h"
 #include "study_command.h"
 
-#include <scrim/base/error.h>
+#include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
 #include <scrim/image/versions.h>
+#include <scrim/scene/frame_range.h>
 #include <scrim/scene/nearest_name.h>
 #include <scrim/volume/vdb_version.h>
 
@@ -23,10 +24,10 @@
 #include <csignal>
 #include <cstdio>
 #include <new>
+#include <sstream>
 #include <string>
+#include <system_error>
 #include <vector>
-
-#include <unistd.h>
 
 namespace scrim::cli {
 namespace {
@@ -76,6 +77,7 @@ struct CommandLine {
     SceneOptions render, plan, study;
     InfoOptions info;
     MakeOptions make;
+    HelpOptions help;
 
     CommandLine() {
         app.set_version_flag("--version", versionText, "print the versions of scrim and its libraries");
@@ -85,6 +87,7 @@ struct CommandLine {
         addStudy();
         addInfo();
         addMake();
+        addHelp();
     }
 
     void addRender() {
@@ -104,8 +107,15 @@ struct CommandLine {
         addStudyOptions(*command, study);
     }
     void addInfo() {
-        CLI::App* command = app.add_subcommand("info", "show what .vdb files hold");
-        command->add_option("files", info.files, "files to look into")->type_name("ASSET")->required();
+        CLI::App* command = app.add_subcommand("info", "show what .vdb files, sequences of them, and scans hold");
+        command->add_option("files", info.files, "files (.vdb, .nrrd, .nii) or sequences (smoke.####.vdb)")
+            ->type_name("ASSET")
+            ->required();
+        command
+            ->add_option_function<std::string>(
+                "--frames", [this](const std::string& t) { info.frames = parseFrameRange(t); },
+                "of a sequence: 1-48x2,60")
+            ->type_name("RANGE");
         command->add_flag("--json", info.json, "print JSON");
         command->add_flag("-v,--verbose", info.verbose, "show what the reading process says");
     }
@@ -120,6 +130,13 @@ struct CommandLine {
         command->add_flag("--list", make.list, "print all sources with their parameters");
         command->add_flag("--help-source", make.helpSource, "print the parameters of the source");
         addVerbosity(*command, make.verbose, make.quiet);
+    }
+    void addHelp() {
+        CLI::App* command = app.add_subcommand("help", "explain a command, a section of a scene, a key");
+        command->add_option("topic", help.topic, "render, camera, camera.fov")->type_name("TOPIC");
+        command->add_flag("--schema", help.schema, "print a JSON schema of scenes, for editors");
+        command->add_flag("--markdown", help.markdown, "print all that a scene may say as Markdown");
+        command->add_flag("--completion", help.completion, "print a completion script for bash");
     }
 
     std::vector<std::string> commandNames() const {
@@ -170,6 +187,7 @@ int runCommand(CommandLine& line) {
     if (name == "study") studyCommand(line.study);
     if (name == "info") infoCommand(line.info);
     if (name == "make") makeCommand(line.make);
+    if (name == "help") helpCommand(line.help, line.app);
     if (name.empty()) {
         printOut(line.app.help());
         flushOut();
@@ -180,16 +198,15 @@ int runCommand(CommandLine& line) {
 }
 
 int run(const std::vector<std::string>& arguments) {
-    if (!arguments.empty() && arguments.front() == kInternalLoad)
-        // What a damaged file left of the heap is better not taken apart.
-        ::_exit(internalLoad({arguments.begin() + 1, arguments.end()}));
     handleInterrupts();
     CommandLine line;
     checkCommandName(line, arguments);
     try {
         line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
     } catch (const CLI::Success& success) {  // help and version are asked for by exceptions
-        line.app.exit(success);
+        std::ostringstream text;
+        line.app.exit(success, text, text);
+        printOut(text.str());
         flushOut();
         return 0;
     } catch (const CLI::ParseError& error) {
@@ -203,12 +220,17 @@ int run(const std::vector<std::string>& arguments) {
 
 int main(int argc, char** argv) {
     using namespace scrim;
+    openStandardStreams();
     try {
         return cli::run({argv + 1, argv + argc});
     } catch (const Error& error) {
         return cli::fail(cli::statusOf(error.kind()), error.what());
     } catch (const std::bad_alloc&) {
         return cli::fail(cli::kMemoryStatus, "out of memory");
+    } catch (const std::system_error& error) {
+        if (error.code() == std::errc::resource_unavailable_try_again)
+            return cli::fail(cli::kMemoryStatus, "out of memory, or of threads (ulimit -v, ulimit -u)");
+        return cli::fail(cli::statusOf(kindOfSystemError(error.code().value(), ErrorKind::render)), error.what());
     } catch (const std::exception& error) {
         return cli::fail(1, error.what());
     }

@@ -2,10 +2,15 @@
 #include "make_command.h"
 
 #include "console.h"
+#include "file_claims.h"
+#include "guarded_loading.h"
 #include "interrupt.h"
 
+#include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/shot/shot_text.h>
+#include <scrim/volume/load_fields.h>
 #include <scrim/volume/source.h>
 #include <scrim/volume/vdb_write.h>
 
@@ -38,6 +43,17 @@ std::vector<std::pair<std::string, std::string>> split(const std::vector<std::st
     return out;
 }
 
+/// Whatever is the name of a file counts as one that the source reads.
+void checkOutput(const std::string& output, const std::vector<std::pair<std::string, std::string>>& parameters) {
+    if (lowerExtension(output) != ".vdb")
+        throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.vdb'", shortened(output)));
+    FileClaims claims;
+    for (const auto& [name, value] : parameters) claims.reads(value, fmt::format("the source's '{}'", name));
+    claims.writesAlone(output, "--output");
+    const AtomicFile probe(output);
+    for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);
+}
+
 void listAll(Console& console) {
     const std::vector<SourceDescription> sources = listSources(console.sink());
     for (const SourceDescription& source : sources) printOut(describedText(source));
@@ -55,10 +71,12 @@ void makeCommand(const MakeOptions& options) {
     if (options.helpSource) return printOut(describedText(describeSource(options.source)));
     const auto parameters = split(options.parameters);
     if (options.output.empty()) throw Error(ErrorKind::usage, "make: expected -o OUT.vdb, the file to write");
+    checkOutput(options.output, parameters);
 
     std::vector<SparseField> fields;
     TaskArena(options.threads).run([&] {
-        fields = generate(options.source, parameters, console.sink(), [](double) { return interruptSignal() == 0; });
+        fields = sourceFields(options.source, parameters, guardedLoading(0, options.verbose), console.sink(),
+                              throwIfInterrupted);
     });
     throwIfInterrupted();
     writeVdb(options.output, fields);

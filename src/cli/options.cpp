@@ -19,6 +19,7 @@ namespace {
 
 constexpr int kMostPixels = 65536;  // a side, as in scenes
 constexpr int kMostThreads = 4096;
+constexpr double kMostStops = 30;
 
 [[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& expected) {
     throw Error(ErrorKind::usage, fmt::format("{} {}: expected {}", option, shortened(text, 80), expected));
@@ -60,10 +61,27 @@ int countFrom(const std::string& option, const std::string& text, int most, cons
     return numbers->front();
 }
 
+int turntableFrom(const std::string& text) {
+    constexpr int kMostFrames = 10000;
+    const auto numbers = numbersOf<int>(text, '\0');
+    if (!numbers || numbers->size() != 1 || numbers->front() < 2 || numbers->front() > kMostFrames)
+        refuse("--turntable", text, fmt::format("a whole number of frames from 2 to {}", kMostFrames));
+    return numbers->front();
+}
+
 /// An option whose text `take` reads.
 CLI::Option* add(CLI::App& command, const std::string& names, const std::string& form, const std::string& help,
                  const std::function<void(const std::string&)>& take) {
     return command.add_option_function<std::string>(names, take, help)->type_name(form);
+}
+
+/// An option that names a file or a folder.
+void addFile(CLI::App& command, const std::string& names, const std::string& form, const std::string& help,
+             std::string& path) {
+    add(command, names, form, help, [&path, names](const std::string& text) {
+        if (text.empty()) throw Error(ErrorKind::usage, names.substr(names.find("--")) + ": the name is empty");
+        path = text;
+    });
 }
 
 /// An option that is one of some words; `take` gets the word's place.
@@ -110,13 +128,25 @@ PixelWindow parseCrop(const std::string& text) {
     return {(*n)[0], (*n)[1], (*n)[2], (*n)[3]};
 }
 
+Vec3 parseAxis(const std::string& text) {
+    const bool negative = text.starts_with('-');
+    const std::string_view letter = std::string_view(text).substr(negative ? 1 : 0);
+    if (letter.size() != 1 || letter[0] < 'x' || letter[0] > 'z')
+        refuse("--up", "'" + text + "'", choices({"x", "y", "z", "-x", "-y", "-z"}));
+    Vec3 axis(0);
+    axis[letter[0] - 'x'] = negative ? -1 : 1;
+    return axis;
+}
+
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet) {
     CLI::Option* loud = command.add_flag("-v,--verbose", verbose, "tell about each stage");
     command.add_flag("-q,--quiet", quiet, "only warnings and errors")->excludes(loud);
 }
 
 void addSceneOptions(CLI::App& command, SceneOptions& o) {
-    command.add_option("inputs", o.inputs, "scenes (.toml) or assets (.vdb); an asset alone is framed and lit")
+    command
+        .add_option("inputs", o.inputs,
+                    "scenes (.toml), assets (.vdb) or scans (.nrrd, .nii); an asset or scan alone is framed and lit")
         ->type_name("SCENE|ASSET")
         ->required();
     add(command, "--frames", "RANGE", "frames to do: 1-48x2,60",
@@ -124,6 +154,8 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
     add(command, "--res", "WxH", "pixels, in place of the scene's",
         [&o](const std::string& t) { o.resolution = parseResolution(t); });
     add(command, "--crop", "X0,Y0,X1,Y1", "only these pixels", [&o](const std::string& t) { o.crop = parseCrop(t); });
+    add(command, "--up", "AXIS", "what is up in an asset: y, z, -z, ...; else guessed",
+        [&o](const std::string& t) { o.wsUp = parseAxis(t); });
     addChoice(command, "--quality", presetNames(), "preset of all dials, in place of the scene's",
               [&o](std::size_t i) { o.quality = presetNames()[i]; });
     command.add_option("--set", o.sets, "change a value of the scene: camera.fov=20, light.key.intensity=3")
@@ -135,16 +167,25 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
         [&o](const std::string& t) { o.memory = parseSize(t); });
     addChoice(command, "--missing", {"error", "black", "skip"}, "what a missing file of a volume makes of a frame",
               [&o](std::size_t i) { o.missing = static_cast<MissingPolicy>(i); });
-    command.add_option("--ocio", o.ocio, "OpenColorIO config, in place of $OCIO")->type_name("FILE");
+    addFile(command, "--ocio", "FILE", "OpenColorIO config, in place of $OCIO", o.ocio);
     command.add_flag("--print-scene", o.printScene, "print the scene with all changes, and do nothing else");
     addVerbosity(command, o.verbose, o.quiet);
 }
 
 void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& group) {
     command.option_defaults()->group(group);
-    command.add_option("-o,--output", o.output, "picture to write: plume.####.exr")->type_name("FILE.exr");
-    command.add_option("--preview", o.preview, "also write a picture for a display")->type_name("FILE.png");
-    command.add_option("--stats", o.stats, "write times, work and memory")->type_name("FILE.json");
+    addFile(command, "-o,--output", "FILE.exr", "picture to write: plume.####.exr", o.output);
+    addFile(command, "--preview", "FILE.png", "also write a picture for a display", o.preview);
+    command.add_option("--view", o.view, "view of the display for previews, of those of the OpenColorIO config")
+        ->type_name("NAME");
+    add(command, "--exposure", "STOPS", "make previews brighter; the picture stays as it is",
+        [&o](const std::string& t) {
+            o.exposure = numberFrom(
+                "--exposure", t, [](double v) { return v >= -kMostStops && v <= kMostStops; }, "stops from -30 to 30");
+        });
+    add(command, "--turntable", "N", "N frames in which the camera goes once around what it looks at",
+        [&o](const std::string& t) { o.turntable = turntableFrom(t); });
+    addFile(command, "--stats", "FILE.json", "write times, work and memory", o.stats);
     command.add_flag("--skip-existing", o.skipExisting, "leave frames alone whose picture exists");
     add(command, "--verify", "N|all",
         "compare N random pixels, or all, of those that may show something with the brute-force reference",
@@ -165,7 +206,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
 }
 
 void addStudyOptions(CLI::App& command, SceneOptions& o) {
-    command.add_option("-o,--output", o.output, "folder for study.csv, study.json and index.html")->type_name("DIR");
+    addFile(command, "-o,--output", "DIR", "folder for study.csv, study.json and index.html", o.output);
     add(command, "--budget", "SECONDS", "stop in time, with what there is by then",
         [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
     addProgress(command, o);

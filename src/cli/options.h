@@ -35,6 +35,10 @@ struct SceneOptions {
     bool verbose = false, quiet = false;
 
     std::string stats, preview;
+    std::string view;                ///< of the preview; "": what the scene says
+    std::optional<double> exposure;  ///< of the preview: stops
+    std::optional<Vec3> wsUp;        ///< of assets
+    int turntable = 0;               ///< frames; 0: none
     bool skipExisting = false;
     ProgressStyle progress = ProgressStyle::automatic;
     int verify = 0;          ///< pixels; kAllPixels: all
@@ -58,6 +62,8 @@ void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
 std::size_t parseSize(const std::string& text);
 /// "1920x1080".
 Int2 parseResolution(const std::string& text);
+/// "z", "-y".
+Vec3 parseAxis(const std::string& text);
 /// "X0,Y0,X1,Y1": the half-open box from (X0, Y0) to (X1, Y1).
 PixelWindow parseCrop(const std::string& text);
 

@@ -49,7 +49,7 @@ void plan(const SceneOptions& options) {
     Console console(options.verbose, options.quiet);
     RenderOptions planning = renderOptionsOf(options, console.sink());
     planning.progress = [](double) { return interruptSignal() == 0; };
-    std::vector<SceneInput> inputs = openInputs(options, false);
+    std::vector<SceneInput> inputs = openInputs(options);
     Json all = Json::array();
     bool first = true;
     for (SceneInput& input : inputs) {

@@ -30,7 +30,7 @@ int stepsOf(ProgressStyle style) {
         case ProgressStyle::openjd:
             return 1000;
         case ProgressStyle::plain:
-            return 10;
+            return 20;
         default:
             return 100;
     }
@@ -60,7 +60,6 @@ Progress::Progress(ProgressStyle style, Console& console)
 
 void Progress::beginFrame(int frame) {
     m_frame = frame;
-    if (m_style == ProgressStyle::plain) m_printed = 0;
     if (m_style == ProgressStyle::openjd) {
         printOut(fmt::format("openjd_status: frame {} ({} of {})\n", frame, m_index + 1, m_count));
         flushOut();
@@ -77,8 +76,7 @@ void Progress::report(double part) {
     if (m_style == ProgressStyle::none) return;
     part = std::clamp(part, 0.0, 1.0);
     if (m_style == ProgressStyle::bar) return printBar(part);
-    // Plain lines tell about the frame, the others about the whole run.
-    const double done = m_style == ProgressStyle::plain ? part : (m_index + part) / m_count;
+    const double done = (m_index + part) / m_count;
     const int step = static_cast<int>(std::floor(done * stepsOf(m_style) + 1e-9));
     if (step <= m_printed || Clock::now() - m_drawn < m_pause) return;
     m_printed = step;
@@ -89,7 +87,7 @@ void Progress::report(double part) {
 void Progress::print(double part) {
     const double percent = 100.0 * m_printed / stepsOf(m_style);
     if (m_style == ProgressStyle::plain)
-        return m_console.line(fmt::format("frame {} ({} of {}): {:.0f}%", m_frame, m_index + 1, m_count, percent));
+        return m_console.line(fmt::format("{:.0f}%  {}", percent, whereText((m_index + part) / m_count)));
     if (m_style == ProgressStyle::alf) printOut(fmt::format("ALF_PROGRESS {:.0f}%\n", percent));
     if (m_style == ProgressStyle::openjd) printOut(fmt::format("openjd_progress: {:.1f}\n", percent));
     if (m_style == ProgressStyle::json) {
@@ -103,20 +101,24 @@ void Progress::print(double part) {
     flushOut();
 }
 
+/// "frame 7 (3 of 48)  0:12, 3:01 left", where `done` is the part of the whole run.
+std::string Progress::whereText(double done) const {
+    const double elapsed = std::chrono::duration<double>(Clock::now() - m_start).count();
+    std::string text = fmt::format("frame {} ({} of {})  {}", m_frame, m_index + 1, m_count, clockText(elapsed));
+    // Before that the guess would jump about.
+    constexpr double kLeastToGuess = 0.02;
+    if (done > kLeastToGuess) text += fmt::format(", {} left", clockText(elapsed / done - elapsed));
+    return text;
+}
+
 void Progress::printBar(double part) {
     const Clock::time_point now = Clock::now();
     if (now - m_drawn < m_pause && part < 1) return;
     m_drawn = now;
     const double done = (m_index + part) / m_count;
-    const double elapsed = std::chrono::duration<double>(now - m_start).count();
     const int full = static_cast<int>(std::lround(done * kBarCells));
-    std::string text = fmt::format("[{}{}] {:3.0f}%  frame {} ({} of {})  {}", std::string(std::size_t(full), '#'),
-                                   std::string(std::size_t(kBarCells - full), '.'), 100 * done, m_frame, m_index + 1,
-                                   m_count, clockText(elapsed));
-    // Before that the guess would jump about.
-    constexpr double kLeastToGuess = 0.02;
-    if (done > kLeastToGuess) text += fmt::format(", {} left", clockText(elapsed / done - elapsed));
-    m_console.status(text);
+    m_console.status(fmt::format("[{}{}] {:3.0f}%  {}", std::string(std::size_t(full), '#'),
+                                 std::string(std::size_t(kBarCells - full), '.'), 100 * done, whereText(done)));
 }
 
 ProgressSink Progress::stage(double from, double to) {

@@ -43,6 +43,7 @@ class Progress {
 
     void print(double part);
     void printBar(double part);
+    std::string whereText(double done) const;
 
     ProgressStyle m_style;
     Clock::duration m_pause;  ///< between two lines, at least

@@ -3,6 +3,7 @@
 
 #include "console.h"
 #include "frame_lines.h"
+#include "guarded_loading.h"
 #include "interrupt.h"
 #include "progress.h"
 #include "scene_input.h"
@@ -11,11 +12,16 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/image/exr.h>
+#include <scrim/image/whole_picture.h>
+#include <scrim/volume/load_fields.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <set>
 #include <system_error>
 
 namespace scrim::cli {
@@ -36,7 +42,11 @@ class RenderRun {
     void run();
 
   private:
+    bool existsAlready(const SceneInput& input, int frame);
+    bool hasPreview(const std::string& path) const;
+    void completeFrame(SceneInput& input, int frame);
     void renderFrame(SceneInput& input, int frame);
+    std::optional<int> frameAfter(const SceneInput& input, int frame);
     RenderOptions optionsOf(const SceneInput& input, int frame);
     void announce(int frame, double seconds);
     void write(ShotFrame& frame, bool withPreview);
@@ -45,16 +55,21 @@ class RenderRun {
     const SceneOptions& m_options;
     Console m_console;
     Progress m_progress;
+    std::set<std::string> m_whole;  // pictures that were there
     std::vector<ShotReport> m_reports;
     std::vector<std::string> m_missed;  // tolerances
 };
 
 void RenderRun::run() {
-    std::vector<SceneInput> inputs = openInputs(m_options, !m_options.printScene);
+    std::vector<SceneInput> inputs = openInputs(m_options);
     if (m_options.printScene) {
         for (SceneInput& input : inputs) printOut(input.printedToml(renderOptionsOf(m_options, m_console.sink())));
         return;
     }
+    FileClaims claims;
+    claimInputs(inputs, m_options, claims);
+    claimOutputs(inputs, m_options, claims);
+    for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);
     setExrThreads(threadCount());
     int count = 0;
     for (const SceneInput& input : inputs) count += static_cast<int>(input.frames().size());
@@ -85,6 +100,7 @@ void RenderRun::announce(int frame, double seconds) {
 RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
     RenderOptions options = renderOptionsOf(m_options, m_console.sink());
     options.progress = m_progress.stage(0, 1);
+    options.next = frameAfter(input, frame);
     options.announce = [this, frame](double seconds) { announce(frame, seconds); };
     if (m_options.verbose) options.planned = [this](const ShotPlan& plan) { m_console.detail(plan.table); };
     options.change = [this, &input](Scene& scene) {
@@ -109,10 +125,49 @@ void RenderRun::write(ShotFrame& frame, bool withPreview) {
     if (withPreview) frame.preview();
 }
 
-void RenderRun::renderFrame(SceneInput& input, int frame) {
+/// Whether there is a whole picture, which is then left alone.
+bool RenderRun::existsAlready(const SceneInput& input, int frame) {
+    if (!m_options.skipExisting) return false;
+    const std::string path = input.output().outputAt(frame);
+    if (m_whole.contains(path)) return true;
+    if (!isWholeExr(path)) return false;
+    m_whole.insert(path);
+    return true;
+}
+
+/// Whether there is a whole one. Formats that are not known well enough to tell are read, by a child.
+bool RenderRun::hasPreview(const std::string& path) const {
     std::error_code ignored;
-    if (m_options.skipExisting && std::filesystem::exists(input.output().at(frame), ignored))
-        return m_console.line(fmt::format("frame {}: {} exists already", frame, input.output().at(frame)));
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;
+    if (const auto whole = isWholePicture(path)) return *whole;
+    return readPicture(path, guardedLoading(m_options.memory, m_options.verbose), throwIfInterrupted).problem.empty();
+}
+
+/// Of a frame whose picture exists.
+void RenderRun::completeFrame(SceneInput& input, int frame) {
+    const std::string path = input.output().outputAt(frame);
+    const FramePath& preview = input.preview();
+    if (preview.pattern.empty() || hasPreview(preview.outputAt(frame)))
+        return m_console.line(fmt::format("frame {}: {} exists already", frame, path));
+    RenderOptions options = renderOptionsOf(m_options, m_console.sink());
+    options.change = [&input](Scene& scene) { input.change(scene); };
+    input.shot().previewFromPicture(frame, options);
+    m_console.line(fmt::format("frame {}: {} exists already; its preview was made", frame, path));
+}
+
+/// The next one that is rendered of this input.
+std::optional<int> RenderRun::frameAfter(const SceneInput& input, int frame) {
+    const std::vector<int>& frames = input.frames();
+    auto next = std::find(frames.begin(), frames.end(), frame);
+    while (next != frames.end() && (*next == frame || existsAlready(input, *next))) ++next;
+    return next == frames.end() ? std::nullopt : std::optional<int>(*next);
+}
+
+void RenderRun::renderFrame(SceneInput& input, int frame) {
+    if (existsAlready(input, frame)) return completeFrame(input, frame);
+    const std::string path = input.output().outputAt(frame);
+    if (std::error_code ignored; m_options.skipExisting && std::filesystem::exists(path, ignored))
+        m_console.line(fmt::format("frame {}: {} is not whole, and is rendered again", frame, path));
 
     ShotFrame rendered = input.shot().render(frame, optionsOf(input, frame));
     if (rendered.skipped()) return;

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_input.h"
 
-#include "internal_load.h"
+#include "guarded_loading.h"
 #include "interrupt.h"
 
 #include <scrim/base/error.h>
 #include <scrim/scene/frame_path.h>
+#include <scrim/scene/toml_text.h>
+#include <scrim/shot/shot_files.h>
 #include <scrim/shot/shot_text.h>
 
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
-#include <map>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -56,7 +59,9 @@ OpenOptions openOptionsOf(const SceneOptions& options, const Shot* sharing) {
     OpenOptions out;
     out.ocio = options.ocio;
     out.resolution = options.resolution;
-    out.load = guardedLoading(options.memory, options.threads, options.verbose);
+    out.wsUp = options.wsUp;
+    out.turntable = options.turntable;
+    out.load = guardedLoading(options.memory, options.verbose);
     out.checkedFrame = options.frames.empty() ? 1 : options.frames.front();
     out.shareWith = sharing;
     return out;
@@ -77,6 +82,7 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
     m_frames = framesOf(scene);
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
+    checkPreview(scene.output.preview);
     if (lowerExtension(m_output.pattern) != ".exr")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
                                                   "kinds of pictures",
@@ -88,20 +94,45 @@ void SceneInput::change(Scene& scene) const {
     SceneOutput& output = scene.output;
     const int frame = static_cast<int>(scene.frame);
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
+    if (!m_options.view.empty()) output.preview.view = m_options.view;
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
-    output.file = output.path.at(frame);
-    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.at(frame);
+    output.file = output.path.outputAt(frame);
+    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
+}
+
+void SceneInput::checkPreview(const ScenePreview& preview) const {
+    const char* const option = !m_options.view.empty() ? "--view" : m_options.exposure ? "--exposure" : nullptr;
+    if (option == nullptr) return;
+    if (preview.path.pattern.empty())
+        throw Error(ErrorKind::usage, fmt::format("{}: there is no preview that it could change; --preview FILE.png "
+                                                  "writes one",
+                                                  option));
+    if (m_options.view.empty()) return;
+    const auto lower = [](std::string text) {
+        for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return text;
+    };
+    const std::vector<std::string> views = m_shot.colour().views(preview.display);
+    for (const std::string& view : views)
+        if (lower(view) == lower(m_options.view)) return;
+    throw Error(ErrorKind::usage,
+                fmt::format("--view '{}': expected {}", shortened(m_options.view, 80), choices(views)));
 }
 
 std::vector<int> SceneInput::framesOf(const Scene& scene) const {
     if (!m_options.frames.empty()) return m_options.frames;
     if (m_options.printScene) return {1};
+    if (m_options.turntable > 0) {
+        std::vector<int> frames(static_cast<std::size_t>(m_options.turntable));
+        std::iota(frames.begin(), frames.end(), 1);
+        return frames;
+    }
     for (const SceneVolume& volume : scene.volumes)
         if (volume.source.empty() && volume.sequence.hasFrame())
             throw Error(ErrorKind::usage,
                         fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", name(),
                                     volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
-    if (scene.output.path.hasFrame())
+    if (scene.output.path.outputHasFrame())
         throw Error(ErrorKind::usage, fmt::format("{}: the output '{}' has a place for the frame; say which frames "
                                                   "with --frames",
                                                   name(), scene.output.path.pattern));
@@ -109,6 +140,11 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
 }
 
 std::string SceneInput::printedToml(const RenderOptions& options) {
+    if (m_shot.isAsset() && !isUtf8(name()))
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: the name is not UTF-8, which all text of scenes is: no scene can be printed that "
+                                "names it; rename it, or make a link to it",
+                                name()));
     if (m_options.output.empty()) return m_shot.toml({}, options);
     // The text that frames an asset stays as readable as it is.
     if (m_shot.isAsset() && overridesOf(m_options).empty())
@@ -119,36 +155,44 @@ std::string SceneInput::printedToml(const RenderOptions& options) {
     return m_shot.toml({fmt::format("output.file={}", quoted(file))}, options);
 }
 
-std::vector<SceneInput> openInputs(const SceneOptions& options, bool writes) {
+std::vector<SceneInput> openInputs(const SceneOptions& options) {
     std::vector<SceneInput> inputs;
     inputs.reserve(options.inputs.size());
     for (const std::string& path : options.inputs)
         inputs.emplace_back(path, options, inputs.empty() ? nullptr : &inputs.front());
-    if (!writes) return inputs;
+    return inputs;
+}
 
-    std::map<std::string, std::string> writers;  // of each file
-    const auto claim = [&](const SceneInput& input, const FramePath& path, int frame) {
+void claimInputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims) {
+    const char* const environment = std::getenv("OCIO");
+    const std::string config = options.ocio.empty() && environment != nullptr ? environment : options.ocio;
+    claims.reads(config, "the OpenColorIO config");
+    for (const SceneInput& input : inputs)
+        for (const int frame : input.frames())
+            for (const SceneFile& file : filesReadBy(input.shot(), frame)) claims.reads(file.path, file.role);
+}
+
+void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims) {
+    const auto claim = [&](const SceneInput& input, const FramePath& path, int frame, const std::string& role) {
         if (path.pattern.empty()) return;
-        const std::string file = path.at(frame);
-        const std::string place = std::filesystem::absolute(file).lexically_normal().string();
-        const auto [writer, isNew] = writers.emplace(place, input.name());
-        if (isNew) return;
-        if (inputs.size() == 1 && input.frames().size() > 1 && !path.hasFrame())
+        const std::string file = path.outputAt(frame), of = fmt::format("{} of {}", role, input.name());
+        const std::string other = claims.writes(file, of);
+        if (other.empty()) return;
+        if (other == of && !path.outputHasFrame())
             throw Error(ErrorKind::usage,
                         fmt::format("all {} frames would be written to '{}'; put the frame into its name: {}",
                                     input.frames().size(), file,
                                     std::filesystem::path(file)
                                         .replace_extension(".####" + std::filesystem::path(file).extension().string())
                                         .string()));
-        throw Error(ErrorKind::usage,
-                    fmt::format("'{}' would be written twice, for {} and for {}", file, writer->second, input.name()));
+        throw Error(ErrorKind::usage, fmt::format("'{}' would be written twice, for {} and for {}", file, other, of));
     };
     for (const SceneInput& input : inputs)
         for (const int frame : input.frames()) {
-            claim(input, input.output(), frame);
-            claim(input, input.preview(), frame);
+            claim(input, input.output(), frame, "the picture");
+            claim(input, input.preview(), frame, "the preview");
         }
-    return inputs;
+    if (!options.stats.empty()) claims.writesAlone(options.stats, "--stats");
 }
 
 RenderOptions renderOptionsOf(const SceneOptions& options, MessageSink messages) {
@@ -157,6 +201,7 @@ RenderOptions renderOptionsOf(const SceneOptions& options, MessageSink messages)
     out.threads = options.threads;
     out.memory = options.memory;
     out.missing = options.missing;
+    out.previewExposure = options.exposure.value_or(0);
     out.verify = options.verify;
     out.verifyLimit = options.verifyLimit;
     out.checkpoint = throwIfInterrupted;

@@ -2,6 +2,7 @@
 // One input of a command: a shot, and what the options of the command line change in it.
 #pragma once
 
+#include "file_claims.h"
 #include "options.h"
 
 #include <scrim/shot/shot.h>
@@ -18,6 +19,7 @@ class SceneInput {
     SceneInput(const std::string& path, const SceneOptions& options, const SceneInput* sharing = nullptr);
 
     Shot& shot() { return m_shot; }
+    const Shot& shot() const { return m_shot; }
     const std::string& name() const { return m_shot.path(); }
     const std::vector<int>& frames() const { return m_frames; }
     /// Before the frame is put in; the preview's has no pattern where none is wanted.
@@ -31,6 +33,7 @@ class SceneInput {
     std::string printedToml(const RenderOptions& options);
 
   private:
+    void checkPreview(const ScenePreview& preview) const;
     std::vector<int> framesOf(const Scene& scene) const;
 
     const SceneOptions& m_options;
@@ -39,8 +42,14 @@ class SceneInput {
     FramePath m_output, m_preview;
 };
 
-/// All inputs of the command; where it `writes` pictures, once it is known that no two go to one file.
-std::vector<SceneInput> openInputs(const SceneOptions& options, bool writes);
+/// All inputs of the command.
+std::vector<SceneInput> openInputs(const SceneOptions& options);
+
+/// What `inputs` read.
+void claimInputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims);
+/// The pictures, previews and statistics of `inputs`, whose files were claimed. Throws Error(usage) where two are one
+/// file, or one of those that are read.
+void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims);
 
 /// The options of the command line that concern every frame; `messages` hears what is said.
 RenderOptions renderOptionsOf(const SceneOptions& options, MessageSink messages);

@@ -2,12 +2,14 @@
 #include "study_command.h"
 
 #include "console.h"
+#include "file_claims.h"
 #include "progress.h"
 #include "scene_input.h"
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/atomic_file.h>
+#include <scrim/scene/quality.h>
 #include <scrim/study/shot_study.h>
 #include <scrim/study/study.h>
 #include <scrim/study/study_data.h>
@@ -17,9 +19,12 @@
 
 #include <filesystem>
 #include <system_error>
+#include <vector>
 
 namespace scrim::cli {
 namespace {
+
+constexpr const char *kTable = "study.csv", *kData = "study.json", *kPage = "index.html";
 
 // The folder for the results: there before hours of work rely on it, and gone again where nothing came of them.
 class ResultFolder {
@@ -76,12 +81,18 @@ void study(const SceneOptions& options) {
     // The output is a folder here: scenes have none of their own.
     SceneOptions sceneOptions = options;
     sceneOptions.output.clear();
-    SceneInput input(options.inputs.front(), sceneOptions);
+    std::vector<SceneInput> inputs = openInputs(sceneOptions);
+    SceneInput& input = inputs.front();
     if (input.frames().size() != 1) throw Error(ErrorKind::usage, "study: expected one frame; say which with --frames");
 
     const int frame = input.frames().front();
     RenderOptions rendering = renderOptionsOf(sceneOptions, console.sink());
     rendering.change = [&input](Scene& scene) { input.change(scene); };
+    FileClaims claims;
+    claimInputs(inputs, sceneOptions, claims);
+    for (const char* name : {kTable, kData, kPage})
+        claims.writesAlone((std::filesystem::path(options.output) / name).string(), "a result of the study");
+    removeAbandonedFiles(options.output);
     ShotStudy shotStudy(input.shot(), frame, rendering);
     const ResultFolder folder(options.output);
     progress.beginFrame(frame);
@@ -89,11 +100,11 @@ void study(const SceneOptions& options) {
     progress.endFrame();
 
     const std::string name = std::filesystem::path(input.name()).filename().string();
-    folder.write("study.csv", studyAsCsv(study));
-    folder.write("study.json", studyAsJson(study, name));
-    folder.write("index.html", studyAsHtml(study, name, input.shot().colour()));
+    folder.write(kTable, studyAsCsv(study));
+    folder.write(kData, studyAsJson(study, name));
+    folder.write(kPage, studyAsHtml(study, name, input.shot().colour()));
     if (!options.quiet) printOut(tableOf(study));
-    console.line(fmt::format("{}: study.csv, study.json, index.html", folder.path()));
+    console.line(fmt::format("{}: {}, {}, {}", folder.path(), kTable, kData, kPage));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS scrim_images scrim_vdb LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/scrim)
+install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim)
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Headers that users of the library need, and no others. They include only one another.
 foreach(
@@ -22,6 +24,7 @@ foreach(
     scene/classified.h
     scene/dials.h
     scene/frame_path.h
+    scene/keyed.h
     scene/light.h
     scene/medium.h
     scene/quality.h

@@ -21,7 +21,8 @@ ViewScene benchScene(const std::string& asset, Int2 resolution) {
     else
         field = std::make_shared<SparseField>(VdbFile::open(asset).field("", {}));
     const ColourConfig colour = ColourConfig::open("");
-    const SceneText text{"bench", "", framingScene("asset.vdb", {{field->name, field.get()}}, resolution)};
+    const SceneText text{"bench", "",
+                         framingScene({.file = "asset.vdb", .grid = field->name, .field = field.get()}, resolution)};
     ViewScene scene = assemble(readScene(text, 1, {}, colour), {{field, {}, {}}}, {}, 0);
     scene.lights.resize(1);
     scene.lights[0].intensity = Rgb(10);

@@ -15,8 +15,11 @@ medians count. Settings that take longer than --slow seconds are measured once.
 Two times stand in the table. `process` is that of the whole program, from its start over loading to the written picture.
 `render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's statistics (plan
 and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time between Cycles' first
-sample and its last. The dense marcher exists for this comparison only: the scaffold around it is no product, so only
-its render time counts (to copy the grid into a dense array counts as loading), and it has no process time.
+sample and its last. The dense marchers exist for this comparison only: the scaffold around them is no product, so only
+their render times count (to copy the grid into a dense array counts as loading), and they have no process time. There
+are three: with a shadow ray from every sample; with a light volume filled by such rays; and with one filled by a sweep
+of planes along the axis that the sun is nearest to (sweep_marcher.h), with vectors, in cells of one voxel or more and
+with bilinear or cubic look-ups. peers_suns.py compares the last one to Scrim under other suns.
 """
 import argparse
 import csv
@@ -118,15 +121,25 @@ def cycles_settings(work, threads):
                           work / "numbers.json", picture, str(samples), str(rate)], seconds)
 
 
-def marcher_settings(work):
-    def setting(tool, label, *values):
-        return Setting(tool, label, lambda picture: [BIN / "scrim_peers", "march", work / "scene.toml", picture, *values],
-                       lambda log: float(log.split()[-1]), process=False)
+def marcher(tool, label, work, *values):
+    return Setting(tool, label, lambda picture: [BIN / "scrim_peers", "march", work / "scene.toml", picture,
+                                                 *map(str, values)],
+                   lambda log: float(log.split()[-1]), process=False)
 
+
+def marcher_settings(work):
     for step, cell, ray in ((1.5, 3, 2), (1.5, 2, 2), (1.5, 1, 2), (1, 1, 1), (0.75, 1, 1)):
-        yield setting("light volume", f"step {step} cell {cell} ray {ray}", "volume", str(step), str(cell), str(ray))
+        yield marcher("light volume", f"step {step} cell {cell} ray {ray}", work, "volume", step, cell, ray)
     for step, shadow in ((3, 4), (1.5, 3), (1.5, 2), (1, 1), (0.75, 1), (0.5, 0.5)):
-        yield setting("shadow rays", f"step {step} shadow {shadow}", "rays", str(step), str(shadow))
+        yield marcher("shadow rays", f"step {step} shadow {shadow}", work, "rays", step, shadow)
+
+
+def sweep_settings(work, steps=(4, 3, 2, 1.5, 1, 0.5), cells=(1, 2, 3)):
+    for order, name in ((1, "bilinear"), (3, "cubic")):
+        for cell in cells:
+            for step in steps:
+                if step >= cell / 2:
+                    yield marcher("sweep", f"step {step} cell {cell} {name}", work, "sweep", step, cell, order)
 
 
 def settings_of(work, numbers, options):
@@ -135,7 +148,8 @@ def settings_of(work, numbers, options):
              "vdb_render": lambda: vdb_render_settings(numbers, options.threads),
              "cycles": lambda: cycles_settings(work, options.threads),
              "light volume": lambda: (s for s in marcher_settings(work) if s.tool == "light volume"),
-             "shadow rays": lambda: (s for s in marcher_settings(work) if s.tool == "shadow rays")}
+             "shadow rays": lambda: (s for s in marcher_settings(work) if s.tool == "shadow rays"),
+             "sweep": lambda: sweep_settings(work)}
     packages = {"vdb_render": ("vdb_render", "libopenvdb-tools"), "cycles": ("blender", "blender")}
     for tool, settings in tools.items():
         program, package = packages.get(tool, (None, None))
@@ -147,13 +161,19 @@ def settings_of(work, numbers, options):
             yield from settings()
 
 
+def asset_file(asset, work):
+    """The .vdb of an asset, made where it is none."""
+    if not asset.startswith("noise:"):
+        return asset
+    vdb = work / "noise.vdb"
+    subprocess.run([BIN / "scrim", "make", "noise", f"resolution={asset[6:]}", "-o", vdb], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return vdb
+
+
 def compare(asset, work, options):
     """Measures all settings on `asset`; a row of COLUMNS for each."""
-    vdb, label = asset, Path(asset).name
-    if asset.startswith("noise:"):
-        vdb, label = work / "noise.vdb", asset
-        subprocess.run([BIN / "scrim", "make", "noise", f"resolution={asset[6:]}", "-o", vdb], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    vdb, label = asset_file(asset, work), asset if asset.startswith("noise:") else Path(asset).name
     pixels = work / "pixels.txt"
     made = subprocess.run([BIN / "scrim_peers", "scene", vdb, work / "scene.toml", pixels, str(options.pixels)],
                           check=True, stdout=subprocess.PIPE, text=True).stdout
@@ -184,9 +204,9 @@ def print_table(rows, options):
         interval = f"{100 * float(r['lower']):.2f} to {100 * float(r['upper']):.2f}"
         print(f"  {r['tool']:<14}{r['setting']:<26}{100 * float(r['error']):>9.2f}{interval:>17}"
               f"{r['process_seconds'] or '-':>11}{r['render_seconds']:>10}{r['memory_mb']:>9}{r['rounds']:>8}")
-    print("  process: start, loading, render and writing. render: as the tool itself says. '-': the dense marcher (light\n"
-          "  volume, shadow rays) is no program of its own, only its render time counts; its memory is that of its copy,\n"
-          "  too. Memory is what was resident at most.", flush=True)
+    print("  process: start, loading, render and writing. render: as the tool itself says. '-': the dense marchers\n"
+          "  (light volume, shadow rays, sweep) are no programs, only their render times count; their memory is that\n"
+          "  of their copies, too. Memory is what was resident at most.", flush=True)
 
 
 def main():
@@ -195,7 +215,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--pixels", type=int, default=400, help="of the reference")
     parser.add_argument("--skip", action="append", default=[], metavar="TOOL",
-                        help="scrim, vdb_render, cycles, 'light volume' or 'shadow rays'")
+                        help="scrim, vdb_render, cycles, 'light volume', 'shadow rays' or sweep")
     parser.add_argument("--slow", type=float, default=10, help="seconds of a setting that is measured once")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--csv", default="peers.csv")

@@ -16,11 +16,13 @@ WIDTH, HEIGHT = 420, 300  # of a panel, within its axes
 LEFT, TOP, GAP, BOTTOM = 70, 100, 56, 50
 TOOLS = {"scrim": ("Scrim", "#0072B2", "circle"), "vdb_render": ("vdb_render", "#D55E00", "square"),
          "cycles": ("Cycles", "#CC79A7", "diamond"), "light volume": ("dense marcher, light volume", "#009E73", "up"),
-         "shadow rays": ("dense marcher, shadow rays", "#000000", "down")}
+         "shadow rays": ("dense marcher, shadow rays", "#000000", "down"),
+         "sweep": ("dense marcher, swept light", "#E69F00", "right")}
 TIMES = {"render_seconds": "seconds to render, as each tool says",
          "process_seconds": "seconds of the whole program, with start, loading and writing"}
 SHAPES = {"square": [(-4, -4), (4, -4), (4, 4), (-4, 4)], "diamond": [(0, -5.5), (5.5, 0), (0, 5.5), (-5.5, 0)],
-          "up": [(0, -5), (5, 4), (-5, 4)], "down": [(0, 5), (5, -4), (-5, -4)]}
+          "up": [(0, -5), (5, 4), (-5, 4)], "down": [(0, 5), (5, -4), (-5, -4)],
+          "right": [(5, 0), (-4, 5), (-4, -5)]}
 
 
 def marker(x, y, shape, colour, title=""):
@@ -93,7 +95,7 @@ def plot(csv_file, svg_file):
     for tool, (name, colour, shape) in TOOLS.items():
         if any(r["tool"] == tool for r in rows):
             out += [marker(at + 6, 52, shape, colour), text(at + 17, 56, name, "start")]
-            at += 40 + 7 * len(name)
+            at += 34 + 6 * len(name)
     for column, time in enumerate(TIMES):
         x0 = LEFT + column * (WIDTH + LEFT)
         x = Axis([float(r[time]) for r in rows if r[time]], x0, x0 + WIDTH)

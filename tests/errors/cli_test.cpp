@@ -170,11 +170,24 @@ TEST_F(CliErrors, ZeroResolutionOfTheCommandLineIsUsage) {
                   "--res 0x24: expected WIDTHxHEIGHT, each from 1 to 65536 pixels");
 }
 
+TEST_F(CliErrors, TextThatIsNotUtf8IsLocated) {
+    write("s.toml", kCamera + "[[volume]]\nname = \"caf\xe9\"\nfile = \"smoke.vdb\"\n" + kLight);
+    expectFailure({"render", "s.toml"}, kInput, "s.toml:7:12: the byte 0xe9 is not UTF-8, which all text of scenes is");
+    expectFailure({"render", "scene.toml", "--set", "volume[0].file=caf\xe9.vdb"}, kInput,
+                  "--set volume[0].file: it is not UTF-8, which all text of scenes is");
+    std::filesystem::copy_file(file("smoke.vdb"), file("caf\xe9.vdb"));
+    expectFailure({"render", "caf\xe9.vdb", "--print-scene"}, kUsage,
+                  "caf\xe9.vdb: the name is not UTF-8, which all text of scenes is: no scene can be printed that names "
+                  "it; rename it, or make a link to it");
+}
+
 // ---- output
 
-TEST_F(CliErrors, MissingOutputFolderIsNamed) {
-    expectFailure({"render", "scene.toml", "-o", "no/x.exr"}, kOutput,
-                  "cannot write 'no/x.exr': the folder 'no' does not exist");
+TEST_F(CliErrors, OutputFolderThatCannotBeMadeIsNamed) {
+    expectFailure({"render", "scene.toml", "-o", "/proc/no/x.exr"}, kOutput,
+                  "cannot write '/proc/no/x.exr': cannot make the folder '/proc/no': No such file or directory");
+    expectFailure({"render", "scene.toml", "-o", "smoke.vdb/x.exr"}, kOutput,
+                  "cannot write 'smoke.vdb/x.exr': 'smoke.vdb' is not a folder");
 }
 
 TEST_F(CliErrors, OutputThatIsAFolderIsRefused) {
@@ -197,8 +210,8 @@ TEST_F(CliErrors, FolderWithoutPermissionIsRefused) {
 }
 
 TEST_F(CliErrors, UnwritableStatsAreFoundBeforeTheRender) {
-    expectFailure({"render", "scene.toml", "--stats", "no/s.json"}, kOutput,
-                  "cannot write 'no/s.json': the folder 'no' does not exist");
+    expectFailure({"render", "scene.toml", "--stats", "smoke.vdb/s.json"}, kOutput,
+                  "cannot write 'smoke.vdb/s.json': 'smoke.vdb' is not a folder");
 }
 
 TEST_F(CliErrors, OutputOfAnotherKindIsUsage) {
@@ -213,7 +226,7 @@ TEST_F(CliErrors, ManyFramesInOneFileAreRefused) {
 
 TEST_F(CliErrors, TwoInputsInOneFileAreRefused) {
     expectFailure({"render", "scene.toml", "smoke.vdb", "-o", "x.exr"}, kUsage,
-                  "'x.exr' would be written twice, for scene.toml and for smoke.vdb");
+                  "'x.exr' would be written twice, for the picture of scene.toml and for the picture of smoke.vdb");
 }
 
 // ---- colour and memory
@@ -260,7 +273,7 @@ TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
 
 TEST_F(CliErrors, UnknownCommandListsTheCommands) {
     expectFailure({"rendr", "scene.toml"}, kUsage,
-                  "unknown command 'rendr'; expected 'render', 'plan', 'study', 'info' or 'make'");
+                  "unknown command 'rendr'; expected 'render', 'plan', 'study', 'info', 'make' or 'help'");
 }
 
 TEST_F(CliErrors, UnknownQualityListsThePresets) {
@@ -269,7 +282,8 @@ TEST_F(CliErrors, UnknownQualityListsThePresets) {
 }
 
 TEST_F(CliErrors, UnknownKindOfInputIsUsage) {
-    expectFailure({"render", "smoke.png"}, kUsage, "smoke.png: expected a scene (.toml) or an asset (.vdb)");
+    expectFailure({"render", "smoke.png"}, kUsage,
+                  "smoke.png: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz)");
 }
 
 TEST_F(CliErrors, NoInputIsUsage) {

@@ -90,7 +90,7 @@ TEST_F(CliUse, PrintedSceneRendersToTheSamePixels) {
     runWell({"render", "smoke.vdb", "-o", "a.exr", "--res", "40x30", "--quality", "draft"});
     const ProgramResult printed =
         runWell({"render", "smoke.vdb", "-o", "b.exr", "--res", "40x30", "--quality", "draft", "--print-scene"});
-    EXPECT_EQ(printed.err, "");
+    EXPECT_EQ(printed.err, "scrim: smoke.vdb: y is taken for up; --up z turns it\n");
     EXPECT_FALSE(exists("b.exr"));
     write("printed.toml", printed.out);
     runWell({"render", "printed.toml"});  // b.exr is in it
@@ -120,13 +120,22 @@ TEST_F(CliUse, KeyedCameraMovesOverTheFrames) {
     EXPECT_NE(second.rgba, third.rgba);
 }
 
-TEST_F(CliUse, SkipExistingLeavesPicturesAlone) {
-    write("o.0001.exr", "not a picture, but there");
-    const ProgramResult result =
-        runWell({"render", "scene.toml", "-o", "o.####.exr", "--frames", "1-2", "--skip-existing"});
-    EXPECT_EQ(readBytes(file("o.0001.exr")), "not a picture, but there");
-    EXPECT_NE(result.err.find("frame 1: o.0001.exr exists already\n"), std::string::npos) << result.err;
-    EXPECT_TRUE(exists("o.0002.exr"));
+// Signs that stand for the frame elsewhere.
+TEST_F(CliUse, FilesMayHaveAnyName) {
+    for (const std::string name : {"take#2", "p%04d", "q$F4", "caf\xe9", "caf\xc3\xa9"}) {
+        std::filesystem::copy_file(file("smoke.vdb"), file(name + ".vdb"));
+        runWell({"render", name + ".vdb", "--stats", name + ".json"});
+        EXPECT_GT(readExr(file(name + ".exr")).rgba.size(), 4u) << name;
+        EXPECT_TRUE(nlohmann::json::accept(readBytes(file(name + ".json")))) << name;
+    }
+    write("shot#1.toml", kCamera + "[[volume]]\nfile = \"take#2.vdb\"\n" + kLight);
+    runWell({"render", "shot#1.toml"});
+    EXPECT_TRUE(exists("shot#1.exr"));
+    write("caf\xe9.toml", kCamera + kVolume + kLight);
+    runWell({"render", "caf\xe9.toml", "--preview", "\xe9.png"});
+    EXPECT_TRUE(exists("caf\xe9.exr") && exists("\xe9.png"));
+    runWell({"render", "take#2.vdb", "-o", "o.#.exr", "--frames", "1-2"});
+    EXPECT_TRUE(exists("o.1.exr") && exists("o.2.exr"));
 }
 
 TEST_F(CliUse, SourceOfASceneIsRendered) {
@@ -195,7 +204,7 @@ TEST_F(CliUse, ProgressJson) {
 TEST_F(CliUse, ProgressPlainGoesToStderr) {
     const ProgramResult result = runWell({"render", "scene.toml", "--progress", "plain"});
     EXPECT_EQ(result.out, "");
-    EXPECT_NE(result.err.find("frame 1 (1 of 1): 100%\n"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("100%  frame 1 (1 of 1)  0:0"), std::string::npos) << result.err;
 }
 
 TEST_F(CliUse, QuietSaysNothing) {
@@ -223,6 +232,12 @@ TEST_F(CliUse, InfoIsJsonOrATable) {
     const std::string table = runWell({"info", "smoke.vdb"}).out;
     for (const char* text : {"grid 'density'", "fog volume", "2197, and 0 tiles", "[-6, -6, -6] to [6, 6, 6]"})
         EXPECT_NE(table.find(text), std::string::npos) << text << "\n" << table;
+}
+
+TEST_F(CliUse, InfoCountsVoxelsAsFarAsTheyReach) {
+    makeVdb(file("far.vdb"), {{.voxels = {{{-2147483640, -20, 0}, 0.5}, {{2147483640, 2147483640, 0}, 0.5}}}});
+    EXPECT_NE(runWell({"info", "far.vdb"}).out.find("(4294967281 x 2147483661 x 1)"), std::string::npos)
+        << runWell({"info", "far.vdb"}).out;
 }
 
 TEST_F(CliUse, InfoTellsColoursFromWhatCannotBeUsed) {

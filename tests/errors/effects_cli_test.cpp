@@ -86,6 +86,20 @@ TEST_F(CliEffects, BlackBodiesAreRedderWhereTheyAreCooler) {
     EXPECT_LT(redToBlue("10000"), 1);
 }
 
+TEST_F(CliEffects, LightsOfAnyNameHaveChannelsThatAreRead) {
+    const std::string scene =
+        kCamera + kVolume + "[[light]]\nname = \"key light.1\"\ntype = \"distant\"\ndirection = [0, 0, -1]\n";
+    const std::string output = "[output]\nlayers = [\"light\"]\n";
+    write("s.toml", scene + output);
+    runWell({"render", "s.toml", "-o", "x.exr"});
+    EXPECT_NE(readExrAttributes(file("x.exr")).at("channels").find(" light.key_light_1.R:"), std::string::npos);
+    write("s.toml", scene + "[[light]]\nname = \"key_light_1\"\ntype = \"distant\"\ndirection = [0, 0, 1]\n" + output);
+    expectFailure(
+        {"render", "s.toml", "-o", "y.exr"}, 3,
+        "s.toml:17:10: lights 'key light.1' and 'key_light_1' would both be 'light.key_light_1' in the picture, where "
+        "names have letters, digits and underscores alone; expected different ones");
+}
+
 TEST_F(CliEffects, LayersAreInTheFileAndAddUp) {
     write(
         "s.toml",
@@ -168,6 +182,15 @@ TEST_F(CliEffects, WhatIsOffDoesNoWork) {
               "g1 = 0, g2 = 0 }\noctaves = { count = 1 }\n" +
               kLight + "[ambient]\ncolor = [0, 0, 0]\n[output]\nlayers = []\n");
     EXPECT_EQ(workOf("off.toml"), workOf("scene.toml"));
+}
+
+TEST_F(CliEffects, TellsOfTheScenesOwnTextOnceAndNotForEveryFrame) {
+    write("scene.toml", kCamera + kFire + "blackbody = { grid = \"heat\" }\n");
+    const ProgramResult result = run({"render", "scene.toml", "--frames", "1-3", "-o", "x.####.exr", "-q"});
+    ASSERT_EQ(result.status, 0) << result.err;
+    const std::size_t first = result.err.find("'normalize' of the black body");
+    ASSERT_NE(first, std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("'normalize' of the black body", first + 1), std::string::npos) << result.err;
 }
 
 }  // namespace

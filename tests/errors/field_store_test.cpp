@@ -46,7 +46,7 @@ class FieldStoreTest : public ::testing::Test {
 
     std::string path() const { return m_folder.file("a.vdb"); }
     SceneVolume& volume() { return scene.volumes.front(); }
-    Fields fields() { return store.fieldsOf(scene, findFiles(scene)); }
+    Fields fields() { return store.fieldsOf(scene, store.filesOf(scene)); }
     std::string failure() {
         return errorOf(ErrorKind::input, [&] { fields(); });
     }
@@ -93,7 +93,7 @@ TEST_F(FieldStoreTest, LeavesGridsThatNothingIsMadeOf) {
 TEST_F(FieldStoreTest, HasNothingOfAVolumeThatIsNotThere) {
     volume().albedoGrid = colour("Cd");
     volume().emission = {glow("heat")};
-    std::vector<VolumeFile> files = findFiles(scene);
+    std::vector<VolumeFile> files = store.filesOf(scene);
     files[0].state = FileState::black;
     const Fields all = store.fieldsOf(scene, files);
     EXPECT_FALSE(all[0].density);
@@ -123,13 +123,13 @@ TEST_F(FieldStoreTest, SaysOnceWhatIsWrongWithAGreyColour) {
     const Fields all = fields();
     for (const auto& component : all[0].albedo) EXPECT_EQ(component->maxValue, 1);
     EXPECT_EQ(heard,
-              (std::vector{path() + ": grid 'grey': active voxels that are 1 below 0 count as 0 (1 above 0 remain)"}));
+              (std::vector{path() + ": grid 'grey': of 2 voxels with a value 1 are below 0, and count as empty"}));
 }
 
 // A check of a picture must not rely on what was left out of it.
 TEST_F(FieldStoreTest, LoadsWhatIsOutOfViewWhereAllIsWanted) {
     scene.camera.wsPosition = {5, 5, -60};  // and looks away
-    const std::vector<VolumeFile> files = findFiles(scene);
+    const std::vector<VolumeFile> files = store.filesOf(scene);
     const Fields seen = store.fieldsOf(scene, files), all = store.fieldsOf(scene, files, VolumesOf::scene);
     EXPECT_FALSE(seen[0].density);
     ASSERT_TRUE(all[0].density);

@@ -37,6 +37,7 @@ std::vector<std::string> binaries() {
                 all.push_back(entry.path().string());
     };
     add(bin);
+    all.push_back(SCRIM_LOADER);
     add(std::filesystem::path(SCRIM_BUILT_SOURCES).parent_path().parent_path());
     return all;
 }

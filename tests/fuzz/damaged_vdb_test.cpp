@@ -4,12 +4,12 @@
 // that is whole or none. Files of every kind that can be written, damaged as disks, networks and attackers do it.
 // SCRIM_FUZZ_FILES=N asks for N damaged files of each kind.
 #include "errors/program_test.h"
+#include "fuzz/damage.h"
 
 #include <scrim/image/exr_read.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <random>
 
 #include <sys/resource.h>
@@ -43,35 +43,6 @@ std::vector<Kind> kinds() {
     };
 }
 
-/// One kind of damage, at a random place.
-std::string damaged(std::string bytes, std::mt19937& random) {
-    const auto below = [&](std::size_t n) { return random() % n; };
-    const auto put = [&](const auto value) {
-        if (bytes.size() <= sizeof value) return;
-        std::memcpy(bytes.data() + below(bytes.size() - sizeof value), &value, sizeof value);
-    };
-    const std::uint32_t lengths[] = {0xffffffff, 0x7fffffff, 0x80000000, 0x10000000, 0x00100000, 0};
-    switch (below(7)) {
-        case 0:
-            return bytes.substr(0, below(bytes.size()));  // cut off
-        case 1:
-            return bytes.replace(below(bytes.size()), 512, std::string(512, '\0'));  // a sector lost
-        case 2:
-            return bytes.erase(below(bytes.size()), 1 + below(64));  // bytes lost
-        case 3:
-            return bytes.insert(below(bytes.size()), bytes.substr(below(bytes.size()), 64));  // bytes doubled
-        case 4:
-            put(lengths[below(6)]);
-            break;  // a length
-        case 5:
-            put(std::uint64_t{lengths[below(6)]} << below(33));
-            break;  // an offset
-        default:
-            for (int i = 0; i < 8; ++i) bytes[below(bytes.size())] = static_cast<char>(random());
-    }
-    return bytes;
-}
-
 /// A picture that could be one: finite, and nothing but the volume's shape is visible.
 void expectPicture(const std::string& path) {
     for (const float value : readExr(path).rgba) ASSERT_TRUE(std::isfinite(value) && value >= 0) << value;
@@ -92,13 +63,7 @@ class DamagedVdb : public ProgramTest {
 };
 
 TEST_F(DamagedVdb, OfEveryKindIsRefusedOrReadWithinLimits) {
-#if defined(__SANITIZE_ADDRESS__)
-    constexpr int kFiles = 2;  // a process takes several times as long
-#else
-    constexpr int kFiles = 6;
-#endif
-    const char* wanted = std::getenv("SCRIM_FUZZ_FILES");
-    const int files = wanted == nullptr ? kFiles : std::atoi(wanted);
+    const int files = damagedFiles(6, 2);
     std::mt19937 random(3);
     for (const Kind& kind : kinds()) {
         makeVdb(file("good.vdb"), kind.grids, kind.container);

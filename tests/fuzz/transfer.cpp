@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fuzz target: what the process that reads a damaged file hands over may be anything, since its memory may have been
-// overwritten. The receiver takes whole and plausible fields, or refuses in one line.
+// overwritten. The receiver takes whole and plausible fields and pictures, or refuses in one line.
 #include "require.h"
 
 #include <scrim/base/error.h>
 #include <scrim/volume/field_transfer.h>
+#include <scrim/volume/picture_transfer.h>
 
 #include <cmath>
 #include <cstdint>
@@ -34,11 +35,25 @@ void checkFields(const ReceivedFields& received, std::size_t size) {
     }
 }
 
-/// What was sent instead of a result, by a sender that met an error, is an Error of any kind and text.
+void checkPicture(const FilePicture& picture, std::size_t size) {
+    if (!picture.problem.empty()) return require(picture.rgba.empty(), "a problem, and pixels");
+    require(picture.width > 0 && picture.height > 0, "{} x {} pixels", picture.width, picture.height);
+    require(picture.rgba.size() / 4 == std::size_t(picture.width) * std::size_t(picture.height), "{} values",
+            picture.rgba.size());
+    require(picture.rgba.size() * sizeof(float) <= size, "{} values in {} bytes", picture.rgba.size(), size);
+    require(picture.pixelAspect > 0 && std::isfinite(picture.pixelAspect), "pixels {} wide", picture.pixelAspect);
+}
+
+/// What was sent instead of a result, by a sender that met an error, is an Error of any text.
 void mayThrowError(const std::function<void()>& receive) {
     try {
         receive();
-    } catch (const Error&) {
+    } catch (const BesideError& error) {
+        require(error.name().find('/') == std::string::npos && error.name() != "..", "a wish for '{}'", error.name());
+    } catch (const Error& error) {
+        require(
+            error.kind() == ErrorKind::input || error.kind() == ErrorKind::memory || error.kind() == ErrorKind::render,
+            "an error of kind {}", static_cast<int>(error.kind()));
     }
 }
 
@@ -52,6 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool written = ::write(transfer, data, size) == static_cast<ssize_t>(size);
     mayThrowError([&] { checkFields(receiveFields(transfer), size); });
     mayThrowError([&] { receiveInfo(transfer); });
+    mayThrowError([&] { checkPicture(receivePicture(transfer), size); });
     ::close(transfer);
     require(written, "no memory for {} bytes", size);
     return 0;

@@ -40,7 +40,7 @@ while read -r binary; do
     else
         [ -z "$path" ] || fail "$binary looks for libraries in '$path'"
     fi
-done < <(find "$prefix/bin" "$(dirname "$(find "$prefix" -name 'libscrim.so')")" -type f \( -perm -u+x -o -name '*.so*' \))
+done < <(find "$prefix/bin" "$prefix/libexec" "$(dirname "$(find "$prefix" -name 'libscrim.so')")" -type f \( -perm -u+x -o -name '*.so*' \))
 
 echo "-- the installed headers, each alone"
 cxx="${CXX:-c++}"
@@ -95,6 +95,17 @@ cd "$work"
 "$scrim" make noise resolution=16 -o noise.vdb || fail "the program does not run an installed volume source"
 [ -s noise.vdb ] || fail "the program wrote no volume"
 "$scrim" info noise.vdb >/dev/null || fail "the program cannot read its own volume"
+"$scrim" render noise.vdb -q --res 32x32 -o noise.exr --preview noise.png || fail "the program writes no preview"
+[ -s noise.png ] || fail "the preview is empty"
+loader="$(find "$prefix" -name scrim-load)"
+[ -n "$loader" ] || fail "the program that reads volumes was not installed"
+mv "$loader" "$work/loader"
+if "$scrim" info noise.vdb >/dev/null 2>"$work/loader.log"; then fail "volumes are read by a program from elsewhere"; fi
+grep -q "cannot start '.*scrim-load' to read volumes" "$work/loader.log" || fail "no reason: $(cat "$work/loader.log")"
+mv "$work/loader" "$loader"
+check="$("$loader" --check)" || fail "children of the installed program are not confined: $check"
+grep -q '^with volume sources loaded (mesh, noise, primitives, scan)$' <<<"$check" || grep -q '^no filter' <<<"$check" ||
+    fail "it does not find the installed volume sources: $check"
 
 echo "-- a volume source of someone else's, made with the installed header alone"
 mkdir "$work/own"
@@ -120,6 +131,9 @@ printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n
 "$scrim" make mesh file=tetrahedron.obj resolution=32 -o mesh.vdb || fail "mesh does not run"
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\nabcdefgh' >scan.nrrd
 "$scrim" make scan file=scan.nrrd -o scan.vdb || fail "scan does not run"
+printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\ndata file: scan.raw\n' >scan.nhdr
+printf 'abcdefgh' >scan.raw
+"$scrim" make scan file=scan.nhdr -o apart.vdb || fail "scan does not find the samples of a header"
 
 # And it was the installed source that ran, not one of the build's.
 source="$(find "$prefix" -name 'scrim_source_noise.so')"

@@ -2,9 +2,12 @@
 // What must not change a picture: threads, memory, the order of lights and volumes, where the scene stands.
 #include "support/fields.h"
 #include "support/slides.h"
+#include "support/temp_folder.h"
+#include "support/vdb_make.h"
 
 #include <scrim/base/parallel.h>
 #include <scrim/geometry/camera.h>
+#include <scrim/shot/shot.h>
 
 #include <tbb/global_control.h>
 
@@ -57,6 +60,27 @@ TEST(Threads, DoNotChangeABit) {
     const auto one = with(1);
     EXPECT_EQ(one, with(2));
     EXPECT_EQ(one, with(7));
+}
+
+TEST(Threads, DoNotChangeAByteOfTheFile) {
+    const tbb::global_control seven(tbb::global_control::max_allowed_parallelism, 7);
+    const TempFolder folder;
+    writeBytes(folder.file("s.toml"),
+               "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 0]\nfov = 35\nresolution = [48, 32]\n"
+               "[[volume]]\nsource = \"noise\"\nparameters = { resolution = 48, size = 16 }\n"
+               "[[light]]\ntype = \"distant\"\ndirection = [-1, -1, -1]\n");
+    Shot shot = Shot::open(folder.file("s.toml"));
+    const auto with = [&](int threads) {
+        RenderOptions options;
+        options.threads = threads;
+        ShotFrame frame = shot.render(1, options);
+        EXPECT_EQ(frame.report().threads, threads);
+        frame.write(folder.file("x.exr"));
+        return readBytes(folder.file("x.exr"));
+    };
+    const std::string one = with(1);
+    EXPECT_TRUE(one == with(2));
+    EXPECT_TRUE(one == with(7));
 }
 
 // Each instruction set is its own rounding, but the same picture, and a pinned one stays what it is.
@@ -112,6 +136,7 @@ TEST(OppositeLights, NeedTwoSweepsAndAddUp) {
     ViewScene scene = smokeScene();
     scene.ambient = Rgb(0);
     scene.lights = {distantLight({0.1, -0.3, -1}), distantLight({0.2, 0.1, 1})};
+    scene.dials.crossFade = 0;  // alpha is that of one sweep
     const Plan plan = makePlan(scene, 2);
     EXPECT_EQ(plan.groups.size(), 2u);
     const Image both = render(scene, plan).image;

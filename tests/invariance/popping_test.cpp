@@ -120,6 +120,50 @@ TEST(Popping, ACameraThatOrbitsDoesNotJump) {
     EXPECT_LT(jumps.largestExtra, 0.012);
 }
 
+// A light that becomes nearer to the eye's axis than another, which has a sweep of its own.
+ViewScene lightsBothSides(double degrees, double crossFade) {
+    ViewScene scene = smokeScene();
+    const double angle = (40 + degrees) * kPi / 180;
+    scene.lights.push_back(distantLight({std::sin(angle), 0, std::cos(angle)}, 3));
+    scene.lights.push_back(distantLight({-std::sin(40 * kPi / 180), 0.1, -std::cos(40 * kPi / 180)}, 1));
+    scene.lights.back().name = "fill";
+    scene.ambient = Rgb(0.3);
+    scene.dials.crossFade = crossFade;
+    return scene;
+}
+
+TEST(Popping, AlphaAndAmbientDoNotJumpFromOneSweepToAnother) {
+    const auto alphaStep = [](double crossFade) {
+        double largest = 0;
+        std::vector<float> before;
+        for (double t = -3; t <= 3; t += 0.25) {
+            const Frame frame = renderScene(lightsBothSides(t, crossFade));
+            std::vector<float> alpha;
+            for (std::size_t i = 3; i < frame.image.rgba.size(); i += 4) alpha.push_back(frame.image.rgba[i]);
+            for (std::size_t i = 0; i < before.size(); ++i)
+                largest = std::max(largest, std::abs(double(alpha[i]) - double(before[i])));
+            before = std::move(alpha);
+        }
+        return largest;
+    };
+    const double shared = alphaStep(2), cut = alphaStep(0);
+    RecordProperty("shared", std::to_string(shared));
+    RecordProperty("cut", std::to_string(cut));
+    EXPECT_LT(shared, 0.5 * cut);
+}
+
+TEST(CrossFade, SharesOfAlphaSumToOneAndAreWholeAwayFromTheOtherLight) {
+    for (const double degrees : {-9.0, -2.0, -0.3, 0.0, 1.0, 2.5, 9.0}) {
+        double sum = 0, most = 0;
+        for (const GroupPlan& group : makePlan(lightsBothSides(degrees, 2), 1).groups) {
+            sum += group.primary;
+            most = std::max(most, group.primary);
+        }
+        EXPECT_NEAR(sum, 1, 1e-12) << degrees;
+        EXPECT_EQ(most == 1, std::abs(degrees) > 5) << degrees;
+    }
+}
+
 TEST(CrossFade, SharesOfBothSidesSumToOne) {
     for (const double degrees : {-2.5, -1.9, -0.7, 0.0, 0.3, 1.5, 2.5}) {
         const ViewScene scene = lightAcross(degrees, 2);

@@ -23,7 +23,7 @@
 namespace scrim::test {
 namespace {
 
-const Settings kRough{"render.quality=draft"};
+const Settings kRough{"render.quality=draft", "render.texel=1", "render.sheet_thickness=3"};
 
 /// Voxels of 1 instead of 0.5 for what stands in a scene.
 Settings coarse(const std::vector<std::string>& volumes) {

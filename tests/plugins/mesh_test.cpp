@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "plugins/generated.h"
 
-#include <bit>
-#include <cstdint>
-#include <cstring>
+#include "support/source_files.h"
 
 #include <fmt/format.h>
 
@@ -12,38 +10,7 @@ namespace {
 
 const double kPi = std::acos(-1.0);
 
-/// A cube of edge 2 about the origin.
-constexpr const char* kCube =
-    "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n"
-    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
 constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-
-/// The same cube as PLY. `format`: "ascii", "binary_little_endian" or "binary_big_endian".
-std::string cubePly(const std::string& format) {
-    const float points[8][3]{{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
-                             {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
-    const std::int32_t faces[6][4]{{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 4, 7, 3}, {1, 2, 6, 5}};
-    std::string out = "ply\nformat " + format +
-                      " 1.0\nelement vertex 8\nproperty float x\nproperty float y\nproperty float z\n"
-                      "element face 6\nproperty list uchar int vertex_indices\nend_header\n";
-    const auto put = [&](auto value) {
-        std::string bytes(sizeof value, '\0');
-        std::memcpy(bytes.data(), &value, sizeof value);
-        if ((format == "binary_big_endian") == (std::endian::native == std::endian::little))
-            std::reverse(bytes.begin(), bytes.end());
-        out += format == "ascii" ? fmt::format("{} ", value) : bytes;
-    };
-    for (const auto& p : points) {
-        for (const float c : p) put(c);
-        if (format == "ascii") out += "\n";
-    }
-    for (const auto& f : faces) {
-        out += format == "ascii" ? "4 " : std::string(1, '\4');
-        for (const std::int32_t i : f) put(i);
-        if (format == "ascii") out += "\n";
-    }
-    return out;
-}
 
 /// A ball of radius 1 with 2 n^2 quadrilaterals, some of them with two corners in one.
 std::string ballObj(int n) {
@@ -74,7 +41,7 @@ class MeshSource : public BuiltSource {
 };
 
 TEST_F(MeshSource, CubesKeepTheirVolume) {
-    const SparseField f = fog(write("cube.obj", kCube), {{"voxel", "0.05"}, {"density", "2"}});
+    const SparseField f = fog(write("cube.obj", kCubeObj), {{"voxel", "0.05"}, {"density", "2"}});
     EXPECT_EQ(f.name, "density");
     // The ramp is symmetric about the faces; at edges and corners the distance is that to the edge, which takes
     // something off in the outer half.
@@ -92,13 +59,13 @@ TEST_F(MeshSource, BallsOfManyFacesAreBalls) {
 }
 
 TEST_F(MeshSource, EdgesAreLinearRampsAboutTheSurface) {
-    const SparseField f = fog(write("cube.obj", kCube), {{"voxel", "0.1"}, {"soft", "0.6"}});
+    const SparseField f = fog(write("cube.obj", kCubeObj), {{"voxel", "0.1"}, {"soft", "0.6"}});
     for (const double x : {0.65, 0.75, 0.85, 0.95, 1.05, 1.15, 1.25, 1.35})
         EXPECT_NEAR(valueAt(f, Vec3(x, 0.05, 0.05)), std::clamp(0.5 - (x - 1) / 0.6, 0.0, 1.0), 1e-4) << x;
 }
 
 TEST_F(MeshSource, PlyInAllItsFormatsGivesWhatObjGives) {
-    const SparseField obj = fog(write("cube.obj", kCube), {{"resolution", "32"}});
+    const SparseField obj = fog(write("cube.obj", kCubeObj), {{"resolution", "32"}});
     for (const char* format : {"ascii", "binary_little_endian", "binary_big_endian"}) {
         const SparseField ply = fog(write("cube.ply", cubePly(format)), {{"resolution", "32"}});
         EXPECT_EQ(ply.blockOrigins, obj.blockOrigins) << format;
@@ -156,7 +123,7 @@ TEST_F(MeshSource, OpenSurfacesHaveNoInside) {
 }
 
 TEST_F(MeshSource, TooManyVoxelsAreRefused) {
-    const std::string cube = write("cube.obj", kCube);
+    const std::string cube = write("cube.obj", kCubeObj);
     EXPECT_EQ(refused(cube, {{"voxel", "1e-5"}}),
               "the mesh extends over 200003 voxels, expected at most 16384: choose a larger 'voxel'");
     EXPECT_EQ(refused(cube, {{"voxel", "1e-3"}, {"soft", "1"}}),

@@ -93,13 +93,17 @@ TEST(EyeInASheet, SeesAsMuchOfItAsIsLeft) {
     }
 }
 
-// `auto` shades at texels where there are more pixels than those, but not where the eye is that near.
+// `auto` shades at texels where pixels are finer than those, but not where the eye is that near.
 TEST(EyeAmongVolumes, IsShadedAtPixels) {
-    for (const double z : {0.0, 11.5, 14.0})
-        EXPECT_TRUE(makePlan(haze(kAutomatic, {0, 0, z}, 50, 256), 1).shadeAtPixels);
-    EXPECT_FALSE(makePlan(haze(kAutomatic, {0, 0, 40}, 50, 256), 1).shadeAtPixels);
+    const auto lit = [](const Vec3& at) {
+        ViewScene scene = haze(kAutomatic, at, 50, 2048);
+        scene.lights = {distantLight({0, -1, -1})};
+        return scene;
+    };
+    for (const double z : {0.0, 11.5, 14.0}) EXPECT_TRUE(makePlan(lit({0, 0, z}), 1).shadeAtPixels);
+    EXPECT_FALSE(makePlan(lit({0, 0, 40}), 1).shadeAtPixels);
     // A parallel view has no eye to stand anywhere.
-    ViewScene parallel = haze(kAutomatic, {0, 0, 0}, 50, 256);
+    ViewScene parallel = lit({0, 0, 0});
     parallel.camera.type = CameraType::orthographic;
     EXPECT_FALSE(makePlan(parallel, 1).shadeAtPixels);
 }

@@ -58,7 +58,9 @@ RunningProgram::RunningProgram(const std::string& folder, const std::vector<std:
     : m_deadline(std::chrono::steady_clock::now() + options.timeout),
       m_out(::memfd_create("stdout", MFD_CLOEXEC)),
       m_err(::memfd_create("stderr", MFD_CLOEXEC)) {
-    std::vector<std::string> argv{SCRIM_PROGRAM};
+    std::vector<std::string> argv;
+    if (!options.shell.empty()) argv = {"/bin/sh", "-c", options.shell};
+    argv.emplace_back(SCRIM_PROGRAM);
     argv.insert(argv.end(), arguments.begin(), arguments.end());
     std::vector<std::string> environment = environmentWith(options);
     posix_spawn_file_actions_t actions;
@@ -67,7 +69,7 @@ RunningProgram::RunningProgram(const std::string& folder, const std::vector<std:
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", 0, 0);
     posix_spawn_file_actions_adddup2(&actions, m_out, 1);
     posix_spawn_file_actions_adddup2(&actions, m_err, 2);
-    const int error = ::posix_spawn(&m_pid, SCRIM_PROGRAM, &actions, nullptr, pointersTo(argv).data(),
+    const int error = ::posix_spawn(&m_pid, argv.front().c_str(), &actions, nullptr, pointersTo(argv).data(),
                                     pointersTo(environment).data());
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) throw std::runtime_error("cannot start " SCRIM_PROGRAM);

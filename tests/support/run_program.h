@@ -22,6 +22,7 @@ struct ProgramResult {
 struct ProgramOptions {
     std::chrono::seconds timeout{120};
     std::vector<std::pair<std::string, std::string>> environment;  ///< set beside the test's own, which loses OCIO
+    std::string shell = {};  ///< how a shell runs the program: "ulimit -n 8; exec \"$0\" \"$@\""; "": none does
 };
 
 /// SCRIM_PROGRAM, running in `folder`.

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apart.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <exception>
 #include <fstream>
+#include <new>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -44,6 +47,36 @@ void writeAll(int file, const std::string& text) {
     }
 }
 
+constexpr const char* kTooLarge = "it needs more memory than a file of its size should";
+
+/// A limit of this process that ends with this object.
+class LimitForNow {
+  public:
+    LimitForNow(decltype(RLIMIT_AS) resource, rlim_t value) : m_resource(resource) {
+        if (::getrlimit(resource, &m_before) != 0) return;
+        m_known = true;
+        const rlimit now{std::min(value, m_before.rlim_cur), m_before.rlim_max};
+        ::setrlimit(resource, &now);
+    }
+    ~LimitForNow() {
+        if (m_known) ::setrlimit(m_resource, &m_before);
+    }
+    LimitForNow(const LimitForNow&) = delete;
+    LimitForNow& operator=(const LimitForNow&) = delete;
+
+  private:
+    decltype(RLIMIT_AS) m_resource;
+    rlimit m_before{};
+    bool m_known = false;
+};
+
+/// Seconds of processor time that this process has used, and the one that has begun.
+rlim_t secondsUsed() {
+    timespec used{};
+    ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    return static_cast<rlim_t>(used.tv_sec) + 1;
+}
+
 /// The child's whole life.
 [[noreturn]] void live(int out, const std::function<std::string()>& work, const ApartLimits& limits) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -60,7 +93,7 @@ void writeAll(int file, const std::string& text) {
     try {
         said = kDone + work();
     } catch (const std::bad_alloc&) {
-        said = std::string(1, kFailed) + "it needs more memory than a file of its size should";
+        said = std::string(1, kFailed) + kTooLarge;
     } catch (const std::exception& error) {
         said = kFailed + std::string(error.what());
     }
@@ -75,6 +108,21 @@ std::string deathOf(int status) {
 }
 
 }  // namespace
+
+std::string runAlone(const std::function<std::string()>& work, const ApartLimits& limits) {
+    const LimitForNow time(RLIMIT_CPU, secondsUsed() + limits.seconds);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    // How much address space is in use is told by a file, which such a process cannot open. What it has besides when it
+    // begins is little.
+    constexpr rlim_t kBesides = rlim_t{1} << 28;
+    const LimitForNow memory(RLIMIT_DATA, kBesides + limits.moreMemory);
+#endif
+    try {
+        return work();
+    } catch (const std::bad_alloc&) {
+        throw std::runtime_error(kTooLarge);
+    }
+}
 
 std::string runApart(const std::function<std::string()>& work, const ApartLimits& limits,
                      const std::function<bool()>& goOn) {

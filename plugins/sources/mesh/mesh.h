@@ -22,8 +22,8 @@ struct Mesh {
 
 /// The triangles of an OBJ or PLY file; polygons are cut into triangles, all else is left out. At least one triangle,
 /// or none where `goOn`, which is asked now and then, said false. Throws std::runtime_error "`path`: ..." where there
-/// is no triangle or the file is missing or damaged.
-Mesh readMesh(const std::string& path, const std::function<bool()>& goOn);
+/// is no triangle or the file is missing or damaged. `alone`: this process was made for that, and may crash.
+Mesh readMesh(const std::string& path, const std::function<bool()>& goOn, bool alone);
 
 struct Fog {
     double voxel = 1;    ///< edge, in world units; voxel i has its centre at (i + 0.5) voxel

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes through Assimp. Its readers crash or hang on many a damaged file, so they run in a child process, with all
-// other formats switched off.
+// Meshes through Assimp. Its readers crash or hang on many a damaged file, so they run in a process of their own, with
+// all other formats switched off.
 #include "mesh.h"
 
 #include "apart.h"
@@ -156,7 +156,7 @@ std::vector<T> take(std::string_view& bytes) {
     return items;
 }
 
-/// In the child: the mesh as `take` takes it.
+/// In that process: the mesh as `take` takes it.
 std::string importMesh(const std::string& bytes, const std::string& ending) {
     Assimp::Importer importer;
     keepReader(importer, ending);
@@ -176,7 +176,7 @@ std::string importMesh(const std::string& bytes, const std::string& ending) {
 
 }  // namespace
 
-Mesh readMesh(const std::string& path, const std::function<bool()>& goOn) {
+Mesh readMesh(const std::string& path, const std::function<bool()>& goOn, bool alone) {
     const std::string ending = endingOf(path);
     if (ending != ".obj" && ending != ".ply") refuse(path, "expected a file that ends in .obj or .ply");
     const std::string bytes = bytesOf(path);
@@ -187,7 +187,8 @@ Mesh readMesh(const std::string& path, const std::function<bool()>& goOn) {
     limits.seconds = kSeconds + static_cast<unsigned>(bytes.size() / kBytesPerSecond);
     Mesh mesh;
     try {
-        const std::string read = runApart([&] { return importMesh(bytes, ending); }, limits, goOn);
+        const auto import = [&] { return importMesh(bytes, ending); };
+        const std::string read = alone ? runAlone(import, limits) : runApart(import, limits, goOn);
         if (read.empty()) return mesh;
         std::string_view rest = read;
         mesh.points = take<Point>(rest);

@@ -11,6 +11,8 @@ Scan cropped(const Scan& scan, const Size& from, const Size& to) {
     Scan out;
     for (int k = 0; k < 3; ++k)
         out.size[static_cast<std::size_t>(k)] = to[static_cast<std::size_t>(k)] - from[static_cast<std::size_t>(k)];
+    out.type = scan.type;
+    out.space = scan.space;
     out.axes = scan.axes;
     out.origin = scan.origin + scan.axes * glm::dvec3(from[0], from[1], from[2]);
     out.values.reserve(static_cast<std::size_t>(out.size[0] * out.size[1] * out.size[2]));
@@ -25,6 +27,8 @@ Scan cropped(const Scan& scan, const Size& from, const Size& to) {
 Scan halved(const Scan& scan, int axis) {
     const auto a = static_cast<std::size_t>(axis);
     Scan out;
+    out.type = scan.type;
+    out.space = scan.space;
     out.size = scan.size;
     out.size[a] = (scan.size[a] + 1) / 2;
     out.axes = scan.axes;
@@ -50,15 +54,17 @@ Scan halved(const Scan& scan, int axis) {
 }
 
 void map(Scan& scan, const Mapping& mapping) {
+    const double least =
+        mapping.keepsUnits && mapping.window ? std::max(mapping.threshold, (*mapping.window)[0]) : mapping.threshold;
     for (float& value : scan.values) {
-        if (value <= mapping.threshold) {
+        if (value <= least) {
             value = 0;
             continue;
         }
         double v = value;
         if (mapping.window && !std::isnan(v)) {
             const auto& [low, high] = *mapping.window;
-            v = std::clamp((v - low) / (high - low), 0.0, 1.0);
+            v = mapping.keepsUnits ? std::clamp(v, low, high) : std::clamp((v - low) / (high - low), 0.0, 1.0);
         }
         value = static_cast<float>(v * mapping.scale);
     }

@@ -18,6 +18,7 @@ Scan halved(const Scan& scan, int axis);
 struct Mapping {
     double threshold = 0;                         ///< values up to this are empty
     std::optional<std::array<double, 2>> window;  ///< these become 0 and 1; values beyond are clamped
+    bool keepsUnits = false;                      ///< they are clamped only; values up to the window's begin are empty
     double scale = 1;                             ///< at last
 };
 

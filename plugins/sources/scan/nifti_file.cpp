@@ -52,7 +52,9 @@ void place(const nifti_image& image, Scan& scan) {
             scan.axes[column][row] = placed                              ? m.m[row][column]
                                      : row == column && spacing[row] > 0 ? spacing[row]
                                                                          : row == column;
-    if (placed) scan.origin = {m.m[0][3], m.m[1][3], m.m[2][3]};
+    if (!placed) return;
+    scan.origin = {m.m[0][3], m.m[1][3], m.m[2][3]};
+    scan.space = "right-anterior-superior";
 }
 
 }  // namespace
@@ -69,6 +71,7 @@ Scan readNifti(const std::string& path) {
     RawLayout layout;
     layout.size = scan.size = {image->nx, std::max<std::int64_t>(image->ny, 1), std::max<std::int64_t>(image->nz, 1)};
     layout.type = typeOf(*image, path);
+    scan.type = nameOf(layout.type);
     const bool swapped = image->byteorder != nifti_short_order();
     layout.bigEndian = swapped == (std::endian::native == std::endian::little);
     layout.header = image->iname_offset;

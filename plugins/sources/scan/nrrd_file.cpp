@@ -4,11 +4,13 @@
 #include "scan.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <mutex>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <teem/nrrd.h>
@@ -34,8 +36,50 @@ std::string teemError() {
     return colon == std::string::npos ? text : text.substr(colon + 2);
 }
 
-void load(Nrrd* nrrd, NrrdIoState* state, const std::string& path) {
-    if (nrrdLoad(nrrd, path.c_str(), state) != 0) refuse(path, teemError());
+/// A header that came from elsewhere must not choose any file of the disk.
+void checkFolder(const NrrdIoState& state, const std::string& path) {
+    for (unsigned i = 0; i < state.dataFNArr->len; ++i) {
+        const std::string_view name = state.dataFN[i];
+        if (name.find('/', name.starts_with("./") ? 2 : 0) != name.npos)
+            refuse(path,
+                   fmt::format("its samples are in '{}', expected a file in its own folder", name.substr(0, 200)));
+    }
+}
+
+/// Teem wants to know the dimension of space before the first direction in it, and some writers leave it out. The file
+/// with that line put in; empty where nothing is missing, or the samples are in a file of their own.
+std::string mended(const std::string& path) {
+    constexpr std::streamsize kMostOfHeader = 65536;
+    std::ifstream file(path, std::ios::binary);
+    std::string text(kMostOfHeader, '\0');
+    file.read(text.data(), kMostOfHeader);
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    const std::size_t end = text.find("\n\n"), first = text.find('\n');
+    if (end == std::string::npos) return "";
+    const auto has = [&](const char* key) { return text.find(key) < end; };
+    if (!has("\nspace directions:") || has("\nspace:") || has("\nspace dimension:") || has("\ndata file:") ||
+        has("\ndatafile:"))
+        return "";
+    file.clear();
+    for (std::string more(kMostOfHeader, '\0'); file.read(more.data(), kMostOfHeader) || file.gcount() > 0;)
+        text.append(more, 0, static_cast<std::size_t>(file.gcount()));
+    return text.insert(first + 1, "space dimension: 3\n");
+}
+
+bool loaded(Nrrd* nrrd, NrrdIoState* state, const std::string& path, std::string& mendedText) {
+    if (mendedText.empty()) return nrrdLoad(nrrd, path.c_str(), state) == 0;
+    std::FILE* const file = fmemopen(mendedText.data(), mendedText.size(), "rb");
+    if (file == nullptr) refuse(path, "there is no memory to read it");
+    const bool done = nrrdRead(nrrd, file, state) == 0;
+    std::fclose(file);
+    return done;
+}
+
+void load(Nrrd* nrrd, NrrdIoState* state, const std::string& path, std::string& mendedText) {
+    if (loaded(nrrd, state, path, mendedText)) return;
+    const std::string reason = teemError();
+    if (state != nullptr) checkFolder(*state, path);
+    refuse(path, reason);
 }
 
 /// The file that holds the samples: `path` itself, or the one its header names.
@@ -43,11 +87,20 @@ std::string dataFile(const NrrdIoState& state, const std::string& path) {
     if (state.dataFNFormat != nullptr || state.dataFNArr->len > 1)
         refuse(path, "its samples are in several files, expected one");
     if (state.dataFNArr->len == 0) return path;
-    return (std::filesystem::path(path).parent_path() / state.dataFN[0]).lexically_normal().string();
+    // The folder as it was called: "a/../b" is not "b" where a is a link.
+    const std::filesystem::path name = std::filesystem::path(state.dataFN[0]).lexically_normal();
+    return (std::filesystem::path(path).parent_path() / name).string();
 }
 
 std::string typeName(int type) {
     return airEnumStr(nrrdType, type);
+}
+
+/// In the words that raw files' types have.
+std::string sampleTypeOf(int type) {
+    constexpr const char* kNames[] = {"int8",   "uint8", "int16",  "uint16", "int32",
+                                      "uint32", "int64", "uint64", "float",  "double"};
+    return type >= nrrdTypeChar && type <= nrrdTypeDouble ? kNames[type - nrrdTypeChar] : typeName(type);
 }
 
 /// Refuses a header whose samples cannot be in the file.
@@ -97,17 +150,21 @@ Scan readNrrd(const std::string& path) {
     const NrrdOwner header(nrrdNew());
     const StateOwner state(nrrdIoStateNew());
     state->skipData = AIR_TRUE;
-    load(header.get(), state.get(), path);
+    std::string text = mended(path);
+    load(header.get(), state.get(), path, text);
+    checkFolder(*state, path);
     if (header->dim != 3) refuse(path, fmt::format("has {} dimensions, expected 3", header->dim));
     if (header->type == nrrdTypeBlock || nrrdTypeSize[header->type] == 0)
         refuse(path, fmt::format("holds samples of type '{}', expected numbers", typeName(header->type)));
     checkBytes(*header, *state, path);
 
     const NrrdOwner nrrd(nrrdNew());
-    load(nrrd.get(), nullptr, path);
+    load(nrrd.get(), nullptr, path, text);
     Scan scan;
     for (std::size_t axis = 0; axis < 3; ++axis) scan.size[axis] = static_cast<std::int64_t>(nrrd->axis[axis].size);
     place(*nrrd, scan);
+    scan.type = sampleTypeOf(nrrd->type);
+    if (nrrd->space != nrrdSpaceUnknown) scan.space = airEnumStr(nrrdSpace, nrrd->space);
     scan.values.resize(static_cast<std::size_t>(sampleCount(scan.size, path)));
     const auto sample = nrrdFLookup[nrrd->type];
     for (std::size_t i = 0; i < scan.values.size(); ++i) scan.values[i] = sample(nrrd->data, i);

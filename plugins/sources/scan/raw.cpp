@@ -98,6 +98,12 @@ std::string nameOf(SampleType type) {
     return kNames[static_cast<std::size_t>(type)];
 }
 
+void worldFromIndexOf(const Scan& scan, double matrix[16]) {
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 4; ++column)
+            matrix[4 * row + column] = row == 3 ? column == 3 : column == 3 ? scan.origin[row] : scan.axes[column][row];
+}
+
 std::string textOf(const Size& size) {
     return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
 }

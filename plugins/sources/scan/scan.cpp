@@ -5,7 +5,7 @@
 //     scrim make scan file=teddybear.raw size=128,128,62 spacing=2.8,2.8,5 threshold=20 -o teddy.vdb
 //
 // Which file: the ending of its name decides.
-//   .nrrd .nhdr   NRRD, its samples inside or in one file beside it, in any encoding of Teem's
+//   .nrrd .nhdr   NRRD, its samples inside or in one file of the same folder, in any encoding of Teem's
 //   .nii .nii.gz  NIfTI-1 or -2
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
 // A header says size, type, byte order and place itself, and the parameters marked raw must then be left alone. Its
@@ -27,10 +27,16 @@
 //   halve        axes, such as z or xyz, along which each two samples become their mean
 //   threshold    samples up to this (as the file has them) are empty
 //   window       "lo, hi": these become 0 and 1, what is beyond is clamped; "full": least and largest sample; empty:
-//   off scale        multiplied onto values at last
+//   off scale        multiplied onto values at last units        scan: values stay as the scan has them (Hounsfield,
+//   say), for a transfer function in its units; what is
+//                beyond a window is clamped, and what is not above its begin is empty
+//   describe     true: in place of the samples two small grids, a histogram of their values and the two ends of the
+//                lattice (describe.h)
 //
-// The grid is called "density". A file that is shorter or (raw) longer than declared, sizes beyond 2^31 samples, and
-// compressed files too small to hold what they declare are refused before anything is allocated for them.
+// The grid is called "density". What is not above 0 is empty: values below 0 can be seen through a window only. A file
+// that is shorter or (raw) longer than declared, sizes beyond 2^31 samples, and compressed files too small to hold what
+// they declare are refused before anything is allocated for them.
+#include "describe.h"
 #include "edit.h"
 #include "scan.h"
 
@@ -64,6 +70,8 @@ enum {
     kThreshold,
     kWindow,
     kScale,
+    kUnits,
+    kDescribe,
     kCount
 };
 // 'auto' is what a header says, and for raw files the first of the others.
@@ -83,6 +91,8 @@ constexpr scrim_parameter kParameters[kCount] = {
     {"threshold", SCRIM_NUMBER, "0", 0, 0, nullptr, "samples up to this are empty"},
     {"window", SCRIM_STRING, "", 0, 0, nullptr, "'lo, hi' that become 0 and 1, or 'full'; empty: values as they are"},
     {"scale", SCRIM_NUMBER, "1", 0, 1e30, nullptr, "multiplied onto values"},
+    {"units", SCRIM_STRING, "window", 0, 0, "window|scan", "whether a window makes 0 to 1 of values, or leaves them"},
+    {"describe", SCRIM_BOOL, "false", 0, 0, nullptr, "a histogram and the lattice's ends in place of the samples"},
 };
 
 std::string lowerCase(std::string text) {
@@ -119,6 +129,7 @@ Scan readRawFile(const std::string& path, const scrim_value* values) {
     layout.bigEndian = std::string_view(values[kEndian].text) == "big";
     layout.header = values[kHeader].integer;
     Scan scan;
+    scan.type = nameOf(layout.type);
     scan.size = layout.size;
     scan.values = readRaw(path, layout);
     return scan;
@@ -178,6 +189,7 @@ Mapping mappingOf(const Scan& scan, const scrim_value* values) {
     Mapping mapping;
     mapping.threshold = values[kThreshold].number[0];
     mapping.scale = values[kScale].number[0];
+    mapping.keepsUnits = std::string_view(values[kUnits].text) == "scan";
     std::string text = values[kWindow].text;
     if (text.empty()) return mapping;
     std::array<double, 2> window{};
@@ -196,16 +208,22 @@ Mapping mappingOf(const Scan& scan, const scrim_value* values) {
                 fmt::format("'window' is '{}', expected two ascending numbers such as 0, 255, or 'full'",
                             std::string_view(values[kWindow].text).substr(0, 80)));
     }
+    if (mapping.keepsUnits && window[0] < 0)
+        throw std::runtime_error(
+            fmt::format("'window' begins at {}, and units=scan leaves values as they are, of which those below 0 are "
+                        "empty; without it a window makes 0 to 1 of them",
+                        window[0]));
     mapping.window = window;
     return mapping;
 }
 
-int emit(const scrim_host* host, const Scan& scan, bool center) {
-    const glm::dmat3& m = scan.axes;
-    const glm::dvec3 middle = 0.5 * glm::dvec3(scan.size[0] - 1, scan.size[1] - 1, scan.size[2] - 1);
-    const glm::dvec3 o = center ? -(m * middle) : scan.origin;
-    const double worldFromIndex[16] = {m[0].x, m[1].x, m[2].x, o.x, m[0].y, m[1].y, m[2].y, o.y,
-                                       m[0].z, m[1].z, m[2].z, o.z, 0,      0,      0,      1};
+void moveToOrigin(Scan& scan) {
+    scan.origin = -0.5 * (scan.axes * glm::dvec3(scan.size[0] - 1, scan.size[1] - 1, scan.size[2] - 1));
+}
+
+int emit(const scrim_host* host, const Scan& scan) {
+    double worldFromIndex[16];
+    worldFromIndexOf(scan, worldFromIndex);
     const int grid = host->add_grid(host, "density", worldFromIndex);
     if (grid < 0) return grid;
 
@@ -242,8 +260,10 @@ int generate(const scrim_host* host, const scrim_value* values) {
         Scan scan = readFile(values);
         place(scan, values);
         scan = edited(std::move(scan), values);
+        if (values[kCenter].boolean != 0) moveToOrigin(scan);
+        if (values[kDescribe].boolean != 0) return describe(host, scan);
         map(scan, mappingOf(scan, values));
-        return emit(host, scan, values[kCenter].boolean != 0);
+        return emit(host, scan);
     } catch (const std::bad_alloc&) {
         host->fail(host, "not enough memory for the scan");
     } catch (const std::exception& error) {

@@ -20,6 +20,8 @@ struct Scan {
     std::vector<float> values;  ///< x fastest, then y, then z
     glm::dmat3 axes{1};         ///< columns: the step from one sample to the next along x, y, z, in world units
     glm::dvec3 origin{0};       ///< where the first sample is
+    std::string type;           ///< of the samples in the file: "uint8", "float", ...
+    std::string space;          ///< where x, y and z lead: "right-anterior-superior"; "": the file does not say
     std::size_t indexOf(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * size[1] + y) * size[0] + x);
     }
@@ -28,6 +30,9 @@ struct Scan {
 enum class SampleType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
 std::int64_t bytesOf(SampleType type);
 std::string nameOf(SampleType type);
+
+/// Row by row, as `add_grid` takes it.
+void worldFromIndexOf(const Scan& scan, double matrix[16]);
 
 /// "nx x ny x nz".
 std::string textOf(const Size& size);

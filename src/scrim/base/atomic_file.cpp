@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/atomic_file.h>
 
-#include <scrim/base/error.h>
+#include <scrim/base/system_error.h>
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -12,9 +13,14 @@
 #include <atomic>
 #include <cassert>
 #include <cerrno>
+#include <charconv>
 #include <climits>
+#include <csignal>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
+#include <optional>
+#include <string_view>
 #include <system_error>
 
 namespace scrim {
@@ -58,12 +64,13 @@ void forget(int slot) {
     if (slot >= 0) slotAt(slot).state.store(kFree);
 }
 
-std::string reason(int errorNumber) {
-    return std::generic_category().message(errorNumber);
-}
-
 Error cannotWrite(const std::string& path, const std::string& why) {
     return Error(ErrorKind::output, fmt::format("cannot write '{}': {}", path, why));
+}
+
+Error cannotWrite(const std::string& path, int errorNumber) {
+    return Error(kindOfSystemError(errorNumber, ErrorKind::output),
+                 fmt::format("cannot write '{}': {}", path, systemErrorText(errorNumber)));
 }
 
 std::string hostName() {
@@ -72,26 +79,56 @@ std::string hostName() {
     return name.data();
 }
 
+constexpr std::string_view kTempPrefix = ".scrim-";
+
 /// A hidden name in the folder of `path`, another one at each call. Host, process and count keep machines
 /// that share the folder apart.
 std::string tempPathFor(const std::filesystem::path& path) {
     static std::atomic<unsigned> count{0};
     const std::string name =
-        fmt::format(".scrim-{}-{}-{}{}", hostName(), ::getpid(), count.fetch_add(1), path.extension().string());
+        fmt::format("{}{}-{}-{}{}", kTempPrefix, hostName(), ::getpid(), count.fetch_add(1), path.extension().string());
     return (path.parent_path() / name).string();
+}
+
+/// Who made a temporary file, as its name tells.
+struct TempWriter {
+    std::string_view host;
+    pid_t process = 0;
+};
+
+std::optional<TempWriter> writerIn(std::string_view name) {
+    if (!name.starts_with(kTempPrefix)) return std::nullopt;
+    name.remove_prefix(kTempPrefix.size());
+    const std::size_t count = name.rfind('-');  // hosts' names may hold others
+    if (count == std::string_view::npos || count == 0) return std::nullopt;
+    const std::size_t process = name.rfind('-', count - 1);
+    if (process == std::string_view::npos) return std::nullopt;
+    TempWriter writer{name.substr(0, process), 0};
+    const char* const end = name.data() + count;
+    const auto [stop, error] = std::from_chars(name.data() + process + 1, end, writer.process);
+    if (error != std::errc() || stop != end || writer.process <= 0) return std::nullopt;
+    return writer;
+}
+
+/// Whether whoever wrote the temporary file is gone. It held a lock while it was there; but there are file systems that
+/// know no locks, or not those of other machines.
+bool isAbandoned(const std::string& path, const TempWriter& writer) {
+    constexpr std::time_t kDay = 24 * 60 * 60;
+    struct stat status {};
+    const int file = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (file < 0) return false;
+    const bool locked = ::flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
+    ::close(file);
+    if (locked || !known) return false;
+    if (std::time(nullptr) - status.st_mtime > kDay) return true;
+    const bool gone = writer.process == ::getpid() || (::kill(writer.process, 0) != 0 && errno == ESRCH);
+    return writer.host == hostName() && gone;
 }
 
 void checkPlace(const std::string& path) {
     if (path.empty()) throw cannotWrite(path, "the name is empty");
-    const std::string folder = std::filesystem::path(path).parent_path().string();
     struct stat status {};
-    if (!folder.empty() && ::stat(folder.c_str(), &status) != 0) {
-        const int error = errno;
-        throw cannotWrite(path, error == ENOENT ? fmt::format("the folder '{}' does not exist", folder)
-                                                : fmt::format("the folder '{}': {}", folder, reason(error)));
-    }
-    if (!folder.empty() && !S_ISDIR(status.st_mode))
-        throw cannotWrite(path, fmt::format("'{}' is not a folder", folder));
     if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
         throw cannotWrite(path, S_ISDIR(status.st_mode) ? "it is a folder" : "it is not a regular file");
 }
@@ -107,34 +144,85 @@ int syncFile(const std::string& path, int flags) {
 
 }  // namespace
 
-AtomicFile::AtomicFile(std::string path) : m_path(std::move(path)), m_slot(-1) {
+AtomicFile::AtomicFile(std::string path) : m_path(std::move(path)) {
     checkPlace(m_path);
-    // A name can be taken: by the leftover of a killed process whose id was given out again.
-    constexpr int kAttempts = 1000;
-    int error = EEXIST;
-    for (int attempt = 0; attempt < kAttempts && error == EEXIST; ++attempt) {
-        m_tempPath = tempPathFor(m_path);
-        const int file = ::open(m_tempPath.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        error = file < 0 ? errno : 0;
-        if (file >= 0) ::close(file);
+    try {
+        open();
+    } catch (const Error&) {
+        removeMadeFolders();
+        throw;
     }
-    if (error != 0) throw cannotWrite(m_path, reason(error));
+    (void)::flock(m_file, LOCK_EX | LOCK_NB);  // tells that its writer is there
     m_slot = remember(m_tempPath);
 }
 
+void AtomicFile::open() {
+    // A name can be taken: by the leftover of a killed process whose id was given out again. And a folder can be gone
+    // again: with the process that had made it, and then wrote nothing.
+    constexpr int kAttempts = 1000;
+    int error = EEXIST;
+    for (int attempt = 0; attempt < kAttempts && (error == EEXIST || error == ENOENT); ++attempt) {
+        makeFolders();
+        m_tempPath = tempPathFor(m_path);
+        m_file = aboveStandardStreams(::open(m_tempPath.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
+        error = m_file < 0 ? errno : 0;
+    }
+    if (error != 0) throw cannotWrite(m_path, error);
+}
+
+/// Makes the file's folder and those above it where they are missing.
+void AtomicFile::makeFolders() {
+    std::filesystem::path place;
+    for (const std::filesystem::path& part : std::filesystem::path(m_path).parent_path()) {
+        place /= part;
+        struct stat status {};
+        if (::stat(place.c_str(), &status) == 0) {
+            if (!S_ISDIR(status.st_mode))
+                throw cannotWrite(m_path, fmt::format("'{}' is not a folder", place.string()));
+        } else if (::mkdir(place.c_str(), 0777) == 0) {
+            m_madeFolders.push_back(place.string());
+        } else if (errno != EEXIST) {  // that another process has just made
+            throw cannotWrite(m_path,
+                              fmt::format("cannot make the folder '{}': {}", place.string(), systemErrorText(errno)));
+        }
+    }
+}
+
 AtomicFile::~AtomicFile() {
-    if (!m_committed) ::unlink(m_tempPath.c_str());
+    ::close(m_file);
+    if (!m_committed) {
+        ::unlink(m_tempPath.c_str());
+        removeMadeFolders();
+    }
     forget(m_slot);
+}
+
+void AtomicFile::removeMadeFolders() noexcept {
+    // Those that hold something by now stay.
+    for (auto folder = m_madeFolders.rbegin(); folder != m_madeFolders.rend(); ++folder) ::rmdir(folder->c_str());
 }
 
 void AtomicFile::commit() {
     assert(!m_committed);
-    if (const int error = syncFile(m_tempPath, O_RDONLY)) throw cannotWrite(m_path, reason(error));
-    if (::rename(m_tempPath.c_str(), m_path.c_str()) != 0) throw cannotWrite(m_path, reason(errno));
+    if (const int error = syncFile(m_tempPath, O_RDONLY)) throw cannotWrite(m_path, error);
+    if (::rename(m_tempPath.c_str(), m_path.c_str()) != 0) throw cannotWrite(m_path, errno);
     m_committed = true;
     // The name is on the disk only once its folder is; where that fails the file is still whole.
     const std::string folder = std::filesystem::path(m_path).parent_path().string();
     syncFile(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
+}
+
+void removeAbandonedFiles(const std::string& folder) noexcept {
+    try {
+        std::error_code error;
+        std::filesystem::directory_iterator entry(folder.empty() ? "." : folder, error), end;
+        for (; !error && entry != end; entry.increment(error)) {
+            const std::string name = entry->path().filename().string();
+            const auto writer = writerIn(name);
+            if (writer && isAbandoned(entry->path().string(), *writer)) ::unlink(entry->path().c_str());
+        }
+    } catch (const std::exception&) {  // it is but tidying
+    }
 }
 
 void writeWholeFile(const std::string& path, std::string_view bytes) {
@@ -149,7 +237,7 @@ void writeWholeFile(const std::string& path, std::string_view bytes) {
             error = errno;
     }
     if (out >= 0 && ::close(out) != 0 && error == 0) error = errno;
-    if (error != 0) throw cannotWrite(path, reason(error));
+    if (error != 0) throw cannotWrite(path, error);
     file.commit();
 }
 

@@ -5,6 +5,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace scrim {
 
@@ -14,9 +15,10 @@ namespace scrim {
 class AtomicFile {
   public:
     /// Creates an empty temporary file in the folder of `path`: hidden, of a name nobody else has, with the
-    /// extension of `path`, since libraries choose formats by it. Throws an Error of kind `output` where the
-    /// folder is missing or not writable, or where `path` is something other than a regular file (renaming
-    /// over a device such as /dev/null would destroy it).
+    /// extension of `path`, since libraries choose formats by it. Makes missing folders, which go again with a
+    /// file that is not committed. Throws an Error of kind `output` where a folder cannot be made or written
+    /// to, or where `path` is something other than a regular file (renaming over a device such as /dev/null
+    /// would destroy it).
     explicit AtomicFile(std::string path);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
@@ -30,9 +32,15 @@ class AtomicFile {
     void commit();
 
   private:
+    void open();
+    void makeFolders();
+    void removeMadeFolders() noexcept;
+
     std::string m_path;
     std::string m_tempPath;
-    int m_slot;  ///< in the registry of uncommitted files; negative where that is full
+    std::vector<std::string> m_madeFolders;
+    int m_file = -1;  ///< holds the lock that tells others that the writer is there
+    int m_slot = -1;  ///< in the registry of uncommitted files; negative where that is full
     bool m_committed = false;
 };
 
@@ -43,5 +51,9 @@ void writeWholeFile(const std::string& path, std::string_view bytes);
 /// async-signal-safe functions. Not more than 64 files are remembered at a time; files of a parent process,
 /// in a fork, are left to the parent.
 void removeUncommittedFiles() noexcept;
+
+/// Removes temporary files in `folder` ("": the current one) whose writers are gone: killed, before they could do so
+/// themselves. Those of other machines that share the folder go after a day.
+void removeAbandonedFiles(const std::string& folder) noexcept;
 
 }  // namespace scrim

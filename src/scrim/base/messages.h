@@ -19,6 +19,13 @@ using ProgressSink = std::function<bool(double)>;
 /// Called often where nothing can be reported: throws where the caller of the library asked it to stop.
 using Checkpoint = std::function<void()>;
 
+/// Receives the progress of a part of the work, [from, to] of all, and passes it on; nothing where `progress` is
+/// nothing.
+inline ProgressSink partOf(const ProgressSink& progress, double from, double to) {
+    if (!progress) return {};
+    return [progress, from, to](double done) { return progress(from + (to - from) * done); };
+}
+
 inline void notify(const MessageSink& sink, Severity severity, const std::string& text) {
     if (sink) sink(severity, text);
 }

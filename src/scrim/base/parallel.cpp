@@ -7,6 +7,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -33,9 +37,9 @@ class FlushDenormals {
 #endif
 };
 
-}  // namespace
+std::function<void(std::size_t, double, double, double)> loopSink;
 
-void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task) {
+void runTasks(std::size_t count, const std::function<void(std::size_t)>& task) {
     if (count == 1) {
         const FlushDenormals flush;
         return task(0);
@@ -47,6 +51,38 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task
             for (std::size_t i = range.begin(); i != range.end(); ++i) task(i);
         },
         tbb::simple_partitioner());
+}
+
+// Loops within its tasks are theirs, and not heard of.
+void runWatched(std::size_t count, const std::function<void(std::size_t)>& task) {
+    using Clock = std::chrono::steady_clock;
+    const auto since = [](Clock::time_point begin) {
+        return std::chrono::duration<double>(Clock::now() - begin).count();
+    };
+    const auto sink = std::exchange(loopSink, nullptr);
+    std::vector<double> seconds(count);
+    const auto begin = Clock::now();
+    runTasks(count, [&](std::size_t i) {
+        const auto taskBegin = Clock::now();
+        task(i);
+        seconds[i] = since(taskBegin);
+    });
+    const double wall = since(begin);
+    if (count > 0)
+        sink(count, wall, std::accumulate(seconds.begin(), seconds.end(), 0.0),
+             *std::max_element(seconds.begin(), seconds.end()));
+    loopSink = sink;
+}
+
+}  // namespace
+
+void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task) {
+    if (loopSink) return runWatched(count, task);
+    runTasks(count, task);
+}
+
+void watchLoops(std::function<void(std::size_t, double, double, double)> sink) {
+    loopSink = std::move(sink);
 }
 
 int threadCount() {

@@ -15,6 +15,10 @@ namespace scrim {
 /// others have stopped.
 void parallelFor(std::size_t count, const std::function<void(std::size_t)>& task);
 
+/// For benchmarks: from now on `sink` hears of every loop as it ends: how many tasks it had, and the seconds that it,
+/// all its tasks together and the longest of them took. An empty one ends that. Not to be called while loops run.
+void watchLoops(std::function<void(std::size_t tasks, double wall, double work, double longest)> sink);
+
 /// Number of threads `parallelFor` may use where it is called now.
 int threadCount();
 

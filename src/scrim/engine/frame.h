@@ -77,7 +77,8 @@ struct FrameLayer {
     Layer layer = Layer::light;
     int light = -1;  ///< of a light's: index into ViewScene::lights
     /// light, ambient, emission: the part of the beauty, RGB. albedo: times what it hides, RGB. transmittance: RGB.
-    /// depth: along the viewing axis, world units, of the first thing visible and of the mean over what is seen; 0, 0
+    /// depth: along the viewing axis, world units, of where the first thing visible begins and of the mean over what is
+    /// seen; 0, 0
     /// where nothing is.
     std::vector<float> data;
 

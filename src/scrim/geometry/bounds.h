@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 
 #include <glm/common.hpp>
 
@@ -29,6 +30,21 @@ struct Bounds {
     }
     bool contains(const Vec3& p) const {
         return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y && p.z <= upper.z;
+    }
+    /// The part of [begin, end] in which origin + t direction is in the box; nothing is left where first > second.
+    std::pair<double, double> clip(const Vec3& origin, const Vec3& direction, double begin, double end) const {
+        for (int axis = 0; axis < 3; ++axis) {
+            if (direction[axis] == 0) {
+                if (origin[axis] < lower[axis] || origin[axis] > upper[axis])
+                    end = -std::numeric_limits<double>::infinity();
+                continue;
+            }
+            const double a = (lower[axis] - origin[axis]) / direction[axis];
+            const double b = (upper[axis] - origin[axis]) / direction[axis];
+            begin = glm::max(begin, glm::min(a, b));
+            end = glm::min(end, glm::max(a, b));
+        }
+        return {begin, end};
     }
     std::array<Vec3, 8> corners() const {
         std::array<Vec3, 8> c;

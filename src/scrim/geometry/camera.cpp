@@ -37,7 +37,8 @@ RayFamily wsRays(const Camera& camera) {
     const Vec2 half = halfExtent(camera);
     const Vec3 stepX = right * (2 * half.x / camera.resolution.x);
     const Vec3 stepY = -up * (2 * half.y / camera.resolution.y);
-    const Vec3 topLeft = -right * half.x + up * half.y;
+    const Vec2 middle = 2 * half.x * camera.shift;
+    const Vec3 topLeft = right * (middle.x - half.x) + up * (middle.y + half.y);
 
     RayFamily rays;
     rays.near = camera.near;
@@ -53,6 +54,12 @@ RayFamily wsRays(const Camera& camera) {
         rays.directionY = stepY;
     }
     return rays;
+}
+
+double pixelAt(const Camera& camera, double distance) {
+    const RayFamily rays = wsRays(camera);
+    return camera.type == CameraType::orthographic ? glm::length(rays.originX)
+                                                   : glm::length(rays.directionX) * distance;
 }
 
 Camera supersampled(Camera camera, int n) {
@@ -74,10 +81,14 @@ Mat4 worldToNdc(const Camera& camera) {
     projection[1][1] = 1 / half.y;
     // Depth is not cut off at a far plane: z maps to itself, as EXR readers only use x and y.
     projection[2][2] = -1;
-    if (camera.type == CameraType::orthographic)
-        projection[3][3] = 1;
-    else
+    const Vec2 middle = 2 * half.x * camera.shift / half;
+    if (camera.type == CameraType::orthographic) {
+        projection[3] = glm::dvec4(-middle, 0, 1);
+    } else {
+        projection[2][0] = middle.x;
+        projection[2][1] = middle.y;
         projection[2][3] = -1;
+    }
     return projection * worldToCamera(camera);
 }
 

@@ -18,6 +18,7 @@ struct Camera {
     double near = 0.0;       ///< depth along the viewing axis from which on the camera sees, world units
     Int2 resolution{512, 512};
     double pixelAspect = 1.0;  ///< width of a pixel over its height
+    Vec2 shift{0};             ///< of the picture's window to the right and up, in widths of the picture
 };
 
 /// An orthonormal frame at `position` that looks at `target` with `up` as near to y as can be. Where `up` is
@@ -38,6 +39,9 @@ struct RayFamily {
 
 /// The camera's rays in world space; raster positions in units of its own pixels.
 RayFamily wsRays(const Camera& camera);
+
+/// World size of a pixel's width at `distance` from the camera.
+double pixelAt(const Camera& camera, double distance);
 
 /// The viewing direction (unit, away from the eye) in world space.
 inline Vec3 viewingAxis(const Camera& camera) {

@@ -12,6 +12,11 @@ namespace scrim {
 constexpr int kTileEdge = 16;                     ///< texels, pixels or cells along a tile's edge
 constexpr int kTileSize = kTileEdge * kTileEdge;  ///< 256
 
+/// The edge of the tiles that hold so many texels, pixels or cells.
+constexpr int roundUpToTile(int count) {
+    return (count + kTileEdge - 1) / kTileEdge * kTileEdge;
+}
+
 struct Sheets {
     Vec3 wsAnchor{0};      ///< world position of sweep space's origin: of the scene, not of the camera
     Mat3 ssFromWs{1.0};    ///< rotation; its rows are u, v and w (the axis) in world space

@@ -13,7 +13,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <functional>
+#include <new>
 #include <sstream>
+#include <string_view>
 
 namespace OCIO = OCIO_NAMESPACE;
 
@@ -39,6 +41,8 @@ auto translated(const std::string& what, const Call& call) {
     try {
         return call();
     } catch (const OCIO::Exception& exception) {
+        // It wraps whatever is thrown.
+        if (std::string_view(exception.what()).find("bad_alloc") != std::string_view::npos) throw std::bad_alloc();
         throw Error(ErrorKind::input, fmt::format("{}: {}", what, shortened(exception.what())));
     }
 }
@@ -64,6 +68,24 @@ void forPixelRuns(std::size_t pixelCount, const std::function<void(std::size_t, 
 std::uint8_t toByte(float value) {
     if (!(value > 0.0f)) return 0;  // NaN too
     return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
+}
+
+/// In [0, 1), spread evenly over the neighbours of every pixel without a pattern that shows: the additive recurrence
+/// on the plastic number (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"). Of a picture's
+/// place alone, so that it stands still from frame to frame and crops fit together.
+double ditherAt(int x, int y) {
+    constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;
+    const double v = kX * x + kY * y;
+    return v - std::floor(v);
+}
+
+/// Rounded up in as many neighbouring pixels as the value is nearer to the larger byte, so that their mean is right.
+/// What is a byte already, to a part in 512, stays.
+std::uint8_t toDitheredByte(float value, double dither) {
+    constexpr double kKept = 1.0 / 512;
+    if (!(value > 0.0f)) return 0;  // NaN too
+    const double steps = double(std::min(value, 1.0f)) * 255;
+    return static_cast<std::uint8_t>(std::floor(steps + kKept + (1 - 2 * kKept) * dither));
 }
 
 OCIO::ConstConfigRcPtr readConfig(const std::string& file, bool fromEnvironment) {
@@ -205,7 +227,13 @@ DisplayImage ColourConfig::displayImage(const Image& working, const std::string&
         const float* begin = working.rgba.data() + 4 * first;
         std::vector<float> pixels(begin, begin + 4 * count);
         applyToColour(*processor, pixels.data(), count);
-        std::transform(pixels.begin(), pixels.end(), out.rgba.data() + 4 * first, toByte);
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::size_t at = first + i, width = std::size_t(working.window.width());
+            const double dither = ditherAt(working.window.x0 + static_cast<int>(at % width),
+                                           working.window.y0 + static_cast<int>(at / width));
+            for (std::size_t c = 0; c < 3; ++c) out.rgba[4 * at + c] = toDitheredByte(pixels[4 * i + c], dither);
+            out.rgba[4 * at + 3] = toByte(pixels[4 * i + 3]);
+        }
     });
     return out;
 }

@@ -60,7 +60,8 @@ class ColourConfig {
     void convert(Image& image, const std::string& fromSpace, const std::string& toSpace) const;
 
     /// `working` (premultiplied, in the working space) through a view of a display: the transform is applied
-    /// to the premultiplied colour, clamped to [0, 1] and rounded to 8 bits; NaN becomes 0. In parallel. An
+    /// to the premultiplied colour, clamped to [0, 1] and rounded to 8 bits, by a pattern that stands still, so
+    /// that the mean of neighbours is right and slow gradients show no bands; NaN becomes 0. In parallel. An
     /// empty `display` or `view` stands for the default. Throws on an unknown one.
     DisplayImage displayImage(const Image& working, const std::string& display, const std::string& view) const;
 

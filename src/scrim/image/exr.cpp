@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/image/exr.h>
 
-#include <scrim/base/error.h>
-#include <scrim/base/parallel.h>
 #include <scrim/base/atomic_file.h>
+#include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
 
 #include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
@@ -27,7 +27,6 @@
 #include <deque>
 #include <fstream>
 #include <set>
-#include <system_error>
 
 namespace scrim {
 
@@ -68,7 +67,7 @@ class CheckedStream : public Imf::OStream {
   private:
     void check() {
         if (m_error == 0 && !m_file) m_error = errno != 0 ? errno : EIO;
-        if (m_error != 0) throw std::runtime_error(std::generic_category().message(m_error));
+        if (m_error != 0) throw std::runtime_error(systemErrorText(m_error));
     }
 
     std::ofstream m_file;

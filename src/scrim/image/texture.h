@@ -46,9 +46,6 @@ class Texture {
     double m_aspect;
 };
 
-/// Pixels a texture may have: 1 GB with its pyramid.
-constexpr std::size_t kMostTexturePixels = std::size_t{48} << 20;
-
 /// Reads a picture in any format that OpenImageIO knows, turned as its orientation tag says, over its full (display)
 /// window. Grey becomes RGB, alpha is multiplied in: what is transparent is black. `colorspace` is that of the file;
 /// "": sRGB for integer pixels, the working space for floats. What is not finite or less than 0 becomes 0, with a

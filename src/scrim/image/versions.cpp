@@ -3,7 +3,8 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 #include <OpenEXR/OpenEXRConfig.h>
-#include <OpenImageIO/imageio.h>
+#include <OpenImageIO/oiioversion.h>
+#include <fmt/format.h>
 
 namespace scrim {
 
@@ -16,9 +17,8 @@ std::string openColorIoVersion() {
 }
 
 std::string openImageIoVersion() {
-    const int version = OIIO::openimageio_version();  // 10000 * major + 100 * minor + patch
-    return std::to_string(version / 10000) + "." + std::to_string(version / 100 % 100) + "." +
-           std::to_string(version % 100);
+    // As compiled against: asking the library itself would load it.
+    return fmt::format("{}.{}.{}", OIIO_VERSION_MAJOR, OIIO_VERSION_MINOR, OIIO_VERSION_PATCH);
 }
 
 }  // namespace scrim

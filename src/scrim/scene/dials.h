@@ -3,6 +3,7 @@
 // meanings stand in one table in quality.h.
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace scrim {
@@ -25,6 +26,10 @@ enum class SheetAxis { halfWay, imageAligned };
 enum class SplatMode { shared, perView };
 enum class ShadowPlane { light, image };
 
+/// Degrees of a cross-fade where no other number is given: little enough that few lights pay for it, enough that one
+/// which crosses the perpendicular at a degree a frame is seen to fade.
+inline constexpr double kCrossFade = 2;
+
 struct Dials {
     double sheetThickness = 1.5;  ///< voxels, before the cosine of the worst slant
     double texel = 0.7;           ///< voxels
@@ -36,8 +41,10 @@ struct Dials {
     ShadeMode shade = ShadeMode::automatic;
     ShadowPlane shadowPlane = ShadowPlane::light;
     SheetAxis sheets = SheetAxis::halfWay;
-    double maxSlant = 60;         ///< degrees
-    double crossFade = 2;         ///< degrees around perpendicular in which a light is served from both sides
+    double maxSlant = 60;  ///< degrees
+    /// Degrees around perpendicular in which a light is served from both sides; nothing: kCrossFade where the scene
+    /// moves, 0 where it stands still.
+    std::optional<double> crossFade;
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
     double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
     int antialias = 1;            ///< n x n rays a pixel

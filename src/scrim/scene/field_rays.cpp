@@ -27,24 +27,60 @@ int floorTo(int v, int edge) {
     return v >= 0 ? v - v % edge : -((edge - 1 - v) / edge * edge);
 }
 
-Bounds occupiedIn(const float* values, const Int3& origin) {
+constexpr std::size_t kBlocksPerTask = 256;
+
+std::size_t taskCount(const SparseField& field) {
+    return (field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask;
+}
+
+/// Calls `visit(task, block)` for all blocks, those of a task in order.
+template <typename Visit>
+void visitBlocks(const SparseField& field, const Visit& visit) {
+    parallelFor(taskCount(field), [&](std::size_t task) {
+        const std::size_t end = std::min(field.blockCount(), (task + 1) * kBlocksPerTask);
+        for (std::size_t i = task * kBlocksPerTask; i < end; ++i) visit(task, i);
+    });
+}
+
+/// Box around the centres of the voxels above 0 and not below `least`.
+Bounds occupiedIn(const float* values, const Int3& origin, float least = 0) {
     Bounds b;
     for (int x = 0; x < kBlockEdge; ++x)
         for (int y = 0; y < kBlockEdge; ++y)
             for (int z = 0; z < kBlockEdge; ++z)
-                if (values[blockOffset(x, y, z)] > 0) b.include(Vec3(origin) + Vec3(x, y, z));
+                if (const float v = values[blockOffset(x, y, z)]; v > 0 && v >= least)
+                    b.include(Vec3(origin) + Vec3(x, y, z));
     return b;
 }
+
+/// How many voxels there are of values within a quarter of a power of two, and their sum.
+struct ValueBins {
+    static constexpr int kPerOctave = 4, kCount = 256 * kPerOctave;
+    std::vector<double> count = std::vector<double>(kCount), sum = std::vector<double>(kCount);
+
+    static int of(float value) {
+        const double octave = std::log2(double(value)) + 128;
+        return std::clamp(static_cast<int>(octave * kPerOctave), 0, kCount - 1);
+    }
+    void add(float value, double voxels) {
+        const auto bin = static_cast<std::size_t>(of(value));
+        count[bin] += voxels;
+        sum[bin] += voxels * double(value);
+    }
+    void add(const ValueBins& other) {
+        for (std::size_t i = 0; i < count.size(); ++i) {
+            count[i] += other.count[i];
+            sum[i] += other.sum[i];
+        }
+    }
+};
 
 }  // namespace
 
 Bounds isOccupied(const SparseField& field) {
-    constexpr std::size_t kBlocksPerTask = 256;
-    std::vector<Bounds> parts((field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask);
-    parallelFor(parts.size(), [&](std::size_t task) {
-        const std::size_t end = std::min(field.blockCount(), (task + 1) * kBlocksPerTask);
-        for (std::size_t i = task * kBlocksPerTask; i < end; ++i)
-            parts[task].include(occupiedIn(field.block(i), field.blockOrigins[i]));
+    std::vector<Bounds> parts(taskCount(field));
+    visitBlocks(field, [&](std::size_t task, std::size_t i) {
+        parts[task].include(occupiedIn(field.block(i), field.blockOrigins[i]));
     });
     Bounds all;
     for (const Bounds& part : parts) all.include(part);
@@ -57,6 +93,49 @@ Bounds isOccupied(const SparseField& field) {
         all.upper += 0.5;
     }
     return all;
+}
+
+std::vector<Vec3> isOutline(const SparseField& field, float least, double reach) {
+    std::vector<std::vector<Vec3>> parts(taskCount(field) + 1);
+    const auto add = [reach](std::vector<Vec3>& points, Bounds centres) {
+        if (centres.empty()) return;
+        centres.lower -= 0.5 + reach;
+        centres.upper += 0.5 + reach;
+        for (const Vec3& corner : centres.corners()) points.push_back(corner);
+    };
+    visitBlocks(field, [&](std::size_t task, std::size_t i) {
+        add(parts[task], occupiedIn(field.block(i), field.blockOrigins[i], least));
+    });
+    for (const ConstantTile& tile : field.tiles)
+        if (tile.value >= least) add(parts.back(), {Vec3(tile.origin), Vec3(tile.origin) + double(tile.edge - 1)});
+    std::vector<Vec3> all;
+    for (const std::vector<Vec3>& part : parts) all.insert(all.end(), part.begin(), part.end());
+    return all;
+}
+
+float faintValue(const SparseField& field) {
+    constexpr double kFaint = 0.002;  // of the sum
+    std::vector<ValueBins> parts(taskCount(field));
+    visitBlocks(field, [&](std::size_t task, std::size_t i) {
+        for (int k = 0; k < kBlockVoxels; ++k)
+            if (const float v = field.block(i)[k]; v > 0) parts[task].add(v, 1);
+    });
+    ValueBins all;
+    for (const ValueBins& part : parts) all.add(part);
+    for (const ConstantTile& tile : field.tiles) all.add(tile.value, std::pow(double(tile.edge), 3));
+    double voxels = 0, sum = 0;
+    for (std::size_t i = 0; i < all.count.size(); ++i) {
+        voxels += all.count[i];
+        sum += all.sum[i];
+    }
+    double voxelsBelow = 0, sumBelow = 0;
+    std::size_t bin = 0;
+    for (; bin + 1 < all.count.size(); ++bin) {
+        voxelsBelow += all.count[bin];
+        sumBelow += all.sum[bin];
+        if (sumBelow > kFaint * sum || 2 * voxelsBelow > voxels) break;
+    }
+    return static_cast<float>(std::exp2(double(bin) / ValueBins::kPerOctave - 128));
 }
 
 FieldRays::FieldRays(const SparseField& field)
@@ -84,16 +163,7 @@ double FieldRays::valueAt(const Vec3& isPoint) const {
 double FieldRays::integral(const Vec3& wsOrigin, const Vec3& wsDirection) const {
     if (m_isBounds.empty()) return 0;
     const Vec3 o = transformPoint(m_isFromWs, wsOrigin), d = transformVector(m_isFromWs, wsDirection);
-    double t0 = 0, t1 = std::numeric_limits<double>::infinity();
-    for (int axis = 0; axis < 3; ++axis) {
-        if (d[axis] == 0) {
-            if (o[axis] < m_isBounds.lower[axis] || o[axis] > m_isBounds.upper[axis]) return 0;
-            continue;
-        }
-        const double a = (m_isBounds.lower[axis] - o[axis]) / d[axis], b = (m_isBounds.upper[axis] - o[axis]) / d[axis];
-        t0 = std::max(t0, std::min(a, b));
-        t1 = std::min(t1, std::max(a, b));
-    }
+    const auto [t0, t1] = m_isBounds.clip(o, d, 0, std::numeric_limits<double>::infinity());
     if (!(t1 > t0)) return 0;
     const double isLength = glm::length(d) * (t1 - t0);
     // Rounding must not add a step to a ray along an axis, whose samples then hit the middles of voxels.

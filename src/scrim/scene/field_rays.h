@@ -9,12 +9,21 @@
 #include <cstdint>
 #include <map>
 #include <unordered_map>
+#include <vector>
 
 namespace scrim {
 
 /// Box around the cells (centre +- half a voxel) of all voxels above 0, in index space; empty where there are
 /// none.
 Bounds isOccupied(const SparseField& field);
+
+/// Points, in index space, whose convex hull holds the cells of all voxels from `least` on (above 0): the corners of
+/// what each block has of them, `reach` voxels further out.
+std::vector<Vec3> isOutline(const SparseField& field, float least, double reach);
+
+/// The value below which voxels hold next to nothing: a five-hundredth of the sum of all. At least half of the voxels
+/// above 0 are above it.
+float faintValue(const SparseField& field);
 
 /// Integrates a field along rays, each voxel constant over its cell. Refers to the field it was made of.
 class FieldRays {
@@ -24,6 +33,9 @@ class FieldRays {
     /// The integral of the field over world-space length along the ray from `wsOrigin` along `wsDirection`,
     /// in steps of at most a voxel where the ray is not longer than some thousands of them.
     double integral(const Vec3& wsOrigin, const Vec3& wsDirection) const;
+
+    /// Of the voxel whose cell holds the point; 0 outside.
+    double value(const Vec3& wsPoint) const { return valueAt(transformPoint(m_isFromWs, wsPoint)); }
 
   private:
     double valueAt(const Vec3& isPoint) const;

@@ -109,6 +109,13 @@ std::optional<int> frameIn(const std::string& name, const std::vector<Piece>& pi
     return expanded(pieces, frame) == name ? std::optional<int>(frame) : std::nullopt;
 }
 
+/// The name that `pattern` would be if nothing in it stood for the frame.
+std::string nameOf(const std::string& pattern) {
+    std::string name;
+    for (std::size_t i = 0; i < pattern.size(); i += pattern.compare(i, 2, "$$") == 0 ? 2 : 1) name += pattern[i];
+    return name;
+}
+
 }  // namespace
 
 std::string expandVariables(const std::string& pattern, const VariableLookup& lookup, const std::string& where) {
@@ -161,7 +168,23 @@ std::string pathIn(const std::string& folder, const std::string& path) {
     return (std::filesystem::path(folder) / path).string();
 }
 
+bool FramePath::hasFrame() const {
+    if (!outputHasFrame()) return false;
+    std::error_code ignored;
+    return !std::filesystem::exists(pathIn(folder, nameOf(pattern)), ignored);
+}
+
+std::string FramePath::at(int frame) const {
+    if (outputHasFrame() && !hasFrame()) return pathIn(folder, nameOf(pattern));
+    return outputAt(frame);
+}
+
+std::string FramePath::outputAt(int frame) const {
+    return pathIn(folder, literal ? pattern : expandFrame(pattern, frame));
+}
+
 std::vector<int> existingFrames(const FramePath& path) {
+    if (!path.hasFrame()) return {};
     const std::size_t slash = path.pattern.rfind('/');
     const std::string folder = slash == std::string::npos ? "" : path.pattern.substr(0, slash + 1);
     const std::string name = slash == std::string::npos ? path.pattern : path.pattern.substr(slash + 1);

@@ -33,9 +33,15 @@ std::string pathIn(const std::string& folder, const std::string& path);
 struct FramePath {
     std::string folder;
     std::string pattern;
+    bool literal = false;  ///< the pattern is a name as it stands, whatever it holds
 
-    bool hasFrame() const { return scrim::hasFrame(pattern); }
-    std::string at(int frame) const { return pathIn(folder, expandFrame(pattern, frame)); }
+    /// To read: a file that there is by the very name of the pattern ("take#2.vdb") is that file at all frames.
+    bool hasFrame() const;
+    std::string at(int frame) const;
+
+    /// To write: whatever there is.
+    bool outputHasFrame() const { return !literal && scrim::hasFrame(pattern); }
+    std::string outputAt(int frame) const;
 };
 
 /// The frames for which `path` has a file, ascending. None where the pattern has no frame, or has it in the

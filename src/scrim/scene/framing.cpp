@@ -3,6 +3,7 @@
 
 #include <scrim/scene/toml_text.h>
 #include <scrim/base/parallel.h>
+#include <scrim/image/blackbody.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/field_rays.h>
 
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
@@ -19,46 +21,23 @@ namespace scrim {
 namespace {
 
 constexpr double kFov = 35;           // degrees
-constexpr double kAzimuth = 25;       // degrees, from the front (+z) to the right (+x)
+constexpr double kAzimuth = 25;       // degrees, from the front to the right
 constexpr double kElevation = 12;     // degrees above the ground
-constexpr double kMargin = 0.05;      // part of the picture that stays free on each side
+constexpr double kMargin = 0.03;      // part of the picture that stays free on each side
 constexpr double kMedianDepth = 3.5;  // optical depth that half of the rays through the volume exceed
 constexpr double kAlbedo = 0.9, kG = 0.3;
-
-// ---- numbers that read well
-
-/// `v` rounded to a multiple of 10^exponent, as a number of TOML.
-std::string rounded(double v, int exponent) {
-    if (v == 0) return "0";
-    const int digits = static_cast<int>(std::floor(std::log10(std::abs(v)))) - exponent + 1;
-    if (digits < 0 || (digits == 0 && std::abs(v) < 0.5 * std::pow(10.0, exponent))) return "0";
-    const bool plain = exponent >= -9 && std::abs(v) < 1e12;
-    if (!plain) return fmt::format("{:.{}e}", v, std::clamp(digits - 1, 0, 16));
-    if (exponent >= 0)
-        return fmt::format("{:.0f}", std::round(v / std::pow(10.0, exponent)) * std::pow(10.0, exponent));
-    std::string text = fmt::format("{:.{}f}", v, -exponent);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-    return text == "-0" ? "0" : text;
-}
-
-std::string rounded(const Vec3& v, int exponent) {
-    return fmt::format("[{}, {}, {}]", rounded(v.x, exponent), rounded(v.y, exponent), rounded(v.z, exponent));
-}
-
-/// `v` with so many significant digits.
-std::string significant(double v, int digits) {
-    return v == 0 ? "0" : rounded(v, static_cast<int>(std::floor(std::log10(std::abs(v)))) - digits + 1);
-}
+// Where there is fire: smoke that lets it through, and lights that leave the picture to it.
+constexpr double kSmokeDepth = 2, kSmokeAlbedo = 0.6, kDimmed = 0.25;
+constexpr double kOnSurfaces = 0.55;  // part of the lights: surfaces send back more than media do
 
 // ---- the camera
 
 /// Columns: right, up, back.
-Mat3 wsFromCamera() {
+Mat3 wsFromCamera(const Mat3& wsFromUpright) {
     const double azimuth = glm::radians(kAzimuth), elevation = glm::radians(kElevation);
     const Vec3 back(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
                     std::cos(azimuth) * std::cos(elevation));
-    return lookAt(back, Vec3(0), Vec3(0, 1, 0));
+    return wsFromUpright * lookAt(back, Vec3(0), Vec3(0, 1, 0));
 }
 
 struct Framing {
@@ -69,10 +48,9 @@ struct Framing {
 /// The nearest place for the eye, looking along -back, from which all points are within the margins. A point
 /// at (x, y, z) of the camera's axes is inside where |x - ex| <= s (ez - z) for the slope s of the frame's
 /// border, and so for y: linear bounds on the eye (ex, ey, ez), of which the tighter axis decides ez.
-Framing frame(const std::vector<Vec3>& wsPoints, double aspect) {
+Framing frame(const std::vector<Vec3>& wsPoints, const Mat3& axes, double aspect) {
     Bounds ws;
     for (const Vec3& p : wsPoints) ws.include(p);
-    const Mat3 axes = wsFromCamera();
     const Vec3 center = ws.center();
 
     const double slopeX = std::tan(glm::radians(0.5 * kFov)) * (1 - 2 * kMargin);
@@ -97,120 +75,203 @@ Framing frame(const std::vector<Vec3>& wsPoints, double aspect) {
 
 // ---- the density
 
-/// Optical depths at scale 1 of the rays through an n x n raster over the picture that meet something.
-std::vector<double> opticalDepths(const std::vector<FieldRays>& fields, const Camera& camera, int n) {
+/// A coarse raster over the picture.
+RayFamily raysOver(const Camera& camera, int n) {
     Camera coarse = camera;
     coarse.resolution = Int2(n, n);
     coarse.pixelAspect = camera.pixelAspect * camera.resolution.x / camera.resolution.y;
-    const RayFamily rays = wsRays(coarse);
-    std::vector<double> depths(std::size_t(n) * std::size_t(n));
-    parallelFor(std::size_t(n), [&](std::size_t y) {
-        for (int x = 0; x < n; ++x) {
-            const Vec3 d = rays.direction(x + 0.5, static_cast<double>(y) + 0.5);
-            for (const FieldRays& field : fields)
-                depths[y * std::size_t(n) + std::size_t(x)] +=
-                    field.integral(rays.origin(x + 0.5, static_cast<double>(y) + 0.5), d);
-        }
+    return wsRays(coarse);
+}
+
+/// What `measure(origin, direction)` says of the rays through an n x n raster over the picture, where it is above 0;
+/// ascending.
+template <typename Measure>
+std::vector<double> measured(const Camera& camera, int n, const Measure& measure) {
+    const RayFamily rays = raysOver(camera, n);
+    std::vector<double> values(std::size_t(n) * std::size_t(n));
+    parallelFor(std::size_t(n), [&](std::size_t row) {
+        const double y = static_cast<double>(row) + 0.5;
+        for (int x = 0; x < n; ++x)
+            values[row * std::size_t(n) + std::size_t(x)] =
+                measure(rays.origin(x + 0.5, y), rays.direction(x + 0.5, y));
     });
-    std::erase_if(depths, [](double tau) { return !(tau > 0) || !std::isfinite(tau); });
-    return depths;
+    std::erase_if(values, [](double v) { return !(v > 0) || !std::isfinite(v); });
+    std::sort(values.begin(), values.end());
+    return values;
 }
 
 /// Extinction per unit of the field at which the median ray has the wanted optical depth.
-double densityScale(const std::vector<FieldRays>& fields, const Camera& camera) {
+double densityScale(const FieldRays& field, const Camera& camera, double wantedDepth) {
     // A thin volume is met by few rays of a coarse raster.
     constexpr std::size_t kEnoughRays = 200;
     std::vector<double> depths;
     for (const int n : {32, 128}) {
-        depths = opticalDepths(fields, camera, n);
+        depths = measured(camera, n, [&](const Vec3& o, const Vec3& d) { return field.integral(o, d); });
         if (depths.size() >= kEnoughRays) break;
     }
-    if (depths.empty()) return 1;
-    const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-    std::nth_element(depths.begin(), middle, depths.end());
-    return std::clamp(kMedianDepth / *middle, 1e-30, 1e30);
+    return depths.empty() ? 1 : std::clamp(wantedDepth / depths[depths.size() / 2], 1e-30, 1e30);
 }
 
-/// A light's direction of travel, from where it stands as the camera sees it: right, up, towards the eye.
-std::string travelFrom(const Vec3& place) {
-    return rounded(wsFromCamera() * -glm::normalize(place), -3);
+// ---- the fire
+
+/// What temperatures grid values are, and how bright they are shown.
+struct FireLook {
+    std::string kelvin;            ///< as the scene says it
+    double scale = 1, offset = 0;  ///< kelvin = value * scale + offset
+    double intensity = 1;
+};
+
+/// Caches have values of 0 to 1, or to some other small number, or Kelvin.
+FireLook temperaturesOf(double hottest) {
+    constexpr double kSurelyKelvin = 400, kCold = 500, kHot = 1900;
+    FireLook look;
+    look.kelvin = "scale = 1";
+    if (hottest > kSurelyKelvin || !(hottest > 0)) return look;
+    const std::string warm = tomlSignificant(kCold + (kHot - kCold) / hottest, 3);
+    look.kelvin = fmt::format("kelvin = [{}, {}]", kCold, warm);
+    look.offset = kCold;
+    look.scale = std::stod(warm) - kCold;
+    return look;
 }
 
-std::string volumeText(const std::string& assetFile, const FramedGrid& grid, double scale) {
-    const bool named = !grid.grid.empty();
+/// Radiance, at intensity 1, that a ray gets from the fire through the smoke in front of it.
+double glow(const FieldRays& fire, const FieldRays& smoke, double extinction, const FireLook& look, const Bounds& ws,
+            const Vec3& origin, const Vec3& direction) {
+    constexpr int kSteps = 128;
+    const auto [t0, t1] = ws.clip(origin, direction, 0, std::numeric_limits<double>::infinity());
+    if (!(t1 > t0)) return 0;
+    const double step = (t1 - t0) / kSteps, length = step * glm::length(direction);
+    double radiance = 0, depth = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const Vec3 p = origin + (t0 + (i + 0.5) * step) * direction;
+        depth += extinction * smoke.value(p) * length;
+        if (const double v = fire.value(p); v > 0)
+            radiance += blackbodyRadiance(v * look.scale + look.offset) * std::exp(-depth) * length;
+    }
+    return radiance;
+}
+
+FireLook fireLook(const FramedFire& fire, const SparseField& smokeField, double extinction, const Camera& camera) {
+    constexpr int kRays = 64;
+    constexpr double kSeen = 0.05;                  // of the brightest: what counts as burning
+    constexpr double kBright = 0.8, kRadiance = 2;  // this part of what burns is darker than that
+    FireLook look = temperaturesOf(fire.hottest);
+    const FieldRays rays(*fire.field), smoke(smokeField);
+    const Bounds ws = transformed(fire.field->wsFromIs, isOccupied(*fire.field));
+    std::vector<double> glows = measured(
+        camera, kRays, [&](const Vec3& o, const Vec3& d) { return glow(rays, smoke, extinction, look, ws, o, d); });
+    if (glows.empty()) return look;
+    const double least = kSeen * glows.back();
+    glows.erase(glows.begin(), std::lower_bound(glows.begin(), glows.end(), least));
+    const double bright = glows[static_cast<std::size_t>(kBright * static_cast<double>(glows.size() - 1))];
+    look.intensity = std::clamp(kRadiance / bright, 1e-30, 1e30);
+    return look;
+}
+
+// ---- the text
+
+/// A light. `place`: where it stands as the camera sees it: right, up, towards the eye.
+std::string lightText(const std::string& comment, const std::string& name, const Mat3& wsFromCamera, const Vec3& place,
+                      const std::string& color, double intensity) {
     return fmt::format(
+        "# {}\n"
+        "[[light]]\n"
+        "name = \"{}\"\n"
+        "type = \"distant\"\n"
+        "direction = {}\n"
+        "color = {}\n"
+        "intensity = {}\n\n",
+        comment, name, tomlRounded(wsFromCamera * -glm::normalize(place), -3), color, tomlSignificant(intensity, 3));
+}
+
+/// `front`: how far the key light comes to the front. Media take shape by light from the side, surfaces by what they
+/// turn to the eye.
+std::string lightsText(const Mat3& wsFromCamera, double part, double front) {
+    return lightText("From above, left of the camera", "key", wsFromCamera, {-0.8, 0.8, front}, "[1, 0.94, 0.85]",
+                     28 * part) +
+           lightText("Lightens the shadows from the other side", "fill", wsFromCamera, {0.9, 0.1, 0.55},
+                     "[0.66, 0.82, 1]", 4 * part) +
+           lightText("From behind: an edge against the background", "rim", wsFromCamera, {0.55, 0.5, -0.9},
+                     "[0.85, 0.92, 1]", 14 * part);
+}
+
+std::string mediumText(const FramedAsset& asset, double scale, const Camera& camera) {
+    const std::string albedo = asset.albedoGrid.empty()
+                                   ? fmt::format("[{0}, {0}, {0}]", asset.fire ? kSmokeAlbedo : kAlbedo)
+                                   : fmt::format("{{ grid = {} }}", tomlString(asset.albedoGrid));
+    std::string text = fmt::format(
         "[[volume]]\n"
         "name = {}\n"
         "file = {}\n"
         "density = {{ {}scale = {} }}\n"
         "[volume.medium]\n"
-        "albedo = [{a}, {a}, {a}]\n"
-        "phase = {{ type = \"hg\", g = {g} }}\n\n",
-        tomlString(named ? grid.grid : "volume"), tomlString(assetFile),
-        named ? fmt::format("grid = {}, ", tomlString(grid.grid)) : "", significant(scale, 3), fmt::arg("a", kAlbedo),
+        "albedo = {}\n"
+        "phase = {{ type = \"hg\", g = {g} }}\n",
+        tomlString(asset.name), tomlString(asset.file),
+        asset.grid.empty() ? "" : fmt::format("grid = {}, ", tomlString(asset.grid)), tomlSignificant(scale, 3), albedo,
         fmt::arg("g", kG));
+    if (!asset.fire) return text;
+    const FireLook look = fireLook(*asset.fire, *asset.field, scale, camera);
+    return text + fmt::format("blackbody = {{ grid = {}, {}, intensity = {} }}\n", tomlString(asset.fire->grid),
+                              look.kelvin, tomlSignificant(look.intensity, 3));
+}
+
+/// Around what is to be seen.
+std::vector<Vec3> wsPointsOf(const FramedAsset& asset) {
+    constexpr double kReach = 0.5;   // voxels that the linear kernel reaches further than the cells
+    constexpr float kGlows = 0.33f;  // part of the hottest: a hundredth of its light
+    std::vector<Vec3> wsPoints;
+    const auto add = [&](const SparseField& field, float least) {
+        for (const Vec3& p : isOutline(field, least, kReach)) wsPoints.push_back(transformPoint(field.wsFromIs, p));
+    };
+    if (!asset.field->empty()) add(*asset.field, faintValue(*asset.field));
+    if (asset.fire) add(*asset.fire->field, kGlows * asset.fire->field->maxValue);
+    if (wsPoints.empty())
+        for (const Vec3& corner : Bounds{Vec3(-0.5), Vec3(0.5)}.corners()) wsPoints.push_back(corner);
+    return wsPoints;
 }
 
 }  // namespace
 
-std::string framingScene(const std::string& assetFile, const std::vector<FramedGrid>& grids, Int2 resolution) {
-    std::vector<Vec3> wsPoints;
-    std::vector<FieldRays> fields;
-    for (const FramedGrid& grid : grids) {
-        Bounds is = isOccupied(*grid.field);
-        if (is.empty()) continue;
-        // The linear kernel reaches half a voxel further than the cells.
-        is.lower -= 0.5;
-        is.upper += 0.5;
-        for (const Vec3& corner : is.corners()) wsPoints.push_back(transformPoint(grid.field->wsFromIs, corner));
-        fields.emplace_back(*grid.field);
-    }
-    if (wsPoints.empty())
-        for (const Vec3& corner : Bounds{Vec3(-0.5), Vec3(0.5)}.corners()) wsPoints.push_back(corner);
+Mat3 wsFromUpright(const Vec3& wsUp) {
+    const Vec3 right = wsUp.x != 0 ? Vec3(0, -wsUp.x, 0) : Vec3(wsUp.y < 0 ? -1 : 1, 0, 0);
+    return Mat3(right, wsUp, glm::cross(right, wsUp));
+}
 
-    const Framing framing = frame(wsPoints, double(resolution.x) / resolution.y);
+std::string framingScene(const FramedAsset& asset, Int2 resolution) {
     Camera camera;
-    camera.wsPosition = framing.wsPosition;
-    camera.wsFromCamera = wsFromCamera();
+    camera.wsFromCamera = wsFromCamera(asset.wsFromUpright);
     camera.fov = kFov;
     camera.resolution = resolution;
+    const Framing framing = frame(wsPointsOf(asset), camera.wsFromCamera, double(resolution.x) / resolution.y);
+    camera.wsPosition = framing.wsPosition;
 
     // A thousandth of what is seen, or less, is far below the margin.
     const int exponent = static_cast<int>(std::floor(std::log10(framing.size))) - 3;
     std::string text = fmt::format(
-        "# A scene for {}\n\n"
+        "# A scene for {}\n"
+        "scene_version = 2\n\n"
         "[camera]\n"
         "type = \"perspective\"\n"
         "position = {}\n"
         "target = {}\n"
-        "up = [0, 1, 0]\n"
+        "up = {}\n"
         "fov = {}\n"
         "resolution = [{}, {}]\n\n",
-        tomlString(assetFile), rounded(framing.wsPosition, exponent), rounded(framing.wsTarget, exponent), kFov,
-        resolution.x, resolution.y);
-    const double scale = fields.empty() ? 1 : densityScale(fields, camera);
-    for (const FramedGrid& grid : grids) text += volumeText(assetFile, grid, scale);
-    text += fmt::format(
-        "# From above, left of the camera\n"
-        "[[light]]\n"
-        "name = \"key\"\n"
-        "type = \"distant\"\n"
-        "direction = {}\n"
-        "color = [1, 0.95, 0.88]\n"
-        "intensity = 14\n\n"
-        "# Lightens the shadows from the other side\n"
-        "[[light]]\n"
-        "name = \"fill\"\n"
-        "type = \"distant\"\n"
-        "direction = {}\n"
-        "color = [0.72, 0.84, 1]\n"
-        "intensity = 3\n\n"
-        "[ambient]\n"
-        "color = [0.07, 0.08, 0.1]\n\n"
-        "[render]\n"
-        "quality = \"standard\"\n",
-        travelFrom({-0.8, 0.9, 0.45}), travelFrom({0.9, 0.15, 0.55}));
-    return text;
+        tomlString(asset.file), tomlRounded(framing.wsPosition, exponent), tomlRounded(framing.wsTarget, exponent),
+        tomlRounded(asset.wsFromUpright[1], 0), kFov, resolution.x, resolution.y);
+    if (asset.volumeText.empty()) {
+        const double depth = asset.fire ? kSmokeDepth : kMedianDepth;
+        const double scale = asset.field->empty() ? 1 : densityScale(FieldRays(*asset.field), camera, depth);
+        text += mediumText(asset, scale, camera);
+    } else {
+        text += asset.volumeText;
+    }
+    const bool medium = asset.volumeText.empty();
+    const double part = asset.fire ? kDimmed : medium ? 1 : kOnSurfaces;
+    text += "\n" + lightsText(camera.wsFromCamera, part, medium ? 0.3 : 1);
+    text += fmt::format("[ambient]\ncolor = {}\n\n", asset.fire ? "[0.02, 0.022, 0.026]" : "[0.07, 0.08, 0.1]");
+    return text + "[render]\nquality = \"standard\"\n";
 }
 
 }  // namespace scrim

@@ -18,4 +18,14 @@ inline const std::string& nameOf(Layer layer) {
     return layerNames()[std::size_t(layer)];
 }
 
+/// A light's name as a part of a channel's: what is no letter, digit or underscore becomes one, since compositing
+/// programs refuse or mangle all else.
+inline std::string channelName(std::string name) {
+    for (char& c : name) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+        if (!plain) c = '_';
+    }
+    return name;
+}
+
 }  // namespace scrim

@@ -6,9 +6,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 namespace scrim {
 namespace {
@@ -77,6 +80,25 @@ Dial simd() {
     return d;
 }
 
+Dial crossFade() {
+    Dial d;
+    d.words = {"auto", "always"};
+    d.info = {"cross_fade", "degrees", "", choices(d.words) + ", or a number from 0 to 20",
+              fmt::format("lights this near to perpendicular to the eye are swept from both sides, so that nothing "
+                          "pops when they cross; always: {0}; auto: {0} where the scene has keys, or else 0",
+                          kCrossFade)};
+    d.allows = [](double v) { return v >= 0 && v <= 20; };
+    d.setNumber = [](Dials& dials, double v) { dials.crossFade = v; };
+    d.setWord = [](Dials& dials, std::size_t i) {
+        dials.crossFade = i == 0 ? std::nullopt : std::optional<double>(kCrossFade);
+    };
+    d.get = [](const Dials& dials) {
+        if (!dials.crossFade) return std::string("auto");
+        return *dials.crossFade == kCrossFade ? "always" : text(*dials.crossFade);
+    };
+    return d;
+}
+
 std::vector<Dial> makeDials() {
     std::vector<Dial> all;
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
@@ -102,9 +124,7 @@ std::vector<Dial> makeDials() {
                                     "axis of the sheets: between eye and lights, or along the view"));
     all.push_back(number("max_slant", "degrees", 10, 85, &Dials::maxSlant,
                          "largest angle of a ray to the axis of its sweep; less is more accurate and more sweeps"));
-    all.push_back(number("cross_fade", "degrees", 0, 20, &Dials::crossFade,
-                         "lights this near to perpendicular to the eye are swept from both sides, so that nothing pops "
-                         "when they cross"));
+    all.push_back(crossFade());
     all.push_back(number("opacity_cutoff", "transmittance", 0, 0.5, &Dials::opacityCutoff,
                          "transmittance below which a pixel counts as opaque; bounds the error"));
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
@@ -113,7 +133,10 @@ std::vector<Dial> makeDials() {
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));
     all.push_back(simd());
-    for (Dial& dial : all) dial.info.defaultText = dial.get(Dials());
+    for (Dial& dial : all) {
+        dial.info.defaultText = dial.get(Dials());
+        dial.info.chosen = dial.info.name == "texel" || dial.info.name == "sheet_thickness";
+    }
     return all;
 }
 
@@ -146,13 +169,14 @@ struct Preset {
     std::string name;
     double sheetThickness, texel;
     int footprintSteps;
+    double error, classifiedError;
 };
 
-// Points of the front of error and time that `scrim study` finds on smoke, clouds and scans alike: sheets twice as
-// thick as texels are wide (README, "Accuracy and time").
 const std::vector<Preset>& presets() {
-    static const std::vector<Preset> all{
-        {"draft", 3, 1, 4}, {"standard", 1.5, 0.7, 8}, {"high", 1, 0.5, 8}, {"ultra", 0.5, 0.3, 16}};
+    static const std::vector<Preset> all{{"draft", 3, 1, 4, 0.03, 0.05},
+                                         {"standard", 1.5, 0.7, 8, 0.01, 0.02},
+                                         {"high", 1, 0.5, 8, 0.003, 0.01},
+                                         {"ultra", 0.5, 0.3, 16, 0.001, 0.005}};
     return all;
 }
 
@@ -211,6 +235,34 @@ std::optional<Dials> presetDials(const std::string& name) {
             return dials;
         }
     return std::nullopt;
+}
+
+double promisedError(const std::string& name, bool classified) {
+    for (const Preset& preset : presets())
+        if (preset.name == name) return classified ? preset.classifiedError : preset.error;
+    return 0;
+}
+
+std::string renderBlock(const Dials& dials) {
+    // The preset that leaves least to say. Without texels and sheets, a scene would choose its own.
+    std::string best;
+    int leastDifferences = std::numeric_limits<int>::max();
+    for (const std::string& preset : presetNames()) {
+        int differences = 0;
+        std::string text = fmt::format("[render]\nquality = \"{}\"\n", preset);
+        for (const DialInfo& dial : dialTable()) {
+            const std::string value = dialText(dials, dial.name);
+            const bool same = value == dialText(*presetDials(preset), dial.name);
+            differences += same ? 0 : 1;
+            if (same && !dial.chosen) continue;
+            const bool isWord = !std::isdigit(static_cast<unsigned char>(value.front()));
+            const std::string quote = isWord ? "\"" : "";
+            text += fmt::format("{} = {}{}{}\n", dial.name, quote, value, quote);
+        }
+        if (differences < leastDifferences) best = text;
+        leastDifferences = std::min(leastDifferences, differences);
+    }
+    return best;
 }
 
 }  // namespace scrim

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The one table of the dials: name, unit, default, what is allowed, meaning. The scene reader, the command
-// line and the README take them from here, so that they cannot disagree. Presets of quality are points in the
+// line and the page of dials take them from here, so that they cannot disagree. Presets of quality are points in the
 // same space.
 #pragma once
 
@@ -19,6 +19,7 @@ struct DialInfo {
     std::string defaultText;  ///< of the preset "standard"
     std::string allowed;      ///< "a number from 0.05 to 16", "'linear', 'gaussian' or 'bspline'"
     std::string meaning;      ///< one line
+    bool chosen = false;      ///< by presets, for what they promise
 };
 
 /// All dials in the order they are explained in.
@@ -39,7 +40,14 @@ std::string dialText(const Dials& dials, const std::string& name);
 /// draft, standard, high, ultra: from fast to accurate.
 const std::vector<std::string>& presetNames();
 
-/// Nothing where there is no such preset.
+/// Nothing where there is no such preset. `texel` and `sheet_thickness` are those of an average scene; of a scene that
+/// is known, they are chosen for what the preset promises (verify/promise.h).
 std::optional<Dials> presetDials(const std::string& name);
+
+/// The `[render]` block that gives these dials in any scene.
+std::string renderBlock(const Dials& dials);
+
+/// The relative RMSE that a preset promises: surfaces of classified volumes are harder. 0: there is no such preset.
+double promisedError(const std::string& name, bool classified);
 
 }  // namespace scrim

@@ -1,28 +1,128 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/read_sections.h>
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
 
-/// What OpenEXR viewers and our rasters (antialiased 16 x 16) can count.
-constexpr int kMostPixels = 65536;
+const CameraKeys& k = keysOf<CameraKeys>();
+
+double pictureAspect(const Camera& camera) {
+    return camera.pixelAspect * camera.resolution.x / camera.resolution.y;
+}
+
+/// The film back in mm; a height of 0 where only its width is given.
+Vec2 readAperture(const TomlValue& value, double frame) {
+    const auto read = [](const TomlValue& v) {
+        if (v.isNumber()) return Vec3(v.number(), 0, 0);
+        const auto sides = v.items(2);
+        return Vec3(sides[0].number(), sides[1].number(), 0);
+    };
+    const Vec3 film = value.keysOf<Vec3>(read).at(frame);
+    return {film.x, film.y};
+}
+
+/// Half the picture's width at depth 1, from a lens and its film.
+double readLens(TomlTable& table, const TomlValue& focalLength, const ReadContext& context, double aspect) {
+    const double f = focalLength.numberAt(context.frame);
+    const TomlValue aperture = table.require(k.aperture);
+    const Vec2 film = readAperture(aperture, context.frame);
+    const auto fit = table.find(k.fit);
+    if (fit && film.y == 0)
+        fit->fail(fmt::format("{} needs the height of the film; expected {} = [width, height]", k.fit, k.aperture));
+    const double filmAspect = film.y == 0 ? aspect : film.x / film.y;
+    const bool keepsWidth[] = {true, false, aspect >= filmAspect, aspect < filmAspect};  // in the order of the words
+    return keepsWidth[fit ? fit->choice() : 0] ? 0.5 * film.x / f : 0.5 * film.y / f * aspect;
+}
 
 /// Horizontal field of view in degrees: given, or from a lens and its film.
-double readFov(TomlTable& table, const ReadContext& context, double fallback) {
-    const auto fov = table.find("fov"), focalLength = table.find("focal_length"), aperture = table.find("aperture");
-    if (fov && (focalLength || aperture))
-        (focalLength ? *focalLength : *aperture)
-            .fail("[camera] has both 'fov' and a lens; expected 'fov', or 'focal_length' and 'aperture'");
-    if (!focalLength && !aperture)
-        return fov ? fov->numberAt(context.frame, Range::between(0, 180, "degrees")) : fallback;
-    const Range range{0, 1e6, true, false, "mm"};
-    const double f = table.require("focal_length", "the focal length in mm").numberAt(context.frame, range);
-    const double width = table.require("aperture", "the film's horizontal width in mm").numberAt(context.frame, range);
-    return glm::degrees(2 * std::atan(0.5 * width / f));
+double readFov(TomlTable& table, const ReadContext& context, double aspect) {
+    const auto focalLength = table.find(k.focalLength);
+    if (!focalLength)
+        if (const auto film = table.find(k.aperture)) table.require(k.focalLength);
+    if (!focalLength && table.choice(k.fovAxis) == 0) return table.numberAt(context.frame, k.fov);
+    double half = 0;
+    if (focalLength) {
+        half = readLens(table, *focalLength, context, aspect);
+    } else {
+        const double slope = std::tan(glm::radians(0.5 * table.numberAt(context.frame, k.fov)));
+        const double widths[] = {1, aspect, aspect / std::hypot(aspect, 1.0)};  // in the order of the words
+        half = slope * widths[table.choice(k.fovAxis)];
+    }
+    return glm::degrees(2 * std::atan(half));
+}
+
+/// The axes of a camera's matrix without their scale. Throws where they are not at right angles, or mirrored.
+Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
+    constexpr double kSquare = 1e-4;  // what matrices that were printed with five digits miss right angles by
+    Mat3 axes;
+    for (int i = 0; i < 3; ++i) axes[i] = glm::normalize(Vec3(m[i]));
+    const bool square = std::abs(glm::dot(axes[0], axes[1])) < kSquare &&
+                        std::abs(glm::dot(axes[1], axes[2])) < kSquare &&
+                        std::abs(glm::dot(axes[2], axes[0])) < kSquare;
+    if (!square) value.fail(fmt::format("{} is sheared; expected a camera's frame at right angles", k.matrix));
+    if (glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0)
+        value.fail(fmt::format("{} mirrors; expected a right-handed frame, that of a camera which looks along its -z",
+                               k.matrix));
+    // What is at right angles to the last digits stays as it is.
+    const Mat3 given(m);
+    const Mat3 product = glm::transpose(given) * given;
+    double off = 0;
+    for (int i = 0; i < 3; ++i) off = std::max(off, glm::length(product[i] - Mat3(1.0)[i]));
+    if (off < 1e-14) return given;
+    axes[0] = glm::normalize(glm::cross(axes[1], axes[2]));
+    axes[1] = glm::cross(axes[2], axes[0]);
+    return axes;
+}
+
+/// Place and axes at the frame: places between keys as those of positions, turns along the shorter arc.
+void readPose(const TomlValue& value, const ReadContext& context, Camera& camera) {
+    std::vector<glm::dquat> turns;
+    const Keyed<Vec3> places = value.keysOf<Vec3>([&](const TomlValue& item) {
+        const Mat4 m = readMatrix(item);
+        turns.push_back(glm::quat_cast(rigidAxes(item, m)));
+        return Vec3(m[3]);
+    });
+    Keyed<double> numbers{{}, places.interpolation};
+    for (std::size_t i = 0; i < places.keys.size(); ++i)
+        numbers.keys.emplace_back(places.keys[i].first, static_cast<double>(i));
+    const double number = numbers.at(context.frame);
+    const auto i = static_cast<std::size_t>(number), next = std::min(i + 1, turns.size() - 1);
+    camera.wsPosition = places.at(context.frame);
+    // A single matrix as it is, to the last bit.
+    const glm::dquat turn = glm::slerp(turns[i], turns[next], number - static_cast<double>(i));
+    camera.wsFromCamera = turns.size() == 1 ? rigidAxes(value, readMatrix(value)) : glm::mat3_cast(turn);
+}
+
+/// Position, target and up, or an orbit in place of the position.
+void readView(TomlTable& table, const ReadContext& context, Camera& camera) {
+    const auto upValue = table.find(k.up), orbit = table.find(k.orbit);
+    const Vec3 up = upValue ? readDirection(*upValue, context.frame) : Vec3(0, 1, 0);
+    Vec3 wsTarget(0);
+    if (orbit) {
+        const Orbit o = readOrbit(*orbit, table.description(), up, true, context);
+        wsTarget = o.wsCenter;
+        camera.wsPosition = o.wsCenter + o.radius * o.toPlace;
+    } else {
+        camera.wsPosition = table.require(k.position).vec3At(context.frame);
+    }
+    const auto target = orbit ? table.find(k.target) : table.require(k.target);
+    if (target) wsTarget = target->vec3At(context.frame);
+    const Vec3 forward = directionBetween(camera.wsPosition, wsTarget, target ? *target : *orbit,
+                                          fmt::format("the camera stands at its own {}", k.target), context.frame);
+    camera.wsFromCamera = lookAt(-forward, Vec3(0), up);
+}
+
+Int2 readResolution(const TomlValue& value) {
+    const auto sides = value.items(2);
+    return {sides[0].integer(), sides[1].integer()};
 }
 
 }  // namespace
@@ -30,31 +130,32 @@ double readFov(TomlTable& table, const ReadContext& context, double fallback) {
 CameraSection readCamera(TomlTable table, const ReadContext& context) {
     CameraSection out;
     Camera& camera = out.camera;
-    const bool perspective = table.choice("type", {"perspective", "orthographic"}, 0) == 0;
-    camera.type = perspective ? CameraType::perspective : CameraType::orthographic;
-    table.describe(perspective ? "[camera] of type 'perspective'" : "[camera] of type 'orthographic'");
-
-    const char* const kPoint = "a point [x, y, z]";
-    camera.wsPosition = table.require("position", kPoint).vec3At(context.frame, Range::coordinate());
-    const TomlValue target = table.require("target", kPoint);
-    const Vec3 wsTarget = target.vec3At(context.frame, Range::coordinate());
-    const Vec3 forward =
-        directionBetween(camera.wsPosition, wsTarget, target, "the camera stands at its own 'target'", context.frame);
-    const auto up = table.find("up");
-    camera.wsFromCamera = lookAt(-forward, Vec3(0), up ? readDirection(*up, context.frame) : Vec3(0, 1, 0));
-
-    if (perspective)
-        camera.fov = readFov(table, context, camera.fov);
-    else
-        camera.height = table.require("height", "the picture's height in world units")
-                            .numberAt(context.frame, Range::positiveLength());
-    camera.near = table.numberAt(context.frame, "near", camera.near, Range::length());
-    if (const auto resolution = table.find("resolution")) {
-        const auto sides = resolution->items(2, "[width, height] in pixels");
-        camera.resolution = {sides[0].integer(1, kMostPixels, "pixels"), sides[1].integer(1, kMostPixels, "pixels")};
+    camera.near = table.numberAt(context.frame, k.near);
+    out.overscan = table.integer(k.overscan);
+    const auto resolution = table.find(k.resolution);
+    if (resolution) camera.resolution = readResolution(*resolution);
+    if (const auto exr = table.find(k.exr)) {
+        table.describe("[camera] of a picture");
+        const FramePath path = context.path(*exr);
+        out.moves = path.hasFrame();
+        out.plate = PlateCamera{path.at(context.fileFrame()), exr->where(), static_cast<NdcRange>(table.choice(k.ndc)),
+                                !resolution};
+        table.finish();
+        return out;
     }
-    camera.pixelAspect = table.numberAt(context.frame, "pixel_aspect", 1, Range::fromTo(0.01, 100));
-    out.overscan = table.integer("overscan", 0, 0, kMostPixels, "pixels");
+    const bool perspective = table.choice(k.type) == 0;
+    camera.type = perspective ? CameraType::perspective : CameraType::orthographic;
+    table.describe(fmt::format("[camera] of type '{}'", k.type.words[perspective ? 0 : 1]));
+    if (const auto matrix = table.find(k.matrix))
+        readPose(*matrix, context, camera);
+    else
+        readView(table, context, camera);
+    camera.pixelAspect = table.numberAt(context.frame, k.pixelAspect);
+    if (perspective)
+        camera.fov = readFov(table, context, pictureAspect(camera));
+    else
+        camera.height = table.require(k.height).numberAt(context.frame);
+    if (const auto shift = table.find(k.shift)) camera.shift = shift->pairAt(context.frame);
     table.finish();
     return out;
 }

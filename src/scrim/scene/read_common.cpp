@@ -7,7 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
+#define GLM_ENABLE_EXPERIMENTAL  // glm::rotation
 #include <glm/geometric.hpp>
+#include <glm/gtx/quaternion.hpp>
+#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -45,9 +48,30 @@ Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, 
     return unit(v);
 }
 
-std::string readName(TomlTable& table, const std::string& defaultName) {
+Mat3 wsFromOrbit(const Vec3& up) {
+    return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), up));  // the shortest turn
+}
+
+Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, bool needsRadius,
+                const ReadContext& context) {
+    const OrbitKeys& k = keysOf<OrbitKeys>();
+    TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), of));
+    Orbit orbit;
+    if (const auto center = table.find(k.center)) orbit.wsCenter = center->vec3At(context.frame);
+    if (needsRadius) orbit.radius = table.require(k.radius).numberAt(context.frame);
+    table.find(k.radius);
+    const double elevation = glm::radians(table.numberAt(context.frame, k.elevation));
+    const double azimuth = glm::radians(table.numberAt(context.frame, k.azimuth));
+    table.finish();
+    const Vec3 local(std::cos(elevation) * std::sin(azimuth), std::sin(elevation),
+                     std::cos(elevation) * std::cos(azimuth));
+    orbit.toPlace = wsFromOrbit(up) * local;
+    return orbit;
+}
+
+std::string readName(TomlTable& table, const Key& key, const std::string& defaultName) {
     std::string name = defaultName;
-    if (const auto value = table.find("name")) {
+    if (const auto value = table.find(key)) {
         name = value->string();
         const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
         if (std::any_of(name.begin(), name.end(), control)) value->failExpecting("a name without control characters");

@@ -13,7 +13,6 @@ namespace scrim {
 namespace {
 
 constexpr double kMostTint = 1e6, kMostLight = 1e30;
-constexpr double kFarthestOffset = 1e6;  // Kelvin: keeps single Kelvin apart in grids of floats
 
 /// A colour with components from 0 to `most` in the working space, too. Conversions may miss the limits by their
 /// rounding.
@@ -30,45 +29,42 @@ Rgb readBounded(const TomlValue& value, const ReadContext& context, double most)
 }
 
 Phase readPhase(TomlTable table) {
-    static const std::vector<std::string> types{"isotropic", "hg", "two-lobe", "rayleigh"};
-    table.require("type", choices(types));
-    const std::string type = types[table.choice("type", types, 0)];
+    const PhaseKeys& k = keysOf<PhaseKeys>();
+    table.require(k.type);
+    const std::string type = k.type.words[table.choice(k.type)];
     table.describe(fmt::format("{} of type '{}'", table.description(), type));
-    const auto cosine = [&](const char* key, const std::string& what) {
-        return table.require(key, what).number(Range::between(-1, 1));
-    };
     Phase phase;
-    if (type == "hg") phase.g = cosine("g", "the mean cosine");
-    if (type == "two-lobe") {
+    if (type == k.g.only) phase.g = table.require(k.g).number();
+    if (type == k.g1.only) {
         phase.type = PhaseType::twoLobe;
-        phase.g = cosine("g1", "the mean cosine of the first lobe");
-        phase.g2 = cosine("g2", "the mean cosine of the second lobe");
-        phase.blend = table.number("blend", phase.blend, Range::fromTo(0, 1));
+        phase.g = table.require(k.g1).number();
+        phase.g2 = table.require(k.g2).number();
+        phase.blend = table.number(k.blend);
     }
-    if (type == "rayleigh") phase.type = PhaseType::rayleigh;
+    if (type == k.type.words.back()) phase.type = PhaseType::rayleigh;
     table.finish();
     return phase;
 }
 
 Octaves readOctaves(TomlTable table) {
-    constexpr int kMostOctaves = 16;
-    const Range share = Range::fromTo(0, 1);
+    const OctavesKeys& k = keysOf<OctavesKeys>();
     Octaves octaves;
-    octaves.count = table.integer("count", 8, 1, kMostOctaves);
-    octaves.extinction = table.number("extinction", octaves.extinction, share);
-    octaves.contribution = table.number("contribution", octaves.contribution, share);
-    octaves.phase = table.number("phase", octaves.phase, share);
+    octaves.count = table.integer(k.count);
+    octaves.extinction = table.number(k.extinction);
+    octaves.contribution = table.number(k.contribution);
+    octaves.phase = table.number(k.phase);
     table.finish();
     return octaves;
 }
 
 ColourGrid readColourGrid(TomlTable table, const ReadContext& context) {
-    const TomlValue grid = table.require("grid", "the name of a grid of colours");
+    const AlbedoGridKeys& k = keysOf<AlbedoGridKeys>();
+    const TomlValue grid = table.require(k.grid);
     ColourGrid out;
     out.grid = grid.string();
     out.where = grid.where();
-    out.scale = table.numberAt(context.frame, "scale", 1, Range::fromTo(0, kMostLight));
-    if (const auto space = table.find("colorspace"))
+    out.scale = table.numberAt(context.frame, k.scale);
+    if (const auto space = table.find(k.colorspace))
         out.workingFromGrid = located(*space, [&] { return context.colour.workingFrom(space->string()); });
     table.finish();
     return out;
@@ -77,8 +73,8 @@ ColourGrid readColourGrid(TomlTable table, const ReadContext& context) {
 void readAlbedo(const TomlValue& value, const std::string& of, const ReadContext& context, SceneVolume& volume) {
     // A table is a colour and its space, or a grid of colours.
     if (value.isTable()) {
-        TomlTable table = value.table("'albedo' of " + of);
-        if (table.find("grid")) {
+        TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), of));
+        if (table.find(keysOf<AlbedoGridKeys>().grid)) {
             volume.albedoGrid = readColourGrid(std::move(table), context);
             return;
         }
@@ -87,8 +83,8 @@ void readAlbedo(const TomlValue& value, const std::string& of, const ReadContext
 }
 
 /// What emission and black bodies have in common.
-Emission readEmissionGrid(TomlTable& table) {
-    const TomlValue grid = table.require("grid", "the name of a grid");
+Emission readEmissionGrid(TomlTable& table, const Key& key) {
+    const TomlValue grid = table.require(key);
     Emission emission;
     emission.grid = grid.string();
     emission.where = grid.where();
@@ -96,44 +92,71 @@ Emission readEmissionGrid(TomlTable& table) {
 }
 
 Emission readEmission(TomlTable table, const ReadContext& context) {
-    Emission emission = readEmissionGrid(table);
-    emission.scale = table.numberAt(context.frame, "scale", 1, Range::fromTo(0, kMostLight));
-    if (const auto ramp = table.find("ramp")) {
+    const EmissionKeys& k = keysOf<EmissionKeys>();
+    Emission emission = readEmissionGrid(table, k.grid);
+    emission.scale = table.numberAt(context.frame, k.scale);
+    if (const auto ramp = table.find(k.ramp)) {
         emission.ramp = readRamp<Rgb>(*ramp, "[grid value, colour]",
                                       [&](const TomlValue& y) { return readBounded(y, context, kMostLight); });
         if (!keepsZero(emission.ramp))
-            ramp->fail("'ramp' maps 0 to light; expected black, since empty space, which is 0, is never looked at");
+            ramp->fail(fmt::format(
+                "{} maps 0 to light; expected black, since empty space, which is 0, is never looked at", k.ramp));
     }
     table.finish();
     return emission;
 }
 
+/// What grid values are in Kelvin: those of 0 and of 1, or scale and offset.
+void readKelvin(TomlTable& table, const BlackbodyKeys& k, const ReadContext& context, Emission& emission) {
+    const auto kelvin = table.find(k.kelvin);
+    if (!kelvin) {
+        emission.kelvinScale = table.numberAt(context.frame, k.scale);
+        emission.kelvinOffset = table.numberAt(context.frame, k.offset);
+        return;
+    }
+    const auto ends = kelvin->items(2);
+    const double cold = ends[0].number(), hot = ends[1].number();
+    if (!(hot - cold >= 1e-3))
+        kelvin->fail(
+            fmt::format("{} is [{}, {}]; expected the second temperature above the first", k.kelvin, cold, hot));
+    emission.kelvinScale = hot - cold;
+    emission.kelvinOffset = cold;
+}
+
 Emission readBlackbody(const TomlValue& value, const std::string& of, const ReadContext& context) {
-    TomlTable table = value.table("'blackbody' of " + of);
-    Emission emission = readEmissionGrid(table);
+    const BlackbodyKeys& k = keysOf<BlackbodyKeys>();
+    TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), of));
+    Emission emission = readEmissionGrid(table, k.grid);
     emission.blackbody = true;
-    const double scale = table.numberAt(context.frame, "scale", 1, Range::fromTo(1e-9, 1e9, "Kelvin"));
-    const double offset =
-        table.numberAt(context.frame, "offset", 0, Range::fromTo(-kFarthestOffset, kFarthestOffset, "Kelvin"));
-    emission.scale = table.numberAt(context.frame, "intensity", 1, Range::fromTo(0, kMostLight));
-    const bool normalize = table.boolean("normalize", true);
+    readKelvin(table, k, context, emission);
+    emission.scale = table.numberAt(context.frame, k.intensity);
+    const auto normalize = table.find(k.normalize);
+    const bool normalized = normalize && normalize->boolean();
     table.finish();
-    emission.ramp = located(value, [&] { return Blackbody(context.colour).ramp(scale, offset, normalize); });
+    if (!normalize && context.version < 2)
+        context.warnings->push_back(
+            fmt::format("{}: {} of the black body is false unless it is given; it was true once, where all "
+                        "temperatures were equally bright. Say which is meant, or set {} = {}",
+                        value.where(), k.normalize, keysOf<SceneKeys>().sceneVersion.name, kSceneVersion));
+    emission.ramp = located(
+        value, [&] { return Blackbody(context.colour).ramp(emission.kelvinScale, emission.kelvinOffset, normalized); });
     return emission;
 }
 
 }  // namespace
 
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume) {
+    const MediumKeys& k = keysOf<MediumKeys>();
     const std::string of = table.description();
+    const auto inner = [&](const TomlValue& value) { return value.table(fmt::format("'{}' of {}", value.name(), of)); };
     Medium& medium = volume.medium;
-    if (const auto albedo = table.find("albedo")) readAlbedo(*albedo, of, context, volume);
-    if (const auto tint = table.find("extinction_tint")) medium.extinctionTint = readBounded(*tint, context, kMostTint);
-    if (const auto phase = table.find("phase")) medium.phase = readPhase(phase->table("'phase' of " + of));
-    if (const auto octaves = table.find("octaves")) medium.octaves = readOctaves(octaves->table("'octaves' of " + of));
-    if (const auto emission = table.find("emission"))
-        volume.emission.push_back(readEmission(emission->table("'emission' of " + of), context));
-    if (const auto blackbody = table.find("blackbody"))
+    if (const auto albedo = table.find(k.albedo)) readAlbedo(*albedo, of, context, volume);
+    if (const auto tint = table.find(k.extinctionTint)) medium.extinctionTint = readBounded(*tint, context, kMostTint);
+    if (const auto phase = table.find(k.phase)) medium.phase = readPhase(inner(*phase));
+    if (const auto octaves = table.find(k.octaves)) medium.octaves = readOctaves(inner(*octaves));
+    if (const auto emission = table.find(k.emission))
+        volume.emission.push_back(readEmission(inner(*emission), context));
+    if (const auto blackbody = table.find(k.blackbody))
         volume.emission.push_back(readBlackbody(*blackbody, of, context));
     table.finish();
 }

@@ -27,7 +27,7 @@ std::string readOneOf(const TomlValue& value, const std::vector<std::string>& na
 std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output, const ColourConfig& colour) {
     const std::vector<std::string>& names = layerNames();
     std::vector<Layer> layers;
-    for (const TomlValue& item : value.items(0, "a list of layers: " + choices(names))) {
+    for (const TomlValue& item : value.items(0)) {
         const auto layer = static_cast<Layer>(item.choice(names));
         if (std::find(layers.begin(), layers.end(), layer) != layers.end())
             item.fail(fmt::format("'{}' is '{}' again; expected each layer once", item.name(), item.string()));
@@ -36,8 +36,9 @@ std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output,
     std::sort(layers.begin(), layers.end());
     if (!layers.empty() && output.half && colour.isAces2065(output.colorspace))
         value.fail(
-            "'layers' do not fit into an ACES container, which half floats in ACES2065-1 make; expected another "
-            "'colorspace', or type = \"float\"");
+            fmt::format("'{}' do not fit into an ACES container, which half floats in ACES2065-1 make; expected "
+                        "another {}, or {} = \"float\"",
+                        value.name(), keysOf<OutputKeys>().colorspace, keysOf<OutputKeys>().type.name));
     return layers;
 }
 
@@ -46,13 +47,14 @@ ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
     if (value.isString()) {
         preview.path = context.path(value);
     } else {
-        if (!value.isTable()) value.failExpecting("a path, or a table with 'file', 'display' and 'view'");
-        TomlTable table = value.table("'preview' of [output]");
-        preview.path = context.path(table.require("file", "a path such as \"plume.####.png\""));
-        if (const auto display = table.find("display"))
+        const PreviewKeys& k = keysOf<PreviewKeys>();
+        if (!value.isTable()) value.failExpecting(keysOf<OutputKeys>().preview.form);
+        TomlTable table = value.table(fmt::format("'{}' of [output]", value.name()));
+        preview.path = context.path(table.require(k.file));
+        if (const auto display = table.find(k.display))
             preview.display = readOneOf(*display, context.colour.displays());
         const std::string display = preview.display.empty() ? context.colour.defaultDisplay() : preview.display;
-        if (const auto view = table.find("view")) preview.view = readOneOf(*view, context.colour.views(display));
+        if (const auto view = table.find(k.view)) preview.view = readOneOf(*view, context.colour.views(display));
         table.finish();
     }
     preview.file = preview.path.at(context.fileFrame());
@@ -68,35 +70,35 @@ SceneOutput defaultOutput(const ReadContext& context) {
 }
 
 SceneOutput readOutput(TomlTable table, const ReadContext& context) {
+    const OutputKeys& k = keysOf<OutputKeys>();
     SceneOutput output = defaultOutput(context);
-    if (const auto file = table.find("file")) {
+    if (const auto file = table.find(k.file)) {
         output.path = context.path(*file);
         output.file = output.path.at(context.fileFrame());
     }
-    if (const auto space = table.find("colorspace"))
+    if (const auto space = table.find(k.colorspace))
         output.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
-    output.half = table.choice("type", {"half", "float"}, 0) == 0;
-    if (const auto layers = table.find("layers")) output.layers = readLayers(*layers, output, context.colour);
-    const std::vector<std::string>& compressions = exrCompressions();
-    if (const auto compression = table.find("compression"))
-        output.compression = compressions[compression->choice(compressions)];
-    output.fps = table.number("fps", output.fps, {0, 1e6, true, false, "frames a second"});
-    if (const auto preview = table.find("preview")) output.preview = readPreview(*preview, context);
+    output.half = table.choice(k.type) == 0;
+    if (const auto layers = table.find(k.layers)) output.layers = readLayers(*layers, output, context.colour);
+    output.compression = k.compression.words[table.choice(k.compression)];
+    output.fps = table.number(k.fps);
+    if (const auto preview = table.find(k.preview)) output.preview = readPreview(*preview, context);
     table.finish();
     return output;
 }
 
 RenderSection readRender(TomlTable table) {
+    const RenderKeys& k = keysOf<RenderKeys>();
     RenderSection out;
-    if (const auto quality = table.find("quality")) out.quality = presetNames()[quality->choice(presetNames())];
+    out.quality = k.quality.words[table.choice(k.quality)];
     out.dials = *presetDials(out.quality);
-    if (const auto tolerance = table.find("tolerance"))
-        out.tolerance = tolerance->number({0, 1, false, false, "as relative RMSE; 0 for none"});
+    out.tolerance = table.number(k.tolerance);
     for (const DialInfo& dial : dialTable()) {
-        const auto value = table.find(dial.name);
+        const auto value = table.find(k.dial(dial.name));
         if (!value) continue;
-        if (out.tolerance > 0 && (dial.name == "texel" || dial.name == "sheet_thickness"))
-            value->fail("'" + dial.name + "' cannot be given beside 'tolerance', which chooses it");
+        if (dial.chosen) out.keepsPromise = false;
+        if (out.tolerance > 0 && dial.chosen)
+            value->fail(fmt::format("'{}' cannot be given beside {}, which chooses it", dial.name, k.tolerance));
         if (value->isString())
             setDial(out.dials, dial.name, value->string(), value->where());
         else if (value->isNumber())
@@ -112,7 +114,7 @@ std::vector<std::pair<std::string, std::string>> readVariables(TomlTable table) 
     std::vector<std::pair<std::string, std::string>> variables;
     for (const TomlValue& value : table.all()) {
         if (value.isNumber())
-            variables.emplace_back(value.name(), fmt::format("{}", value.number()));
+            variables.emplace_back(value.name(), fmt::format("{}", value.number(Range())));
         else if (value.isString())
             variables.emplace_back(value.name(), value.string());
         else

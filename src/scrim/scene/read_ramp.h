@@ -13,20 +13,21 @@
 
 namespace scrim {
 
-/// A list of at least two [grid value, y], ascending; `read(value)` reads y, `point` is what a point looks like.
+/// A list of at least `least` [x, y], x ascending; `read(value)` reads y, `point` is what a point looks like.
 template <typename T, typename Read>
-std::vector<std::pair<double, T>> readRamp(const TomlValue& value, const std::string& point, const Read& read) {
+std::vector<std::pair<double, T>> readRamp(const TomlValue& value, const std::string& point, const Read& read,
+                                           std::size_t least = 2) {
     std::vector<std::pair<double, T>> ramp;
     for (const TomlValue& item : value.items(0, "a list of " + point)) {
         const auto pair = item.items(2, point);
-        const double x = pair[0].number();
+        const double x = pair[0].number(Range());
         const T y = read(pair[1]);
         if (!ramp.empty() && x <= ramp.back().first)
-            pair[0].fail(
-                fmt::format("'ramp': {} does not come after {}; expected ascending grid values", x, ramp.back().first));
+            pair[0].fail(fmt::format("'{}': {} does not come after {}; expected ascending values", value.name(), x,
+                                     ramp.back().first));
         ramp.emplace_back(x, y);
     }
-    if (ramp.size() < 2) value.failExpecting("at least two " + point);
+    if (ramp.size() < least) value.failExpecting((least == 1 ? "at least one " : "at least two ") + point);
     return ramp;
 }
 

@@ -5,6 +5,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/scene/scene.h>
+#include <scrim/scene/scene_keys.h>
 #include <scrim/scene/toml_reader.h>
 
 #include <fmt/format.h>
@@ -22,6 +23,8 @@ struct ReadContext {
     std::string folder;                    ///< of the scene
     VariableLookup variables;              ///< [variables], then the environment
     std::vector<std::string> lights = {};  ///< names of all [[light]]
+    int version = 1;                       ///< `scene_version`: the defaults that its author knew
+    std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();
 
     /// The pattern in `value` with its variables expanded, relative to the scene.
     FramePath path(const TomlValue& value) const;
@@ -32,10 +35,20 @@ struct ReadContext {
 struct CameraSection {
     Camera camera;
     int overscan = 0;
+    std::optional<PlateCamera> plate;
+    bool moves = false;  ///< does the plate have frames?
+};
+
+/// A place on a sphere.
+struct Orbit {
+    Vec3 wsCenter{0};
+    double radius = 0;
+    Vec3 toPlace{0, 0, 1};  ///< unit, from the middle
 };
 
 struct RenderSection {
     std::string quality = "standard";
+    bool keepsPromise = true;
     Dials dials;
     double tolerance = 0;
 };
@@ -47,6 +60,13 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
 /// [volume.classified]: transfer function and Phong coefficients.
 Classified readClassified(TomlTable table, const ReadContext& context);
+/// { center, radius, elevation, azimuth } of what `of` describes; without a radius where none is needed. `up` is unit.
+Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, bool needsRadius,
+                const ReadContext& context);
+/// Takes +y to `up`, a unit vector, and +x and +z along: an orbit's right and front.
+Mat3 wsFromOrbit(const Vec3& up);
+/// Four rows of four numbers that act on column vectors; invertible and affine.
+Mat4 readMatrix(const TomlValue& value);
 /// The map of a volume's transform.
 Mat4 readTransform(TomlTable table, const ReadContext& context);
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context);
@@ -73,6 +93,6 @@ Vec3 readDirection(const TomlValue& value, double frame);
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame);
 /// The text that is said about a volume or light: "[[light]] 'key'"; and its name.
-std::string readName(TomlTable& table, const std::string& defaultName);
+std::string readName(TomlTable& table, const Key& key, const std::string& defaultName);
 
 }  // namespace scrim

@@ -48,43 +48,44 @@ bool invertible(const Mat4& m) {
     return std::isfinite(volume) && volume > 0 && std::abs(determinant) > 1e-9;
 }
 
+}  // namespace
+
 Mat4 readMatrix(const TomlValue& value) {
-    constexpr const char* kExpected = "four rows of four numbers";
-    const Range range = Range::fromTo(-1e15, 1e15);
     Mat4 m(1.0);
-    const auto rows = value.items(4, kExpected);
+    const auto rows = value.items(4);
     for (int row = 0; row < 4; ++row) {
-        const auto numbers = rows[row].items(4, kExpected);
-        for (int column = 0; column < 4; ++column) m[column][row] = numbers[column].number(range);
+        const auto numbers = rows[row].items(4);
+        for (int column = 0; column < 4; ++column) m[column][row] = numbers[column].number();
     }
     if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1)
         rows[3].fail(
-            "the last row of 'matrix' is not 0, 0, 0, 1; expected an affine matrix that acts on column "
-            "vectors, with the translation in its last column");
-    if (!invertible(m)) value.fail("'matrix' cannot be inverted; expected one that keeps volume");
+            fmt::format("the last row of '{}' is not 0, 0, 0, 1; expected an affine matrix that acts on column "
+                        "vectors, with the translation in its last column",
+                        value.name()));
+    if (!invertible(m))
+        value.fail(fmt::format("'{}' cannot be inverted; expected one that keeps volume", value.name()));
     return m;
 }
 
-}  // namespace
-
 Mat4 readTransform(TomlTable table, const ReadContext& context) {
-    if (const auto matrix = table.find("matrix")) {
+    const TransformKeys& k = keysOf<TransformKeys>();
+    if (const auto matrix = table.find(k.matrix)) {
         table.describe(table.description() + " with a matrix");
         table.finish();
         return readMatrix(*matrix);
     }
-    const auto translate = table.find("translate"), rotate = table.find("rotate"), scale = table.find("scale");
+    const auto translate = table.find(k.translate), rotate = table.find(k.rotate), scale = table.find(k.scale);
     Mat3 linear(1.0);
     if (scale) {
         const Vec3 factors = scale->scaleAt(context.frame);
         for (int i = 0; i < 3; ++i) linear[i][i] = factors[i];
     }
     if (rotate) {
-        const Vec3 angles = rotate->vec3At(context.frame, Range::fromTo(-1e9, 1e9, "degrees"));
+        const Vec3 angles = rotate->vec3At(context.frame);
         for (int axis = 0; axis < 3; ++axis) linear = rotation(axis, angles[axis]) * linear;
     }
     Mat4 m(linear);
-    if (translate) m[3] = glm::dvec4(translate->vec3At(context.frame, Range::coordinate()), 1.0);
+    if (translate) m[3] = glm::dvec4(translate->vec3At(context.frame), 1.0);
     table.finish();
     return m;
 }

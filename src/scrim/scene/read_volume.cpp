@@ -8,11 +8,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace scrim {
 namespace {
 
-constexpr int kLargestOffset = 1'000'000'000;
+const VolumeKeys& k = keysOf<VolumeKeys>();
 
 /// Parameters as text. A source does not know where the scene is: its parameter `file` is a path like all others of the
 /// scene, relative to it, with variables and the frame put in.
@@ -21,11 +22,11 @@ std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table,
     for (const TomlValue& value : table.all()) {
         std::string text;
         if (value.isString())
-            text = value.name() == "file" ? context.path(value).at(context.fileFrame()) : value.string();
+            text = value.name() == k.file.name ? context.path(value).at(context.fileFrame()) : value.string();
         else if (value.isBoolean())
             text = value.boolean() ? "true" : "false";
         else if (value.isNumber())
-            text = fmt::format("{}", value.number());
+            text = fmt::format("{}", value.number(Range()));
         else if (value.isArray()) {
             const Vec3 v = value.vec3();
             text = fmt::format("{}, {}, {}", v.x, v.y, v.z);
@@ -36,20 +37,34 @@ std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table,
     return parameters;
 }
 
+/// The number of the file at this frame.
 void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume) {
-    volume.frame = context.fileFrame() + table.integer("offset", 0, -kLargestOffset, kLargestOffset, "frames");
-    volume.outside = static_cast<OutsidePolicy>(table.choice("outside", {"error", "hold", "black"}, 0));
+    const FrameKeys& f = keysOf<FrameKeys>();
+    FrameMap& map = volume.frameMap;
+    map.speed = table.number(f.speed);
+    map.offset = table.number(f.offset);
+    if (const auto keys = table.find(f.keys)) {
+        map.keys.keys = readRamp<double>(
+            *keys, "[frame, file number]", [](const TomlValue& y) { return y.number(); }, 1);
+    }
+    const double number = map.fileAt(context.frame);
+    if (!(std::abs(number) <= 2.0 * kLastFrame))
+        table.fail(fmt::format("{} is file {:g} at frame {}; expected one of at most {}", table.description(), number,
+                               context.frame, 2 * kLastFrame));
+    volume.frame = static_cast<int>(number);
+    volume.outside = static_cast<OutsidePolicy>(table.choice(f.outside));
     table.finish();
 }
 
 void readDensity(TomlTable table, SceneVolume& volume) {
-    volume.densityGrid = table.string("grid", "");
-    volume.densityScale = table.number("scale", 1, Range::fromTo(0, 1e30, "per world unit"));
-    if (const auto ramp = table.find("ramp")) {
-        volume.ramp = readRamp<double>(*ramp, "[grid value, value]",
-                                       [](const TomlValue& y) { return y.number(Range::atLeast(0)); });
+    const DensityKeys& d = keysOf<DensityKeys>();
+    volume.densityGrid = table.string(d.grid);
+    volume.densityScale = table.number(d.scale);
+    if (const auto ramp = table.find(d.ramp)) {
+        volume.ramp = readRamp<double>(*ramp, "[grid value, value]", [](const TomlValue& y) { return y.number(); });
         if (!keepsZero(volume.ramp))
-            ramp->fail("'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at");
+            ramp->fail(fmt::format(
+                "{} maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at", d.ramp));
     }
     table.finish();
 }
@@ -57,7 +72,7 @@ void readDensity(TomlTable table, SceneVolume& volume) {
 /// The lights that light it, by name.
 std::vector<std::string> readLightNames(const TomlValue& value, const ReadContext& context) {
     std::vector<std::string> names;
-    for (const TomlValue& item : value.items(0, "a list of names of lights")) {
+    for (const TomlValue& item : value.items(0)) {
         const std::string name = item.string();
         if (std::find(context.lights.begin(), context.lights.end(), name) == context.lights.end())
             item.fail(fmt::format("there is no light '{}'{}; expected {}", shortened(name, 60),
@@ -69,26 +84,28 @@ std::vector<std::string> readLightNames(const TomlValue& value, const ReadContex
     return names;
 }
 
+/// A table in `table`, which says what it belongs to.
+TomlTable inner(const TomlValue& value, const TomlTable& table) {
+    return value.table(fmt::format("'{}' of {}", value.name(), table.description()));
+}
+
 /// What the volume is made of: a file, or a source with its parameters.
 void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume) {
-    const auto file = table.find("file"), source = table.find("source");
-    if (file && source)
-        source->fail(fmt::format("{} has both 'file' and 'source'; expected one of them", table.description()));
-    if (!file && !source) table.require("file", "a .vdb file, or 'source', the name of a volume source");
+    const auto file = table.find(k.file), source = table.find(k.source);
+    if (!file && !source) table.require(k.file);
     volume.frame = context.fileFrame();
     if (source) {
         table.describe(table.description() + " with a source");
         volume.where = source->where();
         volume.source = source->string();
-        if (const auto parameters = table.find("parameters"))
-            volume.parameters = readParameters(parameters->table("'parameters' of " + table.description()), context);
+        if (const auto parameters = table.find(k.parameters))
+            volume.parameters = readParameters(inner(*parameters, table), context);
         return;
     }
     table.describe(table.description() + " with a file");
     volume.where = file->where();
     volume.sequence = context.path(*file);
-    if (const auto frame = table.find("frame"))
-        readFrame(frame->table("'frame' of " + table.description()), context, volume);
+    if (const auto frame = table.find(k.frame)) readFrame(inner(*frame, table), context, volume);
     volume.file = volume.sequence.at(volume.frame);
 }
 
@@ -96,22 +113,23 @@ void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume
 
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context) {
     SceneVolume volume;
-    volume.name = readName(table, defaultName);
+    volume.name = readName(table, k.name, defaultName);
     const std::string description = table.description();
+    const auto of = [&](const TomlValue& value, const std::string& name) {
+        return value.table(fmt::format("{} of {}", name, description));
+    };
     readAsset(table, context, volume);
-    if (const auto transform = table.find("transform"))
-        volume.wsFromAsset = readTransform(transform->table("'transform' of " + description), context);
-    if (const auto density = table.find("density")) readDensity(density->table("'density' of " + description), volume);
-    if (const auto lights = table.find("lights")) volume.lights = readLightNames(*lights, context);
-    const auto medium = table.find("medium"), classified = table.find("classified");
-    if (classified) {
-        Classified c = readClassified(classified->table("[volume.classified] of " + description), context);
+    if (const auto transform = table.find(k.transform))
+        volume.wsFromAsset = readTransform(of(*transform, fmt::format("{}", k.transform)), context);
+    if (const auto density = table.find(k.density)) readDensity(of(*density, fmt::format("{}", k.density)), volume);
+    if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);
+    if (const auto classified = table.find(k.classified)) {
+        Classified c = readClassified(of(*classified, keysOf<ClassifiedKeys>().title()), context);
         c.densityScale = volume.densityScale;
         volume.classified = std::make_shared<const Classified>(std::move(c));
-        if (medium)
-            classified->fail(fmt::format("{} has both 'medium' and 'classified'; expected one of them", description));
     }
-    if (medium) readMedium(medium->table("[volume.medium] of " + description), context, volume);
+    if (const auto medium = table.find(k.medium))
+        readMedium(of(*medium, keysOf<MediumKeys>().title()), context, volume);
     volume.medium.densityScale = volume.densityScale;
     table.finish();
     return volume;

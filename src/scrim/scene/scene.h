@@ -8,6 +8,7 @@
 #include <scrim/scene/light.h>
 #include <scrim/scene/dials.h>
 #include <scrim/scene/frame_path.h>
+#include <scrim/scene/keyed.h>
 #include <scrim/scene/scene_lines.h>
 #include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
@@ -30,6 +31,17 @@ enum class OutsidePolicy {
     black,  ///< no volume
 };
 
+/// Which file of its sequence a volume shows.
+struct FrameMap {
+    double speed = 1, offset = 0;
+    Keyed<double> keys = {};  ///< frame to file number, in place of `speed`; empty: none
+
+    /// (keys or frame * speed) + offset, to the nearest whole number.
+    double fileAt(double frame) const;
+    /// A frame that shows the file; none where there is none.
+    std::optional<int> frameOf(int file) const;
+};
+
 /// A colour that grids give from place to place.
 struct ColourGrid {
     std::string grid;           ///< as GridRequest names colours
@@ -44,16 +56,18 @@ struct Emission {
     /// Grid value to radiance per world unit, ascending and linear between; constant outside, but 0 where the grid is.
     /// Empty: the value itself, in white. A blackbody is a ramp, too, with a point every few Kelvin.
     std::vector<std::pair<double, Rgb>> ramp;
-    double scale = 1;        ///< times this
-    bool blackbody = false;  ///< for what is said about it
-    std::string where;       ///< of the grid's name in the scene
+    double scale = 1;                          ///< times this
+    bool blackbody = false;                    ///< for what is said about it
+    double kelvinScale = 1, kelvinOffset = 0;  ///< black bodies: kelvin = grid value * scale + offset
+    std::string where;                         ///< of the grid's name in the scene
 };
 
 struct SceneVolume {
     std::string name;
-    FramePath sequence;  ///< file volumes: the path before the frame is put in
-    std::string file;    ///< file volumes: the path at this frame; empty for a source
-    int frame = 0;       ///< the number put into `file`: the scene's frame plus the volume's offset
+    FramePath sequence;      ///< file volumes: the path before the frame is put in
+    std::string file;        ///< file volumes: the path at this frame; empty for a source
+    int frame = 0;           ///< the number put into `file`
+    FrameMap frameMap = {};  ///< where that comes from
     OutsidePolicy outside = OutsidePolicy::error;
     std::string source;                                           ///< name of a volume source; empty for a file
     std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text; `file`: as above
@@ -87,18 +101,35 @@ struct SceneOutput {
     ScenePreview preview;
 };
 
+/// What the picture's normalised device coordinates are over its width and height.
+enum class NdcRange { automatic, symmetric, unit };  // -1..1, 0..1
+
+/// A picture whose header says what camera made it.
+struct PlateCamera {
+    std::string file;   ///< at this frame
+    std::string where;  ///< in the scene
+    NdcRange ndc = NdcRange::automatic;
+    bool givesResolution = true;  ///< the scene says none
+};
+
 struct Scene {
     std::string file;  ///< where the scene comes from, as in error messages
     double frame = 1;
     Camera camera;
+    std::optional<PlateCamera> plate =
+        {};                            ///< that `camera` is read from when a shot is loaded; till then it has `near`
     int overscan = 0;                  ///< pixels added on every side of the picture
     std::vector<SceneVolume> volumes;  ///< at least one
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
+    bool moves = false;                ///< does its text have keys, or a camera from frames?
     std::string quality = "standard";  ///< the preset that `dials` started from
-    double tolerance = 0;              ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
+    /// Are texels and sheets to be chosen for what the preset promises? Not where the scene gives either.
+    bool keepsPromise = false;
+    double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
     SceneOutput output;
+    std::vector<std::string> warnings = {};  ///< of the reader, each with its place
     /// Where the scene's text says what: "light.key.shadows" is at "scene.toml:12:3". Null for one built in code.
     std::shared_ptr<const SceneLines> lines = nullptr;
 };

@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/scene/read_sections.h>
 #include <scrim/scene/quality.h>
+#include <scrim/scene/toml_text.h>
 
 #include <fmt/format.h>
 
@@ -45,15 +46,15 @@ VariableLookup lookupIn(std::vector<std::pair<std::string, std::string>> variabl
 
 /// Reads all [[key]] with `read(table, default name)`, and sees that their names differ.
 template <typename Item, typename Read>
-std::vector<Item> readNamed(TomlTable& root, const std::string& key, const Read& read) {
+std::vector<Item> readNamed(TomlTable& root, const Key& key, const Read& read) {
     std::vector<Item> items;
     std::map<std::string, std::size_t> numbers;  // of names, from 1
     for (const TomlTable& table : root.tables(key)) {
-        Item item = read(table, fmt::format("{}{}", key, items.size() + 1));
+        Item item = read(table, fmt::format("{}{}", key.name, items.size() + 1));
         const auto [known, isNew] = numbers.emplace(item.name, items.size() + 1);
         if (!isNew)
             table.fail(fmt::format("[[{}]] number {} is called '{}', and so is number {}; expected different names",
-                                   key, items.size() + 1, item.name, known->second));
+                                   key.name, items.size() + 1, item.name, known->second));
         items.push_back(std::move(item));
     }
     return items;
@@ -74,13 +75,24 @@ void addLines(const toml::table& table, const std::string& prefix, std::map<std:
         for (std::size_t i = 0; list != nullptr && i < list->size(); ++i) {
             const toml::table* item = (*list)[i].as_table();
             if (item == nullptr) continue;
-            const std::string itemPath =
-                path + "." + (*item)["name"].value<std::string>().value_or(fmt::format("{}{}", key.str(), i + 1));
+            const std::string itemPath = path + "." +
+                                         (*item)[keysOf<VolumeKeys>().name.name].value<std::string>().value_or(
+                                             fmt::format("{}{}", key.str(), i + 1));
             if (itemPath.size() > kLongestPath) continue;
             lines.emplace(itemPath, whereOf(item->source()));
             addLines(*item, itemPath + ".", lines);
         }
     }
+}
+
+/// Does any value in it have keys?
+bool hasKeys(const toml::node& node) {
+    if (const toml::array* list = node.as_array())
+        return std::any_of(list->begin(), list->end(), [](const toml::node& item) { return hasKeys(item); });
+    const toml::table* table = node.as_table();
+    return table != nullptr &&
+           ((*table)[keysOf<KeyedKeys>().keys.name].is_array() ||
+            std::any_of(table->begin(), table->end(), [](const auto& entry) { return hasKeys(entry.second); }));
 }
 
 }  // namespace
@@ -109,40 +121,60 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     if (!(std::abs(frame) <= kLargestFrame))
         throw Error(ErrorKind::input, fmt::format("{}: frame {} is beyond {}", text.file, frame, kLargestFrame));
     const toml::table tree = parsed(text, overrides);
+    const SceneKeys& k = keysOf<SceneKeys>();
     TomlTable root(tree, "the scene's top level");
+    const auto section = [&](const Key& key) -> std::optional<TomlTable> {
+        const auto value = root.find(key);
+        return value ? std::optional<TomlTable>(value->table(fmt::format("[{}]", key.name))) : std::nullopt;
+    };
 
     ReadContext context{frame, colour, text.folder, lookupIn({})};
-    if (const auto variables = root.find("variables"))
-        context.variables = lookupIn(readVariables(variables->table("[variables]")));
+    if (const auto variables = section(k.variables)) context.variables = lookupIn(readVariables(*variables));
+    context.version = root.integer(k.sceneVersion);
 
     Scene scene;
     scene.file = text.file;
     scene.frame = frame;
-    const CameraSection camera = readCamera(root.require("camera", "a table [camera]").table("[camera]"), context);
+    root.require(k.camera, "a table [camera]");
+    const CameraSection camera = readCamera(*section(k.camera), context);
     scene.camera = camera.camera;
     scene.overscan = camera.overscan;
-    root.require("volume", "at least one [[volume]]");
-    scene.lights = readNamed<Light>(root, "light", [&](const TomlTable& table, const std::string& name) {
+    scene.plate = camera.plate;
+    const std::string atLeastOne = "at least one [[volume]]";
+    root.require(k.volume, atLeastOne);
+    scene.lights = readNamed<Light>(root, k.light, [&](const TomlTable& table, const std::string& name) {
         return readLight(table, name, context);
     });
     for (const Light& light : scene.lights) context.lights.push_back(light.name);
-    scene.volumes = readNamed<SceneVolume>(root, "volume", [&](const TomlTable& table, const std::string& name) {
+    scene.volumes = readNamed<SceneVolume>(root, k.volume, [&](const TomlTable& table, const std::string& name) {
         return readVolume(table, name, context);
     });
-    if (scene.volumes.empty()) root.require("volume", "").failExpecting("at least one [[volume]]");
-    if (const auto ambient = root.find("ambient")) scene.ambient = readAmbient(ambient->table("[ambient]"), context);
-    RenderSection render{"standard", *presetDials("standard"), 0};
-    if (const auto table = root.find("render")) render = readRender(table->table("[render]"));
+    if (scene.volumes.empty()) root.require(k.volume).failExpecting(atLeastOne);
+    if (const auto ambient = section(k.ambient)) scene.ambient = readAmbient(*ambient, context);
+    RenderSection render;
+    render.dials = *presetDials(render.quality);
+    if (const auto table = section(k.render)) render = readRender(*table);
     scene.quality = render.quality;
+    scene.keepsPromise = render.keepsPromise && render.tolerance == 0;
     scene.tolerance = render.tolerance;
     scene.dials = render.dials;
-    const auto output = root.find("output");
-    scene.output = output ? readOutput(output->table("[output]"), context) : defaultOutput(context);
+    scene.moves = hasKeys(tree) || camera.moves;
+    const auto output = section(k.output);
+    scene.output = output ? readOutput(*output, context) : defaultOutput(context);
     root.finish();
+    scene.warnings = *context.warnings;
     std::map<std::string, std::string> lines;
     addLines(tree, "", lines);
     scene.lines = std::make_shared<const SceneLines>(std::move(lines));
     return scene;
+}
+
+Camera readCameraText(const std::string& text, const std::string& name, const ColourConfig& colour) {
+    const toml::table tree = parseToml(text, name);
+    const CameraKeys& k = keysOf<CameraKeys>();
+    // Of the working space nothing is asked, and a camera in a picture has no picture of its own.
+    if (tree.contains(k.exr.name)) throw Error(ErrorKind::input, fmt::format("{}: {} is not known here", name, k.exr));
+    return readCamera(TomlTable(tree, "[camera]", &k), ReadContext{1, colour, "", lookupIn({})}).camera;
 }
 
 std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides) {
@@ -150,7 +182,7 @@ std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& o
     if (overrides.empty()) return text.text;
     std::ostringstream out;
     out << toml::toml_formatter(root) << '\n';
-    return out.str();
+    return withShortNumbers(out.str());
 }
 
 }  // namespace scrim

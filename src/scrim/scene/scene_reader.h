@@ -33,6 +33,9 @@ SceneText loadSceneText(const std::string& path);
 Scene readScene(const SceneText& text, double frame, const std::vector<std::string>& overrides,
                 const ColourConfig& colour);
 
+/// The camera of a text such as the inside of [camera], whose messages call it `name`. Throws Error(input).
+Camera readCameraText(const std::string& text, const std::string& name, const ColourConfig& colour);
+
 /// The scene with its overrides, as TOML: the text itself where there are none. Throws Error(input) where
 /// text or overrides are malformed; values are not checked.
 std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides);

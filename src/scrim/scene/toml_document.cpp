@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/toml_document.h>
 
+#include <scrim/scene/scene_keys.h>
 #include <scrim/scene/toml_text.h>
 
 #include <scrim/base/error.h>
@@ -95,6 +96,7 @@ class Override {
             if (assignment[equals] == '"') quoted = !quoted;
         m_path = trimmed(assignment.substr(0, equals));
         m_where = std::string(kOverride) + shortened(m_path, 120);
+        if (!isUtf8(assignment)) fail("it is not UTF-8, which all text of scenes is");
         if (equals == assignment.size()) fail("there is no '='; expected key.path=value");
         m_value = trimmed(assignment.substr(equals + 1));
         splitPath();
@@ -102,15 +104,17 @@ class Override {
 
     void applyTo(toml::table& root) const {
         toml::table* table = &root;
+        const Section* section = &keysOf<SceneKeys>();
         for (std::size_t i = 0; i < m_parts.size(); ++i) {
             const PathPart& part = m_parts[i];
             const bool last = i + 1 == m_parts.size();
             toml::node* node = table->get(part.key);
-            if (last && part.indices.empty()) return put(*table, i);
+            if (last && part.indices.empty()) return put(*table, section, i);
             if (node == nullptr) {
                 if (!part.indices.empty()) fail(fmt::format("there is no list '{}'", part.key));
-                return put(*table, i);
+                return put(*table, section, i);
             }
+            section = sectionOf(section, part.key);
             for (std::size_t k = 0; k < part.indices.size(); ++k) {
                 toml::array& list = listOf(*node, part.key);
                 const std::size_t index = part.indices[k];
@@ -215,7 +219,12 @@ class Override {
             !m_value.empty() && std::string_view("\"'[{").find(m_value.front()) != std::string_view::npos;
         if (delimited || (m_value.find('#') == std::string::npos && isToml(m_value)))
             return checked(parseToml(key + " = " + m_value, m_where));
-        return parseToml(key + " = " + tomlString(m_value), m_where);
+        return parseToml(key + " = " + (isShellNumber(m_value) ? "0" + m_value : tomlString(m_value)), m_where);
+    }
+
+    /// ".7": a number to everyone but TOML.
+    static bool isShellNumber(const std::string& value) {
+        return value.size() > 1 && value[0] == '.' && value.find_first_not_of("0123456789", 1) == std::string::npos;
     }
 
     static bool isToml(const std::string& value) {
@@ -232,8 +241,19 @@ class Override {
         return table;
     }
 
-    void put(toml::table& table, std::size_t first) const {
+    /// The section that `key` of `section` leads to; null where either is none.
+    static const Section* sectionOf(const Section* section, const std::string& key) {
+        if (section == nullptr) return nullptr;
+        for (const Key& known : section->keys())
+            if (known.name == key) return known.inner;
+        return nullptr;
+    }
+
+    /// What would contradict it goes: whoever sets a lens wants no field of view.
+    void put(toml::table& table, const Section* section, std::size_t first) const {
         toml::table value = parsed(first);
+        if (section != nullptr)
+            for (const std::string& rival : section->rivalsOf(m_parts[first].key)) table.erase(rival);
         const toml::key key = value.begin()->first;
         table.erase(key.str());
         value.begin()->second.visit([&](auto& node) { table.insert_or_assign(key, std::move(node)); });
@@ -255,6 +275,14 @@ std::string whereOf(const toml::source_region& region) {
 }
 
 toml::table parseToml(const std::string& text, const std::string& file) {
+    if (const std::size_t good = utf8Length(text); good < text.size()) {
+        const std::size_t line =
+            text.rfind('\n', good) == std::string::npos || good == 0 ? 0 : text.rfind('\n', good) + 1;
+        throw Error(ErrorKind::input,
+                    fmt::format("{}:{}:{}: the byte 0x{:02x} is not UTF-8, which all text of scenes is", file,
+                                1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(good), '\n'),
+                                1 + good - line, static_cast<unsigned char>(text[good])));
+    }
     checkNesting(text, file);
     try {
         return toml::parse(text, file);

@@ -21,11 +21,9 @@ namespace {
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
     double edge = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(wsFromIs[axis])));
-    const RayFamily rays = wsRays(camera);
-    if (camera.type == CameraType::orthographic) return edge / glm::length(rays.originX);
     const Bounds ws = transformed(wsFromIs, field.isBounds());
     const double distance = glm::distance(glm::clamp(camera.wsPosition, ws.lower, ws.upper), camera.wsPosition);
-    return edge / std::max(glm::length(rays.directionX) * distance, 1e-300);
+    return edge / std::max(pixelAt(camera, distance), 1e-300);
 }
 
 // Halves the resolution as long as the voxels stay below `lod` pixels.
@@ -127,6 +125,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.lights = scene.lights;
     out.ambient = scene.ambient;
     out.dials = scene.dials;
+    if (!out.dials.crossFade && !scene.moves) out.dials.crossFade = 0;
     out.layers = scene.output.layers;
     out.lines = scene.lines;
     std::vector<std::optional<std::vector<Vec3>>> corners;

@@ -4,12 +4,13 @@
 #include <scrim/base/error.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/load_fields.h>
-#include <scrim/volume/source.h>
 #include <scrim/volume/vdb_bounds.h>
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
+#include <utility>
 
 namespace scrim {
 namespace {
@@ -44,18 +45,6 @@ std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& 
         request.component == GridRequest::kScalar ? "" : fmt::format(" (nor '{0}.r', '{0}.g', '{0}.b')", request.grid);
     throw Error(ErrorKind::input, fmt::format("{}{} no grid '{}'{}; there is {}", placeText(where), maker, request.grid,
                                               parts, choices(names)));
-}
-
-/// For plug-ins, through which nothing can be thrown.
-ProgressSink asProgress(const Checkpoint& checkpoint) {
-    return [checkpoint](double) {
-        try {
-            if (checkpoint) checkpoint();
-        } catch (const Error&) {
-            return false;
-        }
-        return true;
-    };
 }
 
 }  // namespace
@@ -111,11 +100,40 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume) {
     return uses;
 }
 
+/// What was read ahead, if it was exactly this and nothing went wrong. Errors are not told here: reading the file again
+/// at its own time tells them as ever.
+std::optional<std::vector<SparseField>> FieldStore::readBefore(const std::string& path,
+                                                               const std::vector<GridRequest>& requests) {
+    const auto found = std::find_if(m_ahead.begin(), m_ahead.end(), [&](const GuardedFields& fields) {
+        return fields.path() == path && fields.requests() == requests && fields.isCurrent();
+    });
+    if (found == m_ahead.end()) return {};
+    GuardedFields ahead = std::move(*found);
+    m_ahead.erase(found);
+    bool stopped = false;
+    const auto checkpoint = [&] {
+        stopped = true;
+        if (m_checkpoint) m_checkpoint();
+        stopped = false;
+    };
+    try {
+        return ahead.take(m_messages, checkpoint);
+    } catch (const Error&) {
+        if (stopped) throw;
+        return {};
+    }
+}
+
+std::vector<SparseField> FieldStore::fieldsOf(const std::string& path, const std::vector<GridRequest>& requests) {
+    if (auto fields = readBefore(path, requests)) return std::move(*fields);
+    return loadFields(path, requests, m_options, m_messages, m_checkpoint);
+}
+
 void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
     try {
-        std::vector<SparseField> fields = loadFields(origin[1], requests, m_options, m_messages, m_checkpoint);
+        std::vector<SparseField> fields = fieldsOf(origin[1], requests);
         for (std::size_t i = 0; i < requests.size(); ++i)
             m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
     } catch (const GridError& error) {
@@ -129,9 +147,10 @@ void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
 FieldStore::Grids FieldStore::generated(const SceneVolume& volume) const {
     Grids grids;
     try {
-        for (SparseField& field : generate(volume.source, volume.parameters, m_messages, asProgress(m_checkpoint)))
+        for (SparseField& field : sourceFields(volume.source, volume.parameters, m_options, m_messages, m_checkpoint))
             grids.push_back(std::make_shared<SparseField>(std::move(field)));
     } catch (const Error& error) {
+        if (error.kind() == ErrorKind::interrupted) throw;
         throw Error(error.kind(), placeText(volume.where) + error.what());
     }
     return grids;
@@ -169,30 +188,64 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
     return culledVolumes(scene, corners);
 }
 
-Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
-    const std::vector<std::string> culled = culledOf(scene, files);
-    const auto shows = [&](std::size_t i) {
-        return (culled[i].empty() || volumesOf == VolumesOf::scene) &&
-               (!isFile(scene.volumes[i]) || files[i].state == FileState::present);
-    };
-    std::map<Origin, std::vector<Use>> uses;  // of each origin, to be read in one go; every request once
+std::vector<bool> FieldStore::shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
+                                      const std::vector<std::string>& culled, VolumesOf volumesOf) const {
+    std::vector<bool> shown;
+    for (std::size_t i = 0; i < scene.volumes.size(); ++i)
+        shown.push_back((culled[i].empty() || volumesOf == VolumesOf::scene) &&
+                        (!isFile(scene.volumes[i]) || files[i].state == FileState::present));
+    return shown;
+}
+
+FieldStore::Uses FieldStore::usesOf(const Scene& scene, const std::vector<VolumeFile>& files,
+                                    const std::vector<bool>& shown) const {
+    Uses uses;
     std::set<Key> used;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        if (!shows(i)) continue;
+        if (!shown[i]) continue;
         const Origin origin = originOf(scene.volumes[i], files[i]);
         for (Use& use : usesOf(scene.volumes[i]))
             if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
     }
-    // First let go, then load: two frames' fields together may be more than there is memory for.
-    std::erase_if(m_fields, [&](const auto& entry) { return !used.contains(entry.first); });
-    for (auto& [origin, missing] : uses) {
+    return uses;
+}
+
+void FieldStore::dropKnown(Uses& uses) const {
+    for (auto& [origin, missing] : uses)
         std::erase_if(missing, [&](const Use& use) { return m_fields.contains({origin, use.request}); });
-        if (missing.empty()) continue;
+    std::erase_if(uses, [](const auto& entry) { return entry.second.empty(); });
+}
+
+void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
+    if (m_options.volumes != VolumeLoading::guarded) return;
+    Uses uses = usesOf(scene, files, shownOf(scene, files, culledOf(scene, files), volumesOf));
+    dropKnown(uses);
+    m_ahead.clear();
+    for (const auto& [origin, missing] : uses) {
+        if (origin[0] != kFile) continue;
+        std::vector<GridRequest> requests;
+        for (const Use& use : missing) requests.push_back(use.request);
+        m_ahead.emplace_back(origin[1], requests, m_options);
+    }
+}
+
+Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf) {
+    const std::vector<std::string> culled = culledOf(scene, files);
+    const std::vector<bool> shown = shownOf(scene, files, culled, volumesOf);
+    Uses uses = usesOf(scene, files, shown);
+    // First let go, then load: two frames' fields together may be more than there is memory for.
+    std::set<Key> used;
+    for (const auto& [origin, all] : uses)
+        for (const Use& use : all) used.insert({origin, use.request});
+    std::erase_if(m_fields, [&](const auto& entry) { return !used.contains(entry.first); });
+    dropKnown(uses);
+    for (const auto& [origin, missing] : uses) {
         if (origin[0] == kFile)
             load(origin, missing);
         else
             make(origin, missing);
     }
+    m_ahead.clear();
 
     Fields all;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
@@ -200,7 +253,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         VolumeFields& fields = all.emplace_back();
         fields.emission.resize(volume.emission.size());
         if (isFile(volume) && files[i].state == FileState::present) fields.culled = culled[i];
-        if (!shows(i)) continue;
+        if (!shown[i]) continue;
         const Origin origin = originOf(volume, files[i]);
         const auto fieldOf = [&](const GridRequest& request) { return m_fields.at({origin, request}); };
         if (usesDensity(volume)) {
@@ -219,8 +272,18 @@ std::shared_ptr<const SparseField> FieldStore::fieldOf(const std::string& path, 
     return m_fields.at({origin, request});
 }
 
-std::vector<VolumeFile> findFiles(const Scene& scene) {
-    return FieldStore({}).filesOf(scene);
+std::shared_ptr<const SparseField> FieldStore::sourceField(const std::string& source,
+                                                           const SourceParameters& parameters) {
+    SceneVolume volume;
+    volume.source = source;
+    volume.parameters = parameters;
+    const Origin origin = originOf(volume, {});
+    if (!m_fields.contains({origin, {}})) make(origin, std::vector<Use>(1, Use{&volume, GridRequest{}, ""}));
+    return m_fields.at({origin, {}});
+}
+
+ScanInfo FieldStore::scanInfo(const std::string& path) const {
+    return loadScanInfo(path, m_options, m_checkpoint);
 }
 
 std::size_t bytesOf(const Fields& fields) {

@@ -7,10 +7,14 @@
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
 #include <scrim/volume/grid_request.h>
+#include <scrim/volume/guarded_load.h>
 #include <scrim/volume/load_options.h>
+#include <scrim/volume/scan_info.h>
+#include <scrim/volume/source_parameters.h>
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,8 +44,16 @@ class FieldStore {
     /// the picture has no use for (`culled`) none, unless all of the scene's are wanted. Throws Error.
     Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf = VolumesOf::picture);
 
+    /// Lets children read what `fieldsOf` would load from files for the same arguments; it then takes it over from
+    /// them. Nothing is thrown or told about that before. Only where loading is guarded.
+    void readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf);
+
     /// One field of a file, kept for the next `fieldsOf`.
     std::shared_ptr<const SparseField> fieldOf(const std::string& path, const GridRequest& request);
+    /// The first field that a source makes, kept likewise.
+    std::shared_ptr<const SparseField> sourceField(const std::string& source, const SourceParameters& parameters);
+    /// What a scan holds.
+    ScanInfo scanInfo(const std::string& path) const;
 
   private:
     /// A file, a source with its parameters, or the name of a volume whose grids were set.
@@ -59,6 +71,15 @@ class FieldStore {
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
     static std::vector<Use> usesOf(const SceneVolume& volume);
     std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
+    /// Of each origin, to be read in one go; every request once.
+    using Uses = std::map<Origin, std::vector<Use>>;
+    Uses usesOf(const Scene& scene, const std::vector<VolumeFile>& files, const std::vector<bool>& shown) const;
+    std::vector<bool> shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
+                              const std::vector<std::string>& culled, VolumesOf volumesOf) const;
+    void dropKnown(Uses& uses) const;
+    std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests);
+    std::optional<std::vector<SparseField>> readBefore(const std::string& path,
+                                                       const std::vector<GridRequest>& requests);
     void load(const Origin& origin, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
     Grids generated(const SceneVolume& volume) const;
@@ -68,10 +89,8 @@ class FieldStore {
     Checkpoint m_checkpoint;
     std::map<std::string, Grids> m_grids;  ///< that were set, by volume
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
+    std::vector<GuardedFields> m_ahead;  ///< being read
 };
-
-/// The same of a scene whose volumes are files and sources.
-std::vector<VolumeFile> findFiles(const Scene& scene);
 
 /// Bytes that the fields take, each counted once.
 std::size_t bytesOf(const Fields& fields);

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/frame_output.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/preview.h>
 #include <scrim/scene/layer_names.h>
+#include <scrim/scene/plate_camera.h>
+#include <scrim/shot/frame_report.h>
+
+#include <fmt/format.h>
 
 #include <utility>
 
@@ -15,11 +20,17 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
     const Scene& scene = content.scene;
     const ShotReport& report = content.report;
     ExrAttributes attributes{
-        {"software", "scrim " + scrimVersion()},  {"worldToCamera", worldToCamera(scene.camera)},
-        {"worldToNDC", worldToNdc(scene.camera)}, {"framesPerSecond", exactFrameRate(scene.output.fps)},
-        {"imageCounter", report.frame},           {"scrim:version", scrimVersion()},
-        {"scrim:scene", content.sceneToml},       {"scrim:ocio:config", content.colour.name()},
-        {"scrim:plan", report.planJson},          {"scrim:stats", report.workJson},
+        {"software", "scrim " + scrimVersion()},
+        {"worldToCamera", worldToCamera(scene.camera)},
+        {"worldToNDC", worldToNdc(scene.camera)},
+        {"scrim:camera", cameraText(scene.camera)},
+        {"framesPerSecond", exactFrameRate(scene.output.fps)},
+        {"imageCounter", report.frame},
+        {"scrim:version", scrimVersion()},
+        {"scrim:scene", content.sceneToml},
+        {"scrim:ocio:config", content.colour.name()},
+        {"scrim:plan", withoutThreads(report.planJson)},
+        {"scrim:stats", withoutThreads(report.workJson)},
     };
     if (report.verification) {
         attributes.emplace_back("scrim:verify:error", report.verification->error);
@@ -41,7 +52,7 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
 
 std::string layerName(const Scene& scene, const FrameLayer& layer) {
     if (layer.layer != Layer::light) return nameOf(layer.layer);
-    return nameOf(layer.layer) + "." + scene.lights[layer.light].name;
+    return nameOf(layer.layer) + "." + channelName(scene.lights[std::size_t(layer.light)].name);
 }
 
 ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
@@ -106,7 +117,18 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
 
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {
     const ScenePreview& preview = content.scene.output.preview;
-    writePreview(path, content.image, displayWindowOf(content.scene), content.colour, preview.display, preview.view);
+    writePreview(path, content.image, displayWindowOf(content.scene), content.colour, preview.display, preview.view,
+                 content.previewExposure);
+}
+
+void writePreviewOfPicture(const SceneOutput& output, FilePicture picture, const ColourConfig& colour,
+                           double exposure) {
+    if (!picture.problem.empty())
+        throw Error(ErrorKind::input, fmt::format("cannot read '{}': {}", output.file, shortened(picture.problem)));
+    Image image{{0, 0, picture.width, picture.height}, std::move(picture.rgba)};
+    colour.convert(image, output.colorspace, colour.workingSpace());
+    writePreview(output.preview.file, image, image.window, colour, output.preview.display, output.preview.view,
+                 exposure);
 }
 
 }  // namespace scrim

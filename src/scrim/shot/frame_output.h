@@ -4,6 +4,7 @@
 
 #include <scrim/engine/frame.h>
 #include <scrim/image/colour.h>
+#include <scrim/image/picture_module.h>
 #include <scrim/scene/scene.h>
 #include <scrim/shot/shot_frame.h>
 
@@ -22,6 +23,7 @@ struct ShotFrame::Content {
     std::vector<ShotLayer> layers = {};
     ShotReport report = {};
     bool skipped = false;
+    double previewExposure = 0;  ///< stops
 };
 
 /// Takes the picture and the layers of `frame`.
@@ -32,5 +34,9 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
 
 /// Writes the picture as a display shows it. Throws Error.
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path);
+
+/// The same of a picture that was written before, brighter by `exposure` stops; `output` says how, and where its
+/// preview goes. Throws Error, of kind `input` where it could not be read.
+void writePreviewOfPicture(const SceneOutput& output, FilePicture picture, const ColourConfig& colour, double exposure);
 
 }  // namespace scrim

@@ -61,6 +61,13 @@ Json stagesJson(const ShotTimes& s) {
             {"composite", s.composite}};
 }
 
+void eraseThreads(Json& json) {
+    if (json.is_object())
+        for (const char* name : {"batch_sheets", "buffer_bytes", "bytes"}) json.erase(name);
+    if (json.is_structured())
+        for (Json& value : json) eraseThreads(value);
+}
+
 /// What was not made, of a frame that was skipped, is null.
 Json parsed(const std::string& text) {
     return text.empty() ? Json() : Json::parse(text);
@@ -107,6 +114,12 @@ std::string reportAsJson(const ShotReport& r) {
                             {"bound", t->bound},   {"attempts", t->attempts},
                             {"met", t->met}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string withoutThreads(const std::string& json) {
+    Json all = parsed(json);
+    eraseThreads(all);
+    return all.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::size_t peakResidentBytes() {

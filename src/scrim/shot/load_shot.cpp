@@ -3,7 +3,12 @@
 
 #include <scrim/base/error.h>
 
+#include <scrim/scene/layer_names.h>
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
 
 namespace scrim {
 namespace {
@@ -62,6 +67,39 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
                         fmt::format("volume '{}' has no file, no source, and no grids that were set", volume.name));
 }
 
+/// Lights of which each has a layer must have channels of their own, too.
+void checkChannels(const Scene& scene) {
+    const std::vector<Layer>& layers = scene.output.layers;
+    if (std::find(layers.begin(), layers.end(), Layer::light) == layers.end()) return;
+    std::map<std::string, std::string> lights;
+    for (const Light& light : scene.lights) {
+        const auto [known, isNew] = lights.emplace(channelName(light.name), light.name);
+        if (isNew) continue;
+        const std::string where = scene.lines ? scene.lines->of("output.layers") : "";
+        throw Error(ErrorKind::input,
+                    fmt::format("{}lights '{}' and '{}' would both be 'light.{}' in the picture, where names have "
+                                "letters, digits and underscores alone; expected different ones",
+                                where.empty() ? "" : where + ": ", known->second, light.name, known->first));
+    }
+}
+
+/// Fire that is nowhere warm enough to be seen: most often the grid is not in Kelvin.
+void warnOfColdFire(const Scene& scene, const Fields& fields, const MessageSink& messages) {
+    constexpr double kGlow = 700;  // Kelvin: the faintest red
+    for (std::size_t v = 0; v < scene.volumes.size() && v < fields.size(); ++v)
+        for (std::size_t e = 0; e < scene.volumes[v].emission.size() && e < fields[v].emission.size(); ++e) {
+            const Emission& emission = scene.volumes[v].emission[e];
+            const auto& field = fields[v].emission[e];
+            if (!emission.blackbody || emission.scale == 0 || !field || field->empty()) continue;
+            const double hottest = field->maxValue * emission.kelvinScale + emission.kelvinOffset;
+            if (hottest < kGlow)
+                notify(messages, Severity::warning,
+                       fmt::format("{}: '{}' reaches {:.4g} K in frame {:g}, and nothing glows below {:g} K; kelvin = "
+                                   "[A, B] says what temperatures its values 0 and 1 are",
+                                   emission.where, emission.grid, hottest, scene.frame, kGlow));
+        }
+}
+
 }  // namespace
 
 ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf volumesOf) const {
@@ -70,11 +108,13 @@ ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf v
     return assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
 }
 
+LoadOptions limited(LoadOptions load, const RenderOptions& options) {
+    if (load.memory == 0) load.memory = options.memory;
+    return load;
+}
+
 void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options) {
-    LoadOptions limited = load;
-    if (limited.memory == 0) limited.memory = options.memory;
-    if (limited.threads == 0) limited.threads = options.threads;
-    store.listen(limited, options.messages, checkpointOf(options));
+    store.listen(limited(load, options), options.messages, checkpointOf(options));
 }
 
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores) {
@@ -90,12 +130,14 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
     LoadedShot out;
     out.scene = std::move(scene);
     checkVolumes(out.scene, stores.fields);
+    checkChannels(out.scene);
     out.files = stores.fields.filesOf(out.scene);
     if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
     listenTo(stores.fields, load, options);
-    stores.slides.loadInto(out.scene, options.messages);
+    stores.slides.loadInto(out.scene, limited(load, options), options.messages, checkpointOf(options));
     out.slideBytes = stores.slides.bytes();
     out.fields = stores.fields.fieldsOf(out.scene, out.files, volumesOf);
+    if (use == ShotUse::render) warnOfColdFire(out.scene, out.fields, options.messages);
     return out;
 }
 

@@ -39,6 +39,9 @@ struct LoadedShot {
 
 enum class ShotUse { plan, render };
 
+/// `load` with the memory of `options`.
+LoadOptions limited(LoadOptions load, const RenderOptions& options);
+
 /// Lets `store` load as `load` and `options` say.
 void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options);
 

@@ -21,11 +21,6 @@ constexpr unsigned kVerifySeed = 1;  // any, but always the same pixels
 constexpr double kRenderedOfVerified = 0.5;
 static_assert(kVerifyAll == kAllPixels);
 
-ProgressSink partOf(const ProgressSink& progress, double from, double to) {
-    if (!progress) return {};
-    return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
-}
-
 /// Where the grids of a volume come from.
 std::string originText(const SceneVolume& volume, const VolumeFile& file) {
     if (!volume.source.empty()) return "source '" + volume.source + "'";
@@ -56,8 +51,9 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
 /// One frame's way from views to a picture.
 class FrameRender {
   public:
-    FrameRender(const LoadedShot& shot, const RenderOptions& options, ShotReport& report)
-        : m_shot(shot), m_options(options), m_report(report) {}
+    FrameRender(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,
+                const std::function<void(std::size_t)>& begins)
+        : m_shot(shot), m_options(options), m_report(report), m_begins(begins) {}
 
     Frame run();
 
@@ -69,6 +65,7 @@ class FrameRender {
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     ShotReport& m_report;
+    const std::function<void(std::size_t)>& m_begins;
 };
 
 Frame FrameRender::run() {
@@ -89,6 +86,7 @@ void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
     m_report.planJson = planAsJson(view, plan);
     if (m_options.planned)
         m_options.planned({false, m_report.planJson, planAsTable(view, plan), bytesOf(m_shot.fields)});
+    if (m_begins) m_begins(plan.bytes);
 }
 
 Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
@@ -142,10 +140,11 @@ ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options) {
     return {false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)};
 }
 
-Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report) {
+Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,
+                   const std::function<void(std::size_t)>& begins) {
     report.threads = threadCount();
     warnOfEmpty(shot, options.messages);
-    Frame frame = FrameRender(shot, options, report).run();
+    Frame frame = FrameRender(shot, options, report, begins).run();
     report.workJson = workAsJson(frame.work);
     report.seconds.prepare = frame.times.prepare;
     report.seconds.splat = frame.times.splat;

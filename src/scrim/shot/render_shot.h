@@ -7,6 +7,9 @@
 #include <scrim/shot/shot_frame.h>
 #include <scrim/shot/shot_options.h>
 
+#include <cstddef>
+#include <functional>
+
 namespace scrim {
 
 /// Whether the picture is compared with the reference.
@@ -17,6 +20,8 @@ ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options);
 
 /// Renders, and verifies or keeps a tolerance. Fills in `report`, except for what concerns loading and files. Throws
 /// Error.
-Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report);
+/// Calls `begins` with the bytes of its buffers before it begins to render; that may be more than once.
+Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,
+                   const std::function<void(std::size_t)>& begins);
 
 }  // namespace scrim

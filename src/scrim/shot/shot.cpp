@@ -4,11 +4,21 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/timed.h>
+#include <scrim/scene/quality.h>
+#include <scrim/scene/plate_camera.h>
 #include <scrim/shot/frame_output.h>
 #include <scrim/shot/frame_report.h>
 #include <scrim/shot/render_shot.h>
 #include <scrim/shot/shot_content.h>
+#include <scrim/volume/guarded_load.h>
+#include <scrim/volume/load_fields.h>
+#include <scrim/volume/load_job.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -24,39 +34,163 @@ auto withThreads(int threads, const Task& task) {
     return std::move(*result);
 }
 
+/// Reading files begins sooner where the program that does it starts now.
+void warmLoaderOf(const LoadOptions& load, LoadedFiles files = LoadedFiles::volumes) {
+    if (load.volumes == VolumeLoading::guarded) warmLoader(load.loader, files);
+}
+
 std::shared_ptr<ShotStores> storesFor(const std::shared_ptr<ShotStores>& shared, const OpenOptions& options) {
     return shared ? shared : std::make_shared<ShotStores>(ColourConfig::open(options.ocio));
+}
+
+std::string promiseText(const std::string& preset, const PromisedDials& promised, const std::string& block) {
+    return fmt::format("{:<23} '{}' promises {:.2g} % of error; for it, and for every frame of the shot:\n{}", "preset",
+                       preset, 100 * promised.promised, block);
 }
 
 }  // namespace
 
 void Shot::Content::frameAsset(const RenderOptions& options) {
     listenTo(stores->fields, load, options);
-    text->frameAsset(stores->fields);
+    text->frameAsset(stores->fields, options.messages);
+}
+
+Scene Shot::Content::withPlateCamera(Scene scene, const RenderOptions& options) const {
+    if (!scene.plate) return scene;
+    const PlateCamera& plate = *scene.plate;
+    try {
+        const PictureHeader header = load.volumes == VolumeLoading::guarded
+                                         ? guardedHeader(plate.file, load, options.checkpoint)
+                                         : pictureModule().header(plate.file);
+        if (!header.problem.empty()) throw Error(ErrorKind::input, header.problem);
+        Camera camera = cameraOf(header, plate.ndc, stores->colour);
+        camera.near = scene.camera.near;
+        if (!plate.givesResolution) camera.resolution = scene.camera.resolution;
+        scene.camera = camera;
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input) throw;
+        throw Error(error.kind(), fmt::format("{}: the camera of '{}': {}", plate.where, plate.file, error.what()));
+    }
+    return scene;
 }
 
 Scene Shot::Content::sceneAt(int frame, const RenderOptions& options) {
     if (text) {
         frameAsset(options);
-        return text->at(frame, stores->colour);
+        for (const std::string& warning : std::exchange(opened.warnings, {}))  // the same for all frames
+            notify(options.messages, Severity::warning, warning);
     }
+    return withPlateCamera(sceneUnframed(frame), options);
+}
+
+Scene Shot::Content::sceneUnframed(int frame) const {
+    if (text) return text->at(frame, stores->colour);
     Scene scene = opened;
     scene.frame = frame;
     return scene;
 }
 
+int Shot::Content::richestFrame(const Scene& scene) const {
+    std::map<int, std::uintmax_t> bytes;
+    for (const SceneVolume& volume : scene.volumes) {
+        if (!volume.source.empty() || !volume.sequence.hasFrame()) continue;
+        for (const int file : existingFrames(volume.sequence)) {
+            std::error_code error;
+            const auto size = std::filesystem::file_size(volume.sequence.at(file), error);
+            const std::optional<int> frame = volume.frameMap.frameOf(file);
+            if (!error && frame) bytes[*frame] += size;
+        }
+    }
+    const auto richest =
+        std::max_element(bytes.begin(), bytes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    // Where the scene moves one frame must speak for all, or tasks of one frame each would choose by themselves.
+    if (richest == bytes.end()) return scene.moves && !scene.plate ? 1 : static_cast<int>(scene.frame);
+    return richest->first;
+}
+
+std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptions& options, VolumesOf volumesOf,
+                                                  ShotUse use) {
+    RenderOptions heard = options;
+    heard.messages = [&](Severity severity, const std::string& what) {
+        if (said.erase(what) == 0) notify(options.messages, severity, what);
+    };
+    auto loaded = loadShot(*stores, load, std::move(scene), heard, volumesOf, use);
+    said.clear();
+    return loaded;
+}
+
+void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, ShotUse use) {
+    if (!scene.keepsPromise || scene.tolerance > 0) return;
+    if (!promised || promised->first != scene.quality) {
+        RenderOptions whole = options;
+        whole.crop.reset();
+        whole.messages = [&](Severity severity, const std::string& what) {
+            if (said.insert(what).second) notify(options.messages, severity, what);
+        };
+        const int frame = text ? richestFrame(scene) : static_cast<int>(scene.frame);
+        Scene richest = scene;
+        try {
+            if (frame != static_cast<int>(scene.frame))
+                richest = withOptions(sceneAt(frame, options), options, *stores);
+            const auto loaded = loadShot(*stores, load, std::move(richest), whole, VolumesOf::picture, use);
+            if (!loaded) return;
+            const ViewScene view = loaded->view(whole, loaded->scene.dials.lod, VolumesOf::picture);
+            promised.emplace(scene.quality, promisedDials(view, scene.quality));
+        } catch (const Error& error) {
+            // What is wrong with a file is said when its own frame comes; until then the preset is that of an average
+            // scene.
+            if (error.kind() != ErrorKind::input) throw;
+            return;
+        }
+        const PromisedDials& chosen = promised->second;
+        if (chosen.expected > 1.01 * chosen.promised)
+            notify(
+                options.messages, Severity::warning,
+                fmt::format("the preset '{}' promises an error of {:.2g} %, but the finest texels and sheets that it "
+                            "may choose are expected to leave {:.2g} % in this scene",
+                            scene.quality, 100 * chosen.promised, 100 * chosen.expected));
+    }
+    const PromisedDials& chosen = promised->second;
+    scene.dials.texel = chosen.dials.texel;
+    scene.dials.sheetThickness = chosen.dials.sheetThickness;
+    scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);
+}
+
 ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {
     scene = withOptions(std::move(scene), options, *stores);
-    const auto loaded = loadShot(*stores, load, std::move(scene), options, VolumesOf::picture, ShotUse::plan);
-    if (loaded) return planLoaded(*loaded, options);
+    keepPromise(scene, options, ShotUse::plan);
+    const auto loaded = loadOnce(std::move(scene), options, VolumesOf::picture, ShotUse::plan);
+    if (loaded) {
+        ShotPlan plan = planLoaded(*loaded, options);
+        if (loaded->scene.keepsPromise && promised)
+            plan.table += promiseText(loaded->scene.quality, promised->second, renderBlock(loaded->scene.dials));
+        return plan;
+    }
     ShotPlan skipped;
     skipped.skipped = true;
     return skipped;
 }
 
+void Shot::Content::readAhead(const RenderOptions& options, const LoadedShot& loaded, VolumesOf volumesOf,
+                              std::size_t buffers) {
+    if (!text || !options.next) return;
+    // A child takes about as much for a tree as for the field that is made of it.
+    constexpr std::size_t kFieldsBeside = 3;
+    const std::size_t bytes = kFieldsBeside * bytesOf(loaded.fields) + loaded.slideBytes + buffers;
+    if (options.memory > 0 && bytes > options.memory) return;
+    try {
+        const Scene next = text->at(*options.next, stores->colour);
+        stores->fields.readAhead(next, stores->fields.filesOf(next), volumesOf);
+    } catch (const Error&) {
+        // It is thrown again when its frame comes.
+    }
+}
+
 ShotFrame Shot::Content::render(Scene scene, double seconds, const RenderOptions& options) {
     scene = withOptions(std::move(scene), options, *stores);
+    timed(seconds, [&] { keepPromise(scene, options, ShotUse::render); });
     auto frame = std::make_unique<ShotFrame::Content>(ShotFrame::Content{scene, "", stores->colour, {}});
+    frame->previewExposure = options.previewExposure;
     ShotReport& report = frame->report;
     report.input = path;
     report.file = scene.output.file;
@@ -64,12 +198,14 @@ ShotFrame Shot::Content::render(Scene scene, double seconds, const RenderOptions
     report.resolution = scene.camera.resolution;
     report.seconds.load = seconds;
     const VolumesOf volumesOf = isVerified(scene, options) ? VolumesOf::scene : VolumesOf::picture;
-    const auto loaded = timed(report.seconds.load, [&] {
-        return loadShot(*stores, load, std::move(scene), options, volumesOf, ShotUse::render);
-    });
+    const auto loaded =
+        timed(report.seconds.load, [&] { return loadOnce(std::move(scene), options, volumesOf, ShotUse::render); });
     frame->skipped = !loaded;
     if (loaded) {
-        takeFrame(*frame, renderLoaded(*loaded, options, report));
+        bool first = true;
+        takeFrame(*frame, renderLoaded(*loaded, options, report, [&](std::size_t buffers) {
+            if (std::exchange(first, false)) readAhead(options, *loaded, volumesOf, buffers);
+        }));
         if (text) frame->sceneToml = text->toml({});
     }
     report.peakBytes = peakResidentBytes();
@@ -84,11 +220,16 @@ Shot::~Shot() = default;
 Shot Shot::open(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options) {
     Shot shot(std::make_unique<Content>());
     Content& content = *shot.m_content;
+    if (isAssetFile(path)) warmLoaderOf(options.load);
     content.stores = storesFor(options.shareWith ? options.shareWith->m_content->stores : nullptr, options);
     content.path = path;
     content.load = options.load;
-    content.text.emplace(path, overrides, options.resolution);
+    content.text.emplace(path, overrides, options);
     content.opened = content.text->at(options.checkedFrame, content.stores->colour);
+    for (const SceneVolume& volume : content.opened.volumes)
+        if (volume.source.empty() || !fileIn(volume.parameters).empty()) warmLoaderOf(options.load);
+    for (const Light& light : content.opened.lights)
+        if (light.slide && !light.slide->file.empty()) warmLoaderOf(options.load, LoadedFiles::pictures);
     return shot;
 }
 
@@ -122,11 +263,28 @@ std::vector<int> Shot::frames() const {
     for (const SceneVolume& volume : scene.volumes) {
         if (!volume.source.empty() || !volume.sequence.hasFrame()) continue;
         still = false;
-        const int offset = volume.frame - static_cast<int>(scene.frame);
-        for (const int frame : existingFrames(volume.sequence)) frames.insert(frame - offset);
+        const std::vector<int> files = existingFrames(volume.sequence);
+        std::set<int> shown;
+        for (const int file : files)
+            if (const std::optional<int> frame = volume.frameMap.frameOf(file)) shown.insert(*frame);
+        if (shown.empty()) continue;
+        // In slow motion a file is shown for several frames.
+        for (int frame = *shown.begin(); frame <= *shown.rbegin(); ++frame)
+            if (std::binary_search(files.begin(), files.end(), static_cast<int>(volume.frameMap.fileAt(frame))))
+                frames.insert(frame);
     }
     if (still) return {1};
     return {frames.begin(), frames.end()};
+}
+
+void Shot::previewFromPicture(int frame, const RenderOptions& options) {
+    withThreads(options.threads, [&] {
+        Scene scene = withOptions(m_content->sceneUnframed(frame), options, *m_content->stores);
+        const LoadOptions load = limited(m_content->load, options);
+        writePreviewOfPicture(scene.output, readPicture(scene.output.file, load, options.checkpoint),
+                              m_content->stores->colour, options.previewExposure);
+        return 0;
+    });
 }
 
 void Shot::setVolume(const std::string& name, std::vector<SparseField> grids) {

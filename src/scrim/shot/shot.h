@@ -19,6 +19,8 @@
 
 namespace scrim {
 
+struct SceneFile;
+
 /// Volumes and slides are loaded when a frame needs them, and kept as long as the next frame needs them, too.
 ///
 /// Shots share no state: any number of them may be used at the same time, each from one thread at a time. Only volume
@@ -27,9 +29,9 @@ namespace scrim {
 /// All members throw Error; those that take RenderOptions also what its functions throw.
 class Shot {
   public:
-    /// Opens a scene (.toml) or an asset (.vdb), which is framed and lit. An asset is not read yet. An override is
-    /// "key.path=value": "camera.fov=20", "light.key.intensity=3". Throws Error(usage) for other files, Error(input)
-    /// where the scene or an override is wrong.
+    /// Opens a scene (.toml) or an asset (.vdb, or a scan: .nrrd, .nhdr, .nii, .nii.gz), which is framed and lit. An
+    /// asset is not read yet. An override is "key.path=value": "camera.fov=20", "light.key.intensity=3". Throws
+    /// Error(usage) for other files, Error(input) where the scene or an override is wrong.
     static Shot open(const std::string& path, const std::vector<std::string>& overrides = {},
                      const OpenOptions& options = {});
 
@@ -68,6 +70,10 @@ class Shot {
     /// The same for a scene of `scene()` that was changed by hand. The metadata still has the text of the shot.
     ShotFrame render(Scene scene, const RenderOptions& options = {});
 
+    /// Makes the scene's preview of a frame from its picture, which was written before. Throws Error(input) where that
+    /// cannot be read.
+    void previewFromPicture(int frame, const RenderOptions& options = {});
+
     /// For colours that are given in other spaces than the working space.
     const ColourConfig& colour() const;
 
@@ -78,7 +84,8 @@ class Shot {
   private:
     struct Content;
     explicit Shot(std::unique_ptr<Content> content);
-    friend class ShotStudy;  // study/shot_study.h
+    friend class ShotStudy;                                                  // study/shot_study.h
+    friend std::vector<SceneFile> filesReadBy(const Shot& shot, int frame);  // shot/shot_files.h
 
     std::unique_ptr<Content> m_content;
 };

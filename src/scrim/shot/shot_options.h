@@ -21,6 +21,8 @@ class Shot;
 struct OpenOptions {
     std::string ocio;                ///< path of an OpenColorIO config; "": $OCIO, or else Scrim's own
     std::optional<Int2> resolution;  ///< in place of the scene's; an asset is framed for it
+    std::optional<Vec3> wsUp;        ///< of an asset's world: a unit vector along an axis; none: guessed
+    int turntable = 0;               ///< in frames 1 to this the camera goes once around its target; 0: it does not
     LoadOptions load;                ///< how volume files are read
     int checkedFrame = 1;            ///< the scene is checked at this frame when it is opened
     /// The new shot shares the colour config, the volumes and the slides of this one, if it is given: what both show is
@@ -52,9 +54,16 @@ struct RenderOptions {
     std::size_t memory = 0;           ///< bytes for volumes, slides and buffers; 0: no limit
     MissingPolicy missing = MissingPolicy::error;
 
+    /// The frame that is rendered next. What it needs of files is read while this one renders, where loading is guarded
+    /// and the memory suffices for both. Nothing else depends on it: errors and messages come with the frame they
+    /// belong to.
+    std::optional<int> next;
+
     int verify = 0;                   ///< compares so many random pixels with brute force; kVerifyAll: all that matter
     double verifyLimit = 0;           ///< seconds after which a verification ends; 0: none
     std::optional<double> tolerance;  ///< relative RMSE, in place of the scene's; 0: none
+
+    double previewExposure = 0;  ///< stops by which the preview is brighter than the picture
 
     /// Hears the finished part of the frame, 0 to 1. Where it returns false, the work ends with Error(interrupted).
     ProgressSink progress;

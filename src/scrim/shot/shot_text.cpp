@@ -2,7 +2,9 @@
 #include <scrim/shot/shot_text.h>
 
 #include <scrim/base/error.h>
-#include <scrim/scene/framing.h>
+#include <scrim/scene/toml_text.h>
+#include <scrim/scene/turntable.h>
+#include <scrim/volume/foreign_format.h>
 
 #include <fmt/format.h>
 
@@ -13,8 +15,6 @@
 namespace scrim {
 namespace {
 
-constexpr Int2 kFramedResolution{512, 512};
-
 /// `path` as a scene would name it, literally where there is such a file.
 std::string assetPattern(const std::string& path) {
     std::error_code ignored;
@@ -22,23 +22,6 @@ std::string assetPattern(const std::string& path) {
     std::string pattern;
     for (const char c : path) pattern.append(c == '$' ? 2 : 1, c);
     return pattern;
-}
-
-/// Of a sequence, frames that show how far it reaches; the same whichever frames a task of a farm renders.
-std::vector<std::string> filesToFrame(const FramePath& path, const std::string& name) {
-    if (!path.hasFrame()) return {path.at(0)};
-    const std::vector<int> frames = existingFrames(path);
-    if (frames.empty()) throw Error(ErrorKind::input, fmt::format("{}: the sequence has no files", name));
-    std::vector<std::string> files;
-    for (const int frame : {frames.front(), frames[frames.size() / 2], frames.back()})
-        if (files.empty() || files.back() != path.at(frame)) files.push_back(path.at(frame));
-    return files;
-}
-
-double sizeOf(const SparseField& field) {
-    if (field.empty()) return 0;
-    const Vec3 size = transformed(field.wsFromIs, field.isBounds()).size();
-    return size.x * size.x + size.y * size.y + size.z * size.z;
 }
 
 }  // namespace
@@ -49,47 +32,70 @@ std::string lowerExtension(const std::string& path) {
     return extension;
 }
 
-ShotText::ShotText(const std::string& path, const std::vector<std::string>& overrides,
-                   const std::optional<Int2>& resolution)
-    : m_path(path), m_framedResolution(resolution.value_or(kFramedResolution)) {
-    const std::string extension = lowerExtension(path);
-    m_asset = extension == ".vdb";
-    if (!m_asset && extension != ".toml")
-        throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml) or an asset (.vdb)", shortened(path)));
+ShotText::ShotText(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options)
+    : m_path(path), m_turntable(options.turntable) {
+    m_asset = isAssetFile(path);
+    if (const ForeignFormat* const format = foreignFormat(path))
+        throw Error(ErrorKind::input, fmt::format("{}: {}", shortened(path), textOf(*format)));
+    if (!m_asset && lowerExtension(path) != ".toml")
+        throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, "
+                                                  ".nhdr, .nii, .nii.gz)",
+                                                  shortened(path)));
     if (m_asset) {
         // Until the asset is loaded: its scene but for the numbers.
+        m_asAsset.resolution = options.resolution.value_or(m_asAsset.resolution);
+        m_asAsset.wsUp = options.wsUp;
         m_assetPattern = assetPattern(path);
-        const SparseField nothing;
-        m_text = {path + " (framed)", "", framedText(nothing)};
+        m_text = {path + " (framed)", "", unframedText(m_assetPattern, m_asAsset)};
     } else {
+        if (options.wsUp)
+            throw Error(ErrorKind::usage,
+                        fmt::format("{}: --up is for assets; a scene says itself what is up: --set camera.up=[0,0,1]",
+                                    shortened(path)));
         m_text = loadSceneText(path);
-        if (resolution) m_overrides.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
+        if (const auto& resolution = options.resolution)
+            m_given.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
     }
-    m_overrides.insert(m_overrides.end(), overrides.begin(), overrides.end());
+    m_given.insert(m_given.end(), overrides.begin(), overrides.end());
+    applyTurntable();
 }
 
-std::string ShotText::framedText(const SparseField& field) const {
-    return framingScene(m_assetPattern, {{"", &field}}, m_framedResolution);
+void ShotText::applyTurntable() {
+    m_overrides = m_given;
+    if (m_turntable == 0) return;
+    const std::vector<std::string> turn = turntableOverrides(m_text, m_given, m_turntable);
+    m_overrides.insert(m_overrides.end(), turn.begin(), turn.end());
 }
 
-void ShotText::frameAsset(FieldStore& store) {
+void ShotText::frameAsset(FieldStore& store, const MessageSink& messages) {
     if (!m_asset || m_framed) return;
-    std::shared_ptr<const SparseField> largest;
-    for (const std::string& file : filesToFrame({"", m_assetPattern}, m_path)) {
-        const auto field = store.fieldOf(file, {});
-        if (!largest || sizeOf(*field) > sizeOf(*largest)) largest = field;
-    }
-    m_text.text = framedText(*largest);
+    m_text.text = framedText(store, m_path, m_assetPattern, m_asAsset, messages);
     m_framed = true;
+    applyTurntable();
 }
 
 Scene ShotText::at(int frame, const ColourConfig& colour) const {
     Scene scene = readScene(m_text, frame, m_overrides, colour);
+    // The scene's text cannot name it.
+    if (m_asset && !isUtf8(m_assetPattern))
+        for (SceneVolume& volume : scene.volumes) {
+            const FramePath path{"", m_assetPattern};
+            if (volume.source.empty()) {
+                volume.sequence = path;
+                volume.file = path.at(volume.frame);
+            }
+            for (auto& [name, value] : volume.parameters)
+                if (name == "file") value = path.at(frame);
+        }
     SceneOutput& output = scene.output;
-    if (output.path.pattern.empty())
-        output.path = {"", std::filesystem::path(m_asset ? m_assetPattern : m_path).stem().string() + ".exr"};
-    output.file = output.path.at(frame);
-    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.at(frame);
+    if (output.path.pattern.empty()) {
+        const bool sequence = m_asset && FramePath{"", m_assetPattern}.hasFrame();
+        const bool turns = m_turntable > 0 && !sequence;
+        const std::string name = std::filesystem::path(sequence ? m_assetPattern : m_path).stem().string();
+        output.path = {"", name + (turns ? ".####.exr" : ".exr"), !sequence && !turns};
+    }
+    output.file = output.path.outputAt(frame);
+    if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
     return scene;
 }
 

@@ -7,8 +7,9 @@
 #include <scrim/scene/scene.h>
 #include <scrim/scene/scene_reader.h>
 #include <scrim/shot/field_store.h>
+#include <scrim/shot/frame_asset.h>
+#include <scrim/shot/shot_options.h>
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,13 +18,13 @@ namespace scrim {
 class ShotText {
   public:
     /// Reads a scene file. Of an asset only the path is looked at. Throws Error: usage, input.
-    ShotText(const std::string& path, const std::vector<std::string>& overrides, const std::optional<Int2>& resolution);
+    ShotText(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options);
 
     const std::string& path() const { return m_path; }
     bool isAsset() const { return m_asset; }
 
     /// Loads an asset that was not framed yet into `store`, and frames it.
-    void frameAsset(FieldStore& store);
+    void frameAsset(FieldStore& store, const MessageSink& messages);
 
     /// The scene at a frame. Where it names no output, the output is called as the shot is.
     Scene at(int frame, const ColourConfig& colour) const;
@@ -32,15 +33,17 @@ class ShotText {
     std::string toml(const std::vector<std::string>& more) const;
 
   private:
-    std::string framedText(const SparseField& field) const;
+    void applyTurntable();
 
     std::string m_path;
-    Int2 m_framedResolution;
+    AssetOptions m_asAsset;
+    int m_turntable = 0;
     bool m_asset = false;
     bool m_framed = false;
     std::string m_assetPattern;  ///< the asset's path as a scene names it
     SceneText m_text;
-    std::vector<std::string> m_overrides;
+    std::vector<std::string> m_given;      ///< overrides
+    std::vector<std::string> m_overrides;  ///< and those of a turntable
 };
 
 /// The extension of a file's name, in lower case: ".exr".

@@ -2,6 +2,8 @@
 #include <scrim/shot/slide_store.h>
 
 #include <scrim/base/error.h>
+#include <scrim/image/texture_read.h>
+#include <scrim/volume/load_fields.h>
 
 #include <fmt/format.h>
 
@@ -13,9 +15,15 @@ bool hasFile(const Light& light) {
     return light.slide && !light.slide->file.empty();
 }
 
+std::shared_ptr<const Texture> read(const Slide& slide, const ColourConfig& colour, const LoadOptions& load,
+                                    const MessageSink& messages, const Checkpoint& checkpoint) {
+    return textureOf(readPicture(slide.file, load, checkpoint), slide.file, slide.colorspace, colour, messages);
+}
+
 }  // namespace
 
-void SlideStore::loadInto(Scene& scene, const MessageSink& messages) {
+void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages,
+                          const Checkpoint& checkpoint) {
     // Kept are those of this frame only; two frames' pictures need never be in memory together.
     std::map<Key, std::shared_ptr<const Texture>> before;
     before.swap(m_images);
@@ -30,8 +38,9 @@ void SlideStore::loadInto(Scene& scene, const MessageSink& messages) {
         Slide& slide = *light.slide;
         std::shared_ptr<const Texture>& image = m_images[{slide.file, slide.colorspace}];
         try {
-            if (!image) image = readTexture(slide.file, slide.colorspace, m_colour, messages);
+            if (!image) image = read(slide, m_colour, load, messages, checkpoint);
         } catch (const Error& error) {
+            if (error.kind() == ErrorKind::interrupted) throw;
             const std::string place = slide.where.empty() ? "" : slide.where + ": ";
             throw Error(error.kind(), fmt::format("{}light '{}': {}", place, light.name, error.what()));
         }

@@ -5,6 +5,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/image/colour.h>
 #include <scrim/scene/scene.h>
+#include <scrim/volume/load_options.h>
 
 #include <cstddef>
 #include <map>
@@ -19,8 +20,9 @@ class SlideStore {
     explicit SlideStore(ColourConfig colour) : m_colour(std::move(colour)) {}
 
     /// Gives every slide of `scene` that names a file its picture; forgets those of the frame before that this one does
-    /// not use. Throws Error(input) "scene.toml:12:18: light 'key': ...".
-    void loadInto(Scene& scene, const MessageSink& messages);
+    /// not use. A guarded load calls `checkpoint` while it waits. Throws Error(input) "scene.toml:12:18: light 'key':
+    /// ...".
+    void loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
 
     /// That the pictures take.
     std::size_t bytes() const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/study/shot_study.h>
 
+#include <scrim/scene/quality.h>
 #include <scrim/shot/shot_content.h>
 
 namespace scrim {
@@ -9,6 +10,7 @@ ShotStudy::ShotStudy(Shot& shot, int frame, const RenderOptions& options) : m_op
     m_options.missing = MissingPolicy::error;
     Shot::Content& content = *shot.m_content;
     Scene scene = withOptions(content.sceneAt(frame, m_options), m_options, *content.stores);
+    content.keepPromise(scene, m_options, ShotUse::plan);
     m_loaded = *loadShot(*content.stores, content.load, std::move(scene), m_options, VolumesOf::scene, ShotUse::plan);
 }
 
@@ -26,6 +28,9 @@ Study ShotStudy::run(double budget, const ProgressSink& progress) {
     StudyOptions options;
     options.budget = budget;
     options.truth = [this](const Dials& dials) { return viewWith(dials, VolumesOf::scene); };
+    options.preset = [this](const std::string& name) {
+        return promisedDials(viewWith(*presetDials(name), VolumesOf::picture), name).dials;
+    };
     return runStudy([this](const Dials& dials) { return viewWith(dials, VolumesOf::picture); }, m_loaded.scene.dials,
                     options, progress);
 }

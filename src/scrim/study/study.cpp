@@ -252,7 +252,8 @@ Study Run::study() {
     addTrial(m_study.trials, "the scene's own", m_base);
     renderBase();
     for (const std::string& name : presetNames())
-        m_study.presets.emplace_back(name, addTrial(m_study.trials, name, *presetDials(name)));
+        m_study.presets.emplace_back(
+            name, addTrial(m_study.trials, name, m_options.preset ? m_options.preset(name) : *presetDials(name)));
     addSweeps(m_study.trials, m_study.sweeps, m_base);
     addJoint(m_study.trials, m_base);
     tryAll(0, 0.1, 0.35);
@@ -307,24 +308,6 @@ std::vector<Recommendation> recommendations(const Study& study) {
     for (const double tolerance : {0.05, 0.02, 0.01, 0.005, 0.002})
         all.push_back({tolerance, cheapestWithin(study.trials, study.trials.front().dials.kernel, tolerance)});
     return all;
-}
-
-std::string renderBlock(const Dials& dials) {
-    // The preset that leaves least to say.
-    std::string best;
-    for (const std::string& preset : presetNames()) {
-        std::string text = fmt::format("[render]\nquality = \"{}\"\n", preset);
-        for (const DialInfo& dial : dialTable()) {
-            const std::string value = dialText(dials, dial.name);
-            if (value == dialText(*presetDials(preset), dial.name)) continue;
-            const bool isWord = !std::isdigit(static_cast<unsigned char>(value.front()));
-            const std::string quote = isWord ? "\"" : "";
-            text += fmt::format("{} = {}{}{}\n", dial.name, quote, value, quote);
-        }
-        const auto lines = [](const std::string& t) { return std::count(t.begin(), t.end(), '\n'); };
-        if (best.empty() || lines(text) < lines(best)) best = text;
-    }
-    return best;
 }
 
 std::vector<DialWorth> worthOfDials(const Study& study) {

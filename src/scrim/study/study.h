@@ -23,7 +23,8 @@ struct StudyOptions {
     double intervalWanted = 0.1;  ///< of the error: stop adding pixels where half the 95 % interval is this narrow
     int repeats = 5;              ///< of every render, interleaved; the median counts
     int mostPictures = 4;         ///< error pictures
-    SceneWith truth = {};         ///< with all volumes, those too that a picture has no use for; none: as rendered
+    std::function<Dials(const std::string&)> preset = {};  ///< what a preset is in this scene; none: presetDials
+    SceneWith truth = {};  ///< with all volumes, those too that a picture has no use for; none: as rendered
 };
 
 /// A picture's distance from the most accurate one of the study.
@@ -58,9 +59,6 @@ struct Recommendation {
     std::optional<std::size_t> trial;
 };
 std::vector<Recommendation> recommendations(const Study& study);
-
-/// The lines of a scene that set `dials`: "[render]", a preset, and what differs from it.
-std::string renderBlock(const Dials& dials);
 
 /// What one value finer, and one value coarser, than the scene's own does to error and time.
 struct DialWorth {

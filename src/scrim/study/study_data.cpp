@@ -100,7 +100,7 @@ std::string studyAsJson(const Study& study, const std::string& scene) {
                                 {"coarser", placeJson(worth.coarser)},
                                 {"verdict", worth.verdict}});
     for (const Trial& trial : study.trials) out["trials"].push_back(trialJson(trial));
-    return out.dump(1) + "\n";
+    return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 }  // namespace scrim

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/quality.h>
 #include <scrim/study/study_page.h>
 
 #include <scrim/image/preview.h>

@@ -120,34 +120,20 @@ double Reference::emptyDistance(const Vec3& ws) const {
     return distance;
 }
 
-Reference::Span Reference::clip(const Vec3& o, const Vec3& d, double begin, double end) const {
-    for (int axis = 0; axis < 3; ++axis) {
-        double a = (m_wsBounds.lower[axis] - o[axis]) / d[axis], b = (m_wsBounds.upper[axis] - o[axis]) / d[axis];
-        if (d[axis] == 0) {
-            const bool inside = o[axis] >= m_wsBounds.lower[axis] && o[axis] <= m_wsBounds.upper[axis];
-            a = inside ? -kInfinity : kInfinity;
-            b = inside ? kInfinity : -kInfinity;
-        }
-        begin = std::max(begin, std::min(a, b));
-        end = std::min(end, std::max(a, b));
-    }
-    return {begin, end};
-}
-
 Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
     const double length = glm::distance(a, b);
     if (length == 0 || m_volumes.empty()) return Rgb(0);
     const Vec3 direction = (b - a) / length;
-    const Span span = clip(a, direction, 0, length);
+    const auto [begin, end] = m_wsBounds.clip(a, direction, 0, length);
     // Steps of two-point Gauss quadrature, exact for the cubics of a trilinear field within a cell.
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb tau(0);
-    for (double t = span.begin; t < span.end;) {
+    for (double t = begin; t < end;) {
         if (const double empty = emptyDistance(a + t * direction); empty > 0) {
             t += empty;
             continue;
         }
-        const double step = std::min(m_step, span.end - t);
+        const double step = std::min(m_step, end - t);
         const Vec3 middle = a + (t + 0.5 * step) * direction;
         const Rgb lower = extinction(middle - gauss * step * direction);
         const Rgb upper = extinction(middle + gauss * step * direction);
@@ -194,7 +180,9 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     Rgb tau(0);
     if (light.shadows)
         tau = opticalDepth(
-            light.distant() ? ws - travel * (clip(ws, -travel, 0, kInfinity).end + m_voxel) : light.wsPosition, ws);
+            light.distant() ? ws - travel * (std::max(0.0, m_wsBounds.clip(ws, -travel, 0, kInfinity).second) + m_voxel)
+                            : light.wsPosition,
+            ws);
     Rgb sum(0);
     for (const Volume& v : m_volumes) {
         if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;
@@ -240,17 +228,17 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     direction /= depthScale;
     if (m_volumes.empty()) return {0, 0, 0, 0};
 
-    const Span span = clip(origin, direction, rays.near * depthScale, kInfinity);
+    const auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, kInfinity);
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb radiance(0);
     Rgb tau(0);
-    for (double t = span.begin; t < span.end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
+    for (double t = begin; t < end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
         if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
             t += empty;
             continue;
         }
         // A step is as long as its optical depth allows.
-        double step = std::min(m_step, span.end - t);
+        double step = std::min(m_step, end - t);
         step = slideStep(origin + t * direction, direction, step);
         for (int halvings = 0; halvings < 40; ++halvings) {
             const double densest = std::max({most(extinction(origin + t * direction)),

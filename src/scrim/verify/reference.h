@@ -60,13 +60,9 @@ class Reference {
         std::vector<Emission> emission;
         const ViewVolume* look;
     };
-    struct Span {
-        double begin, end;
-    };
     Probe probeOf(const ViewField& field) const;
     Rgb extinction(const Vec3& ws) const;
     double emptyDistance(const Vec3& ws) const;
-    Span clip(const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
     Rgb extinction(const Volume& volume, const Vec3& ws) const;
     Rgb scattering(const Volume& volume, const Vec3& ws) const;
     Vec3 gradient(const Volume& volume, const Vec3& ws) const;

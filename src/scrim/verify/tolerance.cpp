@@ -22,11 +22,6 @@ constexpr double kAim = 0.7;  // part of a tolerance that the prediction may use
 // An interval this much wider than the error is what `aim` leaves room for.
 constexpr double kWidthAllowed = 1.3;
 
-ProgressSink partOf(const ProgressSink& progress, double from, double to) {
-    if (!progress) return {};
-    return [&progress, from, to](double done) { return progress(from + (to - from) * done); };
-}
-
 ViewScene turned(const ViewScene& scene, double texel, double thickness) {
     ViewScene out = scene;
     out.dials.texel = texel;

@@ -20,18 +20,8 @@ struct BoxTest {
     RayFamily isRays;
 
     bool meets(double x, double y) const {
-        const Vec3 origin = isRays.origin(x, y), direction = isRays.direction(x, y);
-        double begin = isRays.near, end = std::numeric_limits<double>::infinity();
-        for (int axis = 0; axis < 3; ++axis) {
-            if (direction[axis] == 0) {
-                if (origin[axis] < isBox.lower[axis] || origin[axis] > isBox.upper[axis]) return false;
-                continue;
-            }
-            const double a = (isBox.lower[axis] - origin[axis]) / direction[axis];
-            const double b = (isBox.upper[axis] - origin[axis]) / direction[axis];
-            begin = std::max(begin, std::min(a, b));
-            end = std::min(end, std::max(a, b));
-        }
+        const auto [begin, end] = isBox.clip(isRays.origin(x, y), isRays.direction(x, y), isRays.near,
+                                             std::numeric_limits<double>::infinity());
         return begin <= end;
     }
 };

@@ -43,17 +43,25 @@ struct Counts {
 };
 
 Counts clean(float* values) {
-    Counts counts;
+    // Made for vectors: no branches, 32-bit counts, and the largest as its bits, which are in the order of values that
+    // are not negative.
+    constexpr float kLargest = std::numeric_limits<float>::max();
+    std::int32_t active = 0, nonFinite = 0, negative = 0, largest = 0;
     for (int i = 0; i < kBlockVoxels; ++i) {
         const float v = values[i];
-        const bool finite = std::isfinite(v);
-        const bool positive = finite && v >= kSmallest;
-        counts.active += positive;
-        counts.nonFinite += !finite;
-        counts.negative += finite && v <= -kSmallest;
-        values[i] = positive ? v : 0.0f;  // also turns -0 into 0
-        counts.maxValue = std::max(counts.maxValue, values[i]);
+        const bool positive = (v >= kSmallest) & (v <= kLargest);
+        active += positive;
+        nonFinite += !((v >= -kLargest) & (v <= kLargest));
+        negative += (v >= -kLargest) & (v <= -kSmallest);
+        const float kept = positive ? v : 0.0f;  // also turns -0 into 0
+        values[i] = kept;
+        largest = std::max(largest, std::bit_cast<std::int32_t>(kept));
     }
+    Counts counts;
+    counts.active = static_cast<std::uint64_t>(active);
+    counts.nonFinite = static_cast<std::uint64_t>(nonFinite);
+    counts.negative = static_cast<std::uint64_t>(negative);
+    counts.maxValue = std::bit_cast<float>(largest);
     return counts;
 }
 
@@ -216,12 +224,18 @@ SparseField buildField(FieldPieces pieces) {
 
 void reportCleaning(const SparseField& field, const std::string& where, const MessageSink& messages) {
     if (field.nonFinite == 0 && field.negative == 0) return;
+    const std::uint64_t all = field.activeVoxels + field.nonFinite + field.negative;
     std::string what;
-    if (field.nonFinite > 0) what = fmt::format("{} not finite", field.nonFinite);
-    if (field.negative > 0) what += fmt::format("{}{} below 0", what.empty() ? "" : " and ", field.negative);
+    if (field.negative > 0) what = fmt::format("{} are below 0", field.negative);
+    if (field.nonFinite > 0) what += fmt::format("{}{} are no numbers", what.empty() ? "" : " and ", field.nonFinite);
+    // Units that begin below 0, as Hounsfield's, are a scan's. Its source can do something about it.
+    const bool scan = field.negative > 0 && where.starts_with("source 'scan'");
     notify(messages, Severity::warning,
-           shortened(fmt::format("{}: grid '{}': active voxels that are {} count as 0 ({} above 0 remain)", where,
-                                 shortened(field.name, 80), what, field.activeVoxels)));
+           shortened(fmt::format("{}: grid '{}': of {} voxels with a value {}, and count as empty{}", where,
+                                 shortened(field.name, 80), all, what,
+                                 scan ? "; the parameter window = \"LOW, HIGH\" makes them visible: LOW becomes 0, "
+                                        "HIGH 1"
+                                      : "")));
 }
 
 FieldBuilder::FieldBuilder(std::string name, const Mat4& wsFromIs) {

@@ -7,40 +7,15 @@
 #include <scrim/volume/vdb_info_text.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <span>
-
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 namespace scrim {
 
 namespace {
 
-/// Layout: Header, then `kind`'s content. Fields: per field a FieldHeader, its name, origins, tiles, and the
-/// values of its blocks, which begin at a multiple of kAlignment. Error: its text and, of a GridError (which counts
-/// as one field), the text of its request. Numbers are those of this machine: both
-/// ends are on it.
-constexpr std::uint64_t kMagic = 0x3152464d49524353;  // "SCRIMFR1"
-constexpr std::uint64_t kAlignment = 64;              // a cache line, and more than any float needs
-
-enum class Kind : std::uint32_t { fields = 1, info = 2, error = 3 };
-
-struct Header {
-    std::uint64_t magic = 0;
-    std::uint64_t bytes = 0;  ///< of the whole file
-    std::uint32_t kind = 0;
-    std::uint32_t code = 0;  ///< of an error: its kind
-    std::uint64_t fields = 0;
-    std::uint64_t messages = 0;
-};
-
+/// Fields are, each, a FieldHeader, the name, origins, tiles, and, aligned, the values of the blocks.
 struct FieldHeader {
     std::uint64_t blocks = 0;
     std::uint64_t tiles = 0;
@@ -54,149 +29,6 @@ struct TileRecord {
     std::int32_t edge;
     float value;
 };
-
-std::uint64_t alignedUp(std::uint64_t at) {
-    return (at + kAlignment - 1) / kAlignment * kAlignment;
-}
-
-class Writer {
-  public:
-    /// Invalidates whatever the file held.
-    explicit Writer(int fd) : m_fd(fd) {
-        if (::ftruncate(m_fd, 0) != 0) fail();
-        m_at = sizeof(Header);
-    }
-
-    void bytes(const void* data, std::uint64_t size) {
-        write(data, size, m_at);
-        m_at += size;
-    }
-    template <typename T>
-    void value(const T& v) {
-        bytes(&v, sizeof v);
-    }
-    void text(const std::string& s) {
-        value(std::uint64_t{s.size()});
-        bytes(s.data(), s.size());
-    }
-    void align() { m_at = alignedUp(m_at); }
-
-    /// Last of all, so that a file without it is known to be incomplete.
-    void finish(Header header) {
-        if (::ftruncate(m_fd, static_cast<off_t>(m_at)) != 0) fail();
-        header.magic = kMagic;
-        header.bytes = m_at;
-        write(&header, sizeof header, 0);
-    }
-
-  private:
-    void write(const void* data, std::uint64_t size, std::uint64_t at) const {
-        const char* from = static_cast<const char*>(data);  // null where size is 0
-        while (size > 0) {
-            const ssize_t done = ::pwrite(m_fd, from, size, static_cast<off_t>(at));
-            if (done < 0 && errno == EINTR) continue;
-            if (done < 0) fail();
-            from += done;
-            at += static_cast<std::uint64_t>(done);
-            size -= static_cast<std::uint64_t>(done);
-        }
-    }
-    [[noreturn]] static void fail() {
-        const bool space = errno == ENOSPC || errno == ENOMEM || errno == EFBIG || errno == EDQUOT;
-        throw Error(space ? ErrorKind::memory : ErrorKind::render,
-                    std::string("cannot hand over what was read: ") + std::strerror(errno));
-    }
-
-    int m_fd;
-    std::uint64_t m_at = 0;
-};
-
-[[noreturn]] void incomplete(const std::string& reason) {
-    throw Error(ErrorKind::input, "what was read is incomplete: " + reason);
-}
-
-/// The received file, mapped for reading for as long as someone holds on to it.
-struct Mapping {
-    void* address = MAP_FAILED;
-    std::size_t size = 0;
-
-    explicit Mapping(int fd) {
-        struct stat status {};
-        if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) incomplete("it is not a regular file");
-        // A sender that shrank the file afterwards would make reads of the mapping crash. Only a memfd can be
-        // sealed; with other files the caller sees to it that the sender is gone.
-        (void)::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE);
-        if (::fstat(fd, &status) != 0) incomplete(std::strerror(errno));
-        size = std::size_t(status.st_size);
-        if (size < sizeof(Header)) incomplete("the process that read it stopped before it was done");
-        address = ::mmap(nullptr, size, PROT_READ, MAP_PRIVATE, fd, 0);
-        if (address == MAP_FAILED) throw Error(ErrorKind::memory, "not enough memory to take over what was read");
-    }
-    ~Mapping() {
-        if (address != MAP_FAILED) ::munmap(address, size);
-    }
-    Mapping(const Mapping&) = delete;
-    Mapping& operator=(const Mapping&) = delete;
-
-    std::span<const char> bytes() const { return {static_cast<const char*>(address), size}; }
-};
-
-class Reader {
-  public:
-    explicit Reader(std::span<const char> bytes) : m_bytes(bytes) {}
-
-    /// The next `count` records of `size` bytes.
-    const char* take(std::uint64_t count, std::uint64_t size) {
-        if (count > (m_bytes.size() - m_at) / size) incomplete("it is shorter than it says");
-        const char* at = m_bytes.data() + m_at;
-        m_at += count * size;
-        return at;
-    }
-    template <typename T>
-    T value() {
-        T v;
-        std::memcpy(&v, take(1, sizeof v), sizeof v);
-        return v;
-    }
-    std::string text() {
-        const auto size = value<std::uint64_t>();
-        return std::string(take(size, 1), size);
-    }
-    void align() {
-        const std::uint64_t at = alignedUp(m_at);
-        take(at - m_at, 1);
-    }
-    bool done() const { return m_at == m_bytes.size(); }
-
-  private:
-    std::span<const char> m_bytes;
-    std::uint64_t m_at = 0;
-};
-
-GridRequest requestFrom(const std::string& text) {
-    try {
-        return gridRequestFrom(text);
-    } catch (const Error& error) {
-        incomplete(error.what());
-    }
-}
-
-Header readHeader(Reader& reader, const Mapping& mapping, Kind expected) {
-    const auto header = reader.value<Header>();
-    if (header.magic != kMagic) incomplete("the process that read it stopped before it was done");
-    if (header.bytes != mapping.size)
-        incomplete(fmt::format("it has {} bytes, expected {}", mapping.size, header.bytes));
-    if (header.kind == static_cast<std::uint32_t>(Kind::error)) {
-        const auto kind = header.code <= static_cast<std::uint32_t>(ErrorKind::accuracy)
-                              ? static_cast<ErrorKind>(header.code)
-                              : ErrorKind::input;
-        const std::string text = shortened(reader.text(), 2000);
-        if (header.fields == 0) throw Error(kind, text);
-        throw GridError(text, requestFrom(reader.text()));
-    }
-    if (header.kind != static_cast<std::uint32_t>(expected)) incomplete("it holds something else");
-    return header;
-}
 
 /// What `buildField` promises about values, found again in blocks that came from elsewhere: counts them, and
 /// tells whether all are finite and not negative.
@@ -227,7 +59,7 @@ bool countBlocks(SparseField& field) {
     return good;
 }
 
-SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapping) {
+SparseField readField(TransferReader& reader, const std::shared_ptr<const TransferMapping>& mapping) {
     const auto header = reader.value<FieldHeader>();
     SparseField field;
     field.name = reader.text();
@@ -246,22 +78,22 @@ SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapp
         TileRecord t;
         std::memcpy(&t, tiles + i * sizeof t, sizeof t);
         field.tiles.push_back({{t.origin[0], t.origin[1], t.origin[2]}, t.edge, t.value});
-        if (!(std::isfinite(t.value) && t.value > 0)) incomplete("a tile holds a value that is not above 0");
+        if (!(std::isfinite(t.value) && t.value > 0)) incompleteTransfer("a tile holds a value that is not above 0");
     }
     reader.align();
     const auto* values = reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
     field.blockValues = std::shared_ptr<const float>(mapping, values);
 
     if (!std::is_sorted(field.blockOrigins.begin(), field.blockOrigins.end(), originLess))
-        incomplete("its blocks are out of order");
+        incompleteTransfer("its blocks are out of order");
     frame.blockOrigins = field.blockOrigins;
     frame.tiles = field.tiles;
     try {
         checkPieces(frame);
     } catch (const Error& error) {
-        incomplete(error.what());
+        incompleteTransfer(error.what());
     }
-    if (!countBlocks(field)) incomplete("its blocks hold values that are negative or not finite");
+    if (!countBlocks(field)) incompleteTransfer("its blocks hold values that are negative or not finite");
     for (const ConstantTile& tile : field.tiles) {
         const auto edge = static_cast<std::uint64_t>(tile.edge);
         field.activeVoxels += edge * edge * edge;
@@ -272,14 +104,8 @@ SparseField readField(Reader& reader, const std::shared_ptr<const Mapping>& mapp
 
 }  // namespace
 
-int createTransfer() {
-    const int fd = ::memfd_create("scrim-transfer", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    if (fd < 0) throw Error(ErrorKind::memory, std::string("cannot create shared memory: ") + std::strerror(errno));
-    return fd;
-}
-
 void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
-    Writer writer(fd);
+    TransferWriter writer(fd);
     for (const TransferMessage& message : messages) {
         writer.value(static_cast<std::uint32_t>(message.severity));
         writer.text(message.text);
@@ -299,52 +125,86 @@ void sendFields(int fd, const std::vector<SparseField>& fields, const std::vecto
         writer.align();
         writer.bytes(field.blockValues.get(), field.blockCount() * kBlockVoxels * sizeof(float));
     }
-    Header header;
-    header.kind = static_cast<std::uint32_t>(Kind::fields);
+    TransferHeader header;
     header.fields = fields.size();
     header.messages = messages.size();
-    writer.finish(header);
+    writer.finish(header, TransferKind::fields);
+}
+
+void sendRequest(int fd, const LoadRequest& request) {
+    TransferWriter writer(fd);
+    writer.text(request.what);
+    writer.text(request.path);
+    writer.text(request.source);
+    writer.text(request.beside);
+    for (const GridRequest& grid : request.grids) writer.text(toText(grid));
+    for (const auto& [name, value] : request.parameters) {
+        writer.text(name);
+        writer.text(value);
+    }
+    TransferHeader header;
+    header.fields = request.grids.size();
+    header.messages = request.parameters.size();
+    writer.finish(header, TransferKind::request);
 }
 
 void sendInfo(int fd, const VdbFileInfo& info) {
-    Writer writer(fd);
+    TransferWriter writer(fd);
     writer.text(toJson(info));
-    Header header;
-    header.kind = static_cast<std::uint32_t>(Kind::info);
-    writer.finish(header);
+    writer.finish({}, TransferKind::info);
 }
 
 void sendError(int fd, const Error& error) {
-    Writer writer(fd);
+    TransferWriter writer(fd);
     writer.text(error.what());
-    Header header;
-    header.kind = static_cast<std::uint32_t>(Kind::error);
+    TransferHeader header;
     if (const auto* ofGrid = dynamic_cast<const GridError*>(&error)) {
         writer.text(toText(ofGrid->request()));
         header.fields = 1;
     }
+    if (const auto* beside = dynamic_cast<const BesideError*>(&error)) {
+        writer.text(beside->name());
+        header.messages = 1;
+    }
     header.code = static_cast<std::uint32_t>(error.kind());
-    writer.finish(header);
+    writer.finish(header, TransferKind::error);
+}
+
+LoadRequest receiveRequest(int fd) {
+    const TransferMapping mapping(fd, TransferMapping::Sender::trusted);
+    TransferReader reader(mapping);
+    const TransferHeader header = reader.header(TransferKind::request);
+    LoadRequest out;
+    out.what = reader.text();
+    out.path = reader.text();
+    out.source = reader.text();
+    out.beside = reader.text();
+    for (std::uint64_t i = 0; i < header.fields; ++i) out.grids.push_back(gridRequestFrom(reader.text()));
+    for (std::uint64_t i = 0; i < header.messages; ++i) {
+        const std::string name = reader.text();
+        out.parameters.emplace_back(name, reader.text());
+    }
+    return out;
 }
 
 ReceivedFields receiveFields(int fd) {
-    const auto mapping = std::make_shared<const Mapping>(fd);
-    Reader reader(mapping->bytes());
-    const Header header = readHeader(reader, *mapping, Kind::fields);
+    const auto mapping = std::make_shared<const TransferMapping>(fd);
+    TransferReader reader(*mapping);
+    const TransferHeader header = reader.header(TransferKind::fields);
     ReceivedFields out;
     for (std::uint64_t i = 0; i < header.messages; ++i) {
         const auto severity = reader.value<std::uint32_t>();
         out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, shortened(reader.text(), 2000)});
     }
     for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
-    if (!reader.done()) incomplete("it is longer than it says");
+    if (!reader.done()) incompleteTransfer("it is longer than it says");
     return out;
 }
 
 VdbFileInfo receiveInfo(int fd) {
-    const Mapping mapping(fd);
-    Reader reader(mapping.bytes());
-    readHeader(reader, mapping, Kind::info);
+    const TransferMapping mapping(fd);
+    TransferReader reader(mapping);
+    reader.header(TransferKind::info);
     return vdbFileInfoFromJson(reader.text());
 }
 

@@ -1,166 +1,92 @@
 // SPDX-License-Identifier: Apache-2.0
-// The parent's side of a guarded load; the child's is in internal_load.cpp.
+// The parent's side of a guarded load; the child's is src/load.
 #include <scrim/volume/guarded_load.h>
 
-#include <scrim/base/error.h>
+#include <scrim/base/system_error.h>
 #include <scrim/volume/field_transfer.h>
+#include <scrim/volume/loaded_source.h>
+#include <scrim/volume/picture_transfer.h>
+#include <scrim/volume/vdb_bytes.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <system_error>
-#include <thread>
+#include <utility>
 
 #include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
+#include <sys/stat.h>
 
 namespace scrim {
 namespace {
 
-constexpr int kChildDescriptor = 3;  // the first behind stdin, stdout and stderr
-constexpr std::size_t kLeastMemory = std::size_t{4} << 30;
 /// OpenVDB's trees take some 35 times what they can be compressed to in a file, and the field made of them
 /// comes on top.
 constexpr std::size_t kMemoryPerByte = 64;
 /// Below this the reader itself would take an honest small file for a damaged one.
 constexpr std::size_t kLeastGivenMemory = std::size_t{1} << 30;
-constexpr std::chrono::minutes kPatience{10};
-constexpr double kSlowestBytesPerSecond = 1 << 20;  // a busy network drive
-constexpr int kMostThreads = 8;  // each costs the child address space, and reading hardly gains from more
+constexpr std::uint64_t kSlowestBytesPerSecond = 1 << 20;  // a busy network drive
 
-class Descriptor {
+/// What a file may take, its size apart: several times what sound ones did.
+struct Kind {
+    std::size_t leastMemory = 0;
+    std::chrono::minutes patience{0};
+};
+constexpr Kind kVolume{std::size_t{4} << 30, std::chrono::minutes{10}};
+/// At most 50 million pixels (kMostTexturePixels): enough at half a million a second.
+constexpr Kind kPicture{std::size_t{4} << 30, std::chrono::minutes{2}};
+/// What a source makes need not be as small as its file: a mesh becomes as much fog as was asked for, and scans are
+/// compressed. Sources of Scrim refuse what would be larger by themselves.
+constexpr Kind kSource{std::size_t{16} << 30, std::chrono::minutes{10}};
+
+LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& options) {
+    LoadLimits limits;
+    limits.memory = options.memory > 0 ? std::max(options.memory, kLeastGivenMemory)
+                                       : std::max<std::size_t>(kind.leastMemory, kMemoryPerByte * bytes);
+    limits.patience = kind.patience + std::chrono::seconds(bytes / kSlowestBytesPerSecond);
+    return limits;
+}
+
+/// A regular file, open for reading; or why there is none. Throws an Error of another kind than `input` where that is
+/// not up to the file.
+class OpenFile {
   public:
-    explicit Descriptor(int fd) : m_fd(fd) {}
-    ~Descriptor() { ::close(m_fd); }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    int fd() const { return m_fd; }
+    // Without O_NONBLOCK opening a FIFO would wait for a writer.
+    explicit OpenFile(const std::string& path)
+        : m_file(aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {
+        const int error = errno;
+        if (const ErrorKind kind = kindOfSystemError(error, ErrorKind::input);
+            m_file.fd() < 0 && kind != ErrorKind::input)
+            throw Error(kind, fmt::format("{}: {}", path, systemErrorText(error)));
+        struct stat status {};
+        if (m_file.fd() < 0 || ::fstat(m_file.fd(), &status) != 0)
+            m_problem = errno == ENOENT ? "there is no such file" : std::strerror(errno);
+        else if (!S_ISREG(status.st_mode))
+            m_problem = "is not a file";
+        else
+            m_size = static_cast<std::uint64_t>(status.st_size);
+    }
+    int fd() const { return m_file.fd(); }
+    std::uint64_t size() const { return m_size; }
+    /// "": there is none.
+    const std::string& problem() const { return m_problem; }
 
   private:
-    int m_fd;
+    Descriptor m_file;
+    std::uint64_t m_size = 0;
+    std::string m_problem;
 };
 
-void check(const Checkpoint& checkpoint) {
-    if (checkpoint) checkpoint();
-}
-
-std::size_t sizeOf(const std::string& path) {
-    std::error_code error;
-    const auto size = std::filesystem::file_size(path, error);
-    return error ? 0 : std::size_t(size);
-}
-
-/// Address space that the child may add to what it starts with.
-std::size_t memoryFor(const std::string& path, const LoadOptions& options) {
-    if (options.memory > 0) return std::max(options.memory, kLeastGivenMemory);
-    return std::max(kLeastMemory, kMemoryPerByte * sizeOf(path));
-}
-
-/// A running child; ends it where nobody waited for it. Not Boost.Process: it handles SIGCHLD for the whole process,
-/// which belongs to whoever links the library.
-class Child {
-  public:
-    Child(const std::string& program, const std::vector<std::string>& arguments, int transfer, bool showStderr) {
-        std::vector<char*> argv;
-        for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
-        argv.push_back(nullptr);
-
-        posix_spawn_file_actions_t actions;
-        posix_spawn_file_actions_init(&actions);
-        posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-        posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-        if (!showStderr) posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-        posix_spawn_file_actions_adddup2(&actions, transfer, kChildDescriptor);
-        const int error = ::posix_spawn(&m_pid, program.c_str(), &actions, nullptr, argv.data(), environ);
-        posix_spawn_file_actions_destroy(&actions);
-        if (error == ENOMEM || error == EAGAIN)
-            throw Error(ErrorKind::memory,
-                        fmt::format("cannot start a process to read volumes: {}", std::strerror(error)));
-        if (error != 0)
-            throw Error(ErrorKind::render,
-                        fmt::format("cannot start '{}' to read volumes: {}", shortened(program), std::strerror(error)));
-    }
-    ~Child() {
-        if (m_pid <= 0) return;
-        ::kill(m_pid, SIGKILL);
-        while (::waitpid(m_pid, nullptr, 0) < 0 && errno == EINTR) {
-        }
-    }
-    Child(const Child&) = delete;
-    Child& operator=(const Child&) = delete;
-
-    /// Waits and returns what waitpid says; throws where `checkpoint` does or `patience` is over.
-    int wait(std::chrono::duration<double> patience, const std::string& path, const Checkpoint& checkpoint) {
-        const auto start = std::chrono::steady_clock::now();
-        std::chrono::microseconds pause(200);
-        for (int status = 0;;) {
-            const pid_t ended = ::waitpid(m_pid, &status, WNOHANG);
-            if (ended == m_pid) {
-                m_pid = -1;
-                // A child in the same terminal gets the signals of this process; that is not the file's fault.
-                check(checkpoint);
-                return status;
-            }
-            if (ended < 0 && errno != EINTR)
-                throw Error(ErrorKind::render,
-                            fmt::format("{}: lost the process that reads it: {}", path, std::strerror(errno)));
-            check(checkpoint);
-            if (std::chrono::steady_clock::now() - start > patience)
-                throw Error(ErrorKind::input,
-                            fmt::format("{}: reading it took more than {:.0f} minutes", path, patience.count() / 60));
-            std::this_thread::sleep_for(pause);
-            pause = std::min(pause * 2, std::chrono::microseconds(5000));
-        }
-    }
-
-  private:
-    pid_t m_pid = -1;
-};
-
-std::string signalName(int signal) {
-    const char* name = ::sigabbrev_np(signal);
-    return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("signal SIG{}", name);
-}
-
-void checkStatus(int status, const std::string& path) {
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
-    if (WIFEXITED(status))
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: damaged: reading it failed (exit status {})", path, WEXITSTATUS(status)));
-    // Nobody but the system's guard against running out of memory kills a child like that.
-    if (WTERMSIG(status) == SIGKILL)
-        throw Error(ErrorKind::memory,
-                    fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
-    throw Error(ErrorKind::input,
-                fmt::format("{}: damaged: reading it crashed ({})", path, signalName(WTERMSIG(status))));
-}
-
-/// Runs a child that sends `what` of `path` into `transfer`.
-void run(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
-         const LoadOptions& options, int transfer, const Checkpoint& checkpoint) {
-    if (options.loader.empty())
-        throw Error(ErrorKind::usage, "guarded loading of volumes: expected the path of a loader, the program scrim");
-    check(checkpoint);
-    const int threads = options.threads > 0 ? std::min(options.threads, kMostThreads) : kMostThreads;
-    std::vector<std::string> arguments{"scrim",
-                                       kInternalLoad,
-                                       "--fd",
-                                       std::to_string(kChildDescriptor),
-                                       what,
-                                       std::to_string(memoryFor(path, options)),
-                                       std::to_string(threads),
-                                       path};
-    for (const GridRequest& request : requests) arguments.push_back(toText(request));
-    Child child(options.loader, arguments, transfer, options.showStderr);
-    const std::chrono::duration<double> slowest(static_cast<double>(sizeOf(path)) / kSlowestBytesPerSecond);
-    checkStatus(child.wait(kPatience + slowest, path, checkpoint), path);
+/// Lets a child read `what` of a file. The file is opened here: children open nothing.
+LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
+              const LoadOptions& options, int transfer) {
+    const VdbBytes file(path);
+    sendRequest(transfer, {what, path, requests});
+    return LoadJob(options.loader, LoadedFiles::volumes, path, transfer, file.descriptor(),
+                   limitsFor(kVolume, file.size(), options), options.showStderr);
 }
 
 /// Runs `receive`; what it says of an incomplete transfer gets the path in front.
@@ -170,33 +96,140 @@ auto received(const std::string& path, const Receive& receive) {
         return receive();
     } catch (const GridError&) {
         throw;
+    } catch (const BesideError&) {
+        throw;
     } catch (const Error& error) {
         const std::string text = error.what();
-        if (text.rfind("what was read is incomplete", 0) == 0)
+        if (text.starts_with("what was read is incomplete"))
             throw Error(error.kind(), fmt::format("{}: damaged: {}", path, text));
+        if (text.ends_with(kClaimsMemory) && limitsMemory(kLeastGivenMemory))
+            throw Error(ErrorKind::memory,
+                        fmt::format("{}: not enough memory to read it, of which there may be less than it needs "
+                                    "(ulimit -v)",
+                                    path));
+        if (text.starts_with("cannot hand over")) throw Error(error.kind(), fmt::format("{}: {}", path, text));
         throw;
     }
 }
 
+/// Runs `load`; once more where it found a loader that somebody had just ended.
+template <typename Load>
+auto withLoader(const Checkpoint& checkpoint, const Load& load) {
+    if (checkpoint) checkpoint();
+    try {
+        return load();
+    } catch (const LoaderLost&) {
+        return load();
+    }
+}
+
+/// Lets a child read `what` of a picture, and receives it.
+template <typename Result>
+Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
+                  const Checkpoint& checkpoint) {
+    const OpenFile file(path);
+    if (!file.problem().empty()) {
+        Result none;
+        none.problem = file.problem();
+        return none;
+    }
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        sendRequest(transfer.fd(), {what, path, {}});
+        LoadJob(options.loader, LoadedFiles::pictures, path, transfer.fd(), file.fd(),
+                limitsFor(kPicture, file.size(), options), options.showStderr)
+            .wait(checkpoint);
+        return received(path, [&] { return receive(transfer.fd()); });
+    });
+}
+
 }  // namespace
 
-std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
-                                       const LoadOptions& options, const MessageSink& messages,
-                                       const Checkpoint& checkpoint) {
-    const Descriptor transfer(createTransfer());
-    run("fields", path, requests, options, transfer.fd(), checkpoint);
-    ReceivedFields result = received(path, [&] { return receiveFields(transfer.fd()); });
-    if (result.fields.size() != requests.size())
-        throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were read, expected {}", path,
-                                                  result.fields.size(), requests.size()));
+GuardedFields::GuardedFields(const std::string& path, const std::vector<GridRequest>& requests,
+                             const LoadOptions& options)
+    : m_path(path),
+      m_requests(requests),
+      m_identity(identityOf(path)),
+      m_transfer(createTransfer()),
+      m_job(begin("fields", path, requests, options, m_transfer.fd())) {}
+
+GuardedFields::Identity GuardedFields::identityOf(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return {};
+    return {static_cast<std::uint64_t>(status.st_dev), static_cast<std::uint64_t>(status.st_ino),
+            static_cast<std::uint64_t>(status.st_size), static_cast<std::int64_t>(status.st_mtim.tv_sec),
+            static_cast<std::int64_t>(status.st_mtim.tv_nsec)};
+}
+
+bool GuardedFields::isCurrent() const {
+    return identityOf(m_path) == m_identity;
+}
+
+std::vector<SparseField> GuardedFields::take(const MessageSink& messages, const Checkpoint& checkpoint) {
+    m_job.wait(checkpoint);
+    ReceivedFields result = received(m_path, [&] { return receiveFields(m_transfer.fd()); });
+    if (result.fields.size() != m_requests.size())
+        throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were read, expected {}", m_path,
+                                                  result.fields.size(), m_requests.size()));
     for (const TransferMessage& message : result.messages) notify(messages, message.severity, message.text);
     return std::move(result.fields);
 }
 
+std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
+                                       const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] { return GuardedFields(path, requests, options).take(messages, checkpoint); });
+}
+
 VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
-    const Descriptor transfer(createTransfer());
-    run("info", path, {}, options, transfer.fd(), checkpoint);
-    return received(path, [&] { return receiveInfo(transfer.fd()); });
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        begin("info", path, {}, options, transfer.fd()).wait(checkpoint);
+        return received(path, [&] { return receiveInfo(transfer.fd()); });
+    });
+}
+
+FilePicture guardedPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    return pictureJob<FilePicture>(path, "picture", receivePicture, options, checkpoint);
+}
+
+PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    return pictureJob<PictureHeader>(path, kPictureHeader, receivePictureHeader, options, checkpoint);
+}
+
+std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,
+                                       const std::string& path, const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint) {
+    const std::string what = fmt::format("source '{}': {}", sourceNameOf(source), path);
+    const OpenFile file(path);
+    if (!file.problem().empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", what, file.problem()));
+    LoadRequest request{"source", path, {}, source, parameters};
+    const auto madeWith = [&](const OpenFile* beside) {
+        const std::uint64_t bytes = file.size() + (beside == nullptr ? 0 : beside->size());
+        return withLoader(checkpoint, [&] {
+            const Descriptor transfer(createTransfer());
+            sendRequest(transfer.fd(), request);
+            LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), file.fd(),
+                    limitsFor(kSource, bytes, options), options.showStderr, beside == nullptr ? -1 : beside->fd())
+                .wait(checkpoint);
+            return received(what, [&] { return receiveFields(transfer.fd()); });
+        });
+    };
+    const auto made = [&] {
+        try {
+            return madeWith(nullptr);
+        } catch (const BesideError& error) {
+            // Only now is known what the file's other half is called.
+            request.beside = error.name();
+            const OpenFile beside((std::filesystem::path(path).parent_path() / error.name()).string());
+            if (!beside.problem().empty()) throw;
+            return madeWith(&beside);
+        }
+    };
+    ReceivedFields result = made();
+    if (result.fields.empty()) throw Error(ErrorKind::input, fmt::format("{}: damaged: no grid was made", what));
+    for (const TransferMessage& message : result.messages) notify(messages, message.severity, message.text);
+    return std::move(result.fields);
 }
 
 }  // namespace scrim

@@ -2,45 +2,66 @@
 #include <scrim/volume/load_fields.h>
 
 #include <scrim/base/error.h>
+#include <scrim/volume/foreign_format.h>
+#include <scrim/image/texture_read.h>
 #include <scrim/volume/guarded_load.h>
+#include <scrim/volume/read_fields.h>
+#include <scrim/volume/source.h>
 #include <scrim/volume/vdb_file.h>
 
-#include <new>
-#include <set>
+#include <filesystem>
+
+#include <fmt/format.h>
 
 namespace scrim {
+namespace {
 
-std::vector<SparseField> readFields(const std::string& path, const std::vector<GridRequest>& requests,
-                                    const MessageSink& messages) {
-    const VdbFile file = VdbFile::open(path, requests);
-    std::set<std::string> said;
-    const auto sayOnce = [&](Severity severity, const std::string& text) {
-        if (said.insert(text).second) notify(messages, severity, text);
+/// For sources, through which nothing can be thrown.
+ProgressSink asProgress(const Checkpoint& checkpoint) {
+    return [checkpoint](double) {
+        try {
+            if (checkpoint) checkpoint();
+        } catch (const Error&) {
+            return false;
+        }
+        return true;
     };
-    std::vector<SparseField> fields;
-    for (const GridRequest& request : requests) fields.push_back(file.field(request, sayOnce));
-    return fields;
 }
 
-void readWithErrors(const std::string& path, const std::function<void()>& task) {
-    try {
-        task();
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, path + ": not enough memory to read it");
-    } catch (const std::exception& error) {
-        throw Error(ErrorKind::input, path + ": damaged: " + shortened(error.what()));
-    }
-}
+}  // namespace
 
 std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
                                     const LoadOptions& options, const MessageSink& messages,
                                     const Checkpoint& checkpoint) {
     if (options.volumes == VolumeLoading::guarded) return guardedFields(path, requests, options, messages, checkpoint);
     std::vector<SparseField> fields;
-    readWithErrors(path, [&] { fields = readFields(path, requests, messages); });
+    readWithErrors(path, [&] { fields = readFields(VdbBytes(path), requests, messages); });
     return fields;
+}
+
+std::string fileIn(const SourceParameters& parameters) {
+    for (const auto& [name, value] : parameters)
+        if (name == "file") return value;
+    return "";
+}
+
+std::vector<SparseField> sourceFields(const std::string& source, const SourceParameters& parameters,
+                                      const LoadOptions& options, const MessageSink& messages,
+                                      const Checkpoint& checkpoint) {
+    const std::string file = fileIn(parameters);
+    // It would take any other ending for that of a raw file, and ask for its size.
+    if (const ForeignFormat* const format = foreignFormat(file); format != nullptr && source == "scan")
+        throw Error(ErrorKind::input, fmt::format("source 'scan': {}: {}", file, textOf(*format)));
+    if (options.volumes != VolumeLoading::guarded || file.empty())
+        return generate(source, parameters, messages, asProgress(checkpoint));
+    const std::string path = std::filesystem::absolute(sourceFile(source)).string();
+    return guardedSource(path, parameters, file, options, messages, checkpoint);
+}
+
+FilePicture readPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    checkPictureFile(path);
+    if (options.volumes == VolumeLoading::guarded) return guardedPicture(path, options, checkpoint);
+    return pictureModule().read(path);
 }
 
 VdbFileInfo loadInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {

@@ -106,7 +106,10 @@ SparseField convert(const Grid& grid, const std::string& name, const NumberOf& n
     pieces.fill = [&](std::size_t i, float* values) {
         const auto& mask = list[i]->valueMask();
         const auto* from = list[i]->buffer().data();
-        for (openvdb::Index n = 0; n < kBlockVoxels; ++n) values[n] = mask.isOn(n) ? numberOf(from[n]) : 0.0f;
+        for (openvdb::Index w = 0; w < kBlockVoxels / 64; ++w, from += 64, values += 64) {
+            const auto on = mask.template getWord<std::uint64_t>(w);
+            for (openvdb::Index n = 0; n < 64; ++n) values[n] = (on >> n & 1) != 0 ? numberOf(from[n]) : 0.0f;
+        }
     };
     return buildField(std::move(pieces));
 }

@@ -37,6 +37,14 @@
  * be called only during `generate` and only from the thread that called it; a source may use threads of its
  * own behind that. The same parameters give the same grids, whatever the number of threads. All text is UTF-8
  * and ends with a zero byte; the host copies what it is given before a function returns.
+ *
+ * Files. A file that came from elsewhere may crash its reader or take it over. Where Scrim is asked to guard loading,
+ * as its program always does, it therefore runs a source that is given a parameter called `file` in a process that
+ * can do little else. There the source can open that file and one other of the same folder, for reading, with
+ * whatever library it likes (where it fails for want of the other, it is run again with it), and compute, with as
+ * many threads as it likes. No other file seems to be there, so tables and the like should be read when the source
+ * is loaded. To start a process fails; to write a file or to make a socket ends the process. A crash becomes an
+ * error. A source that needs more must call its parameter otherwise.
  */
 #ifndef SCRIM_SOURCE_H
 #define SCRIM_SOURCE_H
@@ -57,7 +65,7 @@ extern "C" {
 #define SCRIM_NUMBER 0  /* a finite double */
 #define SCRIM_INTEGER 1 /* an int64_t */
 #define SCRIM_VEC3 2    /* three finite doubles, in text "x, y, z" */
-#define SCRIM_STRING 3  /* text, or one of some choices; in a scene, one called "file" is a path seen from there */
+#define SCRIM_STRING 3  /* text, or one of some choices; one called "file" is a path, in a scene seen from there */
 #define SCRIM_BOOL 4    /* in text "true" or "false" */
 
 /* The description of one parameter. */
@@ -113,6 +121,9 @@ struct scrim_host {
 
     /* Says, in one line, why `generate` is about to return something other than 0. The first text counts. */
     void (*fail)(const scrim_host* host, const char* text);
+
+    /* 1: this process runs this one call, confined (above). Older hosts lack it: see `struct_size`. */
+    uint32_t alone;
 };
 
 /* The description of a source. */

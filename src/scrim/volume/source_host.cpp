@@ -9,7 +9,7 @@
 
 namespace scrim {
 
-SourceHost::SourceHost(std::string where, MessageSink messages, ProgressSink progressSink)
+SourceHost::SourceHost(std::string where, MessageSink messages, ProgressSink progressSink, bool alone)
     : m_where(std::move(where)), m_messages(std::move(messages)), m_progress(std::move(progressSink)) {
     m_abi.abi_version = SCRIM_SOURCE_ABI;
     m_abi.struct_size = sizeof(scrim_host);
@@ -20,6 +20,7 @@ SourceHost::SourceHost(std::string where, MessageSink messages, ProgressSink pro
     m_abi.warn = &SourceHost::warn;
     m_abi.progress = &SourceHost::progress;
     m_abi.fail = &SourceHost::fail;
+    m_abi.alone = alone;
 }
 
 template <typename Task>

@@ -16,8 +16,8 @@ namespace scrim {
 
 class SourceHost {
   public:
-    /// `where` starts every message and error.
-    SourceHost(std::string where, MessageSink messages, ProgressSink progress);
+    /// `where` starts every message and error. `alone`: what the source is told about its process (scrim_source.h).
+    SourceHost(std::string where, MessageSink messages, ProgressSink progress, bool alone);
     SourceHost(const SourceHost&) = delete;
     SourceHost& operator=(const SourceHost&) = delete;
 

@@ -118,8 +118,7 @@ std::string typeName(ParameterType type) {
     return "bool";
 }
 
-ParameterValues parseParameters(const std::vector<ParameterDescription>& descriptions,
-                                const std::vector<std::pair<std::string, std::string>>& given,
+ParameterValues parseParameters(const std::vector<ParameterDescription>& descriptions, const SourceParameters& given,
                                 const std::string& where) {
     std::vector<const std::string*> texts(descriptions.size(), nullptr);
     for (const auto& [key, text] : given) {

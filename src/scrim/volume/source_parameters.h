@@ -14,6 +14,9 @@ namespace scrim {
 
 enum class ParameterType { number, integer, vec3, string, boolean };
 
+/// Names and values as text.
+using SourceParameters = std::vector<std::pair<std::string, std::string>>;
+
 /// "number", "integer", "vec3", "string" or "bool".
 std::string typeName(ParameterType type);
 
@@ -37,8 +40,7 @@ struct ParameterValues {
 
 /// Values from text, defaults where none is given. Throws Error(input) "`where`: ..." on an unknown or
 /// repeated name (with the choices), and on text that is not of the type, range or choices.
-ParameterValues parseParameters(const std::vector<ParameterDescription>& descriptions,
-                                const std::vector<std::pair<std::string, std::string>>& given,
+ParameterValues parseParameters(const std::vector<ParameterDescription>& descriptions, const SourceParameters& given,
                                 const std::string& where);
 
 }  // namespace scrim

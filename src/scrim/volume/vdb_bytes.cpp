@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/volume/vdb_bytes.h>
 
+#include <scrim/base/system_error.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
@@ -20,8 +22,13 @@ constexpr std::uint32_t kLongestText = 1 << 20;  ///< bytes of a name: more is n
     throw Error(ErrorKind::input, shortened(path + ": " + reason, 1000));
 }
 
+[[noreturn]] void failToOpen(const std::string& path, int error) {
+    throw Error(kindOfSystemError(error, ErrorKind::input),
+                shortened(path + ": " + (error == ENOENT ? "no such file" : systemErrorText(error)), 1000));
+}
+
 std::uint64_t sizeOfRegularFile(int file, const std::string& path) {
-    if (file < 0) fail(path, errno == ENOENT ? "no such file" : std::strerror(errno));
+    if (file < 0) failToOpen(path, errno);
     struct stat status {};
     if (::fstat(file, &status) != 0) fail(path, std::strerror(errno));
     if (S_ISDIR(status.st_mode)) fail(path, "is a folder, not a VDB file");
@@ -33,7 +40,9 @@ std::uint64_t sizeOfRegularFile(int file, const std::string& path) {
 
 VdbBytes::VdbBytes(const std::string& path)
     // Without O_NONBLOCK opening a FIFO would wait for a writer.
-    : m_path(path), m_file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
+    : VdbBytes(path, aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {}
+
+VdbBytes::VdbBytes(const std::string& path, int file) : m_path(path), m_file(file) {
     try {
         m_size = sizeOfRegularFile(m_file, path);
     } catch (...) {

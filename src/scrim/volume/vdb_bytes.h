@@ -13,11 +13,16 @@
 
 namespace scrim {
 
+/// What is said of a small file for which there is not enough memory, unless there is less of it than files are given.
+constexpr const char* kClaimsMemory = "it claims more memory than its size allows";
+
 /// Not for use from several threads at once.
 class VdbBytes {
   public:
     /// Opens `path`, which must be a regular file. Throws Error(input) "path: reason".
     explicit VdbBytes(const std::string& path);
+    /// A regular file that is open as the descriptor `file`, which this closes; `path` is for messages.
+    VdbBytes(const std::string& path, int file);
     /// Bytes in memory, which must outlive this; `path` is for messages.
     VdbBytes(const std::string& path, std::span<const char> bytes);
     ~VdbBytes();
@@ -26,6 +31,8 @@ class VdbBytes {
 
     const std::string& path() const { return m_path; }
     std::uint64_t size() const { return m_size; }
+    /// Of the file; -1: there is none.
+    int descriptor() const { return m_file; }
 
     /// Copies `count` bytes, all within the size, from place `at`. Throws Error(input) where the disk fails.
     void copy(std::uint64_t at, std::uint64_t count, char* to) const;

@@ -1,243 +1,36 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/volume/vdb_file.h>
 
-#include <scrim/base/error.h>
-#include <scrim/volume/grid_choice.h>
-#include <scrim/volume/openvdb_field.h>
-#include <scrim/volume/vdb_layout.h>
-
-#include <cstring>
-#include <istream>
-#include <numeric>
-#include <optional>
-#include <set>
-#include <span>
-#include <streambuf>
-
-#include <fmt/format.h>
-#include <openvdb/io/Stream.h>
+#include <scrim/volume/vdb_module.h>
 
 namespace scrim {
 
-struct VdbFile::Content {
-    std::string path;
-    VdbLayout layout;
-    std::uint64_t bytes = 0;
-    std::vector<std::pair<std::string, std::string>> metadata;
-    std::vector<GridOffer> offers;  ///< all grids of the file
-    openvdb::GridPtrVec grids;      ///< one each of `offers`, null where it was not read
-};
-
-namespace {
-
-constexpr std::size_t kMessageLimit = 1000;  ///< bytes of an error that lists grids
-/// A node of OpenVDB's trees takes some 35 times as much memory as it can be compressed to in a file, so
-/// files below this need less than 1 GiB, and an allocation that fails is their fault, not the machine's.
-constexpr std::size_t kSmallFile = std::size_t{16} << 20;
-constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value worth keeping
-
-[[noreturn]] void fail(const std::string& path, const std::string& reason) {
-    throw Error(ErrorKind::input, shortened(path + ": " + reason, kMessageLimit));
-}
-
-/// A stream over bytes in memory, with the seeking that OpenVDB's point grids need.
-class MemoryBuffer : public std::streambuf {
-  public:
-    explicit MemoryBuffer(std::span<char> bytes) { setg(bytes.data(), bytes.data(), bytes.data() + bytes.size()); }
-    std::size_t remaining() const { return std::size_t(egptr() - gptr()); }
-
-  protected:
-    pos_type seekoff(off_type offset, std::ios_base::seekdir from, std::ios_base::openmode) override {
-        const off_type base = from == std::ios_base::beg   ? 0
-                              : from == std::ios_base::cur ? gptr() - eback()
-                                                           : egptr() - eback();
-        const off_type size = egptr() - eback();
-        if (offset < -base || offset > size - base) return pos_type(off_type(-1));
-        setg(eback(), eback() + (base + offset), egptr());
-        return pos_type(base + offset);
-    }
-    pos_type seekpos(pos_type at, std::ios_base::openmode mode) override {
-        return seekoff(off_type(at), std::ios_base::beg, mode);
-    }
-};
-
-/// The places of the grids that `requests` need, in the file's order; none where all of the file must be read: it does
-/// not say where its grids are, or one of them has its voxels in another one.
-std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests) {
-    if (!layout.hasOffsets) return {};
-    const std::vector<GridOffer> offers = offersOf(layout);
-    std::set<std::size_t> needed;
-    for (const GridRequest& request : requests)
-        if (const auto choice = chooseGrid(offers, request)) needed.insert(choice->grid);
-    for (const std::size_t i : needed)
-        if (layout.grids[i].instance) return {};
-    return std::vector<std::size_t>(needed.begin(), needed.end());
-}
-
-/// A file that holds, of those of `file`, only the grids at `places`. OpenVDB's stream does not go to the offsets that
-/// the descriptors state, which are those of the original.
-std::vector<char> partOfFile(const VdbBytes& file, const VdbLayout& layout, const std::vector<std::size_t>& places) {
-    const auto count = static_cast<std::int32_t>(places.size());
-    std::uint64_t size = layout.gridsBegin + sizeof count;
-    for (const std::size_t i : places) size += layout.grids[i].end - layout.grids[i].begin;
-    std::vector<char> bytes(size);
-    file.copy(0, layout.gridsBegin, bytes.data());
-    std::memcpy(bytes.data() + layout.gridsBegin, &count, sizeof count);
-    std::uint64_t at = layout.gridsBegin + sizeof count;
-    for (const std::size_t i : places) {
-        const std::uint64_t length = layout.grids[i].end - layout.grids[i].begin;
-        file.copy(layout.grids[i].begin, length, bytes.data() + at);
-        at += length;
-    }
-    return bytes;
-}
-
-std::vector<char> allOfFile(const VdbBytes& file) {
-    std::vector<char> bytes(file.size());
-    file.copy(0, file.size(), bytes.data());
-    return bytes;
-}
-
-void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, const std::vector<std::size_t>& places) {
-    for (const std::size_t i : places)
-        if (!openvdb::GridBase::isRegistered(offers[i].type))
-            fail(path,
-                 fmt::format("grid '{}' has the type '{}', which OpenVDB {} cannot read", shortened(offers[i].name, 80),
-                             shortened(offers[i].type, 80), openvdb::getLibraryVersionString()));
-}
-
-/// Has OpenVDB parse `bytes`, and returns the grids; everything it can throw becomes an Error.
-openvdb::GridPtrVec parse(VdbFile::Content& content, std::span<char> bytes) {
-    const std::string damaged = content.layout.isNewer
-                                    ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ",
-                                                  content.layout.fileVersion, openvdb::getLibraryVersionString())
-                                    : "truncated or damaged: ";
-    openvdb::GridPtrVec grids;
-    try {
-        MemoryBuffer buffer(bytes);
-        std::istream stream(&buffer);
-        stream.exceptions(std::ios_base::badbit | std::ios_base::failbit | std::ios_base::eofbit);
-        openvdb::io::Stream reader(stream, /*delayLoad=*/false);
-        if (buffer.remaining() > 0)
-            fail(content.path, fmt::format("{}{} bytes are left after the last grid", damaged, buffer.remaining()));
-        grids = *reader.getGrids();
-        const openvdb::MetaMap::Ptr metadata = reader.getMetadata();
-        for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry)
-            content.metadata.emplace_back(shortened(entry->first, kMetadataLimit),
-                                          shortened(entry->second->str(), kMetadataLimit));
-    } catch (const Error&) {
-        throw;
-    } catch (const std::ios_base::failure&) {
-        fail(content.path, damaged + "its data end too early");
-    } catch (const std::bad_alloc&) {
-        if (bytes.size() < kSmallFile) fail(content.path, damaged + "it claims more memory than its size allows");
-        throw Error(ErrorKind::memory, shortened(content.path + ": not enough memory to read it", kMessageLimit));
-    } catch (const std::exception& error) {
-        fail(content.path, damaged + shortened(error.what(), 200));
-    }
-    for (const openvdb::GridBase::Ptr& grid : grids)
-        if (!grid || !grid->baseTreePtr()) fail(content.path, damaged + "a grid has no tree");
-    return grids;
-}
-
-/// Opens the file for `requests`, or for all there is.
-std::unique_ptr<VdbFile::Content> read(const std::string& path, const std::vector<GridRequest>* requests) {
-    const VdbBytes file(path);
-    auto content = std::make_unique<VdbFile::Content>();
-    content->path = path;
-    content->bytes = file.size();
-    content->layout = checkVdbLayout(file);
-    content->offers = offersOf(content->layout);
-    std::optional<std::vector<std::size_t>> places;
-    if (requests) places = neededGrids(content->layout, *requests);
-    std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
-
-    openvdb::initialize();
-    if (!places) {
-        places.emplace(content->offers.size());
-        std::iota(places->begin(), places->end(), std::size_t{0});
-    }
-    checkTypes(path, content->offers, *places);
-    const openvdb::GridPtrVec grids = parse(*content, bytes);
-    if (!content->layout.hasOffsets) {
-        for (const openvdb::GridBase::Ptr& grid : grids) content->offers.push_back(offerOf(*grid));
-        content->grids = grids;
-        return content;
-    }
-    if (grids.size() != places->size())
-        fail(path, fmt::format("truncated or damaged: it holds {} grids, expected {}", grids.size(), places->size()));
-    content->grids.resize(content->offers.size());
-    for (std::size_t i = 0; i < grids.size(); ++i) {
-        const std::size_t place = (*places)[i];
-        // Whoever uses a grid goes by the type that was chosen, and the file may have changed since.
-        if (grids[i]->type() != content->offers[place].type)
-            fail(path, "truncated or damaged: it changed while it was read");
-        content->grids[place] = grids[i];
-    }
-    return content;
-}
-
-/// `read`, with a file that is too large as the reason of what is thrown.
-std::unique_ptr<VdbFile::Content> readOrSayWhy(const std::string& path, const std::vector<GridRequest>* requests) {
-    try {
-        return read(path, requests);
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, shortened(path + ": not enough memory to read this file", kMessageLimit));
-    }
-}
-
-}  // namespace
-
 VdbFile VdbFile::open(const std::string& path) {
-    return VdbFile(readOrSayWhy(path, nullptr));
+    return open(VdbBytes(path));
 }
 
 VdbFile VdbFile::open(const std::string& path, const std::vector<GridRequest>& requests) {
-    return VdbFile(readOrSayWhy(path, &requests));
+    return open(VdbBytes(path), requests);
+}
+
+VdbFile VdbFile::open(const VdbBytes& bytes) {
+    return VdbFile(vdbModule().read(bytes, nullptr));
+}
+
+VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& requests) {
+    return VdbFile(vdbModule().read(bytes, &requests));
 }
 
 VdbFileInfo VdbFile::info() const {
-    VdbFileInfo info;
-    info.path = m_content->path;
-    info.fileVersion = m_content->layout.fileVersion;
-    info.libraryMajor = m_content->layout.libraryMajor;
-    info.libraryMinor = m_content->layout.libraryMinor;
-    info.fileBytes = m_content->bytes;
-    info.metadata = m_content->metadata;
-    const std::vector<VdbLayout::Grid>& layout = m_content->layout.grids;
-    for (std::size_t i = 0; i < m_content->grids.size(); ++i) {
-        if (!m_content->grids[i]) continue;
-        info.grids.push_back(describeGrid(*m_content->grids[i]));
-        // Without offsets in the file there is only what its writer noted in each grid's metadata, if anything.
-        if (i < layout.size()) info.grids.back().codec = layout[i].codec;
-    }
-    return info;
+    return m_content->info();
 }
 
 std::vector<std::string> VdbFile::usableGrids() const {
-    return scalarNames(m_content->offers);
+    return m_content->usableGrids();
 }
 
 SparseField VdbFile::field(const GridRequest& request, const MessageSink& messages) const {
-    const std::string& path = m_content->path;
-    const auto choice = chooseGrid(m_content->offers, request);
-    const auto refuse = [&](const std::string& reason) {
-        throw GridError(shortened(path + ": " + reason, kMessageLimit), request);
-    };
-    if (!choice) refuse(whyNoGrid(m_content->offers, request));
-    const openvdb::GridBase::Ptr& grid = m_content->grids[choice->grid];
-    if (!grid) refuse(fmt::format("grid '{}' was not asked for when the file was opened", shortened(request.grid, 80)));
-    if (m_content->layout.isNewer)
-        notify(messages, Severity::warning,
-               fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
-                           m_content->layout.fileVersion, openvdb::getLibraryVersionString()));
-    try {
-        return request.component == GridRequest::kScalar ? fieldFromGrid(*grid, path, messages)
-                                                         : colourFromGrid(*grid, choice->component, path, messages);
-    } catch (const Error& error) {
-        if (error.kind() == ErrorKind::input) throw GridError(error.what(), request);
-        throw;
-    }
+    return m_content->field(request, messages);
 }
 
 VdbFile::VdbFile(std::unique_ptr<Content> content) : m_content(std::move(content)) {}

@@ -18,6 +18,8 @@
 
 namespace scrim {
 
+class VdbBytes;
+
 class VdbFile {
   public:
     /// Reads all of `path`, a regular file. Throws Error(input) with one line "path: reason".
@@ -25,6 +27,10 @@ class VdbFile {
     /// Reads no more of it than `field` needs for these requests, where the file says where its grids are. A request
     /// that the file cannot serve is `field`'s concern.
     static VdbFile open(const std::string& path, const std::vector<GridRequest>& requests);
+
+    /// The same of a file that is open already, or in memory.
+    static VdbFile open(const VdbBytes& bytes);
+    static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
 
     /// Describes all grids that were read; looks at every active voxel of the scalar ones.
     VdbFileInfo info() const;

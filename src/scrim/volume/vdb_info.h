@@ -30,6 +30,7 @@ struct GridInfo {
     std::uint64_t nonFinite = 0;  ///< active voxels (those of tiles included) that are NaN or infinite
     std::uint64_t negative = 0;   ///< active voxels (those of tiles included) below 0
     bool usable = false;          ///< a field can be made of it: float (also saved as half) or double
+    std::string problem;          ///< why it could not be read, though the file is sound: the rest is 0 then
     bool colour = false;          ///< or three of them, one a component, since it is a vec3 grid of those
 };
 

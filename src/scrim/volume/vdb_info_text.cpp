@@ -57,6 +57,7 @@ json grid(const GridInfo& g) {
             {"non_finite", g.nonFinite},
             {"negative", g.negative},
             {"usable", g.usable},
+            {"problem", g.problem},
             {"colour", g.colour}};
 }
 
@@ -79,6 +80,7 @@ GridInfo gridFrom(const json& j) {
     j.at("non_finite").get_to(g.nonFinite);
     j.at("negative").get_to(g.negative);
     j.at("usable").get_to(g.usable);
+    j.at("problem").get_to(g.problem);
     j.at("colour").get_to(g.colour);
     return g;
 }

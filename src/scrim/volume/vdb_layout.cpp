@@ -23,7 +23,8 @@ constexpr std::uint32_t kZip = 0x1;             ///< openvdb::io::COMPRESS_ZIP
 constexpr std::uint32_t kActiveValues = 0x2;    ///< openvdb::io::COMPRESS_ACTIVE_MASK
 constexpr std::uint32_t kBlosc = 0x4;           ///< openvdb::io::COMPRESS_BLOSC
 constexpr std::size_t kUuidBytes = 36;
-constexpr std::uint32_t kLongestClass = 40;             ///< bytes; those there are take 13 at most
+constexpr std::uint32_t kLongestClass = 40;  ///< bytes; those there are take 13 at most
+constexpr std::uint32_t kLongestCreator = 200;
 constexpr std::string_view kHalfSuffix = "_HalfFloat";  ///< GridDescriptor: appended to the type of grids saved as half
 constexpr char kNameSeparator = '\x1e';                 ///< GridDescriptor: unique name = name, this, number
 
@@ -96,7 +97,11 @@ VdbLayout::Grid walkGrid(VdbWalker& walk, std::uint64_t fileSize) {
 VdbLayout walkGrids(VdbWalker& walk, const VdbBytes& bytes, VdbLayout layout) {
     layout.hasOffsets = walk.number<char>("the header") != 0;
     walk.skip(kUuidBytes, "the header");
-    walk.metadata([](const std::string&, const std::string&, std::uint32_t) {});
+    walk.metadata([&](const std::string& name, const std::string& type, std::uint32_t size) {
+        if (name != "creator" || type != "string") return;
+        for (std::uint32_t i = 0; i < std::min(size, kLongestCreator); ++i)
+            layout.creator += walk.number<char>("a metadata value");
+    });
     layout.gridsBegin = walk.at();
     const auto count = walk.number<std::int32_t>("the number of grids");
     // A descriptor takes at least three lengths; with offsets three of those too.

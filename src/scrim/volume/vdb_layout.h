@@ -36,6 +36,7 @@ struct VdbLayout {
     std::uint32_t fileVersion = 0;
     std::uint32_t libraryMajor = 0;
     std::uint32_t libraryMinor = 0;
+    std::string creator;           ///< the program that wrote it, as it says in the file's metadata; "": it does not
     bool isNewer = false;          ///< than any version that is known here: what is said below may be missing
     bool hasOffsets = false;       ///< written to a file, not to a pipe
     std::uint64_t gridsBegin = 0;  ///< of the number of grids (int32), which ends the header; with offsets only

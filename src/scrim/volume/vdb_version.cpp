@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/volume/vdb_version.h>
 
-#include <openvdb/io/Archive.h>
 #include <openvdb/version.h>
 
 namespace scrim {
 
 std::string openVdbVersion() {
-    return openvdb::getLibraryVersionString();
+    // As compiled against: asking the library itself would load it.
+    return OPENVDB_LIBRARY_VERSION_STRING;
 }
 
 std::uint32_t vdbFileVersion() {
@@ -16,8 +16,12 @@ std::uint32_t vdbFileVersion() {
 
 std::vector<std::string> vdbCodecs() {
     std::vector<std::string> codecs;
-    if (openvdb::io::Archive::hasZLibCompression()) codecs.emplace_back("zip");
-    if (openvdb::io::Archive::hasBloscCompression()) codecs.emplace_back("blosc");
+#if defined(OPENVDB_USE_ZLIB)
+    codecs.emplace_back("zip");
+#endif
+#if defined(OPENVDB_USE_BLOSC)
+    codecs.emplace_back("blosc");
+#endif
     return codecs;
 }
 

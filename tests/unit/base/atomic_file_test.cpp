@@ -102,11 +102,30 @@ TEST(AtomicFile, StepsAsideForTheLeftoverOfAKilledProcess) {
     EXPECT_EQ(folder.entryCount(), 2u);
 }
 
-TEST(AtomicFile, SaysThatTheFolderIsMissing) {
+TEST(AtomicFile, MakesMissingFolders) {
     const test::TempFolder folder;
-    const std::string path = folder.file("no/a.exr");
-    EXPECT_EQ(errorOfOpening(path),
-              "cannot write '" + path + "': the folder '" + folder.file("no") + "' does not exist");
+    writeWholeFile(folder.file("a/b/c.exr"), "new");
+    EXPECT_EQ(content(folder.file("a/b/c.exr")), "new");
+    {
+        const AtomicFile pending(folder.file("a/d/e/f.exr"));
+        EXPECT_TRUE(std::filesystem::exists(folder.file("a/d/e")));
+    }
+    EXPECT_FALSE(std::filesystem::exists(folder.file("a/d"))) << "nothing was committed";
+    EXPECT_TRUE(std::filesystem::exists(folder.file("a/b")));
+}
+
+TEST(AtomicFile, LeavesFoldersThatItMadeToOthersThatUseThem) {
+    const test::TempFolder folder;
+    auto first = std::make_unique<AtomicFile>(folder.file("a/first.exr"));
+    AtomicFile second(folder.file("a/second.exr"));
+    first.reset();
+    second.commit();
+    EXPECT_TRUE(std::filesystem::exists(folder.file("a/second.exr")));
+}
+
+TEST(AtomicFile, SaysWhichFolderCannotBeMade) {
+    EXPECT_EQ(errorOfOpening("/proc/no/such/a.exr"),
+              "cannot write '/proc/no/such/a.exr': cannot make the folder '/proc/no': No such file or directory");
 }
 
 TEST(AtomicFile, SaysThatTheFolderIsNone) {
@@ -157,7 +176,8 @@ TEST(AtomicFile, WritesWholeFiles) {
         writeWholeFile(path, std::string(5000, 'x'));
         FAIL() << "no error";
     } catch (const Error& error) {
-        EXPECT_EQ(std::string(error.what()), "cannot write '" + path + "': File too large");
+        EXPECT_EQ(std::string(error.what()),
+                  "cannot write '" + path + "': File too large; raise the limit (ulimit -f)");
     }
     EXPECT_EQ(content(path).size(), 3u);
     EXPECT_EQ(folder.entryCount(), 1u);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <limits>
 #include <mutex>
 #include <set>
@@ -117,6 +118,24 @@ TEST(TaskArena, HoldsForWhatRunsInItAlone) {
     EXPECT_EQ(threadCount(), before);
     // Others are not held back meanwhile.
     TaskArena(1).run([&] { std::thread([&] { EXPECT_EQ(threadCount(), before); }).join(); });
+}
+
+TEST(Parallel, TellsABenchmarkOfEachLoopAndItsTasks) {
+    std::vector<std::size_t> loops;
+    double work = 0, longest = 0;
+    watchLoops([&](std::size_t tasks, double, double inTasks, double inLongest) {
+        loops.push_back(tasks);
+        work += inTasks;
+        longest += inLongest;
+    });
+    const auto wait = [](std::size_t i) { std::this_thread::sleep_for(std::chrono::milliseconds(i == 2 ? 20 : 2)); };
+    parallelFor(3, wait);
+    parallelFor(1, [](std::size_t) {});
+    watchLoops({});
+    parallelFor(5, [](std::size_t) {});
+    EXPECT_EQ(loops, (std::vector<std::size_t>{3, 1}));
+    EXPECT_GE(longest, 0.02);
+    EXPECT_GE(work, longest + 0.004);
 }
 
 TEST(TaskArena, OfZeroIsTheCallers) {

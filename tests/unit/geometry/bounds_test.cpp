@@ -69,6 +69,27 @@ TEST(TransformedBounds, HoldTheImageOfEveryPoint) {
     EXPECT_TRUE(transformed(m, Bounds{}).empty());
 }
 
+TEST(Bounds, ClipRaysToWhatLiesWithin) {
+    const Bounds box{{-1, 0, 2}, {3, 1, 5}};
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> unit(-1, 1);
+    int met = 0;
+    for (int i = 0; i < 400; ++i) {
+        const Vec3 origin = box.center() + 2.5 * Vec3(unit(random), unit(random), unit(random));
+        Vec3 direction(unit(random), unit(random), unit(random));
+        for (int axis = 0; axis < 3; ++axis)
+            if (i >> axis & 1) direction[axis] = 0;
+        const auto [first, last] = box.clip(origin, direction, 0, 9);
+        met += first <= last;
+        for (int k = 0; k <= 300; ++k) {
+            const double t = 9 * k / 300.0;
+            EXPECT_EQ(box.contains(origin + t * direction), t >= first && t <= last) << i << " " << t;
+        }
+    }
+    EXPECT_GT(met, 50);
+    EXPECT_LT(met, 350);
+}
+
 TEST(TransformVector, LeavesTheTranslationOut) {
     const Mat4 m = glm::translate(Mat4(2.0), Vec3(5, 6, 7));
     EXPECT_EQ(transformVector(m, {1, 2, 3}), Vec3(2, 4, 6));

@@ -258,15 +258,15 @@ TEST(Exr, AFullDiskKeepsTheOldFileAndSaysWhy) {
     for (const std::size_t limit : {100u, 2000u, 6000u}) {  // in the header, the pixels, the buffer flushed last
         const test::FileSizeLimit full(limit);
         EXPECT_EQ(errorOf(ErrorKind::output, [&] { writeExr(folder.file("a.exr"), gradient(kFrame), options); }),
-                  "cannot write '" + folder.file("a.exr") + "': File too large");
+                  "cannot write '" + folder.file("a.exr") + "': File too large; raise the limit (ulimit -f)");
     }
     EXPECT_EQ(readExr(folder.file("a.exr")).window, (PixelWindow{0, 0, 1, 1}));
     EXPECT_EQ(folder.entryCount(), 1u);
 }
 
-TEST(Exr, AMissingFolderIsSaid) {
-    EXPECT_EQ(errorOf(ErrorKind::output, [] { writeExr("/no/such/a.exr", gradient(kFrame), frameOptions()); }),
-              "cannot write '/no/such/a.exr': the folder '/no/such' does not exist");
+TEST(Exr, AFolderThatCannotBeMadeIsSaid) {
+    EXPECT_EQ(errorOf(ErrorKind::output, [] { writeExr("/proc/no/a.exr", gradient(kFrame), frameOptions()); }),
+              "cannot write '/proc/no/a.exr': cannot make the folder '/proc/no': No such file or directory");
 }
 
 TEST(Exr, ReadingSaysWhatIsWrong) {

@@ -140,5 +140,28 @@ TEST_F(VolumeFileTest, AGapIsALostFileWhateverThePolicy) {
         EXPECT_EQ(find(4, outside).state, FileState::missing);
 }
 
+TEST(FramePath, OfAFileByThatVeryNameIsThatFile) {
+    const test::TempFolder folder;
+    for (const std::string name : {"take#2.vdb", "p%04d.vdb", "q$F4.vdb"}) {
+        const FramePath path{folder.path(), name};
+        EXPECT_TRUE(path.hasFrame()) << name;
+        touch(folder.file(name));
+        EXPECT_FALSE(path.hasFrame()) << name;
+        EXPECT_EQ(path.at(7), folder.file(name));
+        EXPECT_TRUE(existingFrames(path).empty()) << name;
+        // Where pictures go does not depend on what is there.
+        EXPECT_TRUE(path.outputHasFrame()) << name;
+        EXPECT_EQ(path.outputAt(7), folder.file(expandFrame(name, 7)));
+    }
+}
+
+TEST(FramePath, ThatIsLiteralHasNoFrame) {
+    const FramePath path{"folder", "take#2.$$.exr", true};
+    EXPECT_FALSE(path.hasFrame());
+    EXPECT_FALSE(path.outputHasFrame());
+    EXPECT_EQ(path.at(7), "folder/take#2.$$.exr");
+    EXPECT_EQ(path.outputAt(7), "folder/take#2.$$.exr");
+}
+
 }  // namespace
 }  // namespace scrim

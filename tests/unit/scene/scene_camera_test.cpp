@@ -51,23 +51,22 @@ TEST(SceneCamera, OrthographicHasAHeightInsteadOfAFov) {
     EXPECT_EQ(c.type, CameraType::orthographic);
     EXPECT_EQ(c.height, 80);
     EXPECT_EQ(cameraError("type = \"orthographic\"\n"),
-              "scene.toml:1:1: [camera] of type 'orthographic' lacks 'height'; "
-              "expected the picture's height in world units");
+              "scene.toml:1:1: [camera] of type 'orthographic' lacks 'height'; expected a number greater than 0 and of "
+              "at most 1e+15 world units");
     EXPECT_EQ(cameraError("type = \"orthographic\"\nheight = 1\nfov = 30\n"),
-              "scene.toml:6:1: 'fov' is not known here ([camera] of type 'orthographic'); allowed: 'type', "
-              "'position', "
-              "'target', 'up', 'height', 'near', 'resolution', 'pixel_aspect' or 'overscan'");
+              "scene.toml:6:1: 'fov' is not known here ([camera] of type 'orthographic'); allowed: 'type', 'position', "
+              "'target', 'up', 'matrix', 'orbit', 'exr', 'height', 'shift', 'near', 'resolution', 'pixel_aspect' or "
+              "'overscan'");
 }
 
 TEST(SceneCamera, AFovMayComeFromALens) {
     // Full frame at 18 mm sees 90 degrees across.
     EXPECT_NEAR(camera("focal_length = 18\naperture = 36\n").fov, 90, 1e-12);
     EXPECT_EQ(cameraError("focal_length = 18\n"),
-              "scene.toml:1:1: [camera] of type 'perspective' lacks 'aperture'; "
-              "expected the film's horizontal width in mm");
+              "scene.toml:1:1: [camera] of type 'perspective' lacks 'aperture'; expected the film's width, or [width, "
+              "height], in mm");
     EXPECT_EQ(cameraError("focal_length = 18\naperture = 36\nfov = 3\n"),
-              "scene.toml:4:16: [camera] has both 'fov' and a lens; expected 'fov', or 'focal_length' and "
-              "'aperture'");
+              "scene.toml:6:7: [camera] has both 'focal_length' and 'fov'; expected one of them");
     EXPECT_EQ(cameraError("focal_length = 0\naperture = 36\n"),
               "scene.toml:4:16: 'focal_length' is 0; expected a number greater than 0 and of at most 1000000 mm");
 }
@@ -140,10 +139,9 @@ TEST(SceneCamera, SaysWhatANumberMustBe) {
 
 TEST(SceneCamera, UnknownKeysAreErrors) {
     EXPECT_EQ(cameraError("fvo = 20\n"),
-              "scene.toml:4:1: 'fvo' is not known here ([camera] of type 'perspective'); did you mean "
-              "'fov'?; allowed: "
-              "'type', 'position', 'target', 'up', 'fov', 'focal_length', 'aperture', 'near', 'resolution', "
-              "'pixel_aspect' or 'overscan'");
+              "scene.toml:4:1: 'fvo' is not known here ([camera] of type 'perspective'); did you mean 'fov'?; allowed: "
+              "'type', 'position', 'target', 'up', 'matrix', 'orbit', 'exr', 'fov', 'fov_axis', 'focal_length', "
+              "'aperture', 'shift', 'near', 'resolution', 'pixel_aspect' or 'overscan'");
     EXPECT_EQ(errorOf("[camera]\npositoin = [0, 0, 1]\ntarget = [0, 0, 0]\n" + kVolume),
               "scene.toml:2:1: 'positoin' is not known here ([camera] of type 'perspective'); did you mean "
               "'position'?");

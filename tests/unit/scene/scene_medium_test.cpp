@@ -72,10 +72,9 @@ TEST(ScenePhase, IsChecked) {
     const auto phaseError = [](const std::string& text) { return errorIn("phase = " + text); };
     EXPECT_EQ(phaseError("{ type = \"mie\" }"),
               "scene.toml:7:18: 'type' is the string \"mie\"; expected 'isotropic', 'hg', 'two-lobe' or 'rayleigh'");
-    EXPECT_EQ(
-        phaseError("{ type = \"two-lobe\", g1 = 0.5 }"),
-        "scene.toml:7:9: 'phase' of [volume.medium] of [[volume]] 'volume1' of type 'two-lobe' lacks 'g2'; expected "
-        "the mean cosine of the second lobe");
+    EXPECT_EQ(phaseError("{ type = \"two-lobe\", g1 = 0.5 }"),
+              "scene.toml:7:9: 'phase' of [volume.medium] of [[volume]] 'volume1' of type 'two-lobe' lacks 'g2'; "
+              "expected a number greater than -1 and less than 1");
     EXPECT_EQ(phaseError("{ type = \"two-lobe\", g1 = 1, g2 = 0 }"),
               "scene.toml:7:35: 'g1' is 1; expected a number greater than -1 and less than 1");
     EXPECT_EQ(phaseError("{ type = \"two-lobe\", g1 = 0, g2 = -1 }"),
@@ -223,7 +222,7 @@ TEST(SceneEmission, IsChecked) {
     EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]]]"),
               "scene.toml:7:33: 'ramp' is a list of 1; expected at least two [grid value, colour]");
     EXPECT_EQ(emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [0, [1, 1, 1]]]"),
-              "scene.toml:7:51: 'ramp': 0 does not come after 0; expected ascending grid values");
+              "scene.toml:7:51: 'ramp': 0 does not come after 0; expected ascending values");
     EXPECT_EQ(
         emissionError("grid = \"f\", ramp = [[0, [0, 0, 0]], [1, 2]]"),
         "scene.toml:7:54: 'ramp[1][1]' is 2; expected a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], "
@@ -248,8 +247,32 @@ TEST(SceneBlackbody, IsARampOverTheGrid) {
 
 TEST(SceneBlackbody, HasDefaults) {
     const SceneVolume v = volume("blackbody = { grid = \"temperature\" }");
-    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1, 0, true));
+    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1, 0, false));
     EXPECT_EQ(v.emission.at(0).scale, 1);
+}
+
+TEST(SceneBlackbody, TakesTheTemperaturesOfGridValuesZeroAndOne) {
+    const SceneVolume v = volume("blackbody = { grid = \"heat\", kelvin = [500, 1900] }");
+    EXPECT_EQ(v.emission.at(0).ramp, Blackbody(ownColours()).ramp(1400, 500, false));
+    EXPECT_EQ(v.emission.at(0).kelvinScale, 1400);
+    EXPECT_EQ(v.emission.at(0).kelvinOffset, 500);
+}
+
+TEST(SceneBlackbody, WarnsScenesThatRelyOnTheOldDefault) {
+    const auto warnings = [](const std::string& blackbody, const std::string& version) {
+        return test::read(version + test::kCamera + test::kVolume + "[volume.medium]\nblackbody = { " + blackbody +
+                          " }\n")
+            .warnings;
+    };
+    const std::string bare = "grid = \"heat\"";
+    ASSERT_EQ(warnings(bare, "").size(), 1u);
+    EXPECT_EQ(warnings(bare, "")[0],
+              "scene.toml:7:13: 'normalize' of the black body is false unless it is given; it was true once, where all "
+              "temperatures were equally bright. Say which is meant, or set scene_version = 2");
+    EXPECT_TRUE(warnings(bare, "scene_version = 2\n").empty());
+    EXPECT_TRUE(warnings(bare + ", normalize = false", "").empty());
+    EXPECT_EQ(test::errorOf("scene_version = 3\n" + test::kCamera + test::kVolume),
+              "scene.toml:1:17: 'scene_version' is 3; expected a whole number from 1 to 2");
 }
 
 TEST(SceneBlackbody, ComesAfterEmission) {
@@ -274,6 +297,14 @@ TEST(SceneBlackbody, IsChecked) {
               "scene.toml:7:35: 'scale' is 0; expected a number from 1e-09 to 1e+09 Kelvin");
     EXPECT_EQ(blackbodyError("grid = \"t\", offset = -1e7"),
               "scene.toml:7:36: 'offset' is -10000000; expected a number from -1000000 to 1000000 Kelvin");
+    EXPECT_EQ(blackbodyError("grid = \"t\", kelvin = [1900, 500]"),
+              "scene.toml:7:36: 'kelvin' is [1900, 500]; expected the second temperature above the first");
+    EXPECT_EQ(blackbodyError("grid = \"t\", kelvin = [500, 1900], offset = 3"),
+              "scene.toml:7:58: 'blackbody' of [volume.medium] of [[volume]] 'volume1' has both 'kelvin' and 'offset'; "
+              "expected one of them");
+    EXPECT_EQ(
+        blackbodyError("grid = \"t\", kelvin = 1900"),
+        "scene.toml:7:36: 'kelvin' is 1900; expected two temperatures [of grid value 0, of grid value 1] in Kelvin");
     EXPECT_EQ(blackbodyError("grid = \"t\", intensity = -1"),
               "scene.toml:7:39: 'intensity' is -1; expected a number from 0 to 1e+30");
     EXPECT_EQ(blackbodyError("grid = \"t\", normalize = 1"),

@@ -28,6 +28,13 @@ std::string overrideError(const std::string& assignment) {
     return errorOf(kScene, {assignment});
 }
 
+TEST(SceneReader, KnowsWhetherAnythingMoves) {
+    EXPECT_FALSE(read(kScene).moves);
+    EXPECT_FALSE(read(kScene + "name = \"keys\"\n").moves);
+    EXPECT_TRUE(read(kScene + "intensity = { keys = [[1, 2], [5, 3]] }\n").moves);
+    EXPECT_TRUE(read(kScene, {"light.key.position={ keys = [[1, [0, 0, 5]], [5, [0, 5, 0]]] }"}).moves);
+}
+
 TEST(SceneOutput, HasDefaults) {
     const SceneOutput out = read(kScene).output;
     EXPECT_EQ(out.file, "");
@@ -211,6 +218,7 @@ TEST(SceneOverride, TheLastOneWins) {
 TEST(SceneOverride, BareWordsAreStrings) {
     for (const char* value : {"####.exr", "12####.exr", "a b.exr", "1.2.exr", "#.exr"})
         EXPECT_TRUE(read(kScene, {std::string("output.file=") + value}).output.path.pattern == value) << value;
+    EXPECT_EQ(read(kScene, {"camera.fov=.75"}).camera.fov, 0.75);
     EXPECT_EQ(read(kScene, {"output.file=\"q # x.exr\""}).output.path.pattern, "q # x.exr");
     EXPECT_EQ(read(kScene, {"output.file=C:\\\"a\""}).output.path.pattern, "C:\\\"a\"");
 }
@@ -283,6 +291,17 @@ TEST(SceneAsToml, HoldsTheOverridesAndReadsTheSame) {
     EXPECT_EQ(printed.lights[0].intensity, direct.lights[0].intensity);
     EXPECT_EQ(printed.lights[1].name, direct.lights[1].name);
     EXPECT_EQ(sceneAsToml({"scene.toml", "", text}, {"camera.fov=20.1"}), text);
+}
+
+TEST(SceneAsToml, KeepsNumbersAsTheyWereSaid) {
+    const std::string text =
+        sceneAsToml({"scene.toml", "", kCamera + "near = 1.6\n" + kVolume + "density = { scale = 0.1 }\n"},
+                    {"volume[0].name='1.6000000000000001 \"x'", "camera.fov=35.3", "camera.height=1e-7"});
+    EXPECT_NE(text.find("near = 1.6\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("fov = 35.3\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("scale = 0.1 "), std::string::npos) << text;
+    EXPECT_NE(text.find("1.6000000000000001 \"x"), std::string::npos) << text;
+    EXPECT_EQ(text.find("30000000"), std::string::npos) << text;
 }
 
 class SceneTextTest : public ::testing::Test {

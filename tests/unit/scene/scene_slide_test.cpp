@@ -65,7 +65,7 @@ TEST(SceneSlide, OfPointsAndSpotsNeedAWayToLook) {
     EXPECT_EQ(spot.slide->fov, 70);  // fills the cone
     EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\nslide = { file = \"a.png\" }\n"),
               "scene.toml:6:1: [[light]] 'light1' of type 'point' lacks 'direction'; expected a direction [x, y, z], "
-              "or 'target', a point");
+              "or 'target', a point [x, y, z]");
 }
 
 TEST(SceneSlide, MayBeKeyedAndASequence) {
@@ -126,13 +126,12 @@ TEST(SceneSlide, SizeIsAnAngleOrALengthAsTheLightHasIt) {
     EXPECT_EQ(lightError(kDistant + "slide = { file = \"a.png\", fov = 3, width = 3 }\n").substr(0, 17),
               "scene.toml:10:33:");
     EXPECT_EQ(lightError(kDistant + "slide = { file = \"a.png\" }\n"),
-              "scene.toml:10:9: 'slide' of [[light]] 'light1' of type 'distant' lacks 'width'; expected the width of "
-              "the picture in world units");
+              "scene.toml:10:9: 'slide' of [[light]] 'light1' of type 'distant' lacks 'width'; expected a number "
+              "greater than 0 and of at most 1e+15 world units");
     EXPECT_EQ(lightError(kDistant + "slide = { file = \"a.png\", width = 0 }\n").substr(0, 38),
               "scene.toml:10:35: 'width' is 0; expect");
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nslide = { file = \"a.png\", width = 3 }\n"),
-              "scene.toml:6:1: [[light]] 'light1' of type 'distant' lacks 'position'; expected the centre of its slide "
-              "[x, y, z]");
+              "scene.toml:6:1: [[light]] 'light1' of type 'distant' lacks 'position'; expected a point [x, y, z]");
 }
 
 TEST(SceneSlide, KeysThatOnlySlidesUseNeedOne) {

@@ -54,6 +54,20 @@ TEST(Assemble, HandsOverWhatTheSceneSays) {
     EXPECT_EQ(view.region, (PixelWindow{0, 0, 200, 100}));
 }
 
+TEST(Assemble, FadesLightsAcrossThePerpendicularOnlyWhereSomethingMoves) {
+    const auto fadeOf = [](bool moves, std::optional<double> dial) {
+        Scene scene = someScene();
+        scene.moves = moves;
+        scene.dials.crossFade = dial;
+        return assembled(scene, {smokeField(6, 0.5)}).dials.crossFade.value_or(kCrossFade);
+    };
+    EXPECT_EQ(fadeOf(false, {}), 0);
+    EXPECT_EQ(fadeOf(true, {}), kCrossFade);
+    EXPECT_EQ(fadeOf(false, kCrossFade), kCrossFade);
+    EXPECT_EQ(fadeOf(false, 7), 7);
+    EXPECT_EQ(fadeOf(true, 0), 0);
+}
+
 TEST(Assemble, LeavesOutVolumesThatShowNothing) {
     Scene scene = someScene();
     scene.volumes.resize(3, scene.volumes[0]);

@@ -144,7 +144,7 @@ TEST_F(ShotTest, GivesLayersByName) {
 TEST_F(ShotTest, RefusesOverridesThatNobodyReads) {
     EXPECT_NE(errorOf(ErrorKind::input, [&] { open({"camera.fof=20"}); }).find("--set camera.fof"), std::string::npos);
     EXPECT_EQ(errorOf(ErrorKind::usage, [&] { Shot::open("shot.yaml"); }),
-              "shot.yaml: expected a scene (.toml) or an asset (.vdb)");
+              "shot.yaml: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, .nhdr, .nii, .nii.gz)");
 }
 
 TEST_F(ShotTest, StopsWhereProgressSaysSo) {
@@ -165,7 +165,7 @@ TEST_F(ShotTest, StopsWhereProgressSaysSo) {
 
 TEST_F(ShotTest, StopsALoadThatIsGuarded) {
     OpenOptions opening;
-    opening.load = {VolumeLoading::guarded, SCRIM_PROGRAM};
+    opening.load = {VolumeLoading::guarded, ""};
     Shot shot = open({}, opening);
     RenderOptions options;
     options.progress = [](double) { return false; };
@@ -176,11 +176,10 @@ TEST_F(ShotTest, StopsALoadThatIsGuarded) {
 
 TEST_F(ShotTest, LoadsPlainAndGuardedFieldsAlike) {
     OpenOptions opening;
-    opening.load = {VolumeLoading::guarded, SCRIM_PROGRAM};
+    opening.load = {VolumeLoading::guarded, ""};
     EXPECT_EQ(open({}, opening).render(1).image().rgba, open().render(1).image().rgba);
-    opening.load.loader.clear();
-    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { open({}, opening).render(1); }),
-              "guarded loading of volumes: expected the path of a loader, the program scrim");
+    opening.load.loader = SCRIM_LOADER;
+    EXPECT_EQ(open({}, opening).render(1).image().rgba, open().render(1).image().rgba);
     opening.load.loader = "/no/such/program";
     EXPECT_EQ(errorOf(ErrorKind::render, [&] { open({}, opening).render(1); }),
               "cannot start '/no/such/program' to read volumes: No such file or directory");

@@ -103,12 +103,12 @@ TEST(Times, DifferWhereNoRepeatOverlapsAndATenthLiesBetween) {
 }
 
 TEST(RenderBlock, IsAPresetAndWhatDiffersFromIt) {
-    EXPECT_EQ(renderBlock(*presetDials("high")), "[render]\nquality = \"high\"\n");
+    EXPECT_EQ(renderBlock(*presetDials("high")), "[render]\nquality = \"high\"\nsheet_thickness = 1\ntexel = 0.5\n");
     Dials dials = *presetDials("draft");
     dials.texel = 0.9;
     dials.kernel = Kernel::gaussian;
     const std::string block = renderBlock(dials);
-    EXPECT_EQ(block, "[render]\nquality = \"draft\"\ntexel = 0.9\nkernel = \"gaussian\"\n");
+    EXPECT_EQ(block, "[render]\nquality = \"draft\"\nsheet_thickness = 3\ntexel = 0.9\nkernel = \"gaussian\"\n");
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ void loseTiles(ViewScene&, Plan& plan) {
 void loseSheets(ViewScene&, Plan& plan) {
     for (GroupPlan& group : plan.groups) {
         std::vector<Box2<int>>& sheets = group.needed.sheets;
-        for (std::size_t n = sheets.size() / 2; n < sheets.size() * 5 / 8; ++n) sheets[n] = {};
+        for (std::size_t n = sheets.size() / 2; n < sheets.size() * 3 / 4; ++n) sheets[n] = {};
     }
 }
 

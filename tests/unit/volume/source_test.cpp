@@ -110,9 +110,8 @@ TEST_F(Source, ReportsValuesThatCountAsZero) {
     EXPECT_EQ(fields[0].nonFinite, 1u);
     ASSERT_EQ(heard.size(), 1u);
     EXPECT_EQ(heard[0],
-              "source 'test': grid 'density': active voxels that are 1 not finite and 1 below 0 count as 0 "
-              "(518 above "
-              "0 remain)");
+              "source 'test': grid 'density': of 520 voxels with a value 1 are below 0 and 1 are no numbers, and count "
+              "as empty");
 }
 
 TEST_F(Source, StopsWhenAsked) {

@@ -15,6 +15,8 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
+using FirstDepth = PixelTiles::FirstDepth;
+
 // b + (1 + hidden) * a, where `hidden` is an opacity below 0.
 HWY_ATTR HWY_INLINE V4 through(const V4& hidden, const V4& a, const V4& b) {
     return each4([&](std::size_t i) HWY_ATTR {
@@ -50,10 +52,44 @@ HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
     return hides;
 }
 
+Real opticalDepth(Real hides) {
+    constexpr Real kOpaque = Real(1e-7);
+    return -std::log1p(std::max(hides, kOpaque - 1));
+}
+
+// Where what is in sheets of optical depths a, b, c begins: see FirstDepth. `middle`: depth of the first of them.
+Real beginOf(Real a, Real b, Real c, Real middle, Real step) {
+    if (b == 0) return middle;
+    if (b <= a) return middle - step / 2;
+    if (c <= b) return middle + step / 2 - step * (a / b);
+    return middle + step * Real(1.5) - step * ((a + b) / c);
+}
+
 // Front to back the first visible sheet counts, back to front the last one.
 template <bool kFrontToBack>
-HWY_ATTR HWY_INLINE void noteDepth(Real* first, int k, Real hides, Real depth) {
-    if (-hides > kLeastVisible && !(kFrontToBack && first[k] != 0)) first[k] = depth;
+HWY_ATTR void noteDepth(FirstDepth& first, Real hides, Real depth, Real signedStep) {
+    const Real step = std::abs(signedStep);
+    const bool adjoins = std::abs(depth - first.last) < Real(1.5) * step;
+    if constexpr (kFrontToBack) {
+        if (first.depth == 0) {
+            if (-hides > kLeastVisible) first = {depth, opticalDepth(hides), 0, depth};
+        } else if (first.last != 0) {
+            const Real tau = opticalDepth(hides);
+            const bool second = first.after == 0;
+            if (adjoins && second) first.depth = beginOf(first.next, tau, 0, depth - step, step);
+            if (adjoins && !second) first.depth = beginOf(first.next, first.after, tau, depth - 2 * step, step);
+            const bool goesOn = adjoins && second && tau > first.next;
+            first.after = tau;
+            first.last = goesOn ? depth : Real(0);
+        }
+    } else {
+        const Real tau = opticalDepth(hides);
+        if (!adjoins) first.next = first.after = 0;
+        if (-hides > kLeastVisible) first.depth = beginOf(tau, first.next, first.after, depth, step);
+        first.after = first.next;
+        first.next = tau;
+        first.last = depth;
+    }
 }
 
 // Where the rays of a tile meet one plane.
@@ -153,7 +189,7 @@ HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, Real cuto
 
 template <bool kFrontToBack, bool kColoured, bool kDepth>
 HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* states,
-                          [[maybe_unused]] Real* first) {
+                          [[maybe_unused]] FirstDepth* first) {
     const int quads = sheets.layout.quads(), floats = sheets.layout.floats();
     walk<kFrontToBack>(
         rays, sheets, cutoff, states,
@@ -161,12 +197,13 @@ HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real cut
             const auto quad = [&](int q) HWY_ATTR { return bilinear4(at + 4 * q, floats, rowStride, u, v); };
             [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
             if constexpr (kDepth)
-                noteDepth<kFrontToBack>(first, k, lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k]);
+                noteDepth<kFrontToBack>(first[k], lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k],
+                                        rays.stepDepth[k]);
         });
 }
 
 template <bool kFrontToBack>
-HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* state, Real* first) {
+HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* state, FirstDepth* first) {
     if (sheets.layout.beautyAlone())
         walkBeauty<kFrontToBack>(rays, sheets, cutoff, state);
     else if (sheets.layout.coloured && first)
@@ -180,7 +217,7 @@ HWY_ATTR void walkAny(const RayTile& rays, const SheetList& sheets, Real cutoff,
 }
 
 HWY_ATTR void compositeTileOnTarget(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff,
-                                    Real* state, Real* first) {
+                                    Real* state, FirstDepth* first) {
     if (frontToBack)
         walkAny<true>(rays, sheets, cutoff, state, first);
     else
@@ -219,8 +256,25 @@ void keepPart(const OutputLayout& layout, Real part, const Real* from, Real* to)
     }
 }
 
+#if HWY_TARGET != HWY_SCALAR && !defined(SCRIM_DOUBLE)
+// The beauty under grey extinction, all of the sheet: several pixels a vector.
 template <bool kFrontToBack>
-HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* states, Real* first) {
+HWY_ATTR void addBeauty(const Real* samples, Real* states) {
+    const hn::ScalableTag<Real> d;
+    for (int i = 0; i < 4 * kTileSize; i += static_cast<int>(hn::Lanes(d))) {
+        const auto sample = hn::LoadU(d, samples + i), state = hn::LoadU(d, states + i);
+        const auto front = kFrontToBack ? state : sample, back = kFrontToBack ? sample : state;
+        const auto open = hn::Add(hn::Set(d, Real(1)), hn::Broadcast<3>(front));
+        hn::StoreU(hn::MulAdd(open, back, front), d, states + i);
+    }
+}
+#endif
+
+template <bool kFrontToBack>
+HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* states, FirstDepth* first) {
+#if HWY_TARGET != HWY_SCALAR && !defined(SCRIM_DOUBLE)
+    if (sheet.layout.beautyAlone() && !sheet.part && !first) return addBeauty<kFrontToBack>(sheet.samples, states);
+#endif
     const int floats = sheet.layout.floats(), quads = sheet.layout.quads();
     std::array<Real, 4 * 256> kept;
     for (int k = 0; k < kTileSize; ++k) {
@@ -233,12 +287,14 @@ HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* s
         const auto quad = [&](int q) HWY_ATTR { return load4(sample + 4 * q); };
         const V4 hides = sheet.layout.coloured ? addSample<kFrontToBack, true>(quads, quad, state)
                                                : addSample<kFrontToBack, false>(quads, quad, state);
-        if (first) noteDepth<kFrontToBack>(first, k, lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k]);
+        if (first)
+            noteDepth<kFrontToBack>(first[k], lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k],
+                                    rays.stepDepth[k]);
     }
 }
 
 HWY_ATTR void compositeSamplesOnTarget(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* states,
-                                       Real* first) {
+                                       FirstDepth* first) {
     if (frontToBack)
         addSamples<true>(rays, sheet, states, first);
     else
@@ -262,7 +318,7 @@ void fillRays(const RayRow& row, int j, RayTile& tile) {
 }
 
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
-                   Real* first) {
+                   PixelTiles::FirstDepth* first) {
     SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
 }
 
@@ -271,7 +327,8 @@ void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int wid
     SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);
 }
 
-void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state, Real* first) {
+void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
+                      PixelTiles::FirstDepth* first) {
     SCRIM_ON_TARGET(sheet.simd, compositeSamplesOnTarget)(rays, sheet, frontToBack, state, first);
 }
 

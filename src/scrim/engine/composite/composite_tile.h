@@ -11,6 +11,7 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
+#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/plan/outputs.h>
 
 #include <cstddef>
@@ -53,10 +54,10 @@ struct SheetList {
 constexpr Real kLeastVisible = Real(1e-3);
 
 /// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `firstDepth`:
-/// of 256 pixels, the depth of the first sheet of more opacity than kLeastVisible (the last to come, back to front),
-/// and 0 until there is one; null where nobody asks, as where there is nothing but the beauty.
+/// of 256 pixels, where what first sheet has more opacity than kLeastVisible begins (the last to come, back to front);
+/// null where nobody asks, as where there is nothing but the beauty.
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
-                   Real* firstDepth = nullptr);
+                   PixelTiles::FirstDepth* firstDepth = nullptr);
 
 /// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the part in [0, 1] of the sheet that
 /// lies before the eye (nullptr: all of it).
@@ -68,7 +69,7 @@ struct SheetSamples {
     Simd simd = {};
 };
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
-                      Real* firstDepth = nullptr);
+                      PixelTiles::FirstDepth* firstDepth = nullptr);
 
 /// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
 void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,

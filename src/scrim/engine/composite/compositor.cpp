@@ -121,7 +121,7 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
     const TileWalk walk = enter(tile, range, shaded);
     Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
-    Real* const first = firstDepth(tile);
+    PixelTiles::FirstDepth* const first = firstDepth(tile);
     std::array<const Real*, kBlock> planes;
     std::array<Real, kBlock> steps{};
     int listed = 0;
@@ -166,7 +166,7 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
                                         const SheetShader& shader) {
     Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
-    Real* const first = firstDepth(tile);
+    PixelTiles::FirstDepth* const first = firstDepth(tile);
     Work work;
     SampleTile points;
     alignas(64) Real part[kTileSize], at[kTileSize];
@@ -189,15 +189,15 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
             points.eyeB[k] = walk.rays.stepV[k] * toSlope;
         }
         m_eye.setDepth(walk.block + step + 0.5, points);
-        work.shade += shader.shadePoints(p, points, cells, samples);
+        work.pixelSheets += kTileSize;
+        if (!shader.shadePoints(p, points, cells, samples, work.shade)) continue;
         compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()},
                          m_frontToBack, states, first);
-        work.pixelSheets += kTileSize;
     }
     return work;
 }
 
-Real* Compositor::firstDepth(int tile) {
+PixelTiles::FirstDepth* Compositor::firstDepth(int tile) {
     return m_tiles.keepsDepth() ? m_tiles.depths(tile) : nullptr;
 }
 

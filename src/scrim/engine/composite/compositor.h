@@ -57,7 +57,7 @@ class Compositor {
     Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
     Box2<int> tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void markIfOpaque(int tile);
-    Real* firstDepth(int tile);
+    PixelTiles::FirstDepth* firstDepth(int tile);
 
     const EyeView& m_eye;
     PixelTiles& m_tiles;

@@ -60,7 +60,7 @@ Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
     Lattice raster;
     raster.kind = m_orthographic ? Lattice::Kind::parallel : Lattice::Kind::perspective;
     raster.guardTiles = guardTiles;
-    const auto edge = [&](int pixels) { return ((pixels + kTileEdge - 1) / kTileEdge + 2 * guardTiles) * kTileEdge; };
+    const auto edge = [&](int pixels) { return roundUpToTile(pixels) + 2 * guardTiles * kTileEdge; };
     raster.width = edge(region.width());
     raster.height = edge(region.height());
     // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; then pixels' centres to whole numbers.

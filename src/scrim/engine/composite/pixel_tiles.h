@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
 #include <scrim/engine/plan/outputs.h>
@@ -14,6 +15,17 @@ namespace scrim {
 
 class PixelTiles {
   public:
+    /// The first thing that a ray shows begins within a sheet: where, is told from how much of it each of the first
+    /// three sheets holds. If the optical depth of a sheet that is full is tau, and those before it have a together,
+    /// then it begins a / tau of a sheet before the full one (exact for whatever is as dense behind its surface). What
+    /// is in one sheet alone is taken to be in its middle.
+    struct FirstDepth {
+        Real depth = 0;  ///< along the viewing axis; 0: nothing is visible
+        Real next = 0;   ///< optical depth of the sheets behind the first, or, front to back, of those that were walked
+        Real after = 0;
+        Real last = 0;  ///< depth of the sheet that was walked last; front to back 0 once all is known
+    };
+
     /// `depth`: keeps the depth of the first thing visible, too.
     explicit PixelTiles(const PixelWindow& region, const OutputLayout& layout = {}, bool depth = false)
         : m_region(region),
@@ -26,8 +38,8 @@ class PixelTiles {
 
     /// All pixels black and transparent.
     void reset() {
-        m_states.assign(std::size_t(count()) * tileFloats(), Real(0));
-        m_depth.assign(m_keepsDepth ? std::size_t(count()) * kTileSize : 0, Real(0));
+        m_states = ZeroedArray<Real>(std::size_t(count()) * tileFloats());
+        m_depth = ZeroedArray<FirstDepth>(m_keepsDepth ? std::size_t(count()) * kTileSize : 0);
         m_opaque.assign(std::size_t(count()), 0);
     }
 
@@ -50,12 +62,12 @@ class PixelTiles {
     }
     /// Depths of a tile's pixels; 0: nothing is visible. Only where they are kept.
     bool keepsDepth() const { return m_keepsDepth; }
-    Real* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
+    FirstDepth* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
     Real depth(int x, int y) const {
         const Place at = placeOf(x, y);
-        return m_depth[std::size_t(at.tile) * kTileSize + std::size_t(at.pixel)];
+        return m_depth[std::size_t(at.tile) * kTileSize + std::size_t(at.pixel)].depth;
     }
-    std::size_t bytes() const { return (m_states.size() + m_depth.size()) * sizeof(Real); }
+    std::size_t bytes() const { return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth); }
     bool opaque(int tile) const { return m_opaque[tile] != 0; }
     void setOpaque(int tile) { m_opaque[tile] = 1; }
 
@@ -80,7 +92,8 @@ class PixelTiles {
     OutputLayout m_layout;
     bool m_keepsDepth;
     int m_tilesX, m_tilesY;
-    std::vector<Real> m_states, m_depth;
+    ZeroedArray<Real> m_states;
+    ZeroedArray<FirstDepth> m_depth;
     std::vector<std::uint8_t> m_opaque;
 };
 

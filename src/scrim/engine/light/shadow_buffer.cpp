@@ -26,18 +26,6 @@ TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles)
     return {tile(lower), tile(upper)};
 }
 
-// One tile's part of a row, prefiltered by `strength` times its second differences, but not beyond its neighbours:
-// where an opaque edge lies between two cells, the lit one stays as it is.
-void prefilterSpan(const Real* above, const Real* here, const Real* below, Real strength, Real* out) {
-    for (int x = 0; x < kTileEdge; ++x) {
-        const Real left = here[x - 1], right = here[x + 1], own = here[x];
-        const Real least = std::min(std::min(std::min(left, right), std::min(above[x], below[x])), own);
-        const Real most = std::max(std::max(std::max(left, right), std::max(above[x], below[x])), own);
-        const Real around = left + right + above[x] + below[x];
-        out[x] = std::min(std::max(own - strength * (around - 4 * own), least), most);
-    }
-}
-
 }  // namespace
 
 ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps,
@@ -47,7 +35,7 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
       m_thickness(sheets.thickness),
       m_nearest(filter == ShadowFilter::nearest),
       m_prefiltering(m_nearest ? Real(0) : static_cast<Real>(lookUps) / 12) {
-    m_tau.resize(std::size_t(view.width) * std::size_t(view.height));
+    m_tau = ZeroedArray<Real>(std::size_t(view.width) * std::size_t(view.height));
     m_used.reserve(std::size_t(batchSheets));
 }
 
@@ -98,7 +86,10 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
     m_windowTileX = windowX.first;
     m_windowTileY = windowY.first;
-    if (m_entry.size() < entryStride() * std::size_t(count)) m_entry.resize(entryStride() * std::size_t(count));
+    // Windows grow towards the middle of a field, each by a little: new memory is slow.
+    if (const std::size_t size = entryStride() * std::size_t(count); m_entry.size() < size)
+        m_entry =
+            ZeroedArray<Real>(std::max(size, std::min(m_entry.size() * 3 / 2, m_tau.size() * std::size_t(count))));
 
     const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     m_used.assign(tilesPerSheet * std::size_t(count), 0);
@@ -161,15 +152,19 @@ void ShadowBuffer::prefilter(int s) {
     const auto isUsed = [&](int x, int y) {
         return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY && used[y * m_windowTilesX + x] != 0;
     };
-    // Tiles that take no part hold nothing: the cells that border on them stand in for theirs.
-    forPrefilteredSpans(m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(),
-                        isUsed, [&](int tx, int y, const Real* above, Real* here, const Real* below, Real* out) {
-                            const int ty = y / kTileEdge, inTile = y % kTileEdge;
-                            if (!isUsed(tx - 1, ty)) here[-1] = here[0];
-                            if (!isUsed(tx + 1, ty)) here[kTileEdge] = here[kTileEdge - 1];
-                            if (inTile == 0 && !isUsed(tx, ty - 1)) above = here;
-                            if (inTile == kTileEdge - 1 && !isUsed(tx, ty + 1)) below = here;
-                            prefilterSpan(above, here, below, m_prefiltering, out);
+    // Where an opaque edge lies between two cells, the lit one stays as it is: none goes beyond its neighbours.
+    forPrefilteredTiles(m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(),
+                        isUsed, [&](int tx, int ty, HaloTile& halo, Real* out) {
+                            // Tiles that take no part hold nothing: the cells that border on them stand in for theirs.
+                            constexpr int kLast = kTileEdge - 1;
+                            if (!isUsed(tx, ty - 1)) std::copy_n(halo.at(0, 0), kTileEdge, halo.at(0, -1));
+                            if (!isUsed(tx, ty + 1)) std::copy_n(halo.at(0, kLast), kTileEdge, halo.at(0, kTileEdge));
+                            for (int y = 0; y < kTileEdge; ++y) {
+                                if (!isUsed(tx - 1, ty)) *halo.at(-1, y) = *halo.at(0, y);
+                                if (!isUsed(tx + 1, ty)) *halo.at(kTileEdge, y) = *halo.at(kLast, y);
+                            }
+                            prefilterTile(halo, m_prefiltering, HaloTile::Limit::neighbours, m_simd, out,
+                                          windowWidth());
                         });
 }
 
@@ -200,12 +195,9 @@ void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) 
         return;
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
-    alignas(64) Real cellU[kTileSize], cellV[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) {
-        cellU[k] = static_cast<Real>((u[k] - map.offsetU) / map.scale);
-        cellV[k] = static_cast<Real>((v[k] - map.offsetV) / map.scale);
-    }
-    samplePoints(entryPlane(s), cellU, cellV, m_nearest, kTileSize, tau);
+    samplePoints(entryPlane(s), u, v, m_nearest, kTileSize, tau,
+                 {static_cast<Real>(1 / map.scale), static_cast<Real>(-map.offsetU / map.scale),
+                  static_cast<Real>(-map.offsetV / map.scale)});
 }
 
 std::size_t ShadowBuffer::bytes() const {
@@ -237,8 +229,8 @@ double pathThroughSheet(const Lattice& raster, const Sheets& sheets, double x, d
 ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd)
     : m_raster(raster), m_simd(simd), m_nearest(filter == ShadowFilter::nearest) {
     const auto cells = std::size_t(raster.width) * std::size_t(raster.height);
-    m_tau.resize(cells);
-    m_entry.resize(cells * std::size_t(batchSheets));
+    m_tau = ZeroedArray<Real>(cells);
+    m_entry = ZeroedArray<Real>(cells * std::size_t(batchSheets));
     m_path.reserve(cells);
     for (int y = 0; y < raster.height; ++y)
         for (int x = 0; x < raster.width; ++x)
@@ -249,8 +241,7 @@ std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
     const std::size_t first = std::size_t(task * kTileEdge) * std::size_t(m_raster.width);
     const std::size_t count = std::size_t(kTileEdge) * std::size_t(m_raster.width);
     for (int s = 0; s < m_count; ++s) {
-        std::copy_n(m_tau.begin() + static_cast<std::ptrdiff_t>(first), count,
-                    m_entry.begin() + static_cast<std::ptrdiff_t>(std::size_t(s) * m_tau.size() + first));
+        std::copy_n(m_tau.data() + first, count, m_entry.data() + std::size_t(s) * m_tau.size() + first);
         const Real* sigma = extinction.plane(s) + first;
         for (std::size_t i = 0; i < count; ++i) m_tau[first + i] += sigma[i] * m_path[first + i];
     }

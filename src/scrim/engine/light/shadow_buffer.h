@@ -8,6 +8,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/base/zeroed_array.h>
 #include <scrim/engine/splat/plane_sampling.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/geometry/sheets.h>
@@ -116,12 +117,12 @@ class ShadowBuffer final : public ShadowLookup {
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
     Real m_prefiltering;      // times the second differences
-    std::vector<Real> m_tau;  // the whole raster: tau at entry of the next batch
+    ZeroedArray<Real> m_tau;  // the whole raster: tau at entry of the next batch
 
     // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.
     int m_firstSheet = 0, m_count = 0;
     int m_windowTileX = 0, m_windowTileY = 0, m_windowTilesX = 0, m_windowTilesY = 0;
-    std::vector<Real> m_entry;
+    ZeroedArray<Real> m_entry;
     std::vector<std::uint8_t> m_used;  // [sheet][tileY][tileX] of the window
 
     int windowWidth() const { return m_windowTilesX * kTileEdge; }
@@ -158,8 +159,8 @@ class ViewShadow final : public ShadowLookup {
     bool m_nearest;
     int m_firstSheet = 0, m_count = 0;
     std::vector<Real> m_path;   // world length of each cell's ray through a sheet
-    std::vector<Real> m_tau;    // at entry of the next batch
-    std::vector<Real> m_entry;  // at entry of each sheet of the batch
+    ZeroedArray<Real> m_tau;    // at entry of the next batch
+    ZeroedArray<Real> m_entry;  // at entry of each sheet of the batch
 };
 
 }  // namespace scrim

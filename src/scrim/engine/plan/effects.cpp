@@ -189,8 +189,9 @@ Effect crossFade(const ViewScene& scene, const Plan& plan) {
                         true,
                         fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
                                     "sides",
-                                    scene.lights[light.light].name, scene.dials.crossFade),
+                                    scene.lights[light.light].name, scene.dials.crossFade.value_or(kCrossFade)),
                         {}};
+    if (scene.dials.crossFade == 0.0) return {"cross-fade", false, "nothing moves, or the dial is 0", {}};
     return {"cross-fade", false, "no light is perpendicular to the eye", {}};
 }
 

@@ -120,8 +120,8 @@ Vec3 meanDirection(const std::vector<Vec3>& directions) {
 struct Item {
     LightPart part;
     bool sameSide;
-    bool fading;   // the same part is served from the other side, too
-    double slant;  // of the best sweep for this part alone
+    double slant;      // of the best sweep for this part alone
+    double meanSlant;  // over both sides that serve the part, by their shares
     Vec3 mean;
     std::string name;
 };
@@ -147,14 +147,19 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
     for (const LightPart& part : parts) {
         checkpoint();
         const Vec3 mean = meanDirection(part.wsDirections);
-        const double same = shareOfSameSide(glm::dot(mean, axis) / glm::length(mean), scene.dials.crossFade);
+        const double fade = scene.dials.crossFade.value_or(kCrossFade);
+        const double same = shareOfSameSide(glm::dot(mean, axis) / glm::length(mean), fade);
+        double meanSlant = 0;
+        const std::size_t first = items.size();
         for (const bool sameSide : {true, false}) {
             const double share = sameSide ? same : 1 - same;
             if (share <= 0) continue;
             const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
-            items.push_back({part, sameSide, share < 1, slant, mean, scene.lights[part.light].name});
+            items.push_back({part, sameSide, slant, 0, mean, scene.lights[part.light].name});
             items.back().part.share = share;
+            meanSlant += share * slant;
         }
+        for (std::size_t i = first; i < items.size(); ++i) items[i].meanSlant = meanSlant;
     }
     std::stable_sort(items.begin(), items.end(), [](const Item& a, const Item& b) {
         return std::tie(a.slant, a.mean.x, a.mean.y, a.mean.z, a.name) <
@@ -179,17 +184,24 @@ void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>&
     }
 }
 
-// Alpha and ambient belong to the first group; where its leading light fades into the other side, so do they.
-void sharePrimary(const std::vector<Item>& items, std::vector<LightGroup>& groups) {
-    groups.front().primary = 1;
-    if (items.empty() || !items.front().fading) return;
-    const LightPart& lead = items.front().part;
-    groups.front().primary = lead.share;
-    for (LightGroup& group : groups)
-        for (const LightPart& part : group.parts)
-            if (group.sameSide != items.front().sameSide && part.light == lead.light && part.share < 1 &&
-                part.wsDirections == lead.wsDirections)
-                group.primary = 1 - lead.share;
+// Alpha and ambient belong to the sweep that leans least: that of the light nearest to the eye's axis. Another light
+// may become that in the next frame; so whoever is about as near has a part in them, which grows as smoothly as its own
+// share does. `groupOf`: of each item.
+void sharePrimary(const std::vector<Item>& items, const std::vector<std::size_t>& groupOf, double crossFade,
+                  std::vector<LightGroup>& groups) {
+    const double edge = glm::radians(crossFade);
+    if (items.empty() || edge <= 0) {
+        groups.front().primary = 1;
+        return;
+    }
+    double least = items.front().meanSlant, sum = 0;
+    for (const Item& item : items) least = std::min(least, item.meanSlant);
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        const double t = std::clamp(1 - (items[i].meanSlant - least) / edge, 0.0, 1.0);
+        groups[groupOf[i]].primary += items[i].part.share * t * t * (3 - 2 * t);
+    }
+    for (const LightGroup& group : groups) sum += group.primary;
+    for (LightGroup& group : groups) group.primary /= sum;
 }
 
 }  // namespace
@@ -201,6 +213,7 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
 
     // Each part joins the group in which it costs the least slant, or opens its own.
     std::vector<LightGroup> groups;
+    std::vector<std::size_t> groupOf;
     std::vector<GrowingCone> cones;
     const std::vector<Item> items = orderedParts(scene, corners, part, culled, checkpoint);
     for (const Item& item : items) {
@@ -222,10 +235,11 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
             cones.emplace_back(turnedEye(eye, item.sameSide));
         }
         groups[best].parts.push_back(item.part);
+        groupOf.push_back(best);
         cones[best].add(item.part.wsDirections);
     }
     if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
-    sharePrimary(items, groups);
+    sharePrimary(items, groupOf, scene.dials.crossFade.value_or(kCrossFade), groups);
     for (LightGroup& group : groups) setAxis(group, scene, eye);
 
     for (const LightGroup& group : groups) {

@@ -38,8 +38,9 @@ constexpr double kWidestView = 0.7854;   // 45 degrees
 /// No ray may lean further than this from its sweep's axis; radians.
 constexpr double kSlantLimit = 1.4835;  // 85 degrees
 
-/// The groups that serve one part of the eye, at least one; the first is the primary one, unless it shares that with
-/// another. Independent of the order of the lights.
+/// The groups that serve one part of the eye, at least one. Independent of the order of the lights. Alpha and ambient
+/// are those of the group whose light stands nearest to the eye's axis; within the dial `cross_fade` several share
+/// them, since another group's discretisation would show as a jump where it takes over.
 ///
 /// A light that is perpendicular to the eye to within the dial `cross_fade` is served from both sides, in shares that
 /// change smoothly with its angle: where it crosses, the axis turns by 90 degrees and the order of the sheets flips,

@@ -77,7 +77,7 @@ struct Plan {
         double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
     };
 
-    std::vector<GroupPlan> groups;  ///< by eye part, a primary one first; empty where nothing is to be seen
+    std::vector<GroupPlan> groups;  ///< by eye part; empty where nothing is to be seen
     int threads = 1;                ///< that the render takes
     Simd simd;                      ///< vector instructions that it uses
     ExtinctionChannels extinction;

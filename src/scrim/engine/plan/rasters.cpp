@@ -34,7 +34,7 @@ void layCells(const Box2<double>& extent, LightView& view) {
                   (std::floor(extent.y0 / view.cell) - 2) * view.cell};
     const auto cells = [&](double first, double last) {
         const int count = static_cast<int>(std::ceil((last - first) / view.cell)) + 4;
-        return (count + kTileEdge - 1) / kTileEdge * kTileEdge;
+        return roundUpToTile(count);
     };
     view.width = cells(view.first.x, extent.x1);
     view.height = cells(view.first.y, extent.y1);
@@ -65,7 +65,7 @@ Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, 
     cell = std::max({cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
     const auto size = [&](double first, double last) {
         const int cells = static_cast<int>(std::ceil((last - first) / cell + 2 * kMargin));
-        return (cells + kTileEdge - 1) / kTileEdge * kTileEdge;
+        return roundUpToTile(cells);
     };
     Lattice raster;
     raster.kind = Lattice::Kind::parallel;

@@ -86,10 +86,6 @@ int addressable(double count, const std::string& what) {
                     count, what, kMostAddressed));
 }
 
-int roundUpToTile(int texels) {
-    return (texels + kTileEdge - 1) / kTileEdge * kTileEdge;
-}
-
 }  // namespace
 
 double EyePart::weight(double x, double y) const {

@@ -5,7 +5,10 @@
 #include <scrim/engine/splat/plane_sampling.h>
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 namespace scrim {
 namespace {
@@ -123,7 +126,12 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples, m_plan.simd);
     m_eye.setDepth(sheet + 0.5, samples);
     // Surfaces are classified along eye rays, which no texel of a plane knows: there texels are points like any other.
-    if (!m_surfaces.empty()) return shadePoints(p, samples, std::nullopt, out);
+    if (!m_surfaces.empty()) {
+        ShadeWork work;
+        if (!shadePoints(p, samples, std::nullopt, out, work))
+            std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, Real(0));
+        return work;
+    }
 
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows rows(*this, lights.lights.size());
@@ -133,8 +141,8 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     return shadeTile(inputOf(p, samples, rows), out);
 }
 
-ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells,
-                                   Real* out) const {
+bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out,
+                              ShadeWork& work) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows rows(*this, lights.lights.size());
     if (cells)
@@ -146,7 +154,6 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::
                              samples.v, false, kTileSize, to);
             },
             rows);
-    ShadeWork work;
     if (!m_surfaces.empty()) {
         // A cell is the same ray on every plane.
         SampleTile atCells{};
@@ -155,21 +162,18 @@ ShadeWork SheetShader::shadePoints(int p, const SampleTile& samples, const std::
                 atCells.u[k] = static_cast<Real>(cells->x * kTileEdge + k % kTileEdge);
                 atCells.v[k] = static_cast<Real>(cells->y * kTileEdge + k / kTileEdge);
             }
-        if (!classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), rows, work)) {
-            std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, Real(0));
-            return work;
-        }
+        classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), rows, work);
     }
+    if (!shows(rows)) return false;
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn(i));
     work += shadeTile(inputOf(p, samples, rows), out);
-    return work;
+    return true;
 }
 
 // Classifies all surfaces at positions `at` of the eye's lattice, and lets the total extinction be what they and the
-// media have there: what the sheets hold of classified volumes is classified at texels, which serves lights. False
-// where nothing is to be seen.
-bool SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
+// media have there: what the sheets hold of classified volumes is classified at texels, which serves lights.
+void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, Real(0));
     const auto add = [&](int volume, const Real* extinction) {
@@ -193,13 +197,20 @@ bool SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
         surface.weight = seen.weight;
         rows.scratch.surfaces.push_back(surface);
     }
-    const auto shows = [](const Real* values) {
-        return std::any_of(values, values + kTileSize, [](Real value) { return value > 0; });
+}
+
+// Is there extinction or emission at any of the samples?
+bool SheetShader::shows(const Rows& rows) const {
+    const auto any = [](const Real* values) {
+        using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
+        Bits all = 0;  // a loop over floats with an early end would go one by one
+        for (int k = 0; k < kTileSize; ++k) all |= std::bit_cast<Bits>(values[k]);
+        return all != 0;
     };
-    for (int i = 0; i < channels; ++i)
-        if (shows(rows.total(i))) return true;
+    for (int i = 0; i < m_plan.extinction.count(); ++i)
+        if (any(rows.total(i))) return true;
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
-        if (shows(rows.emission(e))) return true;
+        if (any(rows.emission(e))) return true;
     return false;
 }
 

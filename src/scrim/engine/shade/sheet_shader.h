@@ -22,8 +22,9 @@ class SheetShader {
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
 
     /// Shades points of plane p: where pixels' rays meet it. `cells`: the tile of the eye's own lattice whose cells
-    /// they are, with per-view splatting.
-    ShadeWork shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out) const;
+    /// they are, with per-view splatting. False, and nothing in `out`, where nothing is to be seen.
+    bool shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out,
+                     ShadeWork& work) const;
 
     /// Texels a sheet times this is a slope, du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
@@ -33,7 +34,8 @@ class SheetShader {
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
-    bool classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
+    void classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
+    bool shows(const Rows& rows) const;
     ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
 
     const Plan& m_plan;

@@ -35,13 +35,17 @@ std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& 
     return runs;
 }
 
+// What of a volume's emission is not empty.
+std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
+    std::vector<ViewEmission> emission = volume.emission;
+    std::erase_if(emission, [](const ViewEmission& e) { return e.field.field->empty(); });
+    return emission;
+}
+
 // Does the sum need planes of its own?
 bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
     const auto isDense = [](const ViewVolume& volume) { return !volume.field->empty(); };
-    const auto emits = [](const ViewVolume& volume) {
-        return std::any_of(volume.emission.begin(), volume.emission.end(),
-                           [](const ViewEmission& emission) { return !emission.field.field->empty(); });
-    };
+    const auto emits = [](const ViewVolume& volume) { return !emissionOf(volume).empty(); };
     return plan.extinction.count() > 1 || std::count_if(scene.volumes.begin(), scene.volumes.end(), isDense) != 1 ||
            (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
@@ -66,62 +70,44 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
 
 }  // namespace
 
-// planesOf(fields, scale) makes the planes of fields of one topology.
-template <class PlanesOf>
-void ExtinctionSum::addEmission(const ViewVolume& volume, const PlanesOf& planesOf) {
-    std::vector<ViewField> fields;
-    std::vector<Rgb> colors;
-    for (const ViewEmission& emission : volume.emission) {
-        if (emission.field.field->empty()) continue;
-        fields.push_back(emission.field);
-        colors.push_back(emission.color);
-    }
-    auto color = colors.begin();
-    for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
-        m_emitted.push_back(planesOf(together, 1));
-        for (std::size_t f = 0; f < together.size(); ++f)
-            m_emissions.push_back({&m_emitted.back()->planes(f), *color++});
-    }
-}
-
 ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets, For who)
     : m_channels(plan.extinction) {
+    // The planes of each field; those of one topology are splatted together.
     const auto planesOf = [&](const std::vector<ViewField>& fields, double scale) {
+        std::vector<const PlaneStack*> planes;
+        for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
+            m_own.push_back(std::make_unique<FieldPlanes>(together, settingsOf(scale, scene.dials, plan.voxel),
+                                                          scene.dials, sheets, lattice, batchSheets));
+            m_fields.push_back(m_own.back().get());
+            for (std::size_t f = 0; f < together.size(); ++f) planes.push_back(&m_own.back()->planes(f));
+        }
         for (const ViewField& field : fields) m_voxels += field.field->activeVoxels;
-        auto planes = std::make_unique<FieldPlanes>(fields, settingsOf(scale, scene.dials, plan.voxel), scene.dials,
-                                                    sheets, lattice, batchSheets);
-        m_fields.push_back(planes.get());
         return planes;
-    };
-    const auto surfaceOf = [&](const ViewVolume& volume) {
-        m_voxels += volume.field->activeVoxels;
-        auto surface = std::make_unique<Surface>(volume, scene.dials, sheets, lattice, batchSheets, plan.voxel);
-        m_fields.push_back(&surface->field());
-        return surface;
     };
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
-        const double scale = volume.medium.mostExtinction();
         if (!volume.field->empty()) {
             Volume& own = m_volumes.emplace_back();
             own.sceneVolume = static_cast<int>(v);
             if (volume.classified) {
-                own.surface = surfaceOf(volume);
+                own.surface = std::make_unique<Surface>(volume, scene.dials, sheets, lattice, batchSheets, plan.voxel);
+                m_fields.push_back(&own.surface->field());
+                m_voxels += volume.field->activeVoxels;
             } else {
                 std::vector<ViewField> fields{densityOf(volume)};
                 if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
-                std::vector<const PlaneStack*> planes;
-                for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
-                    own.fields.push_back(planesOf(together, scale));
-                    for (std::size_t f = 0; f < together.size(); ++f) planes.push_back(&own.fields.back()->planes(f));
-                }
+                const auto planes = planesOf(fields, volume.medium.mostExtinction());
                 own.density = planes[0];
                 std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
             }
         }
         if (who != For::primaryEye) continue;
-        addEmission(volume, planesOf);
+        const std::vector<ViewEmission> emission = emissionOf(volume);
+        std::vector<ViewField> fields;
+        for (const ViewEmission& e : emission) fields.push_back(e.field);
+        const auto planes = planesOf(fields, 1);
+        for (std::size_t e = 0; e < emission.size(); ++e) m_emissions.push_back({planes[e], emission[e].color});
     }
     if (!needsTotals(scene, plan, who)) return;
     for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
@@ -134,21 +120,29 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
         std::uint64_t footprints;
     };
     std::vector<Task> tasks;
+    const auto list = [&](const auto& partsOf) {
+        tasks.clear();
+        for (FieldPlanes* field : m_fields)
+            for (int i = 0, parts = partsOf(*field); i < parts; ++i) tasks.push_back({field, i, 0});
+    };
     for (const Volume& volume : m_volumes)
         if (volume.surface) volume.surface->beginBatch(firstSheet);
-    for (FieldPlanes* field : m_fields) {
-        const int parts = field->beginBatch(firstSheet, count);
-        for (int i = 0; i < parts; ++i) tasks.push_back({field, i, 0});
+    for (FieldPlanes* field : m_fields) field->beginBatch(firstSheet, count);
+    std::uint64_t footprints = 0;
+    for (int phase = 0; phase < FieldPlanes::kPhases; ++phase) {
+        list([&](const FieldPlanes& field) { return field.tasks(phase); });
+        parallelFor(tasks.size(), [&](std::size_t i) {
+            tasks[i].footprints = tasks[i].field->splat(phase, tasks[i].part, needed, cull);
+        });
+        for (const Task& task : tasks) footprints += task.footprints;
     }
-    parallelFor(tasks.size(),
-                [&](std::size_t i) { tasks[i].footprints = tasks[i].field->splat(tasks[i].part, needed, cull); });
+    list([](const FieldPlanes& field) { return field.planesToFinish(); });
+    parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].field->finish(tasks[i].part); });
     parallelFor(std::size_t(count), [&](std::size_t p) {
         for (const Volume& volume : m_volumes)
             if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p));
         if (!m_totals.empty()) addUp(static_cast<int>(p));
     });
-    std::uint64_t footprints = 0;
-    for (const Task& task : tasks) footprints += task.footprints;
     return footprints;
 }
 

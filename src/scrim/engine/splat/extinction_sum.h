@@ -39,10 +39,9 @@ class ExtinctionSum {
 
     /// A volume that has extinction.
     struct Volume {
-        int sceneVolume = 0;                                    ///< its place among the scene's
-        std::vector<std::unique_ptr<FieldPlanes>> fields = {};  ///< of a medium: density, and what it scatters
-        std::unique_ptr<Surface> surface = {};                  ///< of a classified volume
-        const PlaneStack* density = nullptr;                    ///< of a medium: its extinction
+        int sceneVolume = 0;                    ///< its place among the scene's
+        std::unique_ptr<Surface> surface = {};  ///< of a classified volume
+        const PlaneStack* density = nullptr;    ///< of a medium: its extinction
         std::array<const PlaneStack*, 3> scatter =
             {};  ///< where the albedo is a grid: what each colour scatters; or null
 
@@ -64,16 +63,14 @@ class ExtinctionSum {
                              int batchSheets, For who);
 
   private:
-    template <class PlanesOf>
-    void addEmission(const ViewVolume& volume, const PlanesOf& planesOf);
     void addUp(int plane);
 
     const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
     std::vector<Emission> m_emissions;
-    std::vector<std::unique_ptr<FieldPlanes>> m_emitted;
-    std::vector<FieldPlanes*> m_fields;  // all of them
-    std::vector<PlaneStack> m_totals;    // one a channel, only where extinction is not that of one volume
+    std::vector<std::unique_ptr<FieldPlanes>> m_own;  // all fields but those of surfaces
+    std::vector<FieldPlanes*> m_fields;               // all of them
+    std::vector<PlaneStack> m_totals;                 // one a channel, only where extinction is not that of one volume
     std::uint64_t m_voxels = 0;
 };
 

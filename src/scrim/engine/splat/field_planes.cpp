@@ -7,7 +7,7 @@ namespace scrim {
 namespace {
 
 // Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
-constexpr int kSheetsPerTask = 4;
+constexpr int kSheetsPerTask = 8;
 
 using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
 
@@ -30,17 +30,21 @@ Splatter splatterFor(const std::vector<ViewField>& fields, const FieldPlanes::Se
 
 FieldPlanes::FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
                          const Sheets& sheets, const Lattice& lattice, int batchSheets)
-    : m_lattice(lattice), m_settings(settings), m_splatter(splatterFor(fields, settings, dials, sheets, lattice)) {
+    : m_lattice(lattice),
+      m_settings(settings),
+      m_simd(dials.simd),
+      m_splatter(splatterFor(fields, settings, dials, sheets, lattice)) {
     for (std::size_t f = 0; f < fields.size(); ++f)
         m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
 }
 
-int FieldPlanes::beginBatch(int firstSheet, int count) {
+void FieldPlanes::beginBatch(int firstSheet, int count) {
     if (m_origin < 0) {
         m_origin = firstSheet;
         m_readySheet = firstSheet - m_settings.halo;
     }
     m_runs.clear();
+    m_firstReady = m_readySheet;
     const int end = firstSheet + count + m_settings.halo;
     while (m_readySheet < end) {
         const int wrap = planes().planes() - planeOf(m_readySheet);
@@ -48,11 +52,20 @@ int FieldPlanes::beginBatch(int firstSheet, int count) {
         m_runs.push_back({m_readySheet, run});
         m_readySheet += run;
     }
-    return static_cast<int>(m_runs.size());
+    for (PlaneStack& planes : m_planes)
+        for (int sheet = m_firstReady; sheet < m_readySheet; ++sheet) planes.begin(planeOf(sheet));
 }
 
-std::uint64_t FieldPlanes::splat(int task, const NeededTiles* needed, const TileCull& cull) {
-    const Run& run = m_runs[task];
+// Phases take turns at the bands of rows; views that warp their footprints have no bands.
+int FieldPlanes::tasks(int phase) const {
+    const auto* splatter = std::get_if<FieldSplatter>(&m_splatter);
+    const int bands = splatter ? splatter->bands(planes()) : 1;
+    return static_cast<int>(m_runs.size()) * ((bands + 1 - phase) / kPhases);
+}
+
+std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed, const TileCull& cull) {
+    const int runs = static_cast<int>(m_runs.size());
+    const Run& run = m_runs[task % runs];
     const int first = planeOf(run.sheet);
     TileCull culled = cull;
     if (needed)
@@ -60,30 +73,31 @@ std::uint64_t FieldPlanes::splat(int task, const NeededTiles* needed, const Tile
             return intersection(tiles, box).empty() || (cull && cull(tiles));
         };
     const int end = run.sheet + run.count;
-    for (PlaneStack& planes : m_planes)
-        for (int p = first; p < first + run.count; ++p) planes.begin(p);
-    std::uint64_t footprints = 0;
     if (const auto* splatter = std::get_if<FieldSplatter>(&m_splatter))
-        footprints = splatter->splat(run.sheet, end, std::span(m_planes), first, culled);
-    else
-        for (std::size_t f = 0; f < m_planes.size(); ++f)
-            footprints += std::get<1>(m_splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
-    for (PlaneStack& planes : m_planes)
-        for (int p = first; p < first + run.count; ++p) {
-            planes.finish(p);
-            if (m_lattice.shared())
-                planes.prefilter(p);  // views look between its texels
-            else if (m_lattice.parallel())
-                planes.raiseToZero(p);  // slopes of footprints go below 0 around the field's rim
-            planes.dropEmpty(p);
-        }
+        return splatter->splat(run.sheet, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
+    std::uint64_t footprints = 0;
+    for (std::size_t f = 0; f < m_planes.size(); ++f)
+        footprints += std::get<1>(m_splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
     return footprints;
+}
+
+void FieldPlanes::finish(int plane) {
+    const int p = planeOf(m_firstReady + plane);
+    for (PlaneStack& planes : m_planes) {
+        planes.finish(p);
+        if (m_lattice.shared()) {
+            planes.prefilter(p, m_simd);  // views look between its texels
+            continue;
+        }
+        if (m_lattice.parallel()) planes.raiseToZero(p);  // slopes of footprints go below 0 around the field's rim
+        planes.dropEmpty(p);
+    }
 }
 
 std::size_t FieldPlanes::bytes() const {
     std::size_t sum = m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
     if (const auto* splatter = std::get_if<FieldSplatter>(&m_splatter))
-        sum += splatter->table().bytes();
+        sum += splatter->tableBytes();
     else
         for (const WarpedSplatter& warped : std::get<1>(m_splatter)) sum += warped.table().bytes();
     return sum;

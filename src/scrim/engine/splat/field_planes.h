@@ -29,11 +29,16 @@ class FieldPlanes {
     FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
-    /// Begins the batch [firstSheet, firstSheet + count); returns the number of independent splatting tasks.
-    int beginBatch(int firstSheet, int count);
+    /// Begins the batch [firstSheet, firstSheet + count). It is splatted in phases, one after the other, each of tasks
+    /// that are independent; then all planes are finished, independently.
+    void beginBatch(int firstSheet, int count);
+    static constexpr int kPhases = 2;
+    int tasks(int phase) const;
     /// Returns the footprints that were added. Blocks that touch none of the tiles of `needed` are culled, and so are
     /// those that `cull` names.
-    std::uint64_t splat(int task, const NeededTiles* needed, const TileCull& cull);
+    std::uint64_t splat(int phase, int task, const NeededTiles* needed, const TileCull& cull);
+    int planesToFinish() const { return m_readySheet - m_firstReady; }
+    void finish(int plane);
 
     /// Planes of sheets in a ring, so that every sheet is splatted once: the plane of a sheet of the batch or its halo.
     int planeOf(int sheet) const { return (sheet - m_origin + m_settings.halo) % planes().planes(); }
@@ -52,10 +57,11 @@ class FieldPlanes {
 
     const Lattice& m_lattice;
     Settings m_settings;
+    Simd m_simd;
     std::variant<FieldSplatter, std::vector<WarpedSplatter>> m_splatter;
-    std::vector<PlaneStack> m_planes;  // one a field
-    int m_origin = -1;                 // the first sheet of the first batch, whose planes lie as it wants them
-    int m_readySheet = 0;
+    std::vector<PlaneStack> m_planes;        // one a field
+    int m_origin = -1;                       // the first sheet of the first batch, whose planes lie as it wants them
+    int m_firstReady = 0, m_readySheet = 0;  // sheets that the batch splats
     std::vector<Run> m_runs;
 };
 

@@ -33,7 +33,7 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
         const double most = 1 - 1.0 / texelSteps;
         const int first = static_cast<int>(std::floor(-extent)) + 1;
         const int last = static_cast<int>(std::ceil(most + extent)) - 1;
-        return Range{first, last - first + 1};
+        return Range{first, std::max(2, last - first + 1)};  // a piece has two rows
     };
     Shape shape;
     shape.extent = kernelExtents(kernel, tsFromIs);
@@ -160,6 +160,50 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                         entry[slab * sheetStride()] = static_cast<Real>(read(slab + 1) - read(slab));
                 }
             }
+}
+
+FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(std::size_t(table.sheets()) + 1) {
+    for (int sheet = 0; sheet < table.sheets(); ++sheet)
+        for (int row = 0; row < table.rows(); row += kRows)
+            for (int column = 0; column < table.rowStride(); column += kColumns)
+                // The last two of an odd number of rows start a row earlier, and leave that to the piece before.
+                m_kindsOf.push_back(
+                    {sheet, std::min(row, table.rows() - kRows), column, std::max(0, row + kRows - table.rows())});
+    const std::size_t perSheet = m_kindsOf.size() / std::size_t(table.sheets());
+    const std::size_t entrySize = std::size_t(table.sheets() * table.sheetStride());
+    const std::size_t entries = table.bytes() / sizeof(Real) / entrySize;
+    m_begins.reserve(entries * m_beginStride);
+    for (std::size_t e = 0; e < entries; ++e) {
+        const Real* entry = table.weights() + e * entrySize;
+        for (std::size_t k = 0; k < m_kindsOf.size(); ++k) {
+            if (k % perSheet == 0) m_begins.push_back(static_cast<std::uint32_t>(m_kinds.size()));
+            const Kind& kind = m_kindsOf[k];
+            Piece piece{};
+            bool empty = true;
+            for (int part = 0; part < 4; ++part)
+                for (int row = kind.done; row < kRows; ++row)
+                    for (int column = 0; column < kColumns; ++column) {
+                        const Real weight = entry[kind.sheet * table.sheetStride() + part * table.partStride() +
+                                                  (kind.row + row) * table.rowStride() + kind.column + column];
+                        piece.values[(part * kRows + row) * kColumns + column] = weight;
+                        empty = empty && weight == 0;
+                    }
+            if (empty) continue;
+            m_kinds.push_back(static_cast<std::uint32_t>(k));
+            m_pieces.push_back(piece);
+        }
+        m_begins.push_back(static_cast<std::uint32_t>(m_kinds.size()));
+    }
+}
+
+std::vector<std::ptrdiff_t> FootprintPieces::offsets(std::ptrdiff_t planeStride, std::ptrdiff_t rowStride) const {
+    std::vector<std::ptrdiff_t> offsets;
+    for (const Kind& kind : m_kindsOf) offsets.push_back(kind.sheet * planeStride + kind.row * rowStride + kind.column);
+    return offsets;
+}
+
+std::size_t FootprintPieces::bytes() const {
+    return (m_begins.size() + m_kinds.size()) * sizeof(std::uint32_t) + m_pieces.size() * sizeof(Piece);
 }
 
 }  // namespace scrim

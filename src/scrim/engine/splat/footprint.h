@@ -16,7 +16,9 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/engine/splat/kernel.h>
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace scrim {
@@ -48,7 +50,7 @@ class FootprintTable {
     int firstRow() const { return m_rows.first; }
     int firstSheet() const { return m_sheets.first; }
     int columns() const { return m_columns.count; }
-    int rows() const { return m_rows.count; }
+    int rows() const { return m_rows.count; }  ///< at least 2
     int sheets() const { return m_sheets.count; }
     int rowStride() const { return m_rowStride; }  ///< columns() rounded up to a multiple of 4; 0 beyond
     int partStride() const { return m_rowStride * m_rows.count; }
@@ -64,6 +66,8 @@ class FootprintTable {
                std::size_t(sheetStride() * m_sheets.count);
     }
     const Real* weights() const { return m_weights.data(); }
+    /// Keeps the geometry alone, for whoever has its pieces.
+    void dropWeights() { m_weights = {}; }
     std::size_t bytes() const { return m_weights.size() * sizeof(Real); }
 
     /// Bytes a table would take, without building it.
@@ -83,6 +87,41 @@ class FootprintTable {
     Vec3 m_extent{0};
     Range m_columns, m_rows, m_sheets;
     std::vector<Real> m_weights;
+};
+
+/// The footprints of a sloped table, cut into pieces of two rows of four texels of one sheet. Pieces without weight are
+/// left out: a table is as large as its largest footprint, and of a footprint about half is empty.
+class FootprintPieces {
+  public:
+    static constexpr int kRows = 2, kColumns = 4;
+    /// Eight weights, row by row, and their changes over one step in U, V and N.
+    static constexpr int kFloats = 4 * kRows * kColumns;
+
+    explicit FootprintPieces(const FootprintTable& table);
+
+    /// Offsets of the kinds of pieces from a footprint's first texel, in planes of such strides.
+    std::vector<std::ptrdiff_t> offsets(std::ptrdiff_t planeStride, std::ptrdiff_t rowStride) const;
+
+    /// The pieces of entry e are numbers [begins(e)[0], begins(e)[sheets()]); those of its sheet s begin at
+    /// begins(e)[s].
+    const std::uint32_t* begins(std::size_t entry) const { return m_begins.data() + entry * m_beginStride; }
+    const std::uint32_t* kinds() const { return m_kinds.data(); }
+    const Real* weights() const { return m_pieces.front().values.data(); }
+    std::size_t bytes() const;
+
+  private:
+    struct Kind {
+        int sheet, row, column;
+        int done;  // rows that are the piece's before it
+    };
+    struct alignas(64) Piece {
+        std::array<Real, kFloats> values;
+    };
+    std::size_t m_beginStride;
+    std::vector<Kind> m_kindsOf;  // by number of the kind
+    std::vector<std::uint32_t> m_begins;
+    std::vector<std::uint32_t> m_kinds;
+    std::vector<Piece> m_pieces;
 };
 
 /// How finely to quantise positions: powers of two, and at least 3/4 of `stepsPerVoxel` for a voxel of the size that

@@ -14,23 +14,38 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Bilinear sample with its own position in every lane.
-HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Split& v) {
+// Between the texels at `at` and those to the right of them, the lanes' own each.
+HWY_ATTR HWY_INLINE VF between(const Real* data, VI at, VF fraction) {
     const DF d;
-    const DI di;
-    const auto at = hn::Add(hn::Mul(v.whole, hn::Set(di, plane.width)), u.whole);
-    const Real* below = plane.data + plane.width;
-    const auto top = lerp(hn::GatherIndex(d, plane.data, at), hn::GatherIndex(d, plane.data + 1, at), u.fraction);
-    const auto bottom = lerp(hn::GatherIndex(d, below, at), hn::GatherIndex(d, below + 1, at), u.fraction);
-    return lerp(top, bottom, v.fraction);
+#if HWY_TARGET != HWY_SCALAR
+    // Two neighbours are one double float: half as many loads.
+    if constexpr (sizeof(Real) == sizeof(float)) {
+        const hn::Repartition<std::int64_t, DF> d64;
+        const hn::Half<DI> half;
+        const auto bytes = [&](auto index) HWY_ATTR { return hn::ShiftLeft<2>(hn::PromoteTo(d64, index)); };
+        const auto* pairs = reinterpret_cast<const std::int64_t*>(data);
+        const auto first = hn::BitCast(d, hn::GatherOffset(d64, pairs, bytes(hn::LowerHalf(half, at))));
+        const auto second = hn::BitCast(d, hn::GatherOffset(d64, pairs, bytes(hn::UpperHalf(half, at))));
+        return lerp(hn::ConcatEven(d, second, first), hn::ConcatOdd(d, second, first), fraction);
+    }
+#endif
+    return lerp(hn::GatherIndex(d, data, at), hn::GatherIndex(d, data + 1, at), fraction);
 }
 
-HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count,
-                                   Real* out) {
+// Bilinear sample with its own position in every lane.
+HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Split& v) {
+    const DI di;
+    const auto at = hn::Add(hn::Mul(v.whole, hn::Set(di, plane.width)), u.whole);
+    return lerp(between(plane.data, at, u.fraction), between(plane.data + plane.width, at, u.fraction), v.fraction);
+}
+
+HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const FloatPlane::Map& map, const Real* u, const Real* v,
+                                   bool nearest, int count, Real* out) {
     const DF d;
+    const auto scale = hn::Set(d, map.scale), firstU = hn::Set(d, map.u), firstV = hn::Set(d, map.v);
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
-        const auto su = split(hn::LoadU(d, u + k), plane.x0, plane.width, nearest);
-        const auto sv = split(hn::LoadU(d, v + k), plane.y0, plane.height, nearest);
+        const auto su = split(hn::MulAdd(hn::LoadU(d, u + k), scale, firstU), plane.x0, plane.width, nearest);
+        const auto sv = split(hn::MulAdd(hn::LoadU(d, v + k), scale, firstV), plane.y0, plane.height, nearest);
         hn::StoreU(gather(plane, su, sv), d, out + k);
     }
 }
@@ -73,18 +88,67 @@ HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, Real u, Real v, Rea
                [&](int j, int i, VF sample) HWY_ATTR { hn::StoreU(sample, d, out + j * kTileEdge + i); });
 }
 
-HWY_ATTR void attenuateTileOnTarget(const AttenuateTile& tile) {
+// The world length of the way through a sheet of rays with slopes (a, b), where `path` is its thickness.
+HWY_ATTR HWY_INLINE VF wayThrough(VF a, VF b, Real path) {
+    const DF d;
+    const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, Real(1)))));
+    return hn::Mul(slant, hn::Set(d, path));
+}
+
+// `way(j, i)`: through the sheet, of the rays of the lattice's row j from column i on.
+template <class Way>
+HWY_ATTR HWY_INLINE void attenuateAlong(const AttenuateTile& tile, const Way& way) {
     const DF d;
     forLattice(tile.extinction, tile.u, tile.v, tile.step, tile.nearest, [&](int j, int i, VF sigma) HWY_ATTR {
-        const auto a =
-            hn::MulAdd(hn::Iota(d, static_cast<Real>(i)), hn::Set(d, tile.slopeStep), hn::Set(d, tile.slopeA));
-        const auto b = hn::Set(d, tile.slopeB + static_cast<Real>(j) * tile.slopeStep);
-        const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, Real(1)))));
         Real* tau = tile.tau + j * tile.tauStride + i;
         const auto before = hn::LoadU(d, tau);
         hn::StoreU(before, d, tile.entry + j * tile.entryStride + i);
-        hn::StoreU(hn::MulAdd(sigma, hn::Mul(slant, hn::Set(d, tile.path)), before), d, tau);
+        hn::StoreU(hn::MulAdd(sigma, way(j, i), before), d, tau);
     });
+}
+
+HWY_ATTR void attenuateTileOnTarget(const AttenuateTile& tile) {
+    const DF d;
+    if (tile.slopeStep == Real(0)) {
+        const auto parallel = wayThrough(hn::Set(d, tile.slopeA), hn::Set(d, tile.slopeB), tile.path);
+        return attenuateAlong(tile, [&](int, int) HWY_ATTR { return parallel; });
+    }
+    attenuateAlong(tile, [&](int j, int i) HWY_ATTR {
+        const auto a =
+            hn::MulAdd(hn::Iota(d, static_cast<Real>(i)), hn::Set(d, tile.slopeStep), hn::Set(d, tile.slopeA));
+        return wayThrough(a, hn::Set(d, tile.slopeB + static_cast<Real>(j) * tile.slopeStep), tile.path);
+    });
+}
+
+template <HaloTile::Limit kLimit>
+HWY_ATTR Real prefilterLimited(const HaloTile& halo, Real strength, Real* out, std::ptrdiff_t stride) {
+    const DF d;
+    const auto minusStrength = hn::Set(d, -strength), four = hn::Set(d, Real(4));
+    auto largest = hn::Zero(d);
+    for (int y = 0; y < kTileEdge; ++y)
+        for (int x = 0; x < kTileEdge; x += static_cast<int>(hn::Lanes(d))) {
+            const Real* at = halo.at(x, y);
+            const auto own = hn::Load(d, at), left = hn::LoadU(d, at - 1), right = hn::LoadU(d, at + 1);
+            const auto above = hn::Load(d, at - HaloTile::kStride), below = hn::Load(d, at + HaloTile::kStride);
+            const auto around = hn::Add(hn::Add(hn::Add(left, right), above), below);
+            auto value = hn::MulAdd(minusStrength, hn::NegMulAdd(four, own, around), own);
+            if constexpr (kLimit == HaloTile::Limit::zero) {
+                value = hn::Max(value, hn::Zero(d));
+            } else {
+                const auto least = hn::Min(hn::Min(hn::Min(left, right), hn::Min(above, below)), own);
+                const auto most = hn::Max(hn::Max(hn::Max(left, right), hn::Max(above, below)), own);
+                value = hn::Min(hn::Max(value, least), most);
+            }
+            largest = hn::Max(largest, value);
+            hn::StoreU(value, d, out + y * stride + x);
+        }
+    return hn::GetLane(hn::MaxOfLanes(d, largest));
+}
+
+HWY_ATTR Real prefilterTileOnTarget(const HaloTile& halo, Real strength, HaloTile::Limit limit, Real* out,
+                                    std::ptrdiff_t stride) {
+    return limit == HaloTile::Limit::zero ? prefilterLimited<HaloTile::Limit::zero>(halo, strength, out, stride)
+                                          : prefilterLimited<HaloTile::Limit::neighbours>(halo, strength, out, stride);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -97,9 +161,11 @@ namespace scrim {
 HWY_EXPORT(samplePointsOnTarget);
 HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
+HWY_EXPORT(prefilterTileOnTarget);
 
-void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out) {
-    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out);
+void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
+                  const FloatPlane::Map& map) {
+    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, map, u, v, nearest, count, out);
 }
 
 void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out) {
@@ -108,6 +174,11 @@ void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool near
 
 void attenuateTile(const AttenuateTile& tile) {
     SCRIM_ON_TARGET(tile.extinction.simd, attenuateTileOnTarget)(tile);
+}
+
+Real prefilterTile(const HaloTile& halo, Real strength, HaloTile::Limit limit, Simd simd, Real* out,
+                   std::ptrdiff_t stride) {
+    return SCRIM_ON_TARGET(simd, prefilterTileOnTarget)(halo, strength, limit, out, stride);
 }
 
 }  // namespace scrim

@@ -18,10 +18,16 @@ struct FloatPlane {
     int width, height;
     int x0 = 0, y0 = 0;
     Simd simd = {};  ///< to read it with
+
+    /// From points to places on a plane: times scale, plus (u, v).
+    struct Map {
+        Real scale = 1, u = 0, v = 0;
+    };
 };
 
-/// out[k] = plane at (u[k], v[k]), for k in [0, count); count a multiple of 16.
-void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out);
+/// out[k] = plane at map(u[k], v[k]), for k in [0, count); count a multiple of 16.
+void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
+                  const FloatPlane::Map& map = {});
 
 /// out[j * 16 + i] = plane at (u + i * step, v + j * step), for i, j in [0, 16).
 void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out);
@@ -40,5 +46,20 @@ struct AttenuateTile {
     std::ptrdiff_t entryStride;
 };
 void attenuateTile(const AttenuateTile& tile);
+
+/// The cells of a tile, and one more on every side (but not at the corners).
+struct HaloTile {
+    /// What cells are limited to when they are prefiltered: what is not below 0, or lies between their neighbours.
+    enum class Limit { zero, neighbours };
+
+    static constexpr int kStride = 48;  ///< floats from row to row
+    Real* at(int x, int y) { return cells + (y + 1) * kStride + x + 16; }
+    const Real* at(int x, int y) const { return cells + (y + 1) * kStride + x + 16; }
+    alignas(64) Real cells[kStride * 18];
+};
+
+/// out = f - strength (second differences along x and y), rows `stride` floats apart; returns the largest.
+Real prefilterTile(const HaloTile& halo, Real strength, HaloTile::Limit limit, Simd simd, Real* out,
+                   std::ptrdiff_t stride);
 
 }  // namespace scrim

@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/splat/plane_stack.h>
 
-#include <scrim/base/error.h>
-
 #include <algorithm>
-#include <cstdlib>
 #include <cstring>
 
 namespace scrim {
 namespace {
 
-constexpr std::size_t kAlignment = 64;  // bytes: a cache line and the widest vector
 // Floats behind the last row that a vector read or a padded footprint row may touch.
 constexpr std::size_t kTail = 64;
 
@@ -30,11 +26,7 @@ PlaneStack::PlaneStack(int planes, int width, int height, int channels)
       m_height(height),
       m_channels(channels),
       m_planeStride(static_cast<std::ptrdiff_t>(planeFloats(width, height, channels))),
-      // calloc hands out untouched pages, which take no memory until they are written.
-      m_memory(std::calloc(bytes(planes, width, height, channels) + kAlignment, 1), std::free) {
-    if (!m_memory) throw Error(ErrorKind::memory, "no memory for the buffers of a batch of sheets");
-    const auto address = reinterpret_cast<std::uintptr_t>(m_memory.get());
-    m_data = reinterpret_cast<Real*>((address + kAlignment - 1) / kAlignment * kAlignment);
+      m_data(bytes(planes, width, height, channels) / sizeof(Real)) {
     m_state.resize(std::size_t(planes) * std::size_t(tilesX()) * std::size_t(tilesY()));
 }
 
@@ -78,15 +70,13 @@ void PlaneStack::finishRow(int p, int ty) {
     }
 }
 
-void PlaneStack::prefilter(int p) {
+void PlaneStack::prefilter(int p, Simd simd) {
     constexpr Real kTwelfth = Real(1) / 12;
-    forPrefilteredSpans(
+    forPrefilteredTiles(
         plane(p), tilesX(), tilesY(), rowStride(), [&](int tx, int ty) { return active(p, tx, ty); },
-        [](int, int, const Real* above, const Real* here, const Real* below, Real* out) {
-            for (int x = 0; x < kTileEdge; ++x) {
-                const Real around = here[x - 1] + here[x + 1] + above[x] + below[x];
-                out[x] = std::max(Real(0), here[x] - kTwelfth * (around - 4 * here[x]));
-            }
+        [&](int tx, int ty, const HaloTile& halo, Real* out) {
+            if (prefilterTile(halo, kTwelfth, HaloTile::Limit::zero, simd, out, rowStride()) == 0)
+                m_state[tileIndex(p, tx, ty)] = kClean;
         });
 }
 

@@ -7,13 +7,14 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/box2.h>
 #include <scrim/geometry/sheets.h>
+#include <scrim/engine/splat/plane_sampling.h>
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 namespace scrim {
@@ -30,8 +31,8 @@ class PlaneStack {
     int channels() const { return m_channels; }
     int rowStride() const { return m_width * m_channels; }  ///< floats
     std::ptrdiff_t planeStride() const { return m_planeStride; }
-    Real* plane(int p) { return m_data + p * m_planeStride; }
-    const Real* plane(int p) const { return m_data + p * m_planeStride; }
+    Real* plane(int p) { return m_data.data() + p * m_planeStride; }
+    const Real* plane(int p) const { return m_data.data() + p * m_planeStride; }
 
     int tilesX() const { return m_width / kTileEdge; }
     int tilesY() const { return m_height / kTileEdge; }
@@ -55,8 +56,8 @@ class PlaneStack {
     void finish(int p);
     void finishRow(int p, int ty);
     /// Makes up for the blur of the look-ups to come: f - 1/12 (second differences along u and v), but not below 0, of
-    /// a plane with one channel that is finished. See forPrefilteredSpans.
-    void prefilter(int p);
+    /// a plane with one channel that is finished. See forPrefilteredTiles. Tiles of zeros become inactive.
+    void prefilter(int p, Simd simd = {});
     /// What is below 0 in active tiles becomes 0.
     void raiseToZero(int p);
     /// Makes tiles inactive that hold nothing but zeros (of a plane with one channel).
@@ -76,35 +77,52 @@ class PlaneStack {
 
     int m_planes, m_width, m_height, m_channels;
     std::ptrdiff_t m_planeStride;
-    std::unique_ptr<void, void (*)(void*)> m_memory;
-    Real* m_data;
+    ZeroedArray<Real> m_data;
     std::vector<std::uint8_t> m_state;
 };
 
-/// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. span(tx, y, above, here,
-/// below, out) is called for the 16 cells that row y has in an active tile. It reads the cells as they were, `here`
-/// with one on either side, and writes `out`. Beyond the plane are zeros.
+/// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. filter(tx, ty, halo, out)
+/// is called for every active tile: the halo holds its cells and those around it as they were, and `out` is its first
+/// cell.
+/// Beyond the plane are zeros, and inactive tiles to the left and above count as zeros, too.
 ///
 /// Why: views look sheets up between texels, bilinearly. Over all positions between texels that adds, on average, a
 /// twelfth of the second difference along each axis: a blur that every view sees and that does not average out. Taking
 /// it away beforehand leaves an error that changes sign from texel to texel and sheet to sheet, and does average out
 /// along a ray (quasi-interpolation; compare T. Blu, P. Thevenaz, M. Unser, "Linear Interpolation Revitalized", IEEE
 /// Transactions on Image Processing, 2004). Constant and linear fields stay as they are.
-template <class Active, class Span>
-void forPrefilteredSpans(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
-                         const Span& span) {
-    const int width = tilesX * kTileEdge, height = tilesY * kTileEdge;
-    std::vector<Real> above(std::size_t(width) + 2, Real(0)), here(above);
-    const std::vector<Real> zeros(std::size_t(width), Real(0));
-    for (int y = 0; y < height; ++y) {
-        Real* row = plane + y * rowStride;
-        std::copy_n(row, width, here.begin() + 1);
-        const Real* below = y + 1 < height ? row + rowStride : zeros.data();
+template <class Active, class Filter>
+void forPrefilteredTiles(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
+                         const Filter& filter) {
+    HaloTile halo;
+    // What was in the rows above and the columns to the left before they were filtered.
+    std::vector<Real> above(std::size_t(tilesX * kTileEdge), Real(0));
+    for (int ty = 0; ty < tilesY; ++ty) {
+        bool leftActive = false;
         for (int tx = 0; tx < tilesX; ++tx) {
-            const int x = tx * kTileEdge;
-            if (active(tx, y / kTileEdge)) span(tx, y, above.data() + 1 + x, here.data() + 1 + x, below + x, row + x);
+            Real* const aboveTile = above.data() + tx * kTileEdge;
+            if (!active(tx, ty)) {
+                std::fill_n(aboveTile, kTileEdge, Real(0));
+                leftActive = false;
+                continue;
+            }
+            Real* const first = plane + ty * kTileEdge * rowStride + tx * kTileEdge;
+            const bool endsX = tx + 1 == tilesX, endsY = ty + 1 == tilesY;
+            for (int y = 0; y < kTileEdge; ++y) {
+                Real* row = halo.at(0, y);
+                row[-1] = leftActive ? row[kTileEdge - 1] : Real(0);  // of the tile that was here before
+                std::copy_n(first + y * rowStride, kTileEdge, row);
+                row[kTileEdge] = endsX ? Real(0) : first[y * rowStride + kTileEdge];
+            }
+            std::copy_n(aboveTile, kTileEdge, halo.at(0, -1));
+            if (endsY)
+                std::fill_n(halo.at(0, kTileEdge), kTileEdge, Real(0));
+            else
+                std::copy_n(first + kTileEdge * rowStride, kTileEdge, halo.at(0, kTileEdge));
+            std::copy_n(halo.at(0, kTileEdge - 1), kTileEdge, aboveTile);
+            leftActive = true;
+            filter(tx, ty, halo, first);
         }
-        std::swap(above, here);
     }
 }
 

@@ -2,6 +2,8 @@
 #include <scrim/engine/splat/splat_block.h>
 
 #include <algorithm>
+#include <cmath>
+#include <tuple>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/splat/splat_block.cpp"
@@ -15,6 +17,7 @@ namespace HWY_NAMESPACE {
 // Voxels whose addresses are computed together, ahead of their footprints.
 constexpr int kChunk = 32;
 
+constexpr int kAhead = 4, kLinesAhead = 12;
 constexpr std::int32_t kNoSheet = 1 << 29;  // of culled voxels: past every last sheet
 
 struct Chunk {
@@ -24,6 +27,12 @@ struct Chunk {
     alignas(64) Real restU[kChunk];       // what rounding left, in steps
     alignas(64) Real restV[kChunk];
     alignas(64) Real restN[kChunk];
+    alignas(64) Real value[BlockSplat::kMost][kChunk];  // of each field
+    // The voxels that the sheets get anything of: their pieces, and the place of the first texel in all planes.
+    RealIndex voxels[2 * kChunk];
+    std::uint32_t piece[kChunk], lastPiece[kChunk];
+    std::ptrdiff_t at[kChunk];
+    int live;
 };
 
 HWY_INLINE int log2Of(int powerOfTwo) {
@@ -76,28 +85,18 @@ HWY_ATTR void locate(const BlockSplat& splat, const BlockSplat::Place& place, in
     }
 }
 
-// Weights that go with their slopes, in parts `part` apart, at `rest` steps from where they were tabulated.
+// Positions between the steps of the table, in steps.
+struct Rest {
+    Real u, v, n;
+};
+
 template <class D>
-struct Slopes {
-    hn::Vec<D> u, v, n;
-
-    HWY_ATTR HWY_INLINE Slopes(D d, const Real (&rest)[3])
-        : u(hn::Set(d, rest[0])), v(hn::Set(d, rest[1])), n(hn::Set(d, rest[2])) {}
-    HWY_ATTR HWY_INLINE hn::Vec<D> weights(D d, const Real* from, int part) const {
-        const auto sum = hn::MulAdd(u, hn::LoadU(d, from + part), hn::LoadU(d, from));
-        return hn::MulAdd(n, hn::LoadU(d, from + 3 * part), hn::MulAdd(v, hn::LoadU(d, from + 2 * part), sum));
-    }
-};
-
-// One footprint, into the same texels of one field or of several: value[f] * weights on `rows` rows of `width` texels,
-// a multiple of 4, from texels[f] on.
-struct Footprint {
-    const Real* weights;
-    int part;      // floats from part to part of the table
-    Real rest[3];  // steps from where the weights were tabulated
-    int rows, width;
-    std::ptrdiff_t rowStride;
-};
+HWY_ATTR HWY_INLINE hn::Vec<D> weightsAt(D d, const Real* piece, const Rest& rest) {
+    constexpr int kPart = FootprintPieces::kRows * FootprintPieces::kColumns;
+    const auto sum = hn::MulAdd(hn::Set(d, rest.u), hn::LoadU(d, piece + kPart), hn::LoadU(d, piece));
+    return hn::MulAdd(hn::Set(d, rest.n), hn::LoadU(d, piece + 3 * kPart),
+                      hn::MulAdd(hn::Set(d, rest.v), hn::LoadU(d, piece + 2 * kPart), sum));
+}
 
 template <class D, int kFields>
 HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const Real* value, Real* const* texels, std::ptrdiff_t at,
@@ -108,48 +107,64 @@ HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const Real* value, Real*
     }
 }
 
-// Rows of four are taken in pairs: in the table they lie side by side.
-template <int kWidth, int kFields>
-HWY_ATTR HWY_INLINE void addFootprint(const Footprint& print, const Real* value, Real* const* texels, int fields) {
-    const hn::CappedTag<Real, 4> d;
-    const Real* HWY_RESTRICT weights = print.weights;
-    std::ptrdiff_t at = 0;
-    int row = 0;
+// One piece of a footprint, into the same texels of one field or of several, from texels[f] + at on: value[f] times
+// its weights.
+template <int kFields>
+HWY_ATTR HWY_INLINE void addPiece(const Real* piece, const Rest& rest, const Real* value, Real* const* texels,
+                                  std::ptrdiff_t at, std::ptrdiff_t rowStride, int fields) {
+    constexpr int kColumns = FootprintPieces::kColumns;
 #if HWY_TARGET != HWY_SCALAR
-    if constexpr (kWidth == 4) {
-        const hn::CappedTag<Real, 8> d8;
-        if (hn::Lanes(d8) == 8) {
-            const Slopes<decltype(d8)> slopes(d8, print.rest);
-            const hn::Half<decltype(d8)> half;
-            for (; row + 1 < print.rows; row += 2, weights += 8, at += 2 * print.rowStride) {
-                const auto both = slopes.weights(d8, weights, print.part);
-                addTo<decltype(half), kFields>(half, hn::LowerHalf(half, both), value, texels, at, fields);
-                addTo<decltype(half), kFields>(half, hn::UpperHalf(half, both), value, texels, at + print.rowStride,
-                                               fields);
-            }
-        }
+    const hn::CappedTag<Real, 8> both;
+    if (hn::Lanes(both) == 8) {
+        const hn::Half<decltype(both)> row;
+        const auto weights = weightsAt(both, piece, rest);
+        addTo<decltype(row), kFields>(row, hn::LowerHalf(row, weights), value, texels, at, fields);
+        addTo<decltype(row), kFields>(row, hn::UpperHalf(row, weights), value, texels, at + rowStride, fields);
+        return;
     }
 #endif
-    const Slopes<decltype(d)> slopes(d, print.rest);
-    for (; row < print.rows; ++row, weights += print.width, at += print.rowStride)
-        for (int i = 0; i < print.width; i += static_cast<int>(hn::Lanes(d)))
-            addTo<decltype(d), kFields>(d, slopes.weights(d, weights + i, print.part), value, texels, at + i, fields);
+    const hn::CappedTag<Real, kColumns> d;
+    for (int r = 0; r < FootprintPieces::kRows; ++r)
+        for (int i = 0; i < kColumns; i += static_cast<int>(hn::Lanes(d)))
+            addTo<decltype(d), kFields>(d, weightsAt(d, piece + r * kColumns + i, rest), value, texels,
+                                        at + r * rowStride + i, fields);
 }
 
-template <int kWidth, bool kClipped, int kFields>
+// Values of the chunk's voxels [begin, end), and which of them the sheets get anything of.
+template <int kFields>
+HWY_ATTR void findLive(const BlockSplat& splat, const float* const* values, int k, int begin, int end, Chunk& chunk) {
+    const hn::ScalableTag<Real> df;
+    const hn::RebindToSigned<decltype(df)> di;
+    const int fields = kFields > 0 ? kFields : splat.fields;
+    const auto beforeFirst = hn::Set(di, splat.firstSheet - splat.table->sheets()), last = hn::Set(di, splat.lastSheet);
+    chunk.live = 0;
+    for (int f = 0; f < fields; ++f)
+        for (int i = 0; i < kChunk; ++i)
+            chunk.value[f][i] = std::min(values[f][splat.order->index[k + i]] * splat.scale, splat.most);
+    for (int i = 0; i < kChunk; i += static_cast<int>(hn::Lanes(df))) {
+        auto most = hn::Load(df, chunk.value[0] + i);
+        for (int f = 1; f < fields; ++f) most = hn::Max(most, hn::Load(df, chunk.value[f] + i));
+        const auto sheet = hn::Load(di, chunk.sheet + i), voxel = hn::Iota(di, i);
+        const auto within = hn::And(hn::Gt(voxel, hn::Set(di, begin - 1)), hn::Lt(voxel, hn::Set(di, end)));
+        const auto reaches = hn::And(hn::Gt(sheet, beforeFirst), hn::Lt(sheet, last));
+        const auto shows = hn::RebindMask(di, hn::Gt(most, hn::Zero(df)));
+        chunk.live += static_cast<int>(
+            hn::CompressBlendedStore(voxel, hn::And(hn::And(within, reaches), shows), di, chunk.voxels + chunk.live));
+    }
+}
+
+template <bool kClipped, int kFields>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
                                   int first, int second) {
     // Copies, because the compiler must assume that writing texels changes what pointers lead to.
-    const FootprintTable& table = *splat.table;
-    const int sheets = table.sheets(), fields = kFields > 0 ? kFields : splat.fields;
-    const std::ptrdiff_t sheetStride = table.sheetStride(), entryStride = sheetStride * sheets;
-    const std::ptrdiff_t planeStride = splat.planeStride;
+    const FootprintPieces& pieces = *splat.pieces;
+    const int sheets = splat.table->sheets(), fields = kFields > 0 ? kFields : splat.fields;
+    const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
     const int firstSheet = splat.firstSheet, lastSheet = splat.lastSheet;
-    const Real scale = splat.scale, most = splat.most;
-    const Real* const allWeights = table.weights();
-    const std::int32_t* const index = splat.order->index.data();
+    const Real* const weights = pieces.weights();
+    const std::uint32_t* const kinds = pieces.kinds();
+    const std::ptrdiff_t* const offsets = splat.offsets;
     const std::array<Real*, BlockSplat::kMost> planes = splat.planes;
-    Footprint print{nullptr, table.partStride(), {}, table.rows(), table.rowStride(), splat.rowStride};
     std::uint64_t footprints = 0;
     Chunk chunk;
 
@@ -157,29 +172,30 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
         // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
         locate<kClipped>(splat, place, k, chunk);
-        const int end = std::min(kChunk, second - k);
-        for (int i = k0 - k; i < end; ++i) {
-            Real value[BlockSplat::kMost], any = 0;
-            for (int f = 0; f < fields; ++f) {
-                value[f] = std::min(values[f][index[k + i]] * scale, most);
-                any = std::max(any, value[f]);
-            }
-            if (any == 0) continue;
-            const int sheet = chunk.sheet[i];
-            if (kClipped && sheet == kNoSheet) continue;
-            const int from = std::max(0, firstSheet - sheet);
-            const int to = std::min(sheets, lastSheet - sheet);
-            print.weights = allWeights + chunk.table[i] * entryStride + from * sheetStride;
-            print.rest[0] = chunk.restU[i];
-            print.rest[1] = chunk.restV[i];
-            print.rest[2] = chunk.restN[i];
-            std::ptrdiff_t at = (sheet + from - firstSheet) * planeStride + chunk.texel[i];
-            for (int s = from; s < to; ++s, print.weights += sheetStride, at += planeStride) {
-                Real* texels[BlockSplat::kMost];
-                for (int f = 0; f < fields; ++f) texels[f] = planes[f] + at;
-                addFootprint<kWidth, kFields>(print, value, texels, fields);
-            }
-            footprints += static_cast<std::uint64_t>(std::max(0, to - from));
+        findLive<kFields>(splat, values, k, k0 - k, second - k, chunk);
+        for (int l = 0; l < chunk.live; ++l) {
+            const std::ptrdiff_t i = chunk.voxels[l];
+            const int sheet = static_cast<int>(chunk.sheet[i]);
+            const int from = std::max(0, firstSheet - sheet), to = std::min(sheets, lastSheet - sheet);
+            const std::uint32_t* begins = pieces.begins(std::size_t(chunk.table[i]));
+            chunk.piece[l] = begins[from];
+            chunk.lastPiece[l] = begins[to];
+            chunk.at[l] = (sheet - firstSheet) * planeStride + chunk.texel[i];
+            footprints += static_cast<std::uint64_t>(to - from);
+        }
+        for (int l = 0; l < chunk.live; ++l) {
+            // Entries of the table lie all over it.
+            const int ahead = std::min(l + kAhead, chunk.live - 1);
+            __builtin_prefetch(kinds + chunk.piece[ahead]);
+            const Real* next = weights + std::size_t(chunk.piece[ahead]) * FootprintPieces::kFloats;
+            for (int line = 0; line < kLinesAhead; ++line) __builtin_prefetch(next + line * 16);
+            const std::ptrdiff_t i = chunk.voxels[l];
+            const Rest rest{chunk.restU[i], chunk.restV[i], chunk.restN[i]};
+            Real value[BlockSplat::kMost];
+            for (int f = 0; f < fields; ++f) value[f] = chunk.value[f][i];
+            for (std::uint32_t p = chunk.piece[l], last = chunk.lastPiece[l]; p < last; ++p)
+                addPiece<kFields>(weights + std::size_t(p) * FootprintPieces::kFloats, rest, value, planes.data(),
+                                  chunk.at[l] + offsets[kinds[p]], rowStride, fields);
         }
     }
     return footprints;
@@ -189,9 +205,8 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
 template <int kFields>
 HWY_ATTR std::uint64_t splatFields(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
                                    int first, int second) {
-    if (splat.clipped) return splatRange<0, true, kFields>(splat, place, values, first, second);
-    return splat.table->rowStride() == 4 ? splatRange<4, false, kFields>(splat, place, values, first, second)
-                                         : splatRange<0, false, kFields>(splat, place, values, first, second);
+    return splat.clipped ? splatRange<true, kFields>(splat, place, values, first, second)
+                         : splatRange<false, kFields>(splat, place, values, first, second);
 }
 
 HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockSplat::Place& place,
@@ -206,6 +221,70 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace scrim {
+
+namespace {
+
+struct Voxel {
+    Vec3 ts;
+    std::int32_t index;
+    int bucket;   // floor of N
+    int turn;     // which round through the quarters it is taken in
+    int quarter;  // of the block's extent in (U, V)
+};
+
+// Deals the voxels of each bucket out in turns, one from each quarter of the block's extent in (U, V).
+void dealOut(std::array<Voxel, kBlockVoxels>& voxels) {
+    Vec3 middle(0);
+    for (const Voxel& v : voxels) middle += v.ts / double(kBlockVoxels);
+    for (auto first = voxels.begin(); first != voxels.end();) {
+        const auto last = std::find_if(first, voxels.end(), [&](const Voxel& v) { return v.bucket != first->bucket; });
+        int dealt[4] = {0, 0, 0, 0};
+        for (auto v = first; v != last; ++v) {
+            v->quarter = (v->ts.x < middle.x ? 0 : 1) + (v->ts.y < middle.y ? 0 : 2);
+            v->turn = dealt[v->quarter]++;
+        }
+        std::stable_sort(first, last, [](const Voxel& a, const Voxel& b) {
+            return std::tie(a.turn, a.quarter) < std::tie(b.turn, b.quarter);
+        });
+        first = last;
+    }
+}
+
+}  // namespace
+
+LatticeOrder::LatticeOrder(const Mat4& tsFromIs) {
+    std::array<Voxel, kBlockVoxels> voxels;
+    for (int x = 0; x < kBlockEdge; ++x)
+        for (int y = 0; y < kBlockEdge; ++y)
+            for (int z = 0; z < kBlockEdge; ++z) {
+                const int i = blockOffset(x, y, z);
+                const Vec3 ts = transformVector(tsFromIs, Vec3(x, y, z));
+                voxels[i] = {ts, i, static_cast<int>(std::floor(ts.z)), 0, 0};
+            }
+    std::stable_sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) { return a.bucket < b.bucket; });
+    dealOut(voxels);
+
+    m_firstBucket = voxels.front().bucket;
+    for (std::size_t k = 0; k < voxels.size(); ++k) {
+        const Voxel& v = voxels[k];
+        while (static_cast<int>(m_bucketBegin.size()) <= v.bucket - m_firstBucket)
+            m_bucketBegin.push_back(static_cast<int>(k));
+        offsetU[k] = static_cast<Real>(v.ts.x);
+        offsetV[k] = static_cast<Real>(v.ts.y);
+        offsetN[k] = static_cast<Real>(v.ts.z);
+        index[k] = v.index;
+    }
+    m_bucketBegin.push_back(kBlockVoxels);
+}
+
+std::pair<int, int> LatticeOrder::between(double lower, double upper) const {
+    const int buckets = static_cast<int>(m_bucketBegin.size()) - 1;
+    const auto begin = [&](double n) {
+        const double bucket = std::clamp(std::floor(n) - m_firstBucket, 0.0, double(buckets));
+        return m_bucketBegin[bucket];
+    };
+    return {begin(lower), begin(upper + 1)};
+}
 
 HWY_EXPORT(splatBlockOnTarget);
 

@@ -6,13 +6,41 @@
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
 #include <scrim/engine/splat/footprint.h>
-#include <scrim/engine/splat/splatter.h>
+#include <scrim/geometry/spaces.h>
+#include <scrim/volume/sparse_field.h>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
+#include <vector>
 
 namespace scrim {
+
+/// The depth order of the voxels inside a block. A block is 8^3 voxels on a lattice and a grid has one affine map, so
+/// the 512 offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid: the voxels
+/// that touch a sheet are a contiguous range. This is what ZC02's bucket sort (Fig. 5, line 2) comes down to here:
+/// nothing per voxel, and no memory.
+class LatticeOrder {
+  public:
+    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a
+    // bucket neighbours in the list lie apart in (U, V): a voxel that adds to texels which the one before has
+    // just written would wait for them.
+    alignas(64) std::array<Real, kBlockVoxels> offsetU;
+    alignas(64) std::array<Real, kBlockVoxels> offsetV;
+    alignas(64) std::array<Real, kBlockVoxels> offsetN;
+    alignas(64) std::array<std::int32_t, kBlockVoxels> index;  ///< into a block's values
+
+    explicit LatticeOrder(const Mat4& tsFromIs);
+
+    /// Positions [first, second) that hold all voxels with lower < offsetN < upper, and perhaps some others of
+    /// the same buckets.
+    std::pair<int, int> between(double lower, double upper) const;
+
+  private:
+    int m_firstBucket = 0;           // floor(N) of the first bucket
+    std::vector<int> m_bucketBegin;  // position of each bucket's first voxel, and the end
+};
 
 /// How the blocks of a field are splatted.
 struct BlockSplat {
@@ -24,7 +52,9 @@ struct BlockSplat {
     };
 
     const LatticeOrder* order;
-    const FootprintTable* table;
+    const FootprintTable* table;  ///< geometry of the footprints
+    const FootprintPieces* pieces;
+    const std::ptrdiff_t* offsets;  ///< of the pieces' kinds, in these planes
     /// Of up to kMost fields that share their footprints: the plane of sheet `firstSheet`.
     static constexpr int kMost = 4;
     std::array<Real*, kMost> planes;

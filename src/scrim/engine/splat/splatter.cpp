@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/splat/splatter.h>
 
-#include <scrim/engine/splat/splat_block.h>
 #include <scrim/volume/field_builder.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 #include <glm/matrix.hpp>
 
@@ -29,6 +27,8 @@ int lastTouched(const FootprintTable& table, double upper) {
     return static_cast<int>(std::floor(upper + rounding(table))) + table.firstSheet() + table.sheets() - 1;
 }
 
+constexpr int kLeastBand = 6;  // rows of tiles: work enough for a task
+
 }  // namespace
 
 struct FieldSplatter::Target {
@@ -36,6 +36,7 @@ struct FieldSplatter::Target {
     std::span<PlaneStack> planes;
     int firstPlane;
     const TileCull* cull;
+    int band, bands;
     std::uint64_t footprints = 0;
 };
 
@@ -48,7 +49,9 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
       m_simd(simd),
       m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
               footprintSteps(tsFromIs, stepsPerVoxel).sheet, FootprintTable::Lookup::sloped),
+      m_pieces(m_table),
       m_order(tsFromIs) {
+    m_table.dropWeights();
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
         lattice.include(transformVector(tsFromIs, corner));
@@ -57,6 +60,8 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     const Vec3 reach = m_table.extent() + Vec3(texelStep, texelStep, 2 * rounding(m_table));
     m_blockLower = lattice.lower - reach;
     m_blockUpper = lattice.upper + reach;
+    // A tile for where blocks lie in theirs, another for what tables reach beyond footprints.
+    m_bandTiles = std::max(kLeastBand, static_cast<int>((m_blockUpper.y - m_blockLower.y + 1) / kTileEdge) + 3);
     m_sheetSpan = lastTouched(m_table, lattice.size().z) - firstTouched(m_table, 0) + 2;
 
     std::vector<std::int32_t> first(field.blockCount());
@@ -91,9 +96,21 @@ void FieldSplatter::join(const SparseField& field) {
 
 std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                                    const TileCull& cull) const {
+    std::uint64_t footprints = 0;
+    for (const int phase : {0, 1})
+        for (int band = phase; band < bands(planes.front()); band += 2)
+            footprints += splat(firstSheet, lastSheet, planes, firstPlane, cull, band);
+    return footprints;
+}
+
+std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
+                                   const TileCull& cull, int band) const {
     PlaneStack& own = planes.front();
+    const std::vector<std::ptrdiff_t> offsets = m_pieces.offsets(own.planeStride(), own.rowStride());
     Target target{{&m_order,
                    &m_table,
+                   &m_pieces,
+                   offsets.data(),
                    {},
                    static_cast<int>(planes.size()),
                    own.planeStride(),
@@ -108,16 +125,26 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
                    m_simd},
                   planes,
                   firstPlane,
-                  &cull};
+                  &cull,
+                  band,
+                  bands(own)};
     for (std::size_t f = 0; f < planes.size(); ++f) target.splat.planes[f] = planes[f].plane(firstPlane);
 
     const auto begin = std::lower_bound(m_firstSheets.begin(), m_firstSheets.end(), firstSheet - m_sheetSpan);
     const auto end = std::lower_bound(begin, m_firstSheets.end(), lastSheet);
+    std::vector<std::pair<std::uint32_t, Vec3>> blocks;
     for (auto it = begin; it != end; ++it) {
         const std::uint32_t b = m_byFirstSheet[it - m_firstSheets.begin()];
+        const Vec3 ts = transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b]));
+        if (ofBand(ts, target)) blocks.emplace_back(b, ts);
+    }
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+        // Blocks lie all over the memory, and each is soon done: the next but one is fetched meanwhile.
+        if (constexpr std::size_t kAhead = 2; i + kAhead < blocks.size()) prefetchBlock(blocks[i + kAhead].first);
+        const auto& [b, ts] = blocks[i];
         std::array<const float*, BlockSplat::kMost> values{m_field.block(b)};
         for (std::size_t f = 0; f < m_joined.size(); ++f) values[f + 1] = m_joined[f][b];
-        splatOneBlock(transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b])), values.data(), target);
+        splatOneBlock(ts, values.data(), target);
     }
 
     std::array<float, kBlockVoxels> constant;
@@ -128,6 +155,24 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
     return target.footprints;
 }
 
+// Tiles that a block's footprints may touch, some perhaps beyond the planes.
+Box2<int> FieldSplatter::tilesUnder(const Vec3& ts) const {
+    const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
+    return {tile(ts.x + m_blockLower.x), tile(ts.y + m_blockLower.y), tile(ts.x + m_blockUpper.x + 1) + 1,
+            tile(ts.y + m_blockUpper.y + 1) + 1};
+}
+
+bool FieldSplatter::ofBand(const Vec3& ts, const Target& target) const {
+    return std::clamp(tilesUnder(ts).y0 / m_bandTiles, 0, target.bands - 1) == target.band;
+}
+
+void FieldSplatter::prefetchBlock(std::uint32_t b) const {
+    constexpr int kLine = 16;  // floats
+    for (int i = 0; i < kBlockVoxels; i += kLine) __builtin_prefetch(m_field.block(b) + i);
+    for (const auto& values : m_joined)
+        for (int i = 0; i < kBlockVoxels; i += kLine) __builtin_prefetch(values[b] + i);
+}
+
 // A tile is cut into halves until its pieces are blocks or miss the sheets.
 void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values, Target& target) const {
     const Bounds is{Vec3(origin), Vec3(origin + Int3(edge - 1))};
@@ -135,7 +180,11 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
     if (lastTouched(m_table, ts.upper.z) < target.splat.firstSheet ||
         firstTouched(m_table, ts.lower.z) >= target.splat.lastSheet)
         return;
-    if (edge == kBlockEdge) return splatOneBlock(transformPoint(m_tsFromIs, Vec3(origin)), &values, target);
+    if (edge == kBlockEdge) {
+        const Vec3 block = transformPoint(m_tsFromIs, Vec3(origin));
+        if (ofBand(block, target)) splatOneBlock(block, &values, target);
+        return;
+    }
     const int half = edge / 2;
     for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
 }
@@ -150,9 +199,7 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Ta
     if (first == second) return;
 
     // Activate the tiles under the block, once for each sheet that it may touch.
-    const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
-    const Box2<int> under{tile(ts.x + m_blockLower.x), tile(ts.y + m_blockLower.y), tile(ts.x + m_blockUpper.x + 1) + 1,
-                          tile(ts.y + m_blockUpper.y + 1) + 1};
+    const Box2<int> under = tilesUnder(ts);
     const Box2<int> tiles = intersection(under, {0, 0, target.planes[0].tilesX(), target.planes[0].tilesY()});
     if (tiles.empty()) return;
     if (*target.cull && (*target.cull)(under)) return;
@@ -174,70 +221,6 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Ta
                                   static_cast<std::int32_t>(whole.z), static_cast<Real>(ts.x - whole.x),
                                   static_cast<Real>(ts.y - whole.y),  static_cast<Real>(ts.z - whole.z)};
     target.footprints += splatBlock(splat, place, values, first, second);
-}
-
-namespace {
-
-struct Voxel {
-    Vec3 ts;
-    std::int32_t index;
-    int bucket;   // floor of N
-    int turn;     // which round through the quarters it is taken in
-    int quarter;  // of the block's extent in (U, V)
-};
-
-// Deals the voxels of each bucket out in turns, one from each quarter of the block's extent in (U, V).
-void dealOut(std::array<Voxel, kBlockVoxels>& voxels) {
-    Vec3 middle(0);
-    for (const Voxel& v : voxels) middle += v.ts / double(kBlockVoxels);
-    for (auto first = voxels.begin(); first != voxels.end();) {
-        const auto last = std::find_if(first, voxels.end(), [&](const Voxel& v) { return v.bucket != first->bucket; });
-        int dealt[4] = {0, 0, 0, 0};
-        for (auto v = first; v != last; ++v) {
-            v->quarter = (v->ts.x < middle.x ? 0 : 1) + (v->ts.y < middle.y ? 0 : 2);
-            v->turn = dealt[v->quarter]++;
-        }
-        std::stable_sort(first, last, [](const Voxel& a, const Voxel& b) {
-            return std::tie(a.turn, a.quarter) < std::tie(b.turn, b.quarter);
-        });
-        first = last;
-    }
-}
-
-}  // namespace
-
-LatticeOrder::LatticeOrder(const Mat4& tsFromIs) {
-    std::array<Voxel, kBlockVoxels> voxels;
-    for (int x = 0; x < kBlockEdge; ++x)
-        for (int y = 0; y < kBlockEdge; ++y)
-            for (int z = 0; z < kBlockEdge; ++z) {
-                const int i = blockOffset(x, y, z);
-                const Vec3 ts = transformVector(tsFromIs, Vec3(x, y, z));
-                voxels[i] = {ts, i, static_cast<int>(std::floor(ts.z)), 0, 0};
-            }
-    std::stable_sort(voxels.begin(), voxels.end(), [](const Voxel& a, const Voxel& b) { return a.bucket < b.bucket; });
-    dealOut(voxels);
-
-    m_firstBucket = voxels.front().bucket;
-    for (std::size_t k = 0; k < voxels.size(); ++k) {
-        const Voxel& v = voxels[k];
-        while (static_cast<int>(m_bucketBegin.size()) <= v.bucket - m_firstBucket)
-            m_bucketBegin.push_back(static_cast<int>(k));
-        offsetU[k] = static_cast<Real>(v.ts.x);
-        offsetV[k] = static_cast<Real>(v.ts.y);
-        offsetN[k] = static_cast<Real>(v.ts.z);
-        index[k] = v.index;
-    }
-    m_bucketBegin.push_back(kBlockVoxels);
-}
-
-std::pair<int, int> LatticeOrder::between(double lower, double upper) const {
-    const int buckets = static_cast<int>(m_bucketBegin.size()) - 1;
-    const auto begin = [&](double n) {
-        const double bucket = std::clamp(std::floor(n) - m_firstBucket, 0.0, double(buckets));
-        return m_bucketBegin[bucket];
-    };
-    return {begin(lower), begin(upper + 1)};
 }
 
 namespace {

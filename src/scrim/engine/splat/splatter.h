@@ -7,6 +7,7 @@
 #include <scrim/base/simd.h>
 #include <scrim/engine/splat/footprint.h>
 #include <scrim/engine/splat/plane_stack.h>
+#include <scrim/engine/splat/splat_block.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/volume/sparse_field.h>
@@ -22,31 +23,6 @@ namespace scrim {
 
 /// Says of a box of tiles that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
 using TileCull = std::function<bool(const Box2<int>&)>;
-
-/// The depth order of the voxels inside a block. A block is 8^3 voxels on a lattice and a grid has one affine map, so
-/// the 512 offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid: the voxels
-/// that touch a sheet are a contiguous range. This is what ZC02's bucket sort (Fig. 5, line 2) comes down to here:
-/// nothing per voxel, and no memory.
-class LatticeOrder {
-  public:
-    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a
-    // bucket neighbours in the list lie apart in (U, V): a voxel that adds to texels which the one before has
-    // just written would wait for them.
-    alignas(64) std::array<Real, kBlockVoxels> offsetU;
-    alignas(64) std::array<Real, kBlockVoxels> offsetV;
-    alignas(64) std::array<Real, kBlockVoxels> offsetN;
-    alignas(64) std::array<std::int32_t, kBlockVoxels> index;  ///< into a block's values
-
-    explicit LatticeOrder(const Mat4& tsFromIs);
-
-    /// Positions [first, second) that hold all voxels with lower < offsetN < upper, and perhaps some others of
-    /// the same buckets.
-    std::pair<int, int> between(double lower, double upper) const;
-
-  private:
-    int m_firstBucket = 0;           // floor(N) of the first bucket
-    std::vector<int> m_bucketBegin;  // position of each bucket's first voxel, and the end
-};
 
 /// Do all blocks of `other` lie where `field` has blocks, on the same lattice, and has neither any tiles? Then both are
 /// splatted by one walk: a colour costs one, not three.
@@ -64,13 +40,20 @@ class FieldSplatter {
     /// the same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
     void join(const SparseField& field);
 
-    const FootprintTable& table() const { return m_table; }
+    /// Sheets that a footprint may reach.
+    int footprintSheets() const { return m_table.sheets(); }
+    std::size_t tableBytes() const { return m_pieces.bytes(); }
+    int bands(const PlaneStack& planes) const { return (planes.tilesY() + m_bandTiles - 1) / m_bandTiles; }
 
     /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed
     /// field times scale, at texel centres, goes to planes firstPlane + [0, lastSheet - firstSheet), on which `begin`
     /// was called. Returns the number of footprints (voxel and sheet pairs). Safe to call at once for different planes.
     /// Footprints that do not lie on the planes as a whole are culled, and so are blocks that `cull` names.
     /// `planes`: one a field, the first one's and those that have joined it.
+    /// `band`: only the blocks of one of `bands(planes)` bands of rows. Bands next to each other share rows; every
+    /// second one may be splatted at once. All of them: those with even numbers go first.
+    std::uint64_t splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
+                        const TileCull& cull, int band) const;
     std::uint64_t splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                         const TileCull& cull = {}) const;
     std::uint64_t splat(int firstSheet, int lastSheet, PlaneStack& planes, int firstPlane,
@@ -80,6 +63,9 @@ class FieldSplatter {
 
   private:
     struct Target;
+    Box2<int> tilesUnder(const Vec3& tsOrigin) const;
+    bool ofBand(const Vec3& tsOrigin, const Target& target) const;
+    void prefetchBlock(std::uint32_t block) const;
     void splatOneBlock(const Vec3& tsOrigin, const float* const* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
 
@@ -88,12 +74,14 @@ class FieldSplatter {
     Mat4 m_tsFromIs;
     Real m_scale, m_most;
     Simd m_simd;
-    FootprintTable m_table;
+    FootprintTable m_table;  // without its weights
+    FootprintPieces m_pieces;
     LatticeOrder m_order;
     Vec3 m_blockLower, m_blockUpper;            // offsets of a block's voxels in texel space, footprints included
     std::vector<std::uint32_t> m_byFirstSheet;  // blocks, ascending in the first sheet they touch, then in order
     std::vector<std::int32_t> m_firstSheets;    // the same order
     int m_sheetSpan = 0;                        // sheets a block can touch at most
+    int m_bandTiles;                            // rows of tiles a band, more than a block touches
 };
 
 /// Splats a field onto the cells of a perspective view: every footprint is warped by the Jacobian of the projection at

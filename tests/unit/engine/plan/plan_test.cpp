@@ -180,17 +180,19 @@ TEST(Plan, CutsPixelsForAntialiasing) {
     EXPECT_EQ(makePlan(scene, 2).region, (PixelWindow{-9, 15, 60, 120}));
 }
 
-TEST(Shading, IsChosenByCountsUnlessTheSceneSaysSo) {
+TEST(Shading, IsWhereItIsLessWorkUnlessTheSceneSaysSo) {
     ViewScene scene = someScene();
-    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);  // 64 x 64 pixels of some 80 x 80 texels
+    scene.camera.resolution = Int2(512);
+    scene.region = {0, 0, 512, 512};
+    EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);  // some 80 x 80 texels
     // A crop is shaded as the picture it is a part of; a small picture is not.
-    scene.region = {30, 30, 34, 34};
+    scene.region = {250, 250, 254, 254};
     EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
-    scene.camera.resolution = Int2(4);
-    scene.region = {0, 0, 4, 4};
+    scene.camera.resolution = Int2(16);
+    scene.region = {0, 0, 16, 16};
     const Plan few = makePlan(scene, 2);
     EXPECT_TRUE(few.shadeAtPixels);
-    EXPECT_NE(few.shadeReason.find("the picture 16 pixels"), std::string::npos) << few.shadeReason;
+    EXPECT_NE(few.shadeReason.find("pixels wide"), std::string::npos) << few.shadeReason;
     scene.dials.shade = ShadeMode::texel;
     EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
     EXPECT_EQ(makePlan(scene, 2).shadeReason, "the scene says so");
@@ -201,7 +203,7 @@ TEST(Shading, IsChosenByCountsUnlessTheSceneSaysSo) {
 // A pixel of the slide needs two texels at least; else pixels.
 TEST(PlannedShading, IsAtPixelsWhereASheetIsDense) {
     ViewScene scene = someScene();
-    scene.camera.resolution = {64, 64};
+    scene.camera.resolution = {1024, 1024};  // texels of many pixels: a thin medium is shaded at those
     EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
     scene.volumes[0].medium.densityScale = 4;
     const Plan plan = makePlan(scene, 2);
@@ -213,6 +215,7 @@ TEST(PlannedShading, IsAtPixelsWhereASheetIsDense) {
 
 TEST(Shading, IsAtPixelsWhereASlideIsFinerThanTwoTexels) {
     ViewScene scene = someScene();
+    scene.camera.resolution = Int2(512);                                     // texels of many pixels
     scene.lights = {distantSlide({0.1, 0.2, -1}, 64 * 1.01, quarters(64))};  // texels of 0.5
     EXPECT_FALSE(makePlan(scene, 2).shadeAtPixels);
     scene.lights[0].slide->width = 64 * 0.99;

@@ -282,7 +282,7 @@ TEST(FootprintCount, IsOfVoxelsAboveZeroOnly) {
     const FieldSplatter splatter(*field, stage.tsFromIs, Kernel::linear, 16, 1);
     EXPECT_LT(field->activeVoxels, field->blockCount() * kBlockVoxels);
     EXPECT_EQ(splat(*field, stage, Kernel::linear, 16).footprints,
-              field->activeVoxels * static_cast<std::uint64_t>(splatter.table().sheets()));
+              field->activeVoxels * static_cast<std::uint64_t>(splatter.footprintSheets()));
 }
 
 TEST(Scale, MultipliesEveryTexel) {
@@ -335,6 +335,41 @@ TEST(ConstantTiles, AreSplattedAsTheVoxelsTheyStandFor) {
         for (int n = 0; n < stage.sheets; ++n)
             for (int i = 0; i < stage.width * stage.height; ++i)
                 ASSERT_NEAR(actual.planes.plane(n)[i], expected.planes.plane(n)[i], 1e-6);  // order of additions
+    }
+}
+
+TEST(FieldSplatter, EverySecondBandMayBeSplattedAtOnce) {
+    std::mt19937 random(5);
+    for (const double size : {0.3, 1.0, 2.7}) {
+        const auto field = makeField({-70, -70, 2}, {70, 70, 9}, 1, [&](const Vec3&) { return random() % 3 + 1.0; });
+        const Mat3 linear = scaled(size, size, 1) * rotated(0.7, {0.3, 0.2, 1});
+        const Stage stage = stageFor(*field, linear, Kernel::linear);
+        const FieldSplatter splatter(*field, stage.tsFromIs, Kernel::linear, 8, 1);
+        PlaneStack shape(stage.sheets, stage.width, stage.height, 1);
+        const int bands = splatter.bands(shape);
+        ASSERT_GE(bands, size < 1 ? 1 : 3);
+        std::vector<std::vector<int>> rows(static_cast<std::size_t>(bands));
+        std::uint64_t footprints = 0;
+        for (int band = 0; band < bands; ++band) {
+            PlaneStack planes(stage.sheets, stage.width, stage.height, 1);
+            for (int p = 0; p < stage.sheets; ++p) planes.begin(p);
+            footprints += splatter.splat(0, stage.sheets, std::span(&planes, 1), 0, {}, band);
+            for (int y = 0; y < stage.height; ++y)
+                for (int p = 0; p < stage.sheets; ++p) {
+                    const Real* row = planes.plane(p) + y * planes.rowStride();
+                    bool any = std::any_of(row, row + stage.width, [](Real v) { return v != 0; });
+                    for (int tx = 0; tx < planes.tilesX(); ++tx) any = any || planes.active(p, tx, y / kTileEdge);
+                    if (!any) continue;
+                    rows[std::size_t(band)].push_back(y);
+                    break;
+                }
+        }
+        for (int band = 0; band + 2 < bands; ++band) {
+            // Tables reach up to six rows beyond footprints, and two before them.
+            ASSERT_FALSE(rows[std::size_t(band)].empty());
+            EXPECT_LT(rows[std::size_t(band)].back() + 6, rows[std::size_t(band) + 2].front() - 2) << size;
+        }
+        EXPECT_EQ(footprints, splat(*field, stage, Kernel::linear, 8).footprints);
     }
 }
 

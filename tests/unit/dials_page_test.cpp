@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The README says what the program does.
+// The page of dials says what the program does.
 #include <scrim/scene/quality.h>
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@
 namespace scrim::test {
 namespace {
 
-TEST(Readme, ListsEveryDialAsTheTableHasIt) {
-    std::ifstream file(SCRIM_SOURCE_DIR "/README.md");
+TEST(DialsPage, ListsEveryDialAsTheTableHasIt) {
+    std::ifstream file(SCRIM_SOURCE_DIR "/examples/DIALS.md");
     std::ostringstream text;
     text << file.rdbuf();
     for (const DialInfo& d : dialTable()) {

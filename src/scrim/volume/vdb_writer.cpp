@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/vdb_write.h>
+#include <scrim/volume/vdb_module.h>
 
-#include <scrim/base/error.h>
 #include <scrim/base/atomic_file.h>
+#include <scrim/base/system_error.h>
+#include <scrim/volume/vdb_bytes.h>
+#include <scrim/volume/vdb_layout.h>
 
 #include <openvdb/openvdb.h>
 #include <openvdb/io/File.h>
+
+#include <cerrno>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
 namespace scrim {
 
@@ -36,9 +44,31 @@ openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
     return grid;
 }
 
+/// Why nothing can be added to a file.
+int errorOfAdding(const std::string& path) {
+    const std::vector<char> zeros(std::size_t{1} << 20);
+    const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
+    int error = file < 0 ? errno : 0;
+    // What fits is added at first.
+    for (int attempt = 0; attempt < 2 && error == 0; ++attempt)
+        if (::write(file, zeros.data(), zeros.size()) < 0) error = errno;
+    if (file >= 0) ::close(file);
+    return error == 0 ? EIO : error;
+}
+
+/// OpenVDB does not look whether what it writes arrives.
+void checkWritten(const AtomicFile& file) {
+    try {
+        checkVdbLayout(VdbBytes(file.tempPath()));
+    } catch (const Error&) {
+        throw Error(ErrorKind::output, shortened(fmt::format("{}: cannot be written: {}", file.path(),
+                                                             systemErrorText(errorOfAdding(file.tempPath())))));
+    }
+}
+
 }  // namespace
 
-void writeVdb(const std::string& path, const std::vector<SparseField>& fields) {
+void writeVdbContent(const std::string& path, const std::vector<SparseField>& fields) {
     openvdb::initialize();
     AtomicFile file(path);
     try {
@@ -57,6 +87,7 @@ void writeVdb(const std::string& path, const std::vector<SparseField>& fields) {
     } catch (const std::exception& error) {
         throw Error(ErrorKind::output, shortened(path + ": cannot be written: " + error.what()));
     }
+    checkWritten(file);
     file.commit();
 }
 

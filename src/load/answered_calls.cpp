@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "answered_calls.h"
+
+#include <atomic>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <string_view>
+
+#include <fcntl.h>
+#include <sys/syscall.h>
+#include <ucontext.h>
+#include <unistd.h>
+
+namespace scrim::load {
+namespace {
+
+constexpr std::size_t kLongestName = 255;  // of Linux' file systems
+
+// A handler finds nothing but globals.
+std::string *s_path = nullptr, *s_beside = nullptr;
+int s_file = -1, s_besideFile = -1;
+std::atomic_flag s_anyLacked;
+char s_lacked[kLongestName + 1] = {};
+
+/// Goes along a path, past what means nothing: empty parts and ".". Takes no memory: that may be what was interrupted.
+class Parts {
+  public:
+    explicit Parts(const char* path) : m_at(path) { skip(); }
+    bool done() const { return *m_at == '\0'; }
+    std::string_view next() {
+        const std::string_view part(m_at, std::strcspn(m_at, "/"));
+        m_at += part.size();
+        skip();
+        return part;
+    }
+
+  private:
+    void skip() {
+        while (*m_at == '/' || (*m_at == '.' && (m_at[1] == '/' || m_at[1] == '\0'))) ++m_at;
+    }
+
+    const char* m_at;
+};
+
+/// What `path` is called in the folder of our file; "" where it is elsewhere.
+std::string_view nameInFolder(const char* path) {
+    const char* ours = s_path->c_str();
+    if ((*path == '/') != (*ours == '/')) return {};
+    Parts parts(path), ourParts(ours);
+    while (!parts.done() && !ourParts.done()) {
+        const std::string_view part = parts.next(), ourPart = ourParts.next();
+        if (parts.done() && ourParts.done()) return part;
+        if (part != ourPart) return {};
+    }
+    return {};
+}
+
+/// The file of that name; -1: there is none.
+int fileCalled(const char* path) {
+    if (path == nullptr) return -1;
+    const std::string_view name = nameInFolder(path);
+    if (name.empty()) return -1;
+    if (name == nameInFolder(s_path->c_str())) return s_file;
+    if (s_beside != nullptr && name == *s_beside) return s_besideFile;
+    if (name.size() <= kLongestName && !s_anyLacked.test_and_set()) name.copy(s_lacked, kLongestName);
+    return -1;
+}
+
+/// The registers of the call that was trapped.
+class Call {
+  public:
+    explicit Call(void* context) : m_registers(static_cast<ucontext_t*>(context)->uc_mcontext) {}
+
+#if defined(__x86_64__)
+    long argument(int i) const {
+        constexpr int kPlaces[] = {REG_RDI, REG_RSI, REG_RDX, REG_R10};
+        return static_cast<long>(m_registers.gregs[kPlaces[i]]);
+    }
+    void answer(long value) {
+        m_registers.gregs[REG_RAX] = value;
+    }
+#elif defined(__aarch64__)
+    long argument(int i) const {
+        return static_cast<long>(m_registers.regs[i]);
+    }
+    void answer(long value) {
+        m_registers.regs[0] = static_cast<unsigned long long>(value);
+    }
+#else
+#error "name this processor's registers of arguments and results of system calls"
+#endif
+    const char* text(int i) const {
+        return reinterpret_cast<const char*>(argument(i));
+    }
+
+  private:
+    mcontext_t& m_registers;
+};
+
+/// What the kernel says: a result, or the negative number of an error.
+long kernel(long result) {
+    return result < 0 ? -errno : result;
+}
+
+long openAgain(int file) {
+    const int again = ::dup(file);
+    if (again >= 0) ::lseek(again, 0, SEEK_SET);
+    return kernel(again);
+}
+
+long stat(long file, long result) {
+    return kernel(::syscall(SYS_fstat, file, result));
+}
+
+/// Of a call whose argument `name` is a name, and for which `answer` is the answer where that is one of our files.
+template <typename Answer>
+long ofOurs(const Call& call, int name, const Answer& answer) {
+    const int file = fileCalled(call.text(name));
+    return file >= 0 ? answer(file) : -ENOENT;
+}
+
+long access(long mode) {
+    return (mode & (W_OK | X_OK)) != 0 ? -EACCES : 0;
+}
+
+long answerTo(int number, const Call& call) {
+    switch (number) {
+        case SYS_openat:
+            return ofOurs(call, 1, openAgain);
+        case SYS_newfstatat:
+            if (call.text(1) != nullptr && *call.text(1) == '\0' && (call.argument(3) & AT_EMPTY_PATH) != 0)
+                return stat(call.argument(0), call.argument(2));
+            return ofOurs(call, 1, [&](int file) { return stat(file, call.argument(2)); });
+        case SYS_faccessat:
+        case SYS_faccessat2:
+            return ofOurs(call, 1, [&](int) { return access(call.argument(2)); });
+        case SYS_readlinkat:
+            return ofOurs(call, 1, [](int) { return long{-EINVAL}; });
+#if defined(SYS_open)
+        case SYS_open:
+            return ofOurs(call, 0, openAgain);
+        case SYS_stat:
+        case SYS_lstat:
+            return ofOurs(call, 0, [&](int file) { return stat(file, call.argument(1)); });
+        case SYS_access:
+            return ofOurs(call, 0, [&](int) { return access(call.argument(1)); });
+        case SYS_readlink:
+            return ofOurs(call, 0, [](int) { return long{-EINVAL}; });
+#endif
+        default:
+            return -ENOSYS;
+    }
+}
+
+void handle(int, siginfo_t* info, void* context) {
+    const int before = errno;
+    Call call(context);
+    call.answer(answerTo(info->si_syscall, call));
+    errno = before;
+}
+
+}  // namespace
+
+void AnsweredCalls::install(const std::string& path, int file) {
+    s_path = new std::string(path);
+    s_file = file;
+    struct sigaction action {};
+    action.sa_sigaction = handle;
+    action.sa_flags = SA_SIGINFO;
+    ::sigaction(SIGSYS, &action, nullptr);
+}
+
+void AnsweredCalls::add(const std::string& name, int file) {
+    s_beside = new std::string(name);
+    s_besideFile = file;
+}
+
+std::string AnsweredCalls::lacked() {
+    return s_lacked;
+}
+
+std::span<const long> AnsweredCalls::ofNames() {
+    static const long calls[] = {
+        SYS_newfstatat,
+        SYS_faccessat,
+        SYS_faccessat2,
+        SYS_readlinkat,
+#if defined(SYS_open)
+        SYS_stat,
+        SYS_lstat,
+        SYS_access,
+        SYS_readlink,
+#endif
+    };
+    return calls;
+}
+
+}  // namespace scrim::load

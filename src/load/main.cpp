@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: Apache-2.0
+// The program that reads volumes or pictures for others (scrim/volume/load_protocol.h): one process, started once, that
+// forks for each file. It has no threads that do anything, so that a fork finds all as it should be. The fork reads
+// what it was handed, behind a filter of system calls, and ends. Where a file crashes its reader, that is all that
+// crashes. Volume sources that read files are loaded by the fork, before it goes behind the filter.
+//   scrim-load --serve                    serves the socket that is its descriptor 3: volumes, and files of sources
+//   scrim-load --serve-pictures MODULE    does so for pictures, which that module (picture_module.h) reads
+//   scrim-load --check                    tells whether children are confined (check.h)
+#include "check.h"
+#include "confine.h"
+#include "read_picture.h"
+#include "read_source.h"
+#include "read_volume.h"
+
+#include <scrim/base/system_error.h>
+#include <scrim/volume/load_protocol.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/prctl.h>
+#include <sys/signalfd.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace scrim::load {
+namespace {
+
+constexpr int kUsage = 2;
+// A child's descriptors.
+constexpr int kChildTransfer = 3, kChildInput = 4, kChildBeside = 5, kChildEnd = 6;
+
+/// A child, and the other side of the one who waits for it.
+struct Job {
+    pid_t child = -1;
+    int control = -1;
+};
+
+/// One message as it came, with its descriptors.
+struct Request {
+    LoadMessage message;
+    int descriptors[kMostDescriptors] = {-1, -1, -1, -1, -1};
+
+    bool complete() const { return descriptors[kBeside] >= 0; }
+    void close(bool control) {
+        for (int i = control ? 0 : 1; i < static_cast<int>(kMostDescriptors); ++i)
+            if (descriptors[i] >= 0) ::close(descriptors[i]);
+    }
+};
+
+/// False where nobody is left to serve.
+bool receive(Request& request) {
+    iovec part{&request.message, sizeof request.message};
+    alignas(cmsghdr) char space[CMSG_SPACE(sizeof request.descriptors)];
+    msghdr head{};
+    head.msg_iov = &part;
+    head.msg_iovlen = 1;
+    head.msg_control = space;
+    head.msg_controllen = sizeof space;
+    ssize_t size = 0;
+    do size = ::recvmsg(kLoadSocket, &head, MSG_CMSG_CLOEXEC);
+    while (size < 0 && errno == EINTR);
+    if (size <= 0) return false;
+    for (cmsghdr* c = CMSG_FIRSTHDR(&head); c != nullptr; c = CMSG_NXTHDR(&head, c)) {
+        if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_RIGHTS) continue;
+        const auto* from = reinterpret_cast<const int*>(CMSG_DATA(c));
+        const std::size_t count = (c->cmsg_len - CMSG_LEN(0)) / sizeof(int);
+        for (std::size_t i = 0; i < count && i < kMostDescriptors; ++i) request.descriptors[i] = from[i];
+    }
+    return true;
+}
+
+template <typename Task>
+void runConfined(const Task& task, const Limits& limits) {
+    if (!confine(limits, Task::kFiles)) ::_exit(kNotConfined);
+    task.run();
+}
+
+/// A thread takes address space for its stack and its memory, which a small limit must have.
+void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
+    constexpr std::uint64_t kThreadBytes = std::uint64_t{128} << 20;
+    const auto most = std::max<std::uint64_t>(message.memory / kThreadBytes / 2, 1);
+    const auto threads = std::min<std::uint64_t>(message.threads, most);
+    limits.seconds *= threads;
+    runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, static_cast<int>(threads)),
+                limits);
+}
+
+/// The child: keeps its own descriptors and nothing else. Never returns.
+[[noreturn]] void runChild(Request request, const PictureModule* pictures, pid_t parent) {
+    // Above all that they go to, so that none is overwritten before it has moved.
+    for (int& descriptor : request.descriptors)
+        if (descriptor >= 0 && (descriptor = ::fcntl(descriptor, F_DUPFD, kChildEnd)) < 0) ::_exit(kNoDescriptors);
+    ::dup2(request.descriptors[kTransfer], kChildTransfer);
+    ::dup2(request.descriptors[kInput], kChildInput);
+    ::dup2(request.descriptors[kBeside], kChildBeside);
+    if (request.descriptors[kStderr] >= 0) ::dup2(request.descriptors[kStderr], STDERR_FILENO);
+    ::close_range(kChildEnd, ~0U, 0);
+    sigset_t none;
+    sigemptyset(&none);
+    ::sigprocmask(SIG_SETMASK, &none, nullptr);
+
+    // No life beyond that of this program; which may have ended before.
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (::getppid() != parent) ::_exit(0);
+    const Limits limits{request.message.memory, request.message.seconds};
+    LoadRequest wanted = receiveRequest(kChildTransfer);
+    if (pictures != nullptr)
+        runConfined(ReadPicture(*pictures, kChildTransfer, std::move(wanted), kChildInput), limits);
+    else if (!wanted.source.empty())
+        runSource(std::move(wanted), request.message, limits);
+    else
+        runConfined(ReadVolume(kChildTransfer, std::move(wanted), kChildInput), limits);
+    // What a damaged file left of the heap is better not taken apart.
+    ::_exit(0);
+}
+
+class Server {
+  public:
+    /// Its children read with `pictures`; null: they read volumes.
+    explicit Server(const PictureModule* pictures) : m_pictures(pictures) {
+        sigset_t ended;
+        sigemptyset(&ended);
+        sigaddset(&ended, SIGCHLD);
+        ::sigprocmask(SIG_BLOCK, &ended, nullptr);
+        m_ended = ::signalfd(-1, &ended, SFD_NONBLOCK | SFD_CLOEXEC);
+    }
+
+    int serve() {
+        for (;;) {
+            std::vector<pollfd> events{{kLoadSocket, POLLIN, 0}, {m_ended, POLLIN, 0}};
+            for (const Job& job : m_jobs) events.push_back({job.control, 0, 0});  // that it hangs up is always told
+            if (::poll(events.data(), events.size(), -1) < 0) {
+                if (errno == EINTR) continue;
+                return 1;
+            }
+            for (std::size_t i = 0; i < m_jobs.size(); ++i)
+                if (events[i + 2].revents != 0) cancel(m_jobs[i]);
+            if (events[1].revents != 0) reap();
+            // Children die with this process.
+            if (events[0].revents != 0 && !begin()) return 0;
+        }
+    }
+
+  private:
+    bool begin() {
+        Request request;
+        if (!receive(request)) return false;
+        const pid_t self = ::getpid();
+        // Descriptors that do not come are beyond the limit of this process.
+        const pid_t child = request.complete() ? ::fork() : -1;
+        const int problem = request.complete() ? errno : EMFILE;
+        if (child == 0) runChild(request, m_pictures, self);
+        request.close(false);
+        if (child < 0)
+            refuse(request.descriptors[kControl], problem);
+        else
+            m_jobs.push_back({child, request.descriptors[kControl]});
+        return true;
+    }
+    /// Without a control whoever waits says that the process is lost.
+    static void refuse(int control, int problem) {
+        if (control < 0) return;
+        LoadAnswer answer;
+        answer.problem = problem;
+        (void)::send(control, &answer, sizeof answer, MSG_NOSIGNAL);
+        ::close(control);
+    }
+    /// Nobody waits any more.
+    static void cancel(Job& job) {
+        ::kill(job.child, SIGKILL);
+        ::close(job.control);
+        job.control = -1;
+    }
+    void reap() {
+        signalfd_siginfo ignored;
+        while (::read(m_ended, &ignored, sizeof ignored) > 0) {
+        }
+        LoadAnswer answer;
+        int status = 0;
+        for (pid_t ended; (ended = ::waitpid(-1, &status, WNOHANG)) > 0;)
+            for (std::size_t i = 0; i < m_jobs.size(); ++i) {
+                if (m_jobs[i].child != ended) continue;
+                answer.status = status;
+                if (m_jobs[i].control >= 0) {
+                    (void)::send(m_jobs[i].control, &answer, sizeof answer, MSG_NOSIGNAL);
+                    ::close(m_jobs[i].control);
+                }
+                m_jobs.erase(m_jobs.begin() + static_cast<std::ptrdiff_t>(i));
+                break;
+            }
+    }
+
+    const PictureModule* m_pictures;
+    int m_ended = -1;
+    std::vector<Job> m_jobs;
+};
+
+}  // namespace
+}  // namespace scrim::load
+
+int main(int argc, char** argv) {
+    using namespace scrim::load;
+    const std::string_view mode = argc >= 2 ? argv[1] : "";
+    scrim::openStandardStreams();
+    ::clearenv();
+    // Those of a terminal are for the process that waits, which then closes the socket.
+    for (const int signal : {SIGINT, SIGQUIT, SIGHUP}) std::signal(signal, SIG_IGN);
+    if (mode == "--serve-pictures" && argc == 3) {
+        const scrim::PictureModule* pictures = loadPictureModule(argv[2]);
+        return pictures == nullptr ? 1 : Server(pictures).serve();
+    }
+    if (mode == "--check" && argc == 2) return checkConfinement() ? 0 : 1;
+    if (mode == "--serve" && argc == 2) {
+        prepareToRead();
+        return Server(nullptr).serve();
+    }
+    std::fputs(
+        "scrim-load: reads volumes and pictures for the library scrim, which starts it; --check checks its "
+        "confinement\n",
+        stderr);
+    return kUsage;
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+// This program is linked to OpenVDB itself. It only reads.
+#include <scrim/volume/vdb_module.h>
+
+namespace scrim {
+
+const VdbModule& vdbModule() {
+    static const VdbModule module{readVdbContent, nullptr};
+    return module;
+}
+
+}  // namespace scrim

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a child does: reads one picture.
+#pragma once
+
+#include "confine.h"
+
+#include <scrim/image/picture_module.h>
+#include <scrim/volume/field_transfer.h>
+
+#include <string>
+
+namespace scrim::load {
+
+/// Loads the module of pictures from the file `path`, before any child is forked. Null where it cannot be loaded.
+const PictureModule* loadPictureModule(const std::string& path);
+
+class ReadPicture {
+  public:
+    static constexpr Files kFiles = Files::answered;
+
+    /// From then on the open file `input` is all that names lead to.
+    ReadPicture(const PictureModule& module, int transfer, LoadRequest request, int input);
+    /// Reads the file, and sends what it holds, or what is wrong with it.
+    void run() const;
+
+  private:
+    const PictureModule& m_module;
+    int m_transfer;
+    LoadRequest m_request;
+};
+
+}  // namespace scrim::load

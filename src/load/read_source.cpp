@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "read_source.h"
+
+#include "answered_calls.h"
+#include "read_volume.h"
+
+#include <scrim/base/parallel.h>
+#include <scrim/volume/read_fields.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace scrim::load {
+
+ReadSource::ReadSource(int transfer, LoadRequest request, int input, int beside, int threads)
+    : m_transfer(transfer), m_threads(threads), m_request(std::move(request)) {
+    allowThreads();
+    try {
+        m_source.emplace(m_request.source);
+    } catch (const Error& error) {
+        m_problem = error;
+    }
+    if (!hasFilter()) return;
+    AnsweredCalls::install(m_request.path, input);
+    if (!m_request.beside.empty()) AnsweredCalls::add(m_request.beside, beside);
+}
+
+void ReadSource::send() const {
+    if (m_problem) throw *m_problem;
+    std::vector<TransferMessage> messages;
+    const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
+    TaskArena(m_threads).run([&] {
+        const std::vector<SparseField> fields = m_source->run(m_request.parameters, hear, {}, true);
+        sendFields(m_transfer, fields, messages);
+    });
+}
+
+void ReadSource::run() const {
+    try {
+        readWithErrors("source '" + sourceNameOf(m_request.source) + "': " + m_request.path, [&] { send(); });
+    } catch (const Error& error) {
+        const std::string lacked = AnsweredCalls::lacked();
+        if (lacked.empty())
+            sendError(m_transfer, error);
+        else
+            sendError(m_transfer, BesideError(error, lacked));
+    }
+}
+
+}  // namespace scrim::load

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "read_volume.h"
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/volume/read_fields.h>
+#include <scrim/volume/vdb_file.h>
+
+#include <openvdb/openvdb.h>
+#include <tbb/global_control.h>
+
+#include <optional>
+#include <utility>
+
+#include <malloc.h>
+
+namespace scrim::load {
+namespace {
+
+void sendAll(int transfer, const LoadRequest& request, const VdbBytes& bytes) {
+    if (request.what == "info") return sendInfo(transfer, VdbFile::open(bytes).info());
+    std::vector<TransferMessage> messages;
+    const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
+    const std::vector<SparseField> fields = readFields(bytes, request.grids, hear);
+    sendFields(transfer, fields, messages);
+}
+
+std::optional<tbb::global_control>& oneThread() {
+    static std::optional<tbb::global_control> limit;
+    return limit;
+}
+
+}  // namespace
+
+void prepareToRead() {
+    oneThread().emplace(tbb::global_control::max_allowed_parallelism, 1);
+    openvdb::initialize();
+    // oneTBB looks for libraries of its own when the first loop runs. One task alone would not be a loop.
+    parallelFor(2, [](std::size_t) {});
+    // Memory grows in large steps, and is not given back: a child ends soon.
+    constexpr int kStep = 16 << 20;
+    ::mallopt(M_TOP_PAD, kStep);
+    ::mallopt(M_TRIM_THRESHOLD, kStep);
+    ::mallopt(M_ARENA_MAX, 1);
+}
+
+void allowThreads() {
+    oneThread().reset();
+    constexpr int kArenas = 8;  // of memory, each of which takes 64 MB of address space
+    ::mallopt(M_ARENA_MAX, kArenas);
+}
+
+ReadVolume::ReadVolume(int transfer, LoadRequest request, int input)
+    : m_transfer(transfer), m_request(std::move(request)), m_bytes(std::make_unique<VdbBytes>(m_request.path, input)) {}
+
+/// What is thrown is sent in place of the result.
+void ReadVolume::run() const {
+    try {
+        readWithErrors(m_request.path, [&] { sendAll(m_transfer, m_request, *m_bytes); });
+    } catch (const Error& error) {
+        sendError(m_transfer, error);
+    }
+}
+
+}  // namespace scrim::load

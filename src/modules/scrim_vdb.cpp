@@ -1,0 +1,8 @@
+// SPDX-License-Identifier: Apache-2.0
+// The module `scrim_vdb`: what of the library needs OpenVDB.
+#include <scrim/volume/vdb_module.h>
+
+extern "C" __attribute__((visibility("default"))) const scrim::VdbModule* scrim_vdb_module_1() {
+    static const scrim::VdbModule module{scrim::readVdbContent, scrim::writeVdbContent};
+    return &module;
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Where the files lie that belong to this library: modules, volume sources and the program that reads volumes. In the
+// build tree as in the installed one, wherever it was moved to.
+#pragma once
+
+#include <string>
+
+namespace scrim {
+
+/// The folder of the shared object (or program) that this code is part of; "" where the system does not tell.
+std::string libraryFolder();
+
+/// "scrim/NAME" in that folder.
+std::string besideLibrary(const std::string& name);
+
+/// The function `symbol` of the module FILE there, which is loaded for good; `what` says what it does: "reads volumes".
+/// Throws Error(render).
+void* moduleFunction(const std::string& file, const char* symbol, const std::string& what);
+
+}  // namespace scrim

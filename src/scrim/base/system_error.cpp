@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/base/system_error.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <system_error>
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace scrim {
+namespace {
+
+rlim_t limitOf(__rlimit_resource resource) {
+    rlimit limits{};
+    return ::getrlimit(resource, &limits) == 0 ? limits.rlim_cur : RLIM_INFINITY;
+}
+
+}  // namespace
+
+ErrorKind kindOfSystemError(int errorNumber, ErrorKind otherwise) {
+    switch (errorNumber) {
+        case ENOMEM:
+            return ErrorKind::memory;
+        case EMFILE:
+        case ENFILE:
+            return ErrorKind::render;
+        default:
+            return otherwise;
+    }
+}
+
+std::string systemErrorText(int errorNumber) {
+    const std::string text = std::generic_category().message(errorNumber);
+    if (errorNumber == EMFILE) return text + "; raise the limit (ulimit -n)";
+    if (errorNumber == EFBIG && limitsFileSizes()) return text + "; raise the limit (ulimit -f)";
+    if (errorNumber == ENOMEM && limitOf(RLIMIT_AS) != RLIM_INFINITY) return text + "; raise the limit (ulimit -v)";
+    return text;
+}
+
+bool limitsFileSizes() {
+    return limitOf(RLIMIT_FSIZE) != RLIM_INFINITY;
+}
+
+bool limitsMemory(std::size_t bytes) {
+    return std::min(limitOf(RLIMIT_AS), limitOf(RLIMIT_DATA)) < bytes;
+}
+
+int aboveStandardStreams(int fd) noexcept {
+    if (fd < 0 || fd > STDERR_FILENO) return fd;
+    const int above = ::fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+    const int error = errno;
+    ::close(fd);
+    errno = error;
+    return above;
+}
+
+void openStandardStreams() noexcept {
+    // The lowest that is free is given out: each one its own. Open for reading, stdout fails as a closed one does.
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
+        if (::fcntl(fd, F_GETFD) < 0) (void)::open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+}
+
+}  // namespace scrim

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: `readTexture` (texture.h) in two steps, for those who let another process read the file.
+#pragma once
+
+#include <scrim/image/picture_module.h>
+#include <scrim/image/texture.h>
+
+#include <memory>
+#include <string>
+
+namespace scrim {
+
+/// Throws Error(input) where there is no regular file.
+void checkPictureFile(const std::string& path);
+
+/// What `readTexture` makes of what was read, and throws of it.
+std::shared_ptr<const Texture> textureOf(FilePicture pixels, const std::string& path, const std::string& colorspace,
+                                         const ColourConfig& colour, const MessageSink& messages);
+
+}  // namespace scrim

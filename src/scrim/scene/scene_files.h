@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// The files that a scene reads: one list for whoever must leave them as they are.
+#pragma once
+
+#include <scrim/scene/scene.h>
+
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+struct SceneFile {
+    std::string path;
+    std::string role;  ///< "the volume 'plume'"
+};
+
+/// At the frame of `scene`, and of sequences all files that there are: whoever renders another frame reads those. Not
+/// the file of the scene itself. Files that are missing are among them.
+std::vector<SceneFile> filesReadBy(const Scene& scene);
+
+}  // namespace scrim

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+// A key of a scene's table: its name, what its value may be, what it is without one, and what it means. The reader's
+// checks, `scrim help`, examples/SCENES.md and the JSON schema all read it from here.
+#pragma once
+
+#include <deque>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+
+namespace scrim {
+
+/// What a number may be.
+struct Range {
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    bool openLow = false, openHigh = false;  ///< the limit itself is not allowed
+    std::string unit;                        ///< "degrees"
+
+    bool holds(double value) const;
+    /// " from 0 to 180 degrees"; empty where everything finite is allowed.
+    std::string text() const;
+
+    static Range atLeast(double low, std::string unit = "");
+    static Range above(double low, std::string unit = "");
+    static Range fromTo(double low, double high, std::string unit = "");
+    static Range between(double low, double high, std::string unit = "");  ///< without its limits
+    static Range aboveTo(double low, double high, std::string unit = "");  ///< without the lower one
+    /// Coordinates and lengths in the world: their squares fit a double with room to spare.
+    static Range coordinate();
+    static Range length();  ///< 0 or more
+    static Range positiveLength();
+};
+
+class Section;
+
+struct Key {
+    enum class Type { number, integer, boolean, text, path, choice, vector, colour, table, tables, other };
+
+    std::string name;
+    Type type = Type::other;
+    Range range;                     ///< of a number, of each number of a vector or list
+    std::vector<std::string> words;  ///< of a choice
+    std::string form;                ///< what it looks like, for messages and help: "a point [x, y, z]"
+    std::optional<double> value;     ///< without one it is this: a number; a boolean or the place of a word, too
+    std::string fallback;            ///< the same as text; empty: nothing, or required
+    std::string meaning;             ///< one or two sentences
+    std::string only;                ///< where else it is not known: "orthographic"
+    bool isKeyed = false;            ///< may it be { keys = [[frame, value], ...] }?
+    bool isRequired = false;
+    const Section* inner = nullptr;  ///< of a table, or beside another form
+    std::string schema;              ///< of `other`: its JSON schema
+
+    Key& keyed() { return isKeyed = true, *this; }
+    Key& required() { return isRequired = true, *this; }
+    Key& onlyFor(std::string what) { return only = std::move(what), *this; }
+    Key& unless(std::string text) { return fallback = std::move(text), *this; }
+    Key& startingWith(const std::string& word);  ///< the default of a choice
+    Key& orTable(const Section& section) { return inner = &section, *this; }
+};
+
+/// A table of the scene, with its keys in the order they are explained in.
+class Section {
+  public:
+    Section(const Section&) = delete;
+    Section& operator=(const Section&) = delete;
+
+    const std::string& topic() const { return m_topic; }      ///< "slide": as `scrim help` takes it
+    const std::string& title() const { return m_title; }      ///< "slide = { ... } of a [[light]]"
+    const std::string& meaning() const { return m_meaning; }  ///< paragraphs
+    const std::deque<Key>& keys() const { return m_keys; }
+    /// The keys that cannot stand beside `name` in one table: --set of it takes them away.
+    std::vector<std::string> rivalsOf(const std::string& name) const;
+
+  protected:
+    Section(std::string topic, std::string title, std::string meaning);
+    ~Section() = default;
+
+    Key& number(std::string name, Range range, std::optional<double> value, std::string meaning);
+    Key& integer(std::string name, int low, int high, std::string unit, int value, std::string meaning);
+    Key& boolean(std::string name, bool value, std::string meaning);
+    Key& text(std::string name, std::string form, std::string meaning);
+    Key& path(std::string name, std::string form, std::string meaning);
+    Key& choice(std::string name, std::vector<std::string> words, std::string meaning);  ///< the first is the default
+    Key& vector(std::string name, std::string form, Range range, std::string meaning);   ///< three numbers
+    Key& colour(std::string name, std::string fallback, std::string meaning);
+    Key& table(const Section& section, std::string name, std::string meaning);
+    Key& tables(const Section& section, std::string name, std::string meaning);
+    /// Whatever else: `schema` is its JSON schema, `range` that of each number in it.
+    Key& other(std::string name, std::string form, std::string schema, Range range, std::string meaning);
+
+    /// No key of `some` can stand beside one of `others`.
+    void exclude(const std::vector<const Key*>& some, const std::vector<const Key*>& others);
+
+  private:
+    Key& add(Key::Type type, std::string name, std::string form, Range range, std::string meaning);
+
+    std::string m_topic, m_title, m_meaning;
+    std::deque<Key> m_keys;
+    std::vector<std::pair<std::string, std::string>> m_rivals;
+};
+
+/// The one object of each of the classes below.
+template <typename Keys>
+const Keys& keysOf() {
+    static const Keys keys;
+    return keys;
+}
+
+// JSON schemas of what is neither a number nor a table.
+inline constexpr const char* kTwoNumbers = R"({"type":"array","items":{"type":"number"},"minItems":2,"maxItems":2})";
+inline constexpr const char* kStrings = R"({"type":"array","items":{"type":"string"}})";
+inline constexpr const char* kNumbers = R"({"type":["number","array"],"items":{"type":"number"}})";
+inline constexpr const char* kMatrix = R"({"type":"array","minItems":4,"maxItems":4,"items":)"
+                                       R"({"type":"array","items":{"type":"number"},"minItems":4,"maxItems":4}})";
+inline constexpr const char* kPoints = R"({"type":"array","minItems":1,"items":)"
+                                       R"({"type":"array","items":{"type":"number"},"minItems":2,"maxItems":2}})";
+inline constexpr const char* kAnyTable = R"({"type":"object"})";
+
+/// What pixels are counted in, and files numbered by.
+inline constexpr int kMostPixels = 65536, kLastFrame = 1'000'000'000;
+
+}  // namespace scrim
+
+/// In messages a key is its name in quotes.
+template <>
+struct fmt::formatter<scrim::Key> : fmt::formatter<std::string> {
+    template <typename Context>
+    auto format(const scrim::Key& key, Context& context) const {
+        return fmt::formatter<std::string>::format("'" + key.name + "'", context);
+    }
+};

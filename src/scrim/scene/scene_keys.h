@@ -1,0 +1,271 @@
+// SPDX-License-Identifier: Apache-2.0
+// The one table of what a scene may say, a class a section. The reader asks for keys by the members here, so nothing is
+// read that does not stand here, and `scrim help` prints what is read.
+#pragma once
+
+#include <scrim/scene/scene_key.h>
+#include <scrim/scene/volume_keys.h>
+
+#include <vector>
+
+namespace scrim {
+
+/// All sections in the order they are explained in: the scene itself first.
+const std::vector<const Section*>& sceneSections();
+
+struct OrbitKeys : Section {
+    OrbitKeys()
+        : Section("orbit", "orbit = { ... } of [camera] or a [[light]]",
+                  "A place on a sphere. Keyed angles make true circles; keyed positions cut across them. Of a distant "
+                  "light it is the direction that light comes from, and 'center' and 'radius' mean nothing.") {}
+    const Key& center = vector("center", "a point [x, y, z]", Range::coordinate(),
+                               "The middle, which a camera looks at unless it has a 'target'.")
+                            .unless("[0, 0, 0]")
+                            .keyed();
+    const Key& radius =
+        number("radius", Range::positiveLength(), {}, "Distance from the middle; needed unless the light is distant.")
+            .keyed();
+    const Key& elevation =
+        number("elevation", Range::fromTo(-90, 90, "degrees"), 0, "Above the plane through the middle.").keyed();
+    const Key& azimuth = number("azimuth", Range::fromTo(-1e9, 1e9, "degrees"), 0,
+                                "Around 'up', from the front to the right: 0 is +z and 90 is +x where y is up; 0 is -y "
+                                "and 90 is +x where z is up.")
+                             .keyed();
+};
+
+struct CameraKeys : Section {
+    CameraKeys()
+        : Section("camera", "[camera]",
+                  "Where the picture is taken from. A camera looks along -z of its own frame, y up. It stands where "
+                  "'position' and 'target' say, or 'matrix', or 'orbit', or the header of a picture ('exr').") {
+        exclude({&matrix}, {&position, &target, &up, &orbit, &exr});
+        exclude({&exr}, {&type, &position, &target, &up, &orbit, &fov, &fovAxis, &focalLength, &aperture, &fit, &height,
+                         &shift, &pixelAspect});
+        exclude({&orbit}, {&position});
+        exclude({&fov, &fovAxis}, {&focalLength, &aperture, &fit});
+    }
+    const Key& type = choice("type", {"perspective", "orthographic"}, "How rays leave the camera.");
+    const Key& position = vector("position", "a point [x, y, z]", Range::coordinate(), "Where the eye is.").keyed();
+    const Key& target =
+        vector("target", "a point [x, y, z]", Range::coordinate(), "A point in the middle of the picture.").keyed();
+    const Key& up = vector("up", "a direction [x, y, z]", {}, "What is up in the picture.").unless("[0, 1, 0]").keyed();
+    const Key& matrix =
+        other("matrix", "four rows of four numbers", kMatrix, Range::fromTo(-1e15, 1e15),
+              "Camera to world, row by row, for column vectors: the last column is the place of the eye, the last row "
+              "0, 0, 0, 1. Scale is ignored, a mirrored or sheared frame refused. (Maya, Houdini and USD print the "
+              "transpose.) Between keys the place is interpolated, and the turn along the shorter arc.")
+            .keyed();
+    const Key& orbit =
+        table(keysOf<OrbitKeys>(), "orbit", "A place on a sphere around a point, in place of 'position'.");
+    const Key& exr = path("exr", "the path of an EXR with worldToCamera and worldToNDC",
+                          "Takes place, lens and resolution from the header of a picture, such as a plate.####.exr "
+                          "that another renderer wrote. 'near', 'overscan' and 'resolution' may stand beside it.");
+    const Key& ndc = choice("ndc", {"auto", "-1..1", "0..1"},
+                            "What the picture's worldToNDC maps its width and height to; auto: told by its projection, "
+                            "and an error where that cannot tell.");
+    const Key& fov = number("fov", Range::between(0, 180, "degrees"), 35, "Field of view along 'fov_axis'.")
+                         .onlyFor("perspective")
+                         .keyed();
+    const Key& fovAxis = choice("fov_axis", {"horizontal", "vertical", "diagonal"}, "Which field of view 'fov' is.")
+                             .onlyFor("perspective");
+    const Key& focalLength =
+        number("focal_length", Range::aboveTo(0, 1e6, "mm"), {}, "In place of 'fov', beside 'aperture'.")
+            .onlyFor("perspective")
+            .keyed();
+    const Key& aperture = other("aperture", "the film's width, or [width, height], in mm", kNumbers,
+                                Range::aboveTo(0, 1e6, "mm"), "The film back that goes with 'focal_length'.")
+                              .onlyFor("perspective")
+                              .keyed();
+    const Key& fit =
+        choice("fit", {"horizontal", "vertical", "fill", "overscan"},
+               "Which side of the film back the picture keeps where their shapes differ: its width, its height, as "
+               "much as shows no more than the film, or all of the film. Needs 'aperture' = [width, height].")
+            .onlyFor("perspective");
+    const Key& height =
+        number("height", Range::positiveLength(), {}, "Needed: the picture's height.").onlyFor("orthographic").keyed();
+    const Key& shift =
+        other("shift", "two numbers [x, y], in widths of the picture", kTwoNumbers, Range::fromTo(-100, 100),
+              "Moves the picture's window right and up, in widths of the picture, as a shifting lens does. Blender's "
+              "shift where the picture is wider than high; USD's aperture offset / aperture.")
+            .unless("[0, 0]")
+            .keyed();
+    const Key& near =
+        number("near", Range::length(), 0, "Nothing nearer than this along the viewing axis is seen.").keyed();
+    const Key& resolution = other("resolution", "[width, height] in pixels", kTwoNumbers,
+                                  Range::fromTo(1, kMostPixels, "pixels"), "Of the picture.")
+                                .unless("[512, 512]");
+    const Key& pixelAspect =
+        number("pixel_aspect", Range::fromTo(0.01, 100), 1, "Width of a pixel over its height.").keyed();
+    const Key& overscan =
+        integer("overscan", 0, kMostPixels, "pixels", 0,
+                "Rendered beyond each side of the picture: larger than the display window in the EXR.");
+};
+
+struct SlideKeys : Section {
+    SlideKeys()
+        : Section("slide", "slide = { ... } of a [[light]]",
+                  "A picture that a light shines through (ZC02 section 5), upright for a viewer who stands at the "
+                  "light. White lets all light through.") {}
+    const Key& file =
+        path("file", "the slide's picture", "Any format OpenImageIO reads; sequences by ####.").required();
+    const Key& colorspace =
+        text("colorspace", "the name of a colour space",
+             "Of the file. Integers count as sRGB, floats as the working space, unless it is given.");
+    const Key& fov = number("fov", Range::between(0, 180, "degrees"), 30,
+                            "Horizontal field of view of the picture; a spot's fills its cone unless it is given.")
+                         .onlyFor("point, spot and projector")
+                         .keyed();
+    const Key& width = number("width", Range::positiveLength(), {}, "Needed: of the picture, in the world.")
+                           .onlyFor("distant")
+                           .keyed();
+    const Key& height =
+        number("height", Range::positiveLength(), {}, "As 'width'; from the picture's shape unless given.")
+            .onlyFor("distant")
+            .keyed();
+    const Key& roll = number("roll", Range::fromTo(-1e15, 1e15, "degrees"), 0,
+                             "Turns the picture clockwise for a viewer who stands at the light.")
+                          .keyed();
+    const Key& outside = choice("outside", {"black", "clamp", "repeat"},
+                                "What the light is like beyond the picture's border. A projector's is black.");
+};
+
+struct LightKeys : Section {
+    LightKeys()
+        : Section("light", "[[light]]",
+                  "As many as there are. What a light gives is color * intensity * 2^exposure. Of a distant light that "
+                  "is irradiance, and of the others radiant intensity: their irradiance is it / max(r^2, radius^2) at "
+                  "r world units (with decay = \"none\" it is the irradiance at any r). The picture holds radiance. "
+                  "Under irradiance E, thin white smoke with an isotropic phase shows E / (4 pi) of it, so a light "
+                  "that is to look as bright as on a white card wants an intensity of about 4 pi = 12.6 (Cycles: a sun "
+                  "of strength E; vdb_render: a light of E / (4 pi)).") {
+        exclude({&direction}, {&target});
+        exclude({&orbit}, {&position});
+    }
+    const Key& name =
+        text("name", "a name", "Of its layer, and for --set light.NAME.intensity=3.").unless("\"light1\", ...");
+    const Key& type =
+        choice("type", {"distant", "point", "spot", "projector"},
+               "Parallel; from a point to all sides; from a point within a cone; from a point through a slide.")
+            .required();
+    const Key& direction =
+        vector("direction", "a direction [x, y, z]", {}, "The way the light travels, or the axis of its cone or slide.")
+            .keyed();
+    const Key& position = vector("position", "a point [x, y, z]", Range::coordinate(),
+                                 "Where it stands; of a distant light: the centre of its slide.")
+                              .keyed();
+    const Key& target = vector("target", "a point [x, y, z]", Range::coordinate(),
+                               "What a cone or slide is aimed at, in place of 'direction'.")
+                            .onlyFor("spot and projector")
+                            .keyed();
+    const Key& orbit = table(
+        keysOf<OrbitKeys>(), "orbit",
+        "Where it stands, in place of 'position'; of a distant light: where it comes from, in place of 'direction'.");
+    const Key& up = vector("up", "a direction [x, y, z]", {}, "What is up on the slide.").unless("[0, 1, 0]").keyed();
+    const Key& color = colour("color", "[1, 1, 1]", "Its colour.").keyed();
+    const Key& intensity =
+        number("intensity", Range::fromTo(0, 1e30), 1, "Irradiance (distant) or radiant intensity (others); see above.")
+            .keyed();
+    const Key& exposure = number("exposure", Range::fromTo(-64, 64, "stops"), 0, "Times 2^exposure.").keyed();
+    const Key& radius =
+        number("radius", Range::length(), 0, "Nearer than this the light grows no brighter; shadows stay sharp.")
+            .onlyFor("point, spot and projector")
+            .keyed();
+    const Key& decay =
+        choice("decay", {"inverse-square", "none"},
+               "How it falls off; none: as the paper's lights, 'intensity' is the irradiance everywhere.")
+            .onlyFor("point, spot and projector");
+    const Key& cone = number("cone", Range::aboveTo(0, 180, "degrees"), 45, "The full angle.").onlyFor("spot").keyed();
+    const Key& blend =
+        number("blend", Range::fromTo(0, 1), 0.15, "Part of the cone, from its border inwards, over which it fades.")
+            .onlyFor("spot")
+            .keyed();
+    const Key& slide = table(keysOf<SlideKeys>(), "slide", "A picture that it shines through; a projector needs one.");
+    const Key& shadows = boolean("shadows", true, "Does the volume take light away on its way?");
+};
+
+struct AmbientKeys : Section {
+    AmbientKeys()
+        : Section("ambient", "[ambient]",
+                  "Light from all sides alike. It has no shadows: every place gets all of it, however deep inside the "
+                  "smoke, so it lifts the darkest parts as much as the brightest. Keep it low.") {}
+    const Key& color = colour("color", "[1, 1, 1] beside 'intensity'", "Its radiance.").keyed();
+    const Key& intensity = number("intensity", Range::fromTo(0, 1e30), {}, "Times this; 1 beside 'color'.").keyed();
+};
+
+struct RenderKeys : Section {
+    RenderKeys();
+    const Key& quality;
+    const Key& tolerance =
+        number("tolerance", Range{0, 1, false, false, "as relative RMSE; 0 for none"}, 0,
+               "In place of 'quality': texels and sheets are chosen for this error, and it is measured.");
+    const Key& dial(const std::string& name) const;  ///< one of dialTable()
+};
+
+struct PreviewKeys : Section {
+    PreviewKeys()
+        : Section("preview", "preview = { ... } of [output]", "A picture to look at, through a view transform.") {}
+    const Key& file = path("file", "a path such as \"plume.####.png\"", "Any format OpenImageIO writes.").required();
+    const Key& display = text("display", "the name of a display", "Of the colour config.").unless("the config's");
+    const Key& view = text("view", "the name of a view", "Of the display.").unless("the display's");
+};
+
+struct OutputKeys : Section {
+    OutputKeys();
+    const Key& file = path("file", "a path such as \"plume.####.exr\"", "The picture, an EXR; or -o.");
+    const Key& colorspace =
+        text("colorspace", "the name of a colour space", "Of the picture.").unless("the config's scene_linear: ACEScg");
+    const Key& type = choice("type", {"half", "float"}, "Bits of a channel: 16 or 32. Depth is always 32.");
+    const Key& layers;
+    const Key& compression;
+    const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), 24, "For the header.");
+    const Key& preview =
+        path("preview", "a path, or a table with 'file', 'display' and 'view'", "A picture to look at beside it.")
+            .orTable(keysOf<PreviewKeys>());
+};
+
+struct KeyedKeys : Section {
+    KeyedKeys()
+        : Section("keys", "{ keys = [[frame, value], ...] } in place of a value marked *",
+                  "A value that changes. Before the first key and after the last it stays as it is there.") {}
+    const Key& keys = other("keys", "a list of [frame, value]",
+                            R"({"type":"array","minItems":1,"items":{"type":"array","minItems":2,"maxItems":2}})",
+                            Range::fromTo(-kLastFrame, kLastFrame, "frames"), "Ascending frames.")
+                          .required();
+    const Key& interpolation = choice("interpolation", {"linear", "smooth"},
+                                      "Straight lines, or curves that come to rest at the first and last key and never "
+                                      "go beyond the keys around them.");
+};
+
+struct ColourKeys : Section {
+    ColourKeys()
+        : Section("colour", "{ rgb = [r, g, b], colorspace = \"...\" } in place of a colour [r, g, b]",
+                  "A colour of another space than the working space.") {}
+    const Key& rgb = vector("rgb", "three numbers [r, g, b]", Range::atLeast(0), "In that space.").required();
+    const Key& colorspace =
+        text("colorspace", "the name of a colour space", "As the colour config calls it.").required();
+};
+
+/// The newest defaults: 2 since black bodies are not normalised unless they say so.
+inline constexpr int kSceneVersion = 2;
+
+struct SceneKeys : Section {
+    SceneKeys()
+        : Section("scene", "A scene (TOML)",
+                  "Lengths are world units, angles degrees, times frames. Colours are scene-linear in the working "
+                  "space (ACEScg unless an OpenColorIO config says otherwise). Paths are relative to the scene file; "
+                  "####, %04d and $F4 stand for the frame, ${NAME} for a key of [variables] or else of the "
+                  "environment. Values marked * may be keyed. What is not known here is an error that says where and "
+                  "what is. --set camera.fov=20 puts any value in place, and takes away what would contradict it.") {}
+    const Key& sceneVersion = integer("scene_version", 1, kSceneVersion, "", 1,
+                                      "The defaults that its author knew: where one changed later a warning says so.");
+    const Key& variables =
+        other("variables", "a table of strings and numbers", kAnyTable, {}, "What ${NAME} stands for in paths.");
+    const Key& camera = table(keysOf<CameraKeys>(), "camera", "Where the picture is taken from.").required();
+    const Key& volume = tables(keysOf<VolumeKeys>(), "volume", "What is rendered: at least one.").required();
+    const Key& light = tables(keysOf<LightKeys>(), "light", "What lights it.");
+    const Key& ambient = table(keysOf<AmbientKeys>(), "ambient", "Unshadowed light from everywhere.");
+    const Key& render = table(keysOf<RenderKeys>(), "render", "How accurate, and every dial behind it.");
+    const Key& output = table(keysOf<OutputKeys>(), "output", "What is written.");
+};
+
+}  // namespace scrim

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/frame_asset.h>
+
+#include <scrim/base/error.h>
+#include <scrim/scene/framing.h>
+#include <scrim/shot/framed_scan.h>
+#include <scrim/volume/grid_choice.h>
+#include <scrim/volume/scan_info.h>
+#include <scrim/volume/vdb_bytes.h>
+#include <scrim/volume/vdb_layout.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace scrim {
+namespace {
+
+using FieldPtr = std::shared_ptr<const SparseField>;
+
+std::string lowerCase(std::string text) {
+    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return text;
+}
+
+std::vector<std::string> allFiles(const FramePath& path, const std::string& name) {
+    if (!path.hasFrame()) return {path.at(0)};
+    std::vector<std::string> files;
+    for (const int frame : existingFrames(path)) files.push_back(path.at(frame));
+    if (files.empty()) throw Error(ErrorKind::input, fmt::format("{}: the sequence has no files", name));
+    return files;
+}
+
+/// Of a sequence, frames that show how far it reaches; the same whichever frames a task of a farm renders.
+std::vector<std::string> filesToFrame(const std::vector<std::string>& all) {
+    std::vector<std::string> files;
+    for (const std::string& file : {all.front(), all[all.size() / 2], all.back()})
+        if (files.empty() || files.back() != file) files.push_back(file);
+    return files;
+}
+
+double sizeOf(const SparseField& field) {
+    if (field.empty()) return 0;
+    const Vec3 size = transformed(field.wsFromIs, field.isBounds()).size();
+    return size.x * size.x + size.y * size.y + size.z * size.z;
+}
+
+/// What a file says of itself without being read; nothing where it is old or came from a pipe.
+VdbLayout headOf(const std::string& file) {
+    try {
+        return checkVdbLayout(VdbBytes(file));
+    } catch (const Error&) {
+        return {};
+    }
+}
+
+/// The scalar grid that glows, if one of them is called so.
+std::optional<std::size_t> fireAmong(const std::vector<GridOffer>& offers) {
+    constexpr std::array kNames{"temperature", "heat", "flame", "flames", "fire", "burn"};
+    for (const char* const name : kNames)
+        for (std::size_t i = 0; i < offers.size(); ++i)
+            if (offers[i].isScalar() && lowerCase(offers[i].name) == name) return i;
+    return {};
+}
+
+bool has(const VdbLayout& layout, const std::string& name) {
+    return std::any_of(layout.grids.begin(), layout.grids.end(), [&](const auto& grid) { return grid.name == name; });
+}
+
+/// Which grids of the file are shown, and which are not.
+struct GridUse {
+    std::optional<std::size_t> density;
+    std::string fire, albedo;         ///< "": none
+    std::vector<std::string> unused;  ///< names, each once
+};
+
+GridUse gridUse(const std::vector<GridOffer>& offers, const std::vector<std::string>& files) {
+    // One that comes and goes would stop a sequence where it is missing.
+    const auto everywhere = [&](const std::string& name) {
+        return std::all_of(files.begin(), files.end(), [&](const std::string& f) { return has(headOf(f), name); });
+    };
+    GridUse use;
+    if (const auto choice = chooseGrid(offers, {})) use.density = choice->grid;
+    if (const auto fire = fireAmong(offers); fire && everywhere(offers[*fire].name)) use.fire = offers[*fire].name;
+    for (const GridOffer& offer : offers)
+        if (offer.isVector() && offer.name == "Cd" && everywhere(offer.name)) use.albedo = offer.name;
+    for (std::size_t i = 0; i < offers.size(); ++i) {
+        const std::string& name = offers[i].name;
+        const bool used = i == use.density || (!name.empty() && (name == use.fire || name == use.albedo));
+        if (!used && std::find(use.unused.begin(), use.unused.end(), name) == use.unused.end())
+            use.unused.push_back(name.empty() ? "a grid without a name" : name);
+    }
+    return use;
+}
+
+/// The density of the largest of the files, and that file.
+std::pair<FieldPtr, std::string> largestOf(FieldStore& store, const std::vector<std::string>& files) {
+    std::pair<FieldPtr, std::string> largest;
+    for (const std::string& file : files) {
+        const FieldPtr field = store.fieldOf(file, {});
+        if (!largest.first || sizeOf(*field) > sizeOf(*largest.first)) largest = {field, file};
+    }
+    return largest;
+}
+
+/// The fire's field where it is hottest, kept in `field`.
+std::optional<FramedFire> fireOf(FieldStore& store, const std::vector<std::string>& files, const std::string& grid,
+                                 FieldPtr& field) {
+    for (const std::string& file : files) {
+        const FieldPtr one = store.fieldOf(file, {grid});
+        if (!one->empty() && (!field || one->maxValue > field->maxValue)) field = one;
+    }
+    if (!field) return {};
+    return FramedFire{grid, field.get(), field->maxValue};
+}
+
+void sayUp(const std::string& path, const std::string& why, const char* up, const char* other,
+           const MessageSink& messages) {
+    notify(messages, Severity::info,
+           fmt::format("{}: {} is taken for up{}; --up {} turns it", shortened(path), up, why, other));
+}
+
+/// The middle of what the field holds, weighted.
+Vec3 wsCentre(const SparseField& field) {
+    Vec3 is(0);
+    double sum = 0;
+    const auto add = [&](double value, const Vec3& at) {
+        is += value * at;
+        sum += value;
+    };
+    for (std::size_t i = 0; i < field.blockCount(); ++i) {
+        double block = 0;
+        for (int k = 0; k < kBlockVoxels; ++k) block += field.block(i)[k];
+        add(block, Vec3(field.blockOrigins[i]) + 0.5 * (kBlockEdge - 1));
+    }
+    for (const ConstantTile& tile : field.tiles)
+        add(double(tile.value) * std::pow(double(tile.edge), 3), Vec3(tile.origin) + 0.5 * (tile.edge - 1));
+    return transformPoint(field.wsFromIs, sum > 0 ? is / sum : is);
+}
+
+/// Whether the smoke lies along z from its fire, and not along y.
+bool rises(const SparseField& smoke, const SparseField& fire) {
+    constexpr double kPart = 0.03;  // of the size: what may be chance
+    const Vec3 rise = wsCentre(smoke) - wsCentre(fire);
+    return rise.z > kPart * std::sqrt(sizeOf(smoke)) && rise.z > 2 * std::abs(rise.y);
+}
+
+std::string framedVolume(FieldStore& store, const std::string& path, const std::string& pattern,
+                         const AssetOptions& options, const MessageSink& messages) {
+    const std::vector<std::string> all = allFiles({"", pattern}, path), files = filesToFrame(all);
+    const auto [field, file] = largestOf(store, files);
+    const VdbLayout head = headOf(file);
+    const GridUse use = gridUse(offersOf(head), all);
+    if (!use.unused.empty())
+        notify(messages, Severity::info,
+               shortened(fmt::format("{} also holds {} (not used)", shortened(path), fmt::join(use.unused, ", "))));
+
+    FramedAsset asset;
+    asset.file = pattern;
+    asset.name = volumeNameOf(pattern);
+    asset.field = field.get();
+    asset.albedoGrid = use.albedo;
+    FieldPtr fire;
+    if (!use.fire.empty()) asset.fire = fireOf(store, files, use.fire, fire);
+    Vec3 wsUp(0, 1, 0);
+    if (options.wsUp) {
+        wsUp = *options.wsUp;
+    } else if (head.creator.find("Blender") != std::string::npos) {
+        wsUp = {0, 0, 1};
+        sayUp(path, ", as in Blender, which wrote it", "z", "y", messages);
+    } else if (asset.fire && rises(*field, *fire)) {
+        wsUp = {0, 0, 1};
+        sayUp(path, ", where its smoke goes from its fire", "z", "y", messages);
+    } else {
+        sayUp(path, "", "y", "z", messages);
+    }
+    asset.wsFromUpright = wsFromUpright(wsUp);
+    return framingScene(asset, options.resolution);
+}
+
+std::string framedScan(FieldStore& store, const std::string& path, const std::string& pattern,
+                       const AssetOptions& options, const MessageSink& messages) {
+    const std::vector<std::string> files = allFiles({"", pattern}, path);
+    const std::string file = files[files.size() / 2];
+    const ScanInfo info = store.scanInfo(file);
+    const ScanLook look = scanLook(info);
+    SourceParameters parameters = look.parameters;
+    parameters.insert(parameters.begin(), {"file", file});
+    const FieldPtr field = store.sourceField("scan", parameters);
+    FramedAsset asset;
+    asset.file = pattern;
+    asset.name = volumeNameOf(pattern);
+    asset.field = field.get();
+    asset.volumeText = scanVolumeText(asset.name, pattern, look);
+    asset.wsFromUpright = options.wsUp ? wsFromUpright(*options.wsUp) : uprightOf(info);
+    if (!options.wsUp && info.space.empty()) sayUp(path, "", "z", "y", messages);
+    return framingScene(asset, options.resolution);
+}
+
+}  // namespace
+
+bool isAssetFile(const std::string& path) {
+    return lowerCase(path).ends_with(".vdb") || isScanFile(path);
+}
+
+std::string volumeNameOf(const std::string& pattern) {
+    std::filesystem::path path = std::filesystem::path(pattern).filename();
+    if (lowerCase(path.string()).ends_with(".nii.gz")) path = path.stem();
+    const std::string stem = path.stem().string();
+    std::string name;
+    for (std::size_t i = 0; i < stem.size(); ++i) {
+        // What stands for the frame (frame_path.h).
+        if (stem[i] == '#') continue;
+        if (stem[i] == '%' || (stem[i] == '$' && i + 1 < stem.size() && stem[i + 1] == 'F')) {
+            const bool printf = stem[i] == '%';
+            if (!printf) ++i;
+            while (i + 1 < stem.size() && std::isdigit(static_cast<unsigned char>(stem[i + 1])) != 0) ++i;
+            if (printf && i + 1 < stem.size() && stem[i + 1] == 'd') ++i;
+            continue;
+        }
+        const bool plain = std::isalnum(static_cast<unsigned char>(stem[i])) != 0 || stem[i] == '_' || stem[i] == '-';
+        name += plain ? stem[i] : '_';
+    }
+    name.erase(name.find_last_not_of("_-") + 1);
+    return name.empty() ? "volume" : name;
+}
+
+std::string unframedText(const std::string& pattern, const AssetOptions& options) {
+    const SparseField nothing;
+    FramedAsset asset;
+    asset.file = pattern;
+    asset.name = volumeNameOf(pattern);
+    asset.field = &nothing;
+    if (!isScanFile(pattern)) {
+        // What the text will name can be changed before its numbers are known.
+        const FramePath path{"", pattern};
+        const std::vector<int> frames = existingFrames(path);
+        const std::string file = path.at(frames.empty() ? 0 : frames[frames.size() / 2]);
+        const GridUse use = gridUse(offersOf(headOf(file)), {file});
+        asset.albedoGrid = use.albedo;
+        if (!use.fire.empty()) asset.fire = FramedFire{use.fire, &nothing, 1};
+    } else {
+        ScanInfo info;
+        info.counts = {1, 1, 1};
+        info.maxValue = 2;
+        asset.volumeText = scanVolumeText(asset.name, pattern, scanLook(info));
+    }
+    return framingScene(asset, options.resolution);
+}
+
+std::string framedText(FieldStore& store, const std::string& path, const std::string& pattern,
+                       const AssetOptions& options, const MessageSink& messages) {
+    return isScanFile(pattern) ? framedScan(store, path, pattern, options, messages)
+                               : framedVolume(store, path, pattern, options, messages);
+}
+
+}  // namespace scrim

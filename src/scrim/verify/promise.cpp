@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/promise.h>
+
+#include <scrim/scene/quality.h>
+#include <scrim/verify/pilot_rays.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr int kRays = 48;  // a few milliseconds
+
+}  // namespace
+
+double meanSlant(const ViewScene& scene) {
+    Bounds ws;
+    for (const ViewVolume& volume : scene.volumes) ws.include(transformed(volume.wsFromIs, volume.field->isBounds()));
+    if (ws.empty()) return 0;
+    const Camera& camera = scene.camera;
+    const Vec3 eye = camera.type == CameraType::orthographic ? viewingAxis(camera) : ws.center() - camera.wsPosition;
+    double sum = 0, powers = 0;
+    for (const Light& light : scene.lights) {
+        if (!light.shadows) continue;
+        const Vec3 way = light.distant() ? light.wsDirection : ws.center() - light.wsPosition;
+        const double lengths = glm::length(eye) * glm::length(way);
+        const double power = std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+        if (!(lengths > 0)) continue;
+        const double cosine = std::min(std::abs(glm::dot(eye, way)) / lengths, 1.0);
+        sum += power * std::sqrt((1 - cosine) / (1 + cosine));  // tangent of half the angle
+        powers += power;
+    }
+    return powers > 0 ? sum / powers : 0;
+}
+
+ToleranceModel expectedModel(double pilot, double slant, bool classified) {
+    // Of 27 scenes drawn by lot (tests/bench/promises_scenes.py, seed 1001) texels of one voxel left 0.43 pilot^0.89,
+    // within a factor of 1.3 for two of three; of sheets of one voxel a tenth to a third of it. Surfaces are harder.
+    constexpr double kMargin = 1.65, kSurfaceMargin = 2.5, kSheets = 0.25, kSurfaceSheets = 0.35;
+    // Sheets: of smoke1.vdb with the sun at 0, 35 and 70 degrees to the view, and the same from behind, 0.1 to 0.2,
+    // 0.35 to 0.8 and 0.9 to 1.7 % for sheets of a voxel. Those of scenes by lot are a mean over slants of about 0.55.
+    constexpr double kMeanSlant = 0.55, kUpright = 0.2;
+    const double oblique = std::max(slant / kMeanSlant, kUpright);
+    // What pilots of surfaces say beyond this is the doing of a few rays along rims, in pictures that are nearly black.
+    constexpr double kMostOfSurfaces = 0.2;
+    if (classified) pilot = std::min(pilot, kMostOfSurfaces);
+    const double texels = (classified ? kSurfaceMargin : kMargin) * 0.43 * std::pow(std::max(pilot, 1e-6), 0.89);
+    return {texels, oblique * (classified ? kSurfaceSheets : kSheets) * texels};
+}
+
+PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double promised, double finest) {
+    constexpr double kCoarsestTexel = 2, kCoarsestSheets = 4;
+    const auto square = [](double x) { return x * x; };
+    // How fine a dial must be for its part of error^2.
+    const auto fineness = [](double part, double coefficient) {
+        return std::pow(std::sqrt(std::max(part, 0.0)) / coefficient, 1 / ToleranceModel::kOrder);
+    };
+    // A voxel costs as 1 / (texel^2 thickness): then texels are best left two thirds of error^2, and sheets one. What
+    // the limits of either take away or leave is the other's.
+    const double all = square(promised);
+    double texel = std::clamp(fineness(2 * all / 3, model.texels), finest, kCoarsestTexel);
+    const double thickness =
+        std::clamp(fineness(all - square(model.predict(texel, 0)), model.sheets), finest, kCoarsestSheets);
+    texel = std::clamp(fineness(all - square(model.predict(0, thickness)), model.texels), finest, kCoarsestTexel);
+
+    PromisedDials out{dials, promised, 0};
+    // So that the setting can be read, and typed again.
+    out.dials.texel = std::max(std::floor(100 * texel) / 100, finest);
+    out.dials.sheetThickness = std::max(std::floor(100 * thickness) / 100, finest);
+    out.dials.opacityCutoff = std::min(dials.opacityCutoff, promised / 10);
+    out.expected = model.predict(out.dials.texel, out.dials.sheetThickness);
+    return out;
+}
+
+PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) {
+    const bool classified = std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                        [](const ViewVolume& volume) { return volume.classified != nullptr; });
+    const double promised = promisedError(quality, classified);
+    // Kinks, rounding and quantised footprints take from the order where dials are this fine.
+    constexpr double kFine = 2e-3, kFineAim = 0.6;
+    // Opaque surfaces are of first order: to be sure of the last of their error would take minutes. Where this is not
+    // fine enough, a warning says so.
+    const double finest = classified ? std::clamp(22 * promised, 0.12, 0.5) : kFinestPromised;
+    PromisedDials out = dialsFor(scene.dials, expectedModel(pilotError(scene, kRays), meanSlant(scene), classified),
+                                 promised < kFine ? kFineAim * promised : promised, finest);
+    out.promised = promised;
+    return out;
+}
+
+}  // namespace scrim

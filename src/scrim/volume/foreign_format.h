@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// Formats of volumes that are not read, by the endings of their files' names: whoever meets one says what it is and
+// what to do.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace scrim {
+
+struct ForeignFormat {
+    std::string_view ending;  ///< ".vti", in lower case
+    std::string_view what;    ///< "VTK ImageData"
+    std::string_view advice;
+};
+
+/// Null where the name does not end like one of them.
+inline const ForeignFormat* foreignFormat(std::string_view path) {
+    constexpr std::string_view kToNrrd = "convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView do)";
+    constexpr std::string_view kToVdb = "convert it to .vdb";
+    constexpr std::string_view kSlices = "put its slices together as NRRD or NIfTI (3D Slicer and Fiji do)";
+    static constexpr std::array<ForeignFormat, 17> kFormats{{
+        {".vti", "VTK ImageData", kToNrrd},
+        {".vtk", "a legacy VTK file", kToNrrd},
+        {".vtu", "a VTK unstructured grid", kToVdb},
+        {".mhd", "MetaImage", kToNrrd},
+        {".mha", "MetaImage", kToNrrd},
+        {".mgz", "a FreeSurfer volume", "convert it to NIfTI (mri_convert does)"},
+        {".mnc", "MINC", "convert it to NIfTI (mnc2nii does)"},
+        {".hdr", "an Analyze header", "convert it to NIfTI"},
+        {".dcm", "DICOM", "put its slices together as NRRD or NIfTI (3D Slicer and dcm2niix do)"},
+        {".dicom", "DICOM", "put its slices together as NRRD or NIfTI (3D Slicer and dcm2niix do)"},
+        {".tif", "a TIFF stack", kSlices},
+        {".tiff", "a TIFF stack", kSlices},
+        {".mrc", "an MRC map", kToNrrd},
+        {".nvdb", "NanoVDB", "convert it to .vdb (nanovdb_convert does)"},
+        {".bgeo", "Houdini geometry", "save its volumes as .vdb"},
+        {".f3d", "Field3D", kToVdb},
+        {".h5", "HDF5", kToNrrd},
+    }};
+    const auto matches = [path](std::string_view ending) {
+        if (path.size() < ending.size()) return false;
+        for (std::size_t i = 0; i < ending.size(); ++i) {
+            const char c = path[path.size() - ending.size() + i];
+            if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c) != ending[i]) return false;
+        }
+        return true;
+    };
+    for (const ForeignFormat& format : kFormats)
+        if (matches(format.ending)) return &format;
+    return nullptr;
+}
+
+/// "is VTK ImageData (.vti), which is not read; convert it to ..."
+inline std::string textOf(const ForeignFormat& format) {
+    return "is " + std::string(format.what) + " (" + std::string(format.ending) + "), which is not read; " +
+           std::string(format.advice);
+}
+
+}  // namespace scrim

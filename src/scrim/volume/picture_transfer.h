@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: hands over a picture that another process read (transfer_file.h).
+#pragma once
+
+#include <scrim/image/picture_module.h>
+
+namespace scrim {
+
+/// Throws as TransferWriter.
+void sendPicture(int fd, const FilePicture& picture);
+/// The picture, or the one without pixels that says why. Throws as `receiveFields` (field_transfer.h).
+FilePicture receivePicture(int fd);
+
+/// The same of a header.
+void sendPictureHeader(int fd, const PictureHeader& header);
+PictureHeader receivePictureHeader(int fd);
+
+}  // namespace scrim

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/volume/read_fields.h>
+
+#include <scrim/base/error.h>
+#include <scrim/volume/vdb_file.h>
+
+#include <new>
+#include <set>
+
+namespace scrim {
+
+std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
+                                    const MessageSink& messages) {
+    const VdbFile file = VdbFile::open(bytes, requests);
+    std::set<std::string> said;
+    const auto sayOnce = [&](Severity severity, const std::string& text) {
+        if (said.insert(text).second) notify(messages, severity, text);
+    };
+    std::vector<SparseField> fields;
+    for (const GridRequest& request : requests) fields.push_back(file.field(request, sayOnce));
+    return fields;
+}
+
+void readWithErrors(const std::string& path, const std::function<void()>& task) {
+    try {
+        task();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorKind::memory, path + ": not enough memory to read it");
+    } catch (const std::exception& error) {
+        throw Error(ErrorKind::input, path + ": damaged: " + shortened(error.what()));
+    }
+}
+
+}  // namespace scrim

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: reads a .vdb file in this process.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/volume/grid_request.h>
+#include <scrim/volume/sparse_field.h>
+#include <scrim/volume/vdb_bytes.h>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+/// The fields that `requests` mean, in that order. Tells each message once: a grey grid is read once a component.
+std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
+                                    const MessageSink& messages);
+
+/// Runs `task`, which reads `path`; turns exceptions of libraries into Errors.
+void readWithErrors(const std::string& path, const std::function<void()>& task);
+
+}  // namespace scrim

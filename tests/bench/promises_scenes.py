@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes by lot for promises.py: unlike assets, densities, lights, cameras and picture sizes.
+
+Every asset is made a .vdb first, whose box then frames the camera. The n-th scene of a seed is always the same.
+"""
+import json
+import math
+import os
+import random
+import subprocess
+from pathlib import Path
+
+SHAPES = ("sphere radius=0.8 center=-0.3,0,0; box size=0.5,1.6,0.4 center=0.6,0,0.3 rotate=0,30,20; "
+          "torus center=0,0,0 axis=0.3,1,0.2 radius=0.9 tube=0.12",
+          "box size=1.2,0.3,1.2 center=0,-0.6,0; cylinder from=0,-0.5,0 to=0,0.7,0 radius=0.12; "
+          "sphere radius=0.35 center=0,0.8,0")
+SCANS = {"bonsai_256.nrrd": {"halve": "z", "threshold": 16, "window": "0, 255"},
+         "ch2bet.nii.gz": {"threshold": 20, "window": "0, 255"},
+         "teddybear_128x128x62_u8.raw": {"size": "128, 128, 62", "spacing": "2.8, 2.8, 5", "crop_to": "128, 89, 62",
+                                         "threshold": 36, "window": "0, 255"},
+         "neghip_64x64x64_u8.raw": {"size": "64, 64, 64", "window": "full"},
+         "tooth.nhdr": {"window": "full"}, "stent.nrrd": {"window": "full", "orientation": "false"}}
+KINDS = ("noise", "vdb", "scan", "noise", "primitives", "vdb", "noise", "scan")  # in turn
+RESOLUTIONS = {"noise": (24, 48, 96, 180, 350), "primitives": (24, 64, 160)}  # voxels along the longest edge
+PIXELS = (160, 320, 560)
+
+
+def log_uniform(lot, low, high):
+    return math.exp(lot.uniform(math.log(low), math.log(high)))
+
+
+def add(a, b, scale=1.0):
+    return [p + scale * q for p, q in zip(a, b)]
+
+
+def numbers(values):
+    return "[" + ", ".join(f"{v:.6g}" for v in values) + "]"
+
+
+class Asset:
+    """A .vdb with its box in the world, its largest value and whether it is a scan."""
+
+    def __init__(self, scrim, label, path, classified=False):
+        self.label, self.path, self.classified = label, path, classified
+        text = subprocess.run([scrim, "info", "--json", path], check=True, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, text=True).stdout
+        grids = [g for g in json.loads(text)["grids"] if g["usable"] and g["active_voxels"] > 0]
+        grid = next((g for g in grids if g["name"] == "density"), grids[0])
+        self.voxels, self.largest, self.voxel = grid["active_voxels"], grid["max_value"], grid["voxel_size"][0]
+        m = grid["world_from_index"]
+        corners = [[sum(m[row][c] * corner[c] for c in range(3)) + m[row][3] for row in range(3)]
+                   for corner in [[grid["index_upper" if i >> a & 1 else "index_lower"][a] for a in range(3)]
+                                  for i in range(8)]]
+        low = [min(c[a] for c in corners) for a in range(3)]
+        high = [max(c[a] for c in corners) for a in range(3)]
+        self.middle = [(l + h) / 2 for l, h in zip(low, high)]
+        self.radius = max(0.5 * math.dist(low, high), self.voxel)
+
+
+def made(scrim, folder, label, source, parameters, classified=False):
+    path = folder / (label.replace(" ", "_").replace(":", "_") + ".vdb")
+    if not path.exists():
+        done = subprocess.run([scrim, "make", source, *(f"{k}={v}" for k, v in parameters.items()), "-o", path, "-q"],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(done.stdout.strip().splitlines()[-1])
+    return Asset(scrim, label, path, classified)
+
+
+def draw_asset(lot, kind, scrim, folder):
+    data = Path(os.environ["SCRIM_DATA"]) if "SCRIM_DATA" in os.environ else None
+    files = sorted((data / "vdb").glob("*.vdb")) if data else []
+    if data:
+        files += [f for f in sorted((data / "sequence").glob("*/*.vdb"))[::6] if f.stat().st_size > 10000]
+    if kind == "vdb" and files:
+        file = lot.choice(files)
+        return Asset(scrim, file.name, file)
+    if kind == "scan" and data:
+        name = lot.choice(sorted(SCANS))
+        parameters = {"file": data / "scan" / name, "center": "true", **SCANS[name]}
+        return made(scrim, folder, name.split(".")[0], "scan", parameters, classified=True)
+    if kind == "primitives":
+        n, shapes = lot.choice(RESOLUTIONS["primitives"]), lot.randrange(len(SHAPES))
+        return made(scrim, folder, f"primitives:{n} {shapes}", "primitives",
+                    {"resolution": n, "shapes": SHAPES[shapes]})
+    n, seed = lot.choice(RESOLUTIONS["noise"]), lot.randrange(100)
+    shape = lot.choice(("plume", "plume", "ball", "slab", "hypertexture"))
+    return made(scrim, folder, f"noise:{n} {shape} {seed}", "noise", {"resolution": n, "shape": shape, "seed": seed})
+
+
+def medium_text(lot, asset, opacity):
+    """`opacity`: optical depth of the densest voxel."""
+    colour = [round(lot.uniform(0.5, 0.98), 2) for _ in range(3)]
+    if not asset.classified:
+        return (f"density = {{ scale = {opacity / (asset.largest * asset.voxel):.6g} }}\n"
+                f"[volume.medium]\nalbedo = {numbers(colour)}\n")
+    begin = lot.uniform(0.12, 0.4)
+    steps = [(begin, 0), (begin + lot.uniform(0.03, 0.2), 0.5), (0.8, 1)]
+    points = ", ".join(f"{{ value = {v:.3f}, color = {numbers(colour)}, extinction = {e * opacity / asset.voxel:.6g} }}"
+                       for v, e in steps)
+    shine = f"ambient = 1\ndiffuse = 0.9\nspecular = {lot.choice((0, 0.2))}\n"
+    return f"[volume.classified]\ntransfer = [{points}]\n{shine}"
+
+
+def light_text(lot, asset, index, to_eye):
+    """`to_eye`: unit, from the asset to the eye. Lights stand before, beside and behind the asset, and anywhere."""
+    side = [to_eye[2], 0, -to_eye[0]]
+    where = lot.choice(("front", "side", "behind", "any"))
+    way = {"front": to_eye, "behind": [-c for c in to_eye], "any": [lot.gauss(0, 1) for _ in range(3)],
+           "side": add(side, to_eye, lot.uniform(-0.3, 0.3))}[where]
+    way = add(way, [0, lot.uniform(-0.2, 0.8), 0])
+    length = math.hypot(*way) or 1
+    way = [c / length for c in way]
+    kind = lot.choice(("distant", "distant", "point", "spot"))
+    text = f'\n[[light]]\nname = "{where}{index}"\ntype = "{kind}"\n'
+    if kind == "distant":
+        return text + f"direction = {numbers(-c for c in way)}\nintensity = {lot.uniform(3, 12):.3g}\n"
+    distance = lot.uniform(1.3, 3) * asset.radius
+    text += f"position = {numbers(add(asset.middle, way, distance))}\nintensity = {8 * distance**2:.4g}\n"
+    return text if kind == "point" else text + f"target = {numbers(asset.middle)}\ncone = {lot.uniform(30, 80):.3g}\n"
+
+
+def draw(seed, index, scrim, folder):
+    """The n-th scene: its asset, what is worth knowing about it, and its text."""
+    lot = random.Random(f"{seed}/{index}")
+    asset = draw_asset(lot, KINDS[index % len(KINDS)], scrim, folder)
+    opacity = log_uniform(lot, 0.1, 4) if asset.classified else log_uniform(lot, 0.004, 2.5)
+    # The camera orbits; zoomed out the volume fills less than the picture, zoomed in more.
+    turn, rise, fov = lot.uniform(0, 2 * math.pi), lot.uniform(-0.5, 0.9), lot.choice((20, 35, 60))
+    to_eye = [math.cos(rise) * math.sin(turn), math.sin(rise), math.cos(rise) * math.cos(turn)]
+    distance = asset.radius / math.sin(math.radians(fov / 2)) / log_uniform(lot, 0.4, 2)
+    eye = add(asset.middle, to_eye, max(distance, 1.15 * asset.radius))
+    pixels = lot.choice(PIXELS)
+    per_voxel = asset.voxel / math.dist(eye, asset.middle) * pixels / (2 * math.tan(math.radians(fov / 2)))
+    lights = "".join(light_text(lot, asset, i, to_eye) for i in range(lot.randint(1, 4)))
+    ambient = "\n[ambient]\ncolor = [0.05, 0.06, 0.08]\n" if lot.random() < 0.3 else ""
+    text = (f"[camera]\nposition = {numbers(eye)}\ntarget = {numbers(asset.middle)}\nfov = {fov}\n"
+            f"resolution = [{pixels}, {pixels}]\n\n[[volume]]\nfile = \"{asset.path}\"\n"
+            f"{medium_text(lot, asset, opacity)}{lights}{ambient}")
+    return asset, {"opacity": opacity, "pixels_per_voxel": per_voxel, "lights": lights.count("[[light]]"),
+                   "edge": pixels}, text
