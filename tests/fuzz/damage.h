@@ -50,11 +50,14 @@ inline std::string damaged(std::string bytes, std::mt19937& random) {
 /// How many files of a kind to damage: what SCRIM_FUZZ_FILES says, or else `files`; fewer with the address sanitizer,
 /// under which a process takes several times as long.
 inline int damagedFiles(int files, int sanitized) {
-    const char* wanted = std::getenv("SCRIM_FUZZ_FILES");
-#if !defined(__SANITIZE_ADDRESS__)
-    sanitized = files;
+#if defined(__SANITIZE_ADDRESS__)
+    constexpr bool isSanitized = true;
+#else
+    constexpr bool isSanitized = false;
 #endif
-    return wanted == nullptr ? sanitized : std::atoi(wanted);
+    const char* wanted = std::getenv("SCRIM_FUZZ_FILES");
+    if (wanted != nullptr) return std::atoi(wanted);
+    return isSanitized ? sanitized : files;
 }
 
 /// What became of damaged files that a guarded load was given.
