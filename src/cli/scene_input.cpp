@@ -5,6 +5,7 @@
 #include "interrupt.h"
 
 #include <scrim/base/error.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/scene/frame_path.h>
 #include <scrim/scene/toml_text.h>
 #include <scrim/shot/shot_files.h>
@@ -12,7 +13,6 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
@@ -108,13 +108,9 @@ void SceneInput::checkPreview(const ScenePreview& preview) const {
                                                   "writes one",
                                                   option));
     if (m_options.view.empty()) return;
-    const auto lower = [](std::string text) {
-        for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-        return text;
-    };
     const std::vector<std::string> views = m_shot.colour().views(preview.display);
     for (const std::string& view : views)
-        if (lower(view) == lower(m_options.view)) return;
+        if (equalIgnoringCase(view, m_options.view)) return;
     throw Error(ErrorKind::usage,
                 fmt::format("--view '{}': expected {}", shortened(m_options.view, 80), choices(views)));
 }
@@ -168,8 +164,7 @@ void claimInputs(const std::vector<SceneInput>& inputs, const SceneOptions& opti
     const std::string config = options.ocio.empty() && environment != nullptr ? environment : options.ocio;
     claims.reads(config, "the OpenColorIO config");
     for (const SceneInput& input : inputs)
-        for (const int frame : input.frames())
-            for (const SceneFile& file : filesReadBy(input.shot(), frame)) claims.reads(file.path, file.role);
+        for (const SceneFile& file : filesReadBy(input.shot(), input.frames())) claims.reads(file.path, file.role);
 }
 
 void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims) {

@@ -129,7 +129,6 @@ PictureHeader readHeader(const std::string& path) {
     out.height = spec.full_height > 0 ? spec.full_height : spec.height;
     const double aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
     if (aspect > 1e-3 && aspect < 1e3) out.pixelAspect = aspect;
-    out.software = spec.get_string_attribute("Software");
     out.camera = spec.get_string_attribute("scrim:camera");
     out.worldToCamera = matrixOf(spec, "worldtocamera");  // what OpenImageIO calls OpenEXR's worldToCamera
     out.worldToNdc = matrixOf(spec, "worldToNDC");

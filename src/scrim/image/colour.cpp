@@ -2,6 +2,7 @@
 #include <scrim/image/colour.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/base/parallel.h>
 #include <scrim/image/aces_config.h>
 #include <scrim/image/known_spaces.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/image/known_spaces.h>
 
-#include <algorithm>
+#include <scrim/base/letter_case.h>
 
 namespace scrim {
 
@@ -30,15 +30,7 @@ const std::vector<KnownSpace>& knownSpaces() {
     return spaces;
 }
 
-char lower(char c) {
-    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
-
 }  // namespace
-
-bool equalIgnoringCase(std::string_view a, std::string_view b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) { return lower(x) == lower(y); });
-}
 
 const KnownSpace* findKnownSpace(std::string_view name) {
     for (const KnownSpace& space : knownSpaces()) {

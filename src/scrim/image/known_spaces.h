@@ -18,7 +18,4 @@ struct KnownSpace {
 /// The known space that goes by `name` (its interop id included; letter case does not matter), or null.
 const KnownSpace* findKnownSpace(std::string_view name);
 
-/// True where `a` and `b` are equal but for the case of ASCII letters, as OpenColorIO compares names.
-bool equalIgnoringCase(std::string_view a, std::string_view b);
-
 }  // namespace scrim

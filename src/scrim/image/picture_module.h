@@ -29,7 +29,6 @@ struct FilePicture {
 struct PictureHeader {
     int width = 0, height = 0;  ///< of the full (display) window
     double pixelAspect = 1;
-    std::string software;
     std::string camera;                            ///< scrim:camera, as Scrim writes it; ""
     std::vector<float> worldToCamera, worldToNdc;  ///< 16 numbers that act on row vectors, or none
     std::string problem;                           ///< why there is no header; "": there is one

@@ -146,6 +146,7 @@ FieldRays::FieldRays(const SparseField& field)
 }
 
 double FieldRays::valueAt(const Vec3& isPoint) const {
+    if (!m_isBounds.contains(isPoint)) return 0;  // nor need it be anywhere near a whole number
     const Int3 voxel(static_cast<int>(std::floor(isPoint.x + 0.5)), static_cast<int>(std::floor(isPoint.y + 0.5)),
                      static_cast<int>(std::floor(isPoint.z + 0.5)));
     const Int3 origin(floorTo(voxel.x, kBlockEdge), floorTo(voxel.y, kBlockEdge), floorTo(voxel.z, kBlockEdge));

@@ -84,21 +84,22 @@ Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
 
 /// Place and axes at the frame: places between keys as those of positions, turns along the shorter arc.
 void readPose(const TomlValue& value, const ReadContext& context, Camera& camera) {
-    std::vector<glm::dquat> turns;
+    std::vector<Mat3> axes;
     const Keyed<Vec3> places = value.keysOf<Vec3>([&](const TomlValue& item) {
         const Mat4 m = readMatrix(item);
-        turns.push_back(glm::quat_cast(rigidAxes(item, m)));
+        axes.push_back(rigidAxes(item, m));
         return Vec3(m[3]);
     });
+    camera.wsPosition = places.at(context.frame);
+    camera.wsFromCamera = axes.front();  // a single matrix as it is, to the last bit
+    if (axes.size() == 1) return;
     Keyed<double> numbers{{}, places.interpolation};
     for (std::size_t i = 0; i < places.keys.size(); ++i)
         numbers.keys.emplace_back(places.keys[i].first, static_cast<double>(i));
     const double number = numbers.at(context.frame);
-    const auto i = static_cast<std::size_t>(number), next = std::min(i + 1, turns.size() - 1);
-    camera.wsPosition = places.at(context.frame);
-    // A single matrix as it is, to the last bit.
-    const glm::dquat turn = glm::slerp(turns[i], turns[next], number - static_cast<double>(i));
-    camera.wsFromCamera = turns.size() == 1 ? rigidAxes(value, readMatrix(value)) : glm::mat3_cast(turn);
+    const auto i = static_cast<std::size_t>(number), next = std::min(i + 1, axes.size() - 1);
+    camera.wsFromCamera = glm::mat3_cast(
+        glm::slerp(glm::quat_cast(axes[i]), glm::quat_cast(axes[next]), number - static_cast<double>(i)));
 }
 
 /// Position, target and up, or an orbit in place of the position.

@@ -3,6 +3,7 @@
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/known_spaces.h>
 #include <scrim/scene/layer_names.h>

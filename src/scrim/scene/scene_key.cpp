@@ -140,8 +140,7 @@ Key& Section::vector(std::string name, std::string form, Range range, std::strin
 }
 
 Key& Section::colour(std::string name, std::string fallback, std::string meaning) {
-    const char* const form = "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";
-    Key& key = add(Key::Type::colour, std::move(name), form, Range::atLeast(0), std::move(meaning));
+    Key& key = add(Key::Type::colour, std::move(name), kColourForm, Range::atLeast(0), std::move(meaning));
     key.fallback = std::move(fallback);
     return key;
 }

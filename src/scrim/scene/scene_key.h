@@ -113,6 +113,8 @@ const Keys& keysOf() {
 
 // JSON schemas of what is neither a number nor a table.
 inline constexpr const char* kTwoNumbers = R"({"type":"array","items":{"type":"number"},"minItems":2,"maxItems":2})";
+inline constexpr const char* kColourForm =
+    "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";
 inline constexpr const char* kStrings = R"({"type":"array","items":{"type":"string"}})";
 inline constexpr const char* kNumbers = R"({"type":["number","array"],"items":{"type":"number"}})";
 inline constexpr const char* kMatrix = R"({"type":"array","minItems":4,"maxItems":4,"items":)"

@@ -109,8 +109,7 @@ Rgb TomlValue::colour(const ColourConfig& config) const {
         const Range range = Range::atLeast(0);
         return Rgb(parts[0].number(range), parts[1].number(range), parts[2].number(range));
     };
-    const std::string expected = "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";
-    if (!isTable()) return components(*this, expected);
+    if (!isTable()) return components(*this, kColourForm);
     const ColourKeys& k = scrim::keysOf<ColourKeys>();
     TomlTable table = this->table(fmt::format("the colour '{}'", m_name), &k);
     table.find(k.rgb);
@@ -119,7 +118,7 @@ Rgb TomlValue::colour(const ColourConfig& config) const {
     const TomlValue rgb = table.require(k.rgb);
     const TomlValue space = table.require(k.colorspace);
     try {
-        return config.toWorking(components(rgb, expected), space.string());
+        return config.toWorking(components(rgb, kColourForm), space.string());
     } catch (const Error& error) {
         if (config.hasSpace(space.string())) throw;
         space.fail(error.what());

@@ -2,6 +2,7 @@
 #include <scrim/shot/frame_asset.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/scene/framing.h>
 #include <scrim/shot/framed_scan.h>
 #include <scrim/volume/grid_choice.h>
@@ -13,7 +14,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -23,11 +23,6 @@ namespace scrim {
 namespace {
 
 using FieldPtr = std::shared_ptr<const SparseField>;
-
-std::string lowerCase(std::string text) {
-    for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return text;
-}
 
 std::vector<std::string> allFiles(const FramePath& path, const std::string& name) {
     if (!path.hasFrame()) return {path.at(0)};
@@ -82,8 +77,10 @@ struct GridUse {
 
 GridUse gridUse(const std::vector<GridOffer>& offers, const std::vector<std::string>& files) {
     // One that comes and goes would stop a sequence where it is missing.
+    std::vector<VdbLayout> heads;
     const auto everywhere = [&](const std::string& name) {
-        return std::all_of(files.begin(), files.end(), [&](const std::string& f) { return has(headOf(f), name); });
+        if (heads.empty()) std::transform(files.begin(), files.end(), std::back_inserter(heads), headOf);
+        return std::all_of(heads.begin(), heads.end(), [&](const VdbLayout& head) { return has(head, name); });
     };
     GridUse use;
     if (const auto choice = chooseGrid(offers, {})) use.density = choice->grid;

@@ -84,8 +84,8 @@ class Shot {
   private:
     struct Content;
     explicit Shot(std::unique_ptr<Content> content);
-    friend class ShotStudy;                                                  // study/shot_study.h
-    friend std::vector<SceneFile> filesReadBy(const Shot& shot, int frame);  // shot/shot_files.h
+    friend class ShotStudy;                                                                       // study/shot_study.h
+    friend std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);  // shot/shot_files.h
 
     std::unique_ptr<Content> m_content;
 };

@@ -5,8 +5,14 @@
 
 namespace scrim {
 
-std::vector<SceneFile> filesReadBy(const Shot& shot, int frame) {
-    std::vector<SceneFile> files = filesReadBy(shot.m_content->sceneUnframed(frame));
+std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames) {
+    std::vector<SceneFile> files;
+    for (const int frame : frames) {
+        const Scene scene = shot.m_content->sceneUnframed(frame);
+        if (files.empty()) files = sequenceFilesOf(scene);
+        const std::vector<SceneFile> own = filesReadBy(scene);
+        files.insert(files.end(), own.begin(), own.end());
+    }
     // An asset is a volume.
     if (!shot.isAsset() && !shot.path().empty()) files.push_back({shot.path(), "the scene"});
     return files;

@@ -9,7 +9,8 @@
 
 namespace scrim {
 
-/// For a frame, the shot's own among them. Throws Error(input) where the scene is wrong at that frame.
-std::vector<SceneFile> filesReadBy(const Shot& shot, int frame);
+/// For `frames`, and of sequences all files that there are; the shot's own among them. Throws Error(input) where the
+/// scene is wrong at one of the frames.
+std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);
 
 }  // namespace scrim

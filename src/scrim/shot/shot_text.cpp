@@ -2,13 +2,13 @@
 #include <scrim/shot/shot_text.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/scene/toml_text.h>
 #include <scrim/scene/turntable.h>
 #include <scrim/volume/foreign_format.h>
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <filesystem>
 #include <system_error>
 
@@ -27,9 +27,7 @@ std::string assetPattern(const std::string& path) {
 }  // namespace
 
 std::string lowerExtension(const std::string& path) {
-    std::string extension = std::filesystem::path(path).extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return extension;
+    return lowerCase(std::filesystem::path(path).extension().string());
 }
 
 ShotText::ShotText(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options)

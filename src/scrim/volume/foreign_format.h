@@ -3,6 +3,8 @@
 // what to do.
 #pragma once
 
+#include <scrim/base/letter_case.h>
+
 #include <array>
 #include <string>
 #include <string_view>
@@ -40,12 +42,7 @@ inline const ForeignFormat* foreignFormat(std::string_view path) {
         {".h5", "HDF5", kToNrrd},
     }};
     const auto matches = [path](std::string_view ending) {
-        if (path.size() < ending.size()) return false;
-        for (std::size_t i = 0; i < ending.size(); ++i) {
-            const char c = path[path.size() - ending.size() + i];
-            if ((c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c) != ending[i]) return false;
-        }
-        return true;
+        return path.size() >= ending.size() && equalIgnoringCase(path.substr(path.size() - ending.size()), ending);
     };
     for (const ForeignFormat& format : kFormats)
         if (matches(format.ending)) return &format;

@@ -15,7 +15,17 @@ struct Pixels {
     double pixelAspect = 1;
 };
 
-constexpr double kLeastAspect = 1e-3, kMostAspect = 1e3;
+// Size and shape of a picture, or of what has a picture's header. Throws where it can be neither.
+template <typename Picture>
+void takeSize(const Pixels& pixels, Picture& out) {
+    constexpr double kLeastAspect = 1e-3, kMostAspect = 1e3;
+    out.width = pixels.width;
+    out.height = pixels.height;
+    out.pixelAspect = pixels.pixelAspect;
+    if (out.width < 1 || out.height < 1) incompleteTransfer("its picture has no pixels");
+    if (!(out.pixelAspect >= kLeastAspect && out.pixelAspect <= kMostAspect))
+        incompleteTransfer("its pixels have no shape");
+}
 
 }  // namespace
 
@@ -36,16 +46,11 @@ FilePicture receivePicture(int fd) {
     FilePicture out;
     out.problem = shortened(reader.text(), 2000);
     if (!out.problem.empty()) return out;
-    out.width = header.width;
-    out.height = header.height;
+    takeSize(header, out);
     out.integers = header.integers != 0;
     out.alphaApart = header.alphaApart != 0;
-    out.pixelAspect = header.pixelAspect;
-    if (out.width < 1 || out.height < 1) incompleteTransfer("its picture has no pixels");
     const std::uint64_t pixels = static_cast<std::uint64_t>(out.width) * static_cast<std::uint64_t>(out.height);
     if (pixels > kMostTexturePixels) incompleteTransfer("its picture has too many pixels");
-    if (!(out.pixelAspect >= kLeastAspect && out.pixelAspect <= kMostAspect))
-        incompleteTransfer("its pixels have no shape");
     reader.align();
     const char* values = reader.take(4 * pixels, sizeof(float));
     out.rgba.resize(4 * pixels);
@@ -57,7 +62,7 @@ FilePicture receivePicture(int fd) {
 void sendPictureHeader(int fd, const PictureHeader& header) {
     TransferWriter writer(fd);
     writer.value(Pixels{header.width, header.height, 0, 0, header.pixelAspect});
-    for (const std::string& text : {header.problem, header.software, header.camera}) writer.text(text);
+    for (const std::string& text : {header.problem, header.camera}) writer.text(text);
     for (const std::vector<float>& matrix : {header.worldToCamera, header.worldToNdc}) {
         writer.value(static_cast<std::uint32_t>(matrix.size()));
         writer.bytes(matrix.data(), matrix.size() * sizeof(float));
@@ -72,22 +77,16 @@ PictureHeader receivePictureHeader(int fd) {
     const auto pixels = reader.value<Pixels>();
     PictureHeader out;
     out.problem = shortened(reader.text(), 2000);
-    out.software = reader.text();
     out.camera = reader.text();
     for (std::vector<float>* matrix : {&out.worldToCamera, &out.worldToNdc}) {
         const auto count = reader.value<std::uint32_t>();
         if (count != 0 && count != 16) incompleteTransfer("a matrix has not 16 numbers");
         matrix->resize(count);
-        std::memcpy(matrix->data(), reader.take(count, sizeof(float)), count * sizeof(float));
+        const char* numbers = reader.take(count, sizeof(float));
+        if (count > 0) std::memcpy(matrix->data(), numbers, count * sizeof(float));
     }
     if (!reader.done()) incompleteTransfer("it is longer than it says");
-    if (!out.problem.empty()) return out;
-    out.width = pixels.width;
-    out.height = pixels.height;
-    out.pixelAspect = pixels.pixelAspect;
-    if (out.width < 1 || out.height < 1) incompleteTransfer("its picture has no pixels");
-    if (!(out.pixelAspect >= kLeastAspect && out.pixelAspect <= kMostAspect))
-        incompleteTransfer("its pixels have no shape");
+    if (out.problem.empty()) takeSize(pixels, out);
     return out;
 }
 

@@ -2,11 +2,11 @@
 #include <scrim/volume/scan_info.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/volume/load_fields.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -68,8 +68,7 @@ std::vector<double> coarser(const std::vector<double>& counts, std::size_t bins)
 }  // namespace
 
 bool isScanFile(const std::string& path) {
-    std::string name = path;
-    for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string name = lowerCase(path);
     return name.ends_with(".nrrd") || name.ends_with(".nhdr") || name.ends_with(".nii") || name.ends_with(".nii.gz");
 }
 

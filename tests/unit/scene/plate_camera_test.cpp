@@ -154,7 +154,7 @@ TEST(PlateCamera, ReadsMantras) {
 
 TEST(PlateCamera, RefusesWhatItCannotTell) {
     const Camera camera = someCameras()[2];
-    EXPECT_EQ(refused(PictureHeader{64, 64, 1, "", "", {}, {}, ""}), "its header has no worldToCamera");
+    EXPECT_EQ(refused(PictureHeader{64, 64, 1, "", {}, {}, ""}), "its header has no worldToCamera");
     PictureHeader half = headerOf(camera);
     half.worldToNdc.clear();
     EXPECT_EQ(refused(half), "its header has no worldToNDC");

@@ -56,6 +56,7 @@ const std::map<std::string, std::vector<std::string>>& places() {
         {"transfer",
          {kCamera + kVolume + "[volume.classified]\n[[volume.classified.transfer]]\n@",
           kCamera + kVolume + "[volume.classified]\n[[volume.classified.transfer]]\nvalue = 1\n@"}},
+        {"mesh", {kCamera + kVolume + "[[mesh]]\nfile = \"a.obj\"\n@", kCamera + kVolume + "[[mesh]]\n@"}},
         {"light",
          {kCamera + kVolume + kLight + "@", kCamera + kVolume + "[[light]]\n@",
           kCamera + kVolume + "[[light]]\ntype = \"distant\"\n@", kCamera + kVolume + "[[light]]\ntype = \"point\"\n@",

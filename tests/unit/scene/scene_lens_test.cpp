@@ -95,6 +95,10 @@ TEST(SceneLens, MatrixIsTheCamerasFrame) {
     const Camera placed = cameraOf("matrix = [" + rows + "[0, 0, 0, 1]]\n");
     EXPECT_EQ(placed.wsPosition, looked.wsPosition);
     for (int i = 0; i < 3; ++i) EXPECT_LT(glm::distance(placed.wsFromCamera[i], looked.wsFromCamera[i]), 1e-14);
+    // One key is as good as none.
+    const Camera keyed = cameraOf("matrix = { keys = [[7, [" + rows + "[0, 0, 0, 1]]]] }\n");
+    EXPECT_EQ(keyed.wsPosition, placed.wsPosition);
+    EXPECT_EQ(keyed.wsFromCamera, placed.wsFromCamera);
     EXPECT_EQ(
         errorIn("matrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"),
         "scene.toml:2:10: 'matrix' mirrors; expected a right-handed frame, that of a camera which looks along its -z");

@@ -2,6 +2,7 @@
 #include <scrim/engine/plan/plan.h>
 
 #include <scrim/base/error.h>
+#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/light/slide_map.h>
 #include <scrim/engine/plan/rasters.h>
@@ -28,7 +29,8 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
     if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
     for (const LightPlan& light : group.lights) {
         if (!light.shadowed) continue;
-        bytes += plan.extinction.count() * LightSweep::shadowBytes(light, s, batch);
+        bytes += plan.extinction.count() * LightSweep::shadowBytes(light, s, batch) +
+                 (scene.solids ? SolidShadow::bytes(light.view) : 0);
         if (!light.lattice.shared())
             bytes += ExtinctionSum::bytes(scene, plan, s, light.lattice, batch, ExtinctionSum::For::light);
     }
@@ -307,10 +309,11 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
 
     const std::size_t pixels =
         std::size_t(roundUpToTile(plan.region.width())) * std::size_t(roundUpToTile(plan.region.height()));
+    constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
-        floats =
-            std::max(floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? 4 : 0)));
+        floats = std::max(
+            floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
     const std::size_t layers =
         scene.layers.size() +
         (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
