@@ -30,6 +30,7 @@ find_package(tomlplusplus CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(CLI11 CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
+find_package(embree 3 CONFIG REQUIRED)
 
 # For the volume sources. Teem's and NIfTI's packages configure nothing that works: both are found by their files.
 find_package(ZLIB REQUIRED)

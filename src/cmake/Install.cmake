@@ -4,7 +4,7 @@
 include(CMakePackageConfigHelpers)
 
 install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS scrim_images scrim_vdb LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/scrim)
+install(TARGETS scrim_images scrim_meshes scrim_vdb LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/scrim)
 install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim)
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Headers that users of the library need, and no others. They include only one another.

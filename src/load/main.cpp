@@ -8,6 +8,7 @@
 //   scrim-load --check                    tells whether children are confined (check.h)
 #include "check.h"
 #include "confine.h"
+#include "read_mesh.h"
 #include "read_picture.h"
 #include "read_source.h"
 #include "read_volume.h"
@@ -115,6 +116,8 @@ void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
     LoadRequest wanted = receiveRequest(kChildTransfer);
     if (pictures != nullptr)
         runConfined(ReadPicture(*pictures, kChildTransfer, std::move(wanted), kChildInput), limits);
+    else if (wanted.what == kMesh)
+        runConfined(ReadMesh(kChildTransfer, std::move(wanted), kChildInput), limits);
     else if (!wanted.source.empty())
         runSource(std::move(wanted), request.message, limits);
     else

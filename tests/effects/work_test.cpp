@@ -23,6 +23,8 @@ std::map<std::string, std::uint64_t> counters(const RenderWork& w) {
             {"light samples", w.lightSamples},
             {"pixel sheets", w.pixelSheets},
             {"layer samples", w.layerSamples},
+            {"solid rays", w.solidRays},
+            {"caught rays", w.caughtRays},
             {"sheets", w.sheets},
             {"samples", w.shade.samples},
             {"light lookups", w.shade.lightLookups},

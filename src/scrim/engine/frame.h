@@ -47,6 +47,8 @@ struct RenderWork {
     std::uint64_t pixelSheets = 0;   ///< pixel and sheet pairs composited
     std::uint64_t layerSamples = 0;  ///< the same of quads beyond the first: more pictures, coloured opacities
     std::uint64_t sheets = 0;
+    std::uint64_t solidRays = 0;   ///< traced to solids, for the eye and for lights
+    std::uint64_t caughtRays = 0;  ///< marched from solids to lights
     ShadeWork shade;
 
     /// Address space of buffers, of the sweep that takes most.
@@ -75,19 +77,19 @@ struct StageTimes {
 /// A picture beside the beauty, of the same window.
 struct FrameLayer {
     Layer layer = Layer::light;
-    int light = -1;  ///< of a light's: index into ViewScene::lights
-    /// light, ambient, emission: the part of the beauty, RGB. albedo: times what it hides, RGB. transmittance: RGB.
-    /// depth: along the viewing axis, world units, of where the first thing visible begins and of the mean over what is
-    /// seen; 0, 0
-    /// where nothing is.
+    int light = -1;  ///< of a light's or shadow's: index into ViewScene::lights
+    /// light, ambient, emission: the part of the beauty, RGB. shadow: see catchShadows, RGB. albedo: times what it
+    /// hides, RGB. transmittance: RGB. depth: along the viewing axis, world units, of where the first thing visible
+    /// begins and of the mean over what is seen; 0, 0 where nothing is.
     std::vector<float> data;
 
     std::size_t channels() const { return layer == Layer::depth ? 2 : 3; }
 };
 
 struct Frame {
-    Image image;                     ///< premultiplied, scene-linear, working space
-    std::vector<FrameLayer> layers;  ///< as ViewScene::layers has them; of lights one each, in the scene's order
+    Image image;  ///< premultiplied, scene-linear, working space
+    std::vector<FrameLayer>
+        layers;  ///< as ViewScene::layers has them; of lights and shadows one each, in the scene's order
     RenderWork work;
     StageTimes times;
 };

@@ -7,6 +7,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/composite/compositor.h>
 #include <scrim/engine/composite/resolve.h>
+#include <scrim/engine/light/caught_shadow.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/extinction_sum.h>
@@ -85,7 +86,11 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff));
+    std::optional<EyeEnds> ends;
+    if (scene.solids && scene.solids->any(SolidRole::holdout))
+        ends.emplace(*scene.solids, supersampled(scene.camera, n), tiles);
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff),
+                          ends ? &*ends : nullptr);
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
@@ -127,7 +132,8 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && compositor.allOpaque()) break;
     }
-    work.bytes = {extinction.bytes(), lights.bytes(), 0, tiles.bytes()};
+    work.solidRays = lights.solidRays() + (ends ? ends->rays() : 0);
+    work.bytes = {extinction.bytes(), lights.bytes(), 0, tiles.bytes() + (ends ? ends->bytes() : 0)};
     if (shaded)
         work.bytes.shaded = PlaneStack::bytes(shaded->planes(), shaded->width(), shaded->height(), layout.floats());
     return swept;
@@ -135,16 +141,18 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
 
 Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
     Frame frame = emptyFrame(scene);
+    const auto goOn = [&](double done) {
+        if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
+    };
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        const Swept swept = sweep(scene, plan, plan.groups[g], [&](double done) {
-            const double all = (double(g) + done) / double(plan.groups.size());
-            if (progress && !progress(all)) throw Error(ErrorKind::interrupted, "the render was interrupted");
-        });
+        const Swept swept = sweep(scene, plan, plan.groups[g],
+                                  [&](double done) { goOn((double(g) + done) / double(plan.groups.size())); });
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;
     }
     finishLayers(frame);
+    frame.work.caughtRays = catchShadows(scene, frame, [&] { goOn(1); });
     return frame;
 }
 

@@ -69,6 +69,7 @@ Mat3 wsFromOrbit(const Vec3& up);
 Mat4 readMatrix(const TomlValue& value);
 /// The map of a volume's transform.
 Mat4 readTransform(TomlTable table, const ReadContext& context);
+SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadContext& context);
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context);
 Rgb readAmbient(TomlTable table, const ReadContext& context);
 RenderSection readRender(TomlTable table);

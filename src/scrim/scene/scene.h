@@ -12,6 +12,7 @@
 #include <scrim/scene/scene_lines.h>
 #include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
+#include <scrim/solid/triangle_mesh.h>
 
 #include <memory>
 #include <optional>
@@ -22,7 +23,7 @@
 namespace scrim {
 
 /// Pictures beside the beauty.
-enum class Layer { light, ambient, emission, albedo, depth, transmittance };
+enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow };
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
@@ -83,6 +84,17 @@ struct SceneVolume {
     std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
 
+/// A solid of triangles.
+struct SceneMesh {
+    std::string name;
+    FramePath sequence;  ///< the path before the frame is put in
+    std::string file;    ///< at this frame
+    Mat4 wsFromMesh{1.0};
+    bool holdout = true, shadows = true, catches = false;  ///< see Solid
+    std::string where;                                     ///< of `file` in the scene: "scene.toml:12:8"
+    std::shared_ptr<const TriangleMesh> mesh = nullptr;    ///< null until it is loaded
+};
+
 struct ScenePreview {
     std::string file;  ///< at this frame; empty: no preview
     FramePath path;
@@ -120,6 +132,7 @@ struct Scene {
         {};                            ///< that `camera` is read from when a shot is loaded; till then it has `near`
     int overscan = 0;                  ///< pixels added on every side of the picture
     std::vector<SceneVolume> volumes;  ///< at least one
+    std::vector<SceneMesh> meshes = {};
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;

@@ -8,8 +8,12 @@
 namespace scrim {
 namespace {
 
+std::string roleOf(const SceneVolume& volume) {
+    return fmt::format("the volume '{}'", volume.name);
+}
+
 void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
-    const std::string role = fmt::format("the volume '{}'", volume.name);
+    const std::string role = roleOf(volume);
     if (!volume.source.empty()) {
         if (const std::string file = fileIn(volume.parameters); !file.empty())
             files.push_back({file, "the file of " + role});
@@ -17,7 +21,6 @@ void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
     }
     if (volume.file.empty()) return;  // made in code
     files.push_back({volume.file, role});
-    for (const int frame : existingFrames(volume.sequence)) files.push_back({volume.sequence.at(frame), role});
 }
 
 }  // namespace
@@ -25,10 +28,21 @@ void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
 std::vector<SceneFile> filesReadBy(const Scene& scene) {
     std::vector<SceneFile> files;
     for (const SceneVolume& volume : scene.volumes) addVolume(volume, files);
+    for (const SceneMesh& mesh : scene.meshes)
+        if (!mesh.file.empty()) files.push_back({mesh.file, fmt::format("the mesh '{}'", mesh.name)});
     if (scene.plate) files.push_back({scene.plate->file, "the picture that the camera is that of"});
     for (const Light& light : scene.lights)
         if (light.slide && !light.slide->file.empty())
             files.push_back({light.slide->file, fmt::format("the slide of light '{}'", light.name)});
+    return files;
+}
+
+std::vector<SceneFile> sequenceFilesOf(const Scene& scene) {
+    std::vector<SceneFile> files;
+    for (const SceneVolume& volume : scene.volumes)
+        if (volume.source.empty() && !volume.file.empty())
+            for (const int frame : existingFrames(volume.sequence))
+                files.push_back({volume.sequence.at(frame), roleOf(volume)});
     return files;
 }
 

@@ -14,8 +14,10 @@ struct SceneFile {
     std::string role;  ///< "the volume 'plume'"
 };
 
-/// At the frame of `scene`, and of sequences all files that there are: whoever renders another frame reads those. Not
-/// the file of the scene itself. Files that are missing are among them.
+/// At the frame of `scene`. Not the file of the scene itself. Files that are missing are among them.
 std::vector<SceneFile> filesReadBy(const Scene& scene);
+
+/// All files that there are of the sequences of volumes: whoever renders other frames reads those.
+std::vector<SceneFile> sequenceFilesOf(const Scene& scene);
 
 }  // namespace scrim

@@ -15,9 +15,11 @@ const std::vector<const Section*>& sceneSections();
 
 struct OrbitKeys : Section {
     OrbitKeys()
-        : Section("orbit", "orbit = { ... } of [camera] or a [[light]]",
-                  "A place on a sphere. Keyed angles make true circles; keyed positions cut across them. Of a distant "
-                  "light it is the direction that light comes from, and 'center' and 'radius' mean nothing.") {}
+        : Section(
+              "orbit", "orbit = { ... } of [camera] or a [[light]]",
+              "A place on a sphere. Keyed angles make true circles; keyed positions cut across them. Of a distant "
+              "light it is the direction that light comes from: 'center' is the middle of its slide, and there is no "
+              "'radius'.") {}
     const Key& center = vector("center", "a point [x, y, z]", Range::coordinate(),
                                "The middle, which a camera looks at unless it has a 'target'.")
                             .unless("[0, 0, 0]")
@@ -262,6 +264,7 @@ struct SceneKeys : Section {
         other("variables", "a table of strings and numbers", kAnyTable, {}, "What ${NAME} stands for in paths.");
     const Key& camera = table(keysOf<CameraKeys>(), "camera", "Where the picture is taken from.").required();
     const Key& volume = tables(keysOf<VolumeKeys>(), "volume", "What is rendered: at least one.").required();
+    const Key& mesh = tables(keysOf<MeshKeys>(), "mesh", "Solids that hide it, and shadow it.");
     const Key& light = tables(keysOf<LightKeys>(), "light", "What lights it.");
     const Key& ambient = table(keysOf<AmbientKeys>(), "ambient", "Unshadowed light from everywhere.");
     const Key& render = table(keysOf<RenderKeys>(), "render", "How accurate, and every dial behind it.");

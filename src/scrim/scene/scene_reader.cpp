@@ -95,6 +95,14 @@ bool hasKeys(const toml::node& node) {
             std::any_of(table->begin(), table->end(), [](const auto& entry) { return hasKeys(entry.second); }));
 }
 
+/// A solid that catches shadows shows them in layers.
+void addShadowLayer(Scene& scene) {
+    std::vector<Layer>& layers = scene.output.layers;
+    const bool caught = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const auto& m) { return m.catches; });
+    if (caught && std::find(layers.begin(), layers.end(), Layer::shadow) == layers.end())
+        layers.push_back(Layer::shadow);
+}
+
 }  // namespace
 
 SceneText loadSceneText(const std::string& path) {
@@ -149,6 +157,8 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.volumes = readNamed<SceneVolume>(root, k.volume, [&](const TomlTable& table, const std::string& name) {
         return readVolume(table, name, context);
     });
+    scene.meshes = readNamed<SceneMesh>(
+        root, k.mesh, [&](const TomlTable& table, const std::string& name) { return readMesh(table, name, context); });
     if (scene.volumes.empty()) root.require(k.volume).failExpecting(atLeastOne);
     if (const auto ambient = section(k.ambient)) scene.ambient = readAmbient(*ambient, context);
     RenderSection render;
@@ -159,9 +169,11 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.tolerance = render.tolerance;
     scene.dials = render.dials;
     scene.moves = hasKeys(tree) || camera.moves;
+    for (const SceneMesh& mesh : scene.meshes) scene.moves = scene.moves || mesh.sequence.hasFrame();
     const auto output = section(k.output);
     scene.output = output ? readOutput(*output, context) : defaultOutput(context);
     root.finish();
+    addShadowLayer(scene);
     scene.warnings = *context.warnings;
     std::map<std::string, std::string> lines;
     addLines(tree, "", lines);

@@ -9,6 +9,7 @@
 #include <scrim/scene/scene.h>
 #include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
+#include <scrim/solid/solids.h>
 #include <scrim/volume/sparse_field.h>
 
 #include <cstddef>
@@ -50,7 +51,8 @@ struct ViewScene {
     PixelWindow picture;  ///< the whole picture that `region` is a crop of; empty: region and display window
     std::vector<ViewVolume> volumes;
     std::vector<Light> lights;
-    Rgb ambient{0};  ///< radiance of an unshadowed environment
+    std::shared_ptr<const Solids> solids = nullptr;  ///< null: there are none
+    Rgb ambient{0};                                  ///< radiance of an unshadowed environment
     Dials dials;
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;

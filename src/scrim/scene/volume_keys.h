@@ -8,7 +8,7 @@ namespace scrim {
 
 struct TransformKeys : Section {
     TransformKeys()
-        : Section("transform", "transform = { ... } of a [[volume]]",
+        : Section("transform", "transform = { ... } of a [[volume]] or [[mesh]]",
                   "From the asset's own world to the scene's: 'scale' first, then 'rotate', then 'translate'; or "
                   "'matrix'.") {
         exclude({&matrix}, {&translate, &rotate, &scale});
@@ -169,6 +169,23 @@ struct ClassifiedKeys : Section {
     const Key& specular = number("specular", Range::fromTo(0, 1e6), 0.3, "Share of the highlight.");
     const Key& exponent = number("exponent", Range::fromTo(0, 1e4), 20, "How small the highlight is.");
     const Key& twoSided = boolean("two_sided", false, "Does light from behind a surface count?");
+};
+
+struct MeshKeys : Section {
+    MeshKeys()
+        : Section("mesh", "[[mesh]]",
+                  "A solid of triangles, which another renderer draws: here it hides the volumes, takes light from "
+                  "them, and shows their shadows. An open surface acts from both sides.") {}
+    const Key& name =
+        text("name", "a name", "For messages, and --set mesh.NAME.shadows=false.").unless("\"mesh1\", ...");
+    const Key& file = path("file", "an .obj or .ply file", "\"actor.####.obj\" is a sequence.").required();
+    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Where it stands.");
+    const Key& holdout = boolean("holdout", true, "Does it hide what is behind it? It adds neither colour nor alpha.");
+    const Key& shadows = boolean("shadows", true, "Does it throw shadows into volumes?");
+    const Key& catches =
+        boolean("catch", false,
+                "Does it show the shadows of volumes? The picture then has layers 'shadow.LIGHT': what "
+                "part of each light reaches the first such surface; 1 where there is none.");
 };
 
 struct VolumeKeys : Section {

@@ -51,7 +51,7 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
 }
 
 std::string layerName(const Scene& scene, const FrameLayer& layer) {
-    if (layer.layer != Layer::light) return nameOf(layer.layer);
+    if (layer.light < 0) return nameOf(layer.layer);
     return nameOf(layer.layer) + "." + channelName(scene.lights[std::size_t(layer.light)].name);
 }
 
@@ -72,11 +72,16 @@ std::vector<float> converted(const ShotLayer& layer, const PixelWindow& window, 
     return data;
 }
 
-/// Depth is no colour, and transmittance is what each of the working space's channels leaves of what lies behind.
+/// What each of the working space's channels leaves of something: 1 where nothing is in the way, and no colour.
+bool isShare(Layer layer) {
+    return layer == Layer::transmittance || layer == Layer::shadow;
+}
+
+/// Depth is no colour, either.
 ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
     const ShotLayer& layer = content.layers[i];
     if (content.kinds[i] == Layer::depth) return {layer.channels, layer.data, true};
-    if (content.kinds[i] == Layer::transmittance) return {layer.channels, layer.data};
+    if (isShare(content.kinds[i])) return {layer.channels, layer.data};
     return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
 }
 
@@ -103,12 +108,12 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
     options.displayWindow = displayWindowOf(content.scene);
     options.pixelAspect = content.scene.camera.pixelAspect;
     options.colorInteropId = colour.interopId(output.colorspace);
-    options.acesContainer = output.half && colour.isAces2065(output.colorspace);
+    options.acesContainer = output.half && content.layers.empty() && colour.isAces2065(output.colorspace);
     std::vector<ExrLayer> layers;
     for (std::size_t i = 0; i < content.layers.size(); ++i) {
         layers.push_back(exrLayer(content, i));
         // Where nothing is everything comes through: readers take what lies beyond the data window for 0.
-        options.wholeWindow = options.wholeWindow || content.kinds[i] == Layer::transmittance;
+        options.wholeWindow = options.wholeWindow || isShare(content.kinds[i]);
     }
     Image image = content.image;
     colour.convert(image, colour.workingSpace(), output.colorspace);

@@ -26,6 +26,8 @@ Json workJson(const RenderWork& w) {
             {"exponentials", w.shade.exponentials},
             {"pixel_sheets", w.pixelSheets},
             {"layer_samples", w.layerSamples},
+            {"solid_rays", w.solidRays},
+            {"caught_rays", w.caughtRays},
             {"sheets", w.sheets},
             {"buffer_bytes", w.bytes.total()},
             {"bytes",

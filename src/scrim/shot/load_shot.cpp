@@ -20,7 +20,7 @@ std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slid
     if (taken >= limit)
         throw Error(ErrorKind::memory,
                     fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
-                                slideBytes > 0 ? " and slides" : "", bytesText(taken), bytesText(limit)));
+                                slideBytes > 0 ? ", slides and meshes" : "", bytesText(taken), bytesText(limit)));
     return limit - taken;
 }
 
@@ -105,7 +105,9 @@ void warnOfColdFire(const Scene& scene, const Fields& fields, const MessageSink&
 ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf volumesOf) const {
     Scene turned = scene;
     turned.dials.lod = lod;
-    return assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
+    ViewScene view = assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
+    view.solids = solids;
+    return view;
 }
 
 LoadOptions limited(LoadOptions load, const RenderOptions& options) {
@@ -135,7 +137,9 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
     if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
     listenTo(stores.fields, load, options);
     stores.slides.loadInto(out.scene, limited(load, options), options.messages, checkpointOf(options));
-    out.slideBytes = stores.slides.bytes();
+    stores.meshes.loadInto(out.scene, limited(load, options), checkpointOf(options));
+    out.slideBytes = stores.slides.bytes() + stores.meshes.bytes();
+    out.solids = solidsOf(out.scene);
     out.fields = stores.fields.fieldsOf(out.scene, out.files, volumesOf);
     if (use == ShotUse::render) warnOfColdFire(out.scene, out.fields, options.messages);
     return out;

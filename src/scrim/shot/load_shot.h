@@ -7,6 +7,7 @@
 #include <scrim/scene/scene.h>
 #include <scrim/shot/assemble.h>
 #include <scrim/shot/field_store.h>
+#include <scrim/shot/mesh_store.h>
 #include <scrim/shot/shot_options.h>
 #include <scrim/shot/slide_store.h>
 
@@ -24,13 +25,15 @@ struct ShotStores {
     ColourConfig colour;
     FieldStore fields;
     SlideStore slides;
+    MeshStore meshes = {};
 };
 
 struct LoadedShot {
-    Scene scene;  ///< its slides have their pictures
+    Scene scene;  ///< its slides have their pictures, its meshes their triangles
     std::vector<VolumeFile> files;
-    Fields fields;  ///< one each of the scene's volumes
-    std::size_t slideBytes = 0;
+    Fields fields;                         ///< one each of the scene's volumes
+    std::size_t slideBytes = 0;            ///< of slides and meshes
+    std::shared_ptr<const Solids> solids;  ///< null: there are none
 
     /// What the engine renders, with another value of the dial `lod`. Throws Error(memory) where volumes and slides
     /// leave nothing of the options' limit.

@@ -178,11 +178,15 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     if (light.slide) arriving *= slideValue(light, *m_slides[index], ws);
     if (arriving == Rgb(0)) return arriving;
     Rgb tau(0);
-    if (light.shadows)
+    if (light.shadows) {
+        if (m_scene.solids && m_scene.solids->firstHit(SolidRole::shadow, ws, -travel, 0,
+                                                       light.distant() ? kInfinity : distance) < kInfinity)
+            return Rgb(0);
         tau = opticalDepth(
             light.distant() ? ws - travel * (std::max(0.0, m_wsBounds.clip(ws, -travel, 0, kInfinity).second) + m_voxel)
                             : light.wsPosition,
             ws);
+    }
     Rgb sum(0);
     for (const Volume& v : m_volumes) {
         if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;
@@ -228,7 +232,9 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     direction /= depthScale;
     if (m_volumes.empty()) return {0, 0, 0, 0};
 
-    const auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, kInfinity);
+    auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, kInfinity);
+    if (m_scene.solids)
+        end = std::min(end, m_scene.solids->firstHit(SolidRole::holdout, origin, direction, begin, end));
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb radiance(0);
     Rgb tau(0);

@@ -25,14 +25,15 @@
 namespace scrim {
 
 inline constexpr const char* kPictureHeader = "header";
+inline constexpr const char* kMesh = "mesh";
 
 /// What a child is asked for: "fields" or "info" of a volume file, a "picture" or its kPictureHeader, or
-/// what a "source" makes of a file. The file is handed to it; its path is for messages.
+/// what a "source" makes of a file, or a kMesh. The file is handed to it; its path is for messages.
 struct LoadRequest {
     std::string what;
     std::string path;
     std::vector<GridRequest> grids;
-    std::string source = {};  ///< path of its shared object
+    std::string source = {};  ///< path of its shared object, or of the module that reads meshes
     SourceParameters parameters = {};
     std::string beside = {};  ///< name of a file in the same folder that is handed over, too; "": there is none
 };

@@ -2,9 +2,11 @@
 // The parent's side of a guarded load; the child's is src/load.
 #include <scrim/volume/guarded_load.h>
 
+#include <scrim/base/installed.h>
 #include <scrim/base/system_error.h>
 #include <scrim/volume/field_transfer.h>
 #include <scrim/volume/loaded_source.h>
+#include <scrim/volume/mesh_transfer.h>
 #include <scrim/volume/picture_transfer.h>
 #include <scrim/volume/vdb_bytes.h>
 
@@ -195,6 +197,19 @@ FilePicture guardedPicture(const std::string& path, const LoadOptions& options, 
 
 PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     return pictureJob<PictureHeader>(path, kPictureHeader, receivePictureHeader, options, checkpoint);
+}
+
+FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    const OpenFile file(path);
+    if (!file.problem().empty()) return {{}, fmt::format("{}: {}", path, file.problem())};
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        sendRequest(transfer.fd(), {kMesh, path, {}, besideLibrary(kMeshModule)});
+        LoadJob(options.loader, LoadedFiles::volumes, path, transfer.fd(), file.fd(),
+                limitsFor(kSource, file.size(), options), options.showStderr)
+            .wait(checkpoint);
+        return received(path, [&] { return receiveMesh(transfer.fd()); });
+    });
 }
 
 std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,

@@ -6,6 +6,7 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/image/picture_module.h>
+#include <scrim/solid/mesh_module.h>
 #include <scrim/volume/grid_request.h>
 #include <scrim/volume/load_job.h>
 #include <scrim/volume/load_options.h>
@@ -62,6 +63,9 @@ FilePicture guardedPicture(const std::string& path, const LoadOptions& options, 
 
 /// Its header alone.
 PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+
+/// An OBJ or PLY file. What is wrong with it is its `problem`. Throws Error as `loadFields`.
+FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
 
 /// What the source in the shared object `source` makes of these parameters, of which one is `path`. It finds that file
 /// and one other beside it, which it asks for, and nothing else. Throws Error as `sourceFields` (load_fields.h).

@@ -2,6 +2,7 @@
 #include <scrim/volume/load_fields.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/installed.h>
 #include <scrim/volume/foreign_format.h>
 #include <scrim/image/texture_read.h>
 #include <scrim/volume/guarded_load.h>
@@ -62,6 +63,17 @@ FilePicture readPicture(const std::string& path, const LoadOptions& options, con
     checkPictureFile(path);
     if (options.volumes == VolumeLoading::guarded) return guardedPicture(path, options, checkpoint);
     return pictureModule().read(path);
+}
+
+TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    const auto inThisProcess = [&] {
+        void* const module = moduleFunction(kMeshModule, SCRIM_MESH_MODULE_SYMBOL, "reads meshes");
+        return reinterpret_cast<MeshModuleFunction>(module)()->read(path, false);
+    };
+    FileMesh file =
+        options.volumes == VolumeLoading::guarded ? guardedMesh(path, options, checkpoint) : inThisProcess();
+    if (!file.problem.empty()) throw Error(ErrorKind::input, file.problem);
+    return std::move(file.mesh);
 }
 
 VdbFileInfo loadInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {

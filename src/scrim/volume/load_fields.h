@@ -4,6 +4,7 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/image/picture_module.h>
+#include <scrim/solid/triangle_mesh.h>
 #include <scrim/volume/grid_request.h>
 #include <scrim/volume/load_options.h>
 #include <scrim/volume/source_parameters.h>
@@ -35,6 +36,9 @@ std::vector<SparseField> sourceFields(const std::string& source, const SourcePar
 /// A picture file; a guarded load lets a child read it. What is wrong with it is its `problem`. Throws Error(input)
 /// where there is no such file, else as `loadFields`.
 FilePicture readPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});
+
+/// A mesh file. Throws Error(input) where it is missing or damaged, else as `loadFields`.
+TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});
 
 /// What the file says about itself. Throws as `loadFields`.
 VdbFileInfo loadInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace scrim {
@@ -35,18 +36,30 @@ Real* sampleScratch(const OutputLayout& layout) {
 // A tile's rays, and what they meet in a batch.
 struct Compositor::TileWalk {
     RayTile rays;
+    alignas(64) Real ends[kTileSize];  // N at which they end, as rays.startN, where `ended`
+    bool ended = false;
     Real startLeast, startMost;      // extremes of rays.startN
+    Real endLeast, endMost;          // of `ends`
     int block;                       // the block's first sheet
     int firstStep;                   // place of plane 0 among the block's sheets
     std::array<int, kBlock> planes;  // those with active texels under the tile
     int planeCount = 0;
-
-    void setRays(const RayTile& tile) {
-        rays = tile;
-        startLeast = *std::min_element(rays.startN, rays.startN + kTileSize);
-        startMost = *std::max_element(rays.startN, rays.startN + kTileSize);
-    }
 };
+
+void Compositor::setRays(int tile, TileWalk& walk) const {
+    const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
+    const double reference = walk.block + 0.5;
+    walk.rays = m_eye.rays(x0, y0, reference);
+    walk.startLeast = *std::min_element(walk.rays.startN, walk.rays.startN + kTileSize);
+    walk.startMost = *std::max_element(walk.rays.startN, walk.rays.startN + kTileSize);
+    walk.endLeast = walk.endMost = (m_frontToBack ? 1 : -1) * std::numeric_limits<Real>::infinity();
+    const double* depths = m_ends == nullptr ? nullptr : m_ends->depths(tile);
+    if (depths == nullptr) return;
+    walk.ended = true;
+    m_eye.planesAt(x0, y0, depths, reference, walk.ends);
+    walk.endLeast = *std::min_element(walk.ends, walk.ends + kTileSize);
+    walk.endMost = *std::max_element(walk.ends, walk.ends + kTileSize);
+}
 
 // Sets up the rays of a tile, and finds the planes whose active texels they may meet.
 Compositor::TileWalk Compositor::enter(int tile, const Range& range, const PlaneStack& planes) const {
@@ -74,7 +87,7 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
                               tileOf(texels.x1 + 1, planes.width()) + 1, tileOf(texels.y1 + 1, planes.height()) + 1}))
             walk.planes[walk.planeCount++] = p;
     }
-    if (walk.planeCount > 0) walk.setRays(m_eye.rays(x0, y0, reference));
+    if (walk.planeCount > 0) setRays(tile, walk);
     return walk;
 }
 
@@ -86,36 +99,34 @@ Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const 
     walk.firstStep = range.sheet - walk.block - range.firstPlane;
     for (int p = range.firstPlane; p < range.lastPlane; ++p)
         if (planes.active(p, cells.x, cells.y)) walk.planes[walk.planeCount++] = p;
-    if (walk.planeCount > 0)
-        walk.setRays(m_eye.rays(m_tiles.cornerX(tile), m_tiles.cornerY(tile), blockBegin(range.sheet) + 0.5));
+    if (walk.planeCount > 0) setRays(tile, walk);
     return walk;
 }
 
-namespace {
-
-enum class Before { all, part, none };
-
-// How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies beyond the start of the rays?
-Before seenPart(int step, Real startLeast, Real startMost, bool frontToBack) {
+// How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies between the starts and ends of the
+// rays?
+Compositor::Seen Compositor::seenPart(const TileWalk& walk, int step) const {
     const Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
-    if (frontToBack) return startMost <= near ? Before::all : startLeast >= far ? Before::none : Before::part;
-    return startLeast >= far ? Before::all : startMost <= near ? Before::none : Before::part;
+    const Real lowerLeast = m_frontToBack ? walk.startLeast : walk.endLeast;
+    const Real lowerMost = m_frontToBack ? walk.startMost : walk.endMost;
+    const Real upperLeast = m_frontToBack ? walk.endLeast : walk.startLeast;
+    const Real upperMost = m_frontToBack ? walk.endMost : walk.startMost;
+    if (lowerMost <= near && upperLeast >= far) return Seen::all;
+    return lowerLeast >= far || upperMost <= near ? Seen::none : Seen::part;
 }
 
-// The seen part of a slab that the rays begin in, and the place in the middle of it.
-void cutSlab(const RayTile& rays, int step, bool frontToBack, Real* part, Real* at) {
+// The seen part of a slab that rays begin or end in, and the place in the middle of it.
+void Compositor::cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const {
     for (int k = 0; k < kTileSize; ++k) {
         Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
-        if (frontToBack)
-            near = std::clamp(rays.startN[k], near, far);
-        else
-            far = std::clamp(rays.startN[k], near, far);
+        const Real lower = m_frontToBack ? walk.rays.startN[k] : walk.ended ? walk.ends[k] : near;
+        const Real upper = !m_frontToBack ? walk.rays.startN[k] : walk.ended ? walk.ends[k] : far;
+        near = std::clamp(lower, near, far);
+        far = std::clamp(upper, near, far);
         part[k] = far - near;
         at[k] = Real(0.5) * (near + far);
     }
 }
-
-}  // namespace
 
 Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
@@ -138,18 +149,18 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
         const int step = p + walk.firstStep;
-        switch (seenPart(step, walk.startLeast, walk.startMost, m_frontToBack)) {
-            case Before::none:
+        switch (seenPart(walk, step)) {
+            case Seen::none:
                 break;
-            case Before::all:
+            case Seen::all:
                 planes[listed] = shaded.plane(p);
                 steps[listed++] = static_cast<Real>(step);
                 break;
-            case Before::part: {
+            case Seen::part: {
                 flush();
                 alignas(64) Real part[kTileSize], at[kTileSize];
                 Real* samples = sampleScratch(layout);
-                cutSlab(walk.rays, step, m_frontToBack, part, at);
+                cutSlab(walk, step, part, at);
                 samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
                             m_eye.simd());
                 compositeSamples(walk.rays, {samples, part, at, layout, m_eye.simd()}, m_frontToBack, states, first);
@@ -174,10 +185,10 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
         const int step = p + walk.firstStep;
-        const Before seen = seenPart(step, walk.startLeast, walk.startMost, m_frontToBack);
-        if (seen == Before::none) continue;
-        if (seen == Before::part)
-            cutSlab(walk.rays, step, m_frontToBack, part, at);
+        const Seen seen = seenPart(walk, step);
+        if (seen == Seen::none) continue;
+        if (seen == Seen::part)
+            cutSlab(walk, step, part, at);
         else
             std::fill(at, at + kTileSize, static_cast<Real>(step));
         points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
@@ -191,7 +202,7 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
         m_eye.setDepth(walk.block + step + 0.5, points);
         work.pixelSheets += kTileSize;
         if (!shader.shadePoints(p, points, cells, samples, work.shade)) continue;
-        compositeSamples(walk.rays, {samples, seen == Before::part ? part : nullptr, at, layout, m_eye.simd()},
+        compositeSamples(walk.rays, {samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd()},
                          m_frontToBack, states, first);
     }
     return work;
@@ -201,12 +212,16 @@ PixelTiles::FirstDepth* Compositor::firstDepth(int tile) {
     return m_tiles.keepsDepth() ? m_tiles.depths(tile) : nullptr;
 }
 
-void Compositor::markIfOpaque(int tile) {
+// A tile through whose pixels nothing is seen from N = `blockEnd` on: they are opaque, or their rays have ended.
+void Compositor::markIfOpaque(int tile, int blockEnd) {
     if (!m_frontToBack) return;
     const Real* states = m_tiles.states(tile);
     const int floats = m_tiles.layout().floats();  // the last of which is the least opacity
+    const double* depths = m_ends == nullptr ? nullptr : m_ends->depths(tile);
+    alignas(64) Real ends[kTileSize];
+    if (depths != nullptr) m_eye.planesAt(m_tiles.cornerX(tile), m_tiles.cornerY(tile), depths, blockEnd, ends);
     for (int k = 0; k < kTileSize; ++k)
-        if (1 + states[floats * k + floats - 1] >= m_cutoff) return;
+        if (1 + states[floats * k + floats - 1] >= m_cutoff && (depths == nullptr || ends[k] > 0)) return;
     m_tiles.setOpaque(tile);
 }
 
@@ -246,7 +261,7 @@ Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf
             for (const Part& part : parts) {
                 if (m_tiles.opaque(tile)) break;
                 if (part.box.contains(tx, ty)) walked[row] += walk(tile, part.range);
-                if (part.endsBlock) markIfOpaque(tile);
+                if (part.endsBlock) markIfOpaque(tile, blockBegin(part.range.sheet) + kBlock);
             }
         }
     });

@@ -4,6 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/composite_tile.h>
+#include <scrim/engine/composite/eye_ends.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/shade/sheet_shader.h>
@@ -16,8 +17,9 @@ namespace scrim {
 
 class Compositor {
   public:
-    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff)
-        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
+    /// `ends`: where rays end; null: nowhere.
+    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr)
+        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends) {}
 
     /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
     struct Work {
@@ -49,6 +51,9 @@ class Compositor {
         int firstPlane;  ///< planes [firstPlane, lastPlane) of the batch, within one block of sheets
         int lastPlane;
     };
+    enum class Seen { all, part, none };
+    Seen seenPart(const TileWalk& walk, int step) const;
+    void cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
     Work shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
@@ -56,13 +61,15 @@ class Compositor {
     template <class BoxOf, class Walk>
     Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
     Box2<int> tilesThatSee(const Range& range, const PlaneStack& planes) const;
-    void markIfOpaque(int tile);
+    void setRays(int tile, TileWalk& walk) const;
+    void markIfOpaque(int tile, int blockEnd);
     PixelTiles::FirstDepth* firstDepth(int tile);
 
     const EyeView& m_eye;
     PixelTiles& m_tiles;
     bool m_frontToBack;
     Real m_cutoff;
+    const EyeEnds* m_ends;
 };
 
 }  // namespace scrim

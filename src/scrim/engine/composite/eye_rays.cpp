@@ -56,6 +56,13 @@ RayTile EyeView::rays(int x0, int y0, double reference) const {
     return tile;
 }
 
+void EyeView::planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const {
+    for (int k = 0; k < kTileSize; ++k) {
+        const double x = x0 + k % kTileEdge + 0.5, y = y0 + k / kTileEdge + 0.5;
+        planes[k] = static_cast<Real>(m_ts.origin(x, y).z + m_ts.direction(x, y).z * depths[k] - reference);
+    }
+}
+
 Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
     Lattice raster;
     raster.kind = m_orthographic ? Lattice::Kind::parallel : Lattice::Kind::perspective;

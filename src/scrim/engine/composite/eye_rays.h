@@ -40,6 +40,10 @@ class EyeView {
     /// N = `reference`.
     RayTile rays(int x0, int y0, double reference) const;
 
+    /// N - reference of points on the rays of those pixels, by their depths along the viewing axis: infinite ones lie
+    /// where the rays go.
+    void planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const;
+
     /// The lattice of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view
     /// splatting fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
     Lattice lattice(const PixelWindow& region, int guardTiles) const;

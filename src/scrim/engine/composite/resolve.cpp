@@ -67,7 +67,7 @@ Frame emptyFrame(const ViewScene& scene) {
         out.data.assign(out.channels() * scene.region.pixelCount(), 0.0f);
     };
     for (const Layer layer : scene.layers) {
-        if (layer == Layer::light)
+        if (layer == Layer::light || layer == Layer::shadow)
             for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i));
         else
             add(layer, -1);

@@ -28,12 +28,17 @@ double pathInSheets(const LightView& view) {
 }  // namespace
 
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
-    : m_scene(scene), m_group(group), m_channels(plan.extinction.count()), m_simd(plan.simd) {
+    : m_scene(scene),
+      m_group(group),
+      m_channels(plan.extinction.count()),
+      m_passSolids(scene.solids && scene.solids->any(SolidRole::shadow)),
+      m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
     for (const LightPlan& light : group.lights) {
         Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
+        if (m_passSolids) caster.solids.emplace(*scene.solids, light.view, group.sheets, scene.camera);
         if (!light.lattice.shared())
             caster.ownSheets = std::make_unique<ExtinctionSum>(scene, plan, group.sheets, light.lattice,
                                                                group.batchSheets, ExtinctionSum::For::light);
@@ -48,7 +53,8 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
 // What every light does to each sheet of the batch.
 void LightSweep::enterBatch(int firstSheet, int count) {
     m_onSheets.assign(std::size_t(count), {});
-    for (int p = 0; p < count; ++p)
+    for (int p = 0; p < count; ++p) {
+        m_onSheets[p].sheet = firstSheet + p;
         for (std::size_t i = 0; i < m_casters.size(); ++i)
             if (const auto light = atSheet(i, firstSheet + p)) {
                 OnSheet& here = m_onSheets[p];
@@ -60,7 +66,9 @@ void LightSweep::enterBatch(int firstSheet, int count) {
                     if (!caster.aligned.empty()) shadow = &caster.aligned[c];
                     here.shadows.push_back(shadow);
                 }
+                if (m_passSolids) here.solids.push_back(caster.solids ? &*caster.solids : nullptr);
             }
+    }
 }
 
 // The paper's way (ZC02 Fig. 5, lines 10 and 17): footprints into the light's own sheets, and those into its buffer.
@@ -166,12 +174,20 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     return out;
 }
 
+std::uint64_t LightSweep::solidRays() const {
+    std::uint64_t sum = 0;
+    for (const Caster& caster : m_casters)
+        if (caster.solids) sum += caster.solids->rays();
+    return sum;
+}
+
 std::size_t LightSweep::bytes() const {
     std::size_t sum = 0;
     for (const Caster& caster : m_casters) {
         for (const ShadowBuffer& shadow : caster.resampled) sum += shadow.bytes();
         for (const ViewShadow& shadow : caster.aligned) sum += shadow.bytes();
         if (caster.ownSheets) sum += caster.ownSheets->bytes();
+        if (caster.solids) sum += caster.solids->bytes();
     }
     return sum;
 }

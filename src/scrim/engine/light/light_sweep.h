@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/engine/light/shadow_buffer.h>
+#include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/plan/plan.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
@@ -29,11 +30,17 @@ class LightSweep {
     /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each extinction channel
     /// (nullptr: unshadowed).
     struct OnSheet {
+        int sheet = 0;
         std::vector<SheetLight> lights;
         std::vector<const ShadowLookup*> shadows;
+        std::vector<const SolidShadow*> solids;  ///< one a light, or nullptr; empty where the scene has no solids
     };
+    /// Do solids shadow?
+    bool passSolids() const { return m_passSolids; }
     const OnSheet& onSheet(int p) const { return m_onSheets[p]; }
     std::size_t bytes() const;
+    /// Traced to solids.
+    std::uint64_t solidRays() const;
 
     /// Upper estimate of the bytes of one light's shadow buffer for one extinction channel.
     static std::size_t shadowBytes(const LightPlan& light, const Sheets& sheets, int batchSheets);
@@ -45,6 +52,7 @@ class LightSweep {
         std::vector<ShadowBuffer> resampled;
         std::unique_ptr<ExtinctionSum> ownSheets;
         std::vector<ViewShadow> aligned;
+        std::optional<SolidShadow> solids;
     };
     void enterBatch(int firstSheet, int count);
     Work attenuateAligned(Caster& caster, int firstSheet, int count);
@@ -53,6 +61,7 @@ class LightSweep {
     const ViewScene& m_scene;
     const GroupPlan& m_group;
     int m_channels;
+    bool m_passSolids;
     Simd m_simd;
     std::vector<Caster> m_casters;  // one a light of the group; of an unshadowed one empty
     std::vector<OnSheet> m_onSheets;

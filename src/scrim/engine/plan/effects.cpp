@@ -89,6 +89,16 @@ Effect slides(const ViewScene& scene, const Plan& plan) {
         .effect("slides", "of ", "no light has a slide");
 }
 
+// Solids with a role.
+Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, const std::string& key,
+              const std::string& otherwise) {
+    Finder found(scene);
+    if (scene.solids)
+        for (const Solid& solid : scene.solids->all())
+            if (solid.has(role)) found.add(quoted(solid.name), "mesh." + solid.name + key);
+    return found.effect(name, "of ", otherwise);
+}
+
 Effect culledLights(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
     for (std::size_t i = 0; i < plan.culledLights.size(); ++i)
@@ -235,6 +245,9 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(lightLinking(scene));
     effects.push_back(ofDial(scene, "ambient light", "ambient", scene.ambient != Rgb(0),
                              scene.ambient != Rgb(0) ? "[ambient] has a color" : "[ambient] is black"));
+    effects.push_back(solids(scene, SolidRole::holdout, "holdouts", "", "no mesh hides volumes"));
+    effects.push_back(solids(scene, SolidRole::shadow, "shadows of solids", "", "no mesh throws shadows"));
+    effects.push_back(solids(scene, SolidRole::catcher, "caught shadows", ".catch", "no mesh catches shadows"));
     effects.push_back(layers(scene));
     effects.push_back(crossFade(scene, plan));
     const Dials& dials = scene.dials;

@@ -105,6 +105,11 @@ HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
     });
 }
 
+HWY_ATTR void scale(const Real* factors, Real* values) {
+    const DF d;
+    forSamples([&](int k) HWY_ATTR { hn::Store(hn::Mul(load(factors, k), load(values, k)), d, values + k); });
+}
+
 constexpr Real kInverseFourPi = Real(0.07957747154594767);
 
 // A light at the samples of a tile, and where what is made of it goes. Rows of channels may be one and the same.

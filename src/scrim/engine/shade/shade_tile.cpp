@@ -142,6 +142,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
         meetPoint(input, light, w.in);
     if (light.spot) limitToCone(light, w.in);
     if (light.windows) limitToWindow(light, w.in);
+    if (input.unblocked) scale(input.unblocked + index * kTileSize, w.in.irradiance);
     w.done.lightLookups += kTileSize;
 
     const Real* tauIn = input.tauIn + index * std::size_t(input.channels * kTileSize);

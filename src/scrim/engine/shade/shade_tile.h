@@ -102,7 +102,9 @@ struct ShadeInput {
     std::span<const SheetEmission> emissions;
     std::span<const SheetLight> lights;
     const Real* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
-    Real ambient[3];    ///< radiance of an unshadowed environment; all 0: none
+    /// 256 values a light, of what gets past solids; nullptr: there are none.
+    const Real* unblocked;
+    Real ambient[3];  ///< radiance of an unshadowed environment; all 0: none
     OutputLayout layout;
     Real* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
     Simd simd;

@@ -52,7 +52,8 @@ struct SheetShader::Rows {
         m_emission = m_medium + perMedium * shader.m_media.size();
         m_tauIn = m_emission + shader.m_extinction.emissions().size();
         const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
-        m_outputs = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
+        m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
+        m_outputs = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
         const std::size_t count = m_outputs + 3 * std::size_t(shader.m_group.outputs.layout.outputs - 1) + 1;
         if (scratch.rows.size() < count) scratch.rows.resize(count);
         if (scratch.classified.size() < shader.m_surfaces.size()) scratch.classified.resize(shader.m_surfaces.size());
@@ -64,12 +65,13 @@ struct SheetShader::Rows {
     Real* scatter(std::size_t i, int c) const { return scratch.rows[m_medium + 4 * i + 1 + std::size_t(c)].values; }
     Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
     Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
+    Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
     Real* outputs() const { return scratch.rows[m_outputs].values; }
 
     Scratch& scratch;
 
   private:
-    std::size_t m_medium, m_emission, m_tauIn, m_outputs;
+    std::size_t m_medium, m_emission, m_tauIn, m_unblocked, m_outputs;
 };
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
@@ -138,6 +140,7 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     gatherTile(p, {tx, ty}, rows);
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn(i));
+    passSolids(p, samples, rows);
     return shadeTile(inputOf(p, samples, rows), out);
 }
 
@@ -167,6 +170,7 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
     if (!shows(rows)) return false;
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn(i));
+    passSolids(p, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
     return true;
 }
@@ -214,6 +218,15 @@ bool SheetShader::shows(const Rows& rows) const {
     return false;
 }
 
+// What of each light gets past the solids to the samples.
+void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const {
+    const LightSweep::OnSheet& lights = m_lights.onSheet(p);
+    for (std::size_t i = 0; i < lights.solids.size(); ++i) {
+        std::fill_n(rows.unblocked(i), kTileSize, Real(1));
+        if (lights.solids[i]) lights.solids[i]->multiply(lights.sheet, samples.u, samples.v, rows.unblocked(i));
+    }
+}
+
 // All that shading reads, from the rows.
 ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
@@ -247,6 +260,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.emissions = scratch.emissions;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn(0);
+    input.unblocked = m_lights.passSolids() ? rows.unblocked(0) : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
     input.layout = m_group.outputs.layout;
     input.outputs = rows.outputs();

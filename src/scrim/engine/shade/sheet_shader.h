@@ -33,6 +33,7 @@ class SheetShader {
     struct Rows;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
+    void passSolids(int p, const SampleTile& samples, Rows& rows) const;
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
     void classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
     bool shows(const Rows& rows) const;

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "read_mesh.h"
+
+#include "answered_calls.h"
+
+#include <scrim/base/error.h>
+#include <scrim/volume/mesh_transfer.h>
+#include <scrim/volume/read_fields.h>
+
+#include <utility>
+
+#include <dlfcn.h>
+
+namespace scrim::load {
+
+ReadMesh::ReadMesh(int transfer, LoadRequest request, int input) : m_transfer(transfer), m_request(std::move(request)) {
+    void* module = ::dlopen(m_request.source.c_str(), RTLD_LAZY | RTLD_LOCAL);
+    void* function = module == nullptr ? nullptr : ::dlsym(module, SCRIM_MESH_MODULE_SYMBOL);
+    if (function != nullptr) {
+        m_module = reinterpret_cast<MeshModuleFunction>(function)();
+    } else {
+        const char* reason = ::dlerror();
+        m_problem = "cannot load '" + m_request.source + "', which reads meshes: " + (reason ? reason : "");
+    }
+    if (hasFilter()) AnsweredCalls::install(m_request.path, input);
+}
+
+void ReadMesh::run() const {
+    try {
+        readWithErrors(m_request.path, [&] {
+            if (m_module == nullptr) throw Error(ErrorKind::render, m_problem);
+            sendMesh(m_transfer, m_module->read(m_request.path, true));
+        });
+    } catch (const Error& error) {
+        sendError(m_transfer, error);
+    }
+}
+
+}  // namespace scrim::load

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/light/caught_shadow.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/splat/kernel.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Optical depth along world-space segments, by steps of half a voxel with two points of Gauss' quadrature in each.
+class Marcher {
+  public:
+    explicit Marcher(const ViewScene& scene) : m_step(0.5 * voxelUnit(scene)) {
+        for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
+        for (const ViewVolume& volume : scene.volumes) {
+            if (volume.field->empty()) continue;
+            const Mat4 isFromWs = glm::inverse(volume.wsFromIs);
+            double longest = 0;
+            for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
+            m_volumes.push_back({FieldProbe(*volume.field, scene.dials.kernel), isFromWs,
+                                 kEmpty / (longest * std::sqrt(3.0)), &volume});
+        }
+    }
+
+    // From `origin` along the unit vector `direction`, over `length`.
+    Rgb opticalDepth(const Vec3& origin, const Vec3& direction, double length) const {
+        Rgb tau(0);
+        if (m_volumes.empty()) return tau;
+        const auto [begin, end] = m_wsBounds.clip(origin, direction, 0, length);
+        const double gauss = 0.5 / std::sqrt(3.0);
+        for (double t = begin; t < end;) {
+            if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
+                t += empty;
+                continue;
+            }
+            const double step = std::min(m_step, end - t), middle = t + 0.5 * step;
+            tau += 0.5 * step *
+                   (extinction(origin + (middle - gauss * step) * direction) +
+                    extinction(origin + (middle + gauss * step) * direction));
+            t += step;
+        }
+        return tau;
+    }
+
+  private:
+    static constexpr double kEmpty = 4;  // voxels: half a block's edge
+
+    struct Volume {
+        FieldProbe field;
+        Mat4 isFromWs;
+        double wsEmpty;  // world length that is at most kEmpty voxels
+        const ViewVolume* look;
+    };
+
+    Rgb extinction(const Vec3& ws) const {
+        Rgb sum(0);
+        for (const Volume& v : m_volumes) {
+            const double value = v.field.value(transformPoint(v.isFromWs, ws));
+            if (v.look->classified)
+                sum += Rgb(classify(*v.look->classified, value).extinction);
+            else
+                sum += v.look->medium.densityScale * value * v.look->medium.extinctionTint;
+        }
+        return sum;
+    }
+
+    // A distance within which all fields are 0; 0 where none is known.
+    double emptyDistance(const Vec3& ws) const {
+        double distance = kInfinity;
+        for (const Volume& v : m_volumes) {
+            if (!v.field.emptyAround(transformPoint(v.isFromWs, ws), kEmpty)) return 0;
+            distance = std::min(distance, v.wsEmpty);
+        }
+        return distance;
+    }
+
+    double m_step;
+    Bounds m_wsBounds;
+    std::vector<Volume> m_volumes;
+};
+
+// The point of the first solid on the ray of raster position (x, y), if that catches shadows.
+std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double x, double y) {
+    const Vec3 origin = rays.origin(x, y), direction = rays.direction(x, y);
+    const double caught = solids.firstHit(SolidRole::catcher, origin, direction, rays.near, kInfinity);
+    if (caught == kInfinity) return std::nullopt;
+    constexpr double kSame = 1e-6;  // of the distance: what catches may hide, too
+    if (solids.firstHit(SolidRole::holdout, origin, direction, rays.near, caught * (1 - kSame)) < kInfinity)
+        return std::nullopt;
+    return origin + caught * direction;
+}
+
+Rgb transmittance(const Marcher& marcher, const Light& light, const Vec3& ws) {
+    if (light.distant()) return glm::exp(-marcher.opticalDepth(ws, -light.wsDirection, kInfinity));
+    const Vec3 way = light.wsPosition - ws;
+    const double distance = glm::length(way);
+    return distance > 0 ? glm::exp(-marcher.opticalDepth(ws, way / distance, distance)) : Rgb(1);
+}
+
+}  // namespace
+
+std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoint& checkpoint) {
+    std::vector<FrameLayer*> layers;
+    for (FrameLayer& layer : frame.layers)
+        if (layer.layer == Layer::shadow) layers.push_back(&layer);
+    for (FrameLayer* layer : layers) std::fill(layer->data.begin(), layer->data.end(), 1.0f);
+    std::erase_if(layers, [&](const FrameLayer* layer) { return !scene.lights[std::size_t(layer->light)].shadows; });
+    if (layers.empty() || !scene.solids || !scene.solids->any(SolidRole::catcher)) return 0;
+    const Marcher marcher(scene);
+    const int n = scene.dials.antialias;
+    const RayFamily rays = wsRays(supersampled(scene.camera, n));
+    const PixelWindow& region = scene.region;
+    std::atomic<std::uint64_t> marched = 0;
+    const auto catchRow = [&](std::size_t row) {
+        const int y = region.y0 + static_cast<int>(row);
+        std::uint64_t count = 0;
+        for (int x = region.x0; x < region.x1; ++x) {
+            const std::size_t at = 3 * (row * std::size_t(region.width()) + std::size_t(x - region.x0));
+            for (int i = 0; i < n * n; ++i) {
+                const auto ws = caughtAt(*scene.solids, rays, x * n + i % n + 0.5, y * n + i / n + 0.5);
+                if (!ws) continue;
+                for (FrameLayer* layer : layers) {
+                    const Rgb lost =
+                        (1.0 - transmittance(marcher, scene.lights[std::size_t(layer->light)], *ws)) / double(n * n);
+                    for (int c = 0; c < 3; ++c) layer->data[at + std::size_t(c)] -= static_cast<float>(lost[c]);
+                    ++count;
+                }
+            }
+        }
+        marched += count;
+    };
+    constexpr std::size_t kRows = 32;  // between two checkpoints
+    for (std::size_t first = 0; first < std::size_t(region.height()); first += kRows) {
+        checkpoint();
+        parallelFor(std::min(kRows, std::size_t(region.height()) - first),
+                    [&](std::size_t row) { catchRow(first + row); });
+    }
+    return marched;
+}
+
+}  // namespace scrim

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/read_sections.h>
+
+namespace scrim {
+
+SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadContext& context) {
+    const MeshKeys& k = keysOf<MeshKeys>();
+    SceneMesh mesh;
+    mesh.name = readName(table, k.name, defaultName);
+    const TomlValue file = table.require(k.file);
+    mesh.where = file.where();
+    mesh.sequence = context.path(file);
+    mesh.file = mesh.sequence.at(context.fileFrame());
+    if (const auto transform = table.find(k.transform))
+        mesh.wsFromMesh =
+            readTransform(transform->table(fmt::format("{} of {}", k.transform, table.description())), context);
+    mesh.holdout = table.boolean(k.holdout);
+    mesh.shadows = table.boolean(k.shadows);
+    mesh.catches = table.boolean(k.catches);
+    table.finish();
+    return mesh;
+}
+
+}  // namespace scrim

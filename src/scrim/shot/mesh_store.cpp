@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/mesh_store.h>
+
+#include <scrim/base/error.h>
+#include <scrim/volume/load_fields.h>
+
+#include <fmt/format.h>
+
+#include <utility>
+#include <vector>
+
+namespace scrim {
+
+void MeshStore::loadInto(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint) {
+    std::map<std::string, std::shared_ptr<const TriangleMesh>> kept;
+    for (SceneMesh& mesh : scene.meshes) {
+        if (mesh.file.empty()) {  // made in code
+            if (!mesh.mesh) throw Error(ErrorKind::usage, fmt::format("mesh '{}' has no triangles", mesh.name));
+            continue;
+        }
+        std::shared_ptr<const TriangleMesh>& known = kept[mesh.file];
+        if (const auto before = m_meshes.find(mesh.file); before != m_meshes.end()) known = before->second;
+        try {
+            if (!known) known = std::make_shared<const TriangleMesh>(loadMesh(mesh.file, load, checkpoint));
+        } catch (const Error& error) {
+            if (error.kind() == ErrorKind::interrupted) throw;
+            const std::string place = mesh.where.empty() ? "" : mesh.where + ": ";
+            throw Error(error.kind(), fmt::format("{}mesh '{}': {}", place, mesh.name, error.what()));
+        }
+        mesh.mesh = known;
+    }
+    m_meshes = std::move(kept);
+}
+
+std::size_t MeshStore::bytes() const {
+    constexpr std::size_t kForRays = 4;  // times the mesh: doubles, floats and trees of up to three roles
+    std::size_t sum = 0;
+    for (const auto& [file, mesh] : m_meshes) sum += (1 + kForRays) * mesh->bytes();
+    return sum;
+}
+
+std::shared_ptr<const Solids> solidsOf(const Scene& scene) {
+    if (scene.meshes.empty()) return nullptr;
+    std::vector<Solid> solids;
+    for (const SceneMesh& mesh : scene.meshes)
+        solids.push_back({mesh.name, mesh.mesh, mesh.wsFromMesh, mesh.holdout, mesh.shadows, mesh.catches});
+    return std::make_shared<const Solids>(std::move(solids));
+}
+
+}  // namespace scrim

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+// Solids that hide volumes, take light from them and catch their shadows: closed forms, and the reference, which traces
+// its own rays and knows neither sheets nor rasters.
+#include "scenes.h"
+#include "support/meshes.h"
+#include "support/verified.h"
+
+#include <scrim/verify/reference.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <glm/exponential.hpp>
+
+namespace scrim::test {
+namespace {
+
+const double kPi = std::acos(-1.0);
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Haze of one density, 40 wide and 20 deep, seen along -z by an orthographic eye.
+ViewScene haze(double sigma) {
+    Medium medium;
+    medium.densityScale = sigma;
+    medium.albedo = Rgb(1);
+    ViewScene scene = orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 20);
+    scene.dials.sheetThickness = 1.3;  // so that faces of voxels lie anywhere in a sheet
+    return scene;
+}
+
+TEST(Solids, AreHitWhereTheyAre) {
+    const auto ball = oneSolid(ballMesh({100000, 2, 3}, 5, 256));
+    // Corners lie on the ball, so its faces lie inside of it by r (1 - cos) of a step's angle.
+    const double sag = 5 * (1 - std::cos(kPi / 256)) + 1e-9;
+    const double front = ball->firstHit(SolidRole::holdout, {0, 2.01, 3.02}, {2, 0, 0}, 0, kInfinity);
+    const double exact = (100000 - std::sqrt(25 - 0.01 * 0.01 - 0.02 * 0.02)) / 2;
+    EXPECT_GE(front, exact - 1e-9);
+    EXPECT_LE(front, exact + sag);
+    // From within, beyond, and beside.
+    EXPECT_NEAR(ball->firstHit(SolidRole::shadow, {100000, 2, 3}, {0, 0, -1}, 0, kInfinity), 5, sag);
+    EXPECT_EQ(ball->firstHit(SolidRole::holdout, {0, 2, 3}, {1, 0, 0}, 0, 99994), kInfinity);
+    EXPECT_EQ(ball->firstHit(SolidRole::holdout, {0, 7.1, 3}, {1, 0, 0}, 0, kInfinity), kInfinity);
+    EXPECT_EQ(ball->firstHit(SolidRole::catcher, {0, 2, 3}, {1, 0, 0}, 0, kInfinity), kInfinity);
+}
+
+// The haze in front of a surface under light from everywhere is A rho (1 - e^-tau), and its alpha 1 - e^-tau: wherever
+// in a sheet the surface lies, and however it leans.
+TEST(Holdout, EndsTheHazeWhereverItLiesInASheet) {
+    const double sigma = 0.07;
+    for (const Vec3& normal : {Vec3(0, 0, 1), Vec3(0.5, 0.2, 1), Vec3(2, -1, 1)})
+        for (int offset = 0; offset < 10; ++offset) {
+            ViewScene scene = haze(sigma);
+            scene.ambient = {1, 0.5, 0.25};
+            const Vec3 middle(0, 0, -1.3 + 0.13 * offset);
+            scene.solids = oneSolid(squareMesh(middle, normal, 300));
+            const Frame frame = renderScene(scene);
+            for (const Int2 pixel : {Int2(3, 4), Int2(10, 10), Int2(16, 7)}) {
+                const double x = pixel.x - 9.5, y = 9.5 - pixel.y;
+                const double z = middle.z - (normal.x * x + normal.y * y) / normal.z;
+                const double depth = 9.5 - std::clamp(z, -10.5, 9.5), alpha = -std::expm1(-sigma * depth);
+                // The box's faces are ramps half a voxel to either side of where a voxel ends.
+                const double ramp = z > 8.5 || z < -9.5 ? 0.1 : 0;
+                const auto rgba = pixelOf(frame, pixel.x, pixel.y);
+                EXPECT_NEAR(rgba[3], alpha, 3e-4 + ramp) << normal.x << " " << offset;
+                EXPECT_NEAR(rgba[0], rgba[3], 2e-4) << normal.x << " " << offset;
+                EXPECT_NEAR(rgba[1], 0.5 * rgba[3], 1e-4) << normal.x << " " << offset;
+            }
+        }
+}
+
+// In front of it lies only what the light and the eye both reach. The plane is lit from the eye's side, or from behind.
+double slantedError(double offset, const Vec3& light, const Vec3& normal, double thickness) {
+    ViewScene scene = haze(0.05);
+    scene.dials.texel = scene.dials.sheetThickness = thickness;
+    scene.lights = {distantLight(light, 3)};
+    scene.solids = oneSolid(squareMesh({0, 0, offset}, normal, 300));
+    const Frame frame = renderScene(scene);
+    const Reference reference(scene);
+    double error = 0, sum = 0;
+    for (int y = 4; y < 16; ++y)
+        for (int x = 4; x < 16; ++x) {
+            const double truth = reference.pixel(x, y)[0], seen = pixelOf(frame, x, y)[0];
+            error += (seen - truth) * (seen - truth);
+            sum += truth * truth;
+        }
+    return std::sqrt(error / std::max(sum, 1e-12));
+}
+
+TEST(Holdout, LitOnASlantDoesNotShowWhereTheSheetsLie) {
+    for (const Vec3& light : {Vec3(-1, -0.5, -1), Vec3(0.3, 0.2, -1), Vec3(0.8, -1, -0.5)}) {
+        double least = 1, most = 0;
+        for (int offset = 0; offset < 10; ++offset) {
+            const double error = slantedError(0.1 * offset, light, {0.6, 0.3, 1}, 1);
+            least = std::min(least, error);
+            most = std::max(most, error);
+        }
+        // 14 sheets are seen; one of them wrong by half would be some 4 %.
+        EXPECT_LE(most, 0.01) << light.x;
+        EXPECT_LE(most - least, 0.004) << light.x;
+    }
+}
+
+// The sun is behind the plane, in front of the eye or beside it: in front of the plane all is dark: to half a
+// hundredth of what it would be in the light, some 0.2.
+TEST(Holdout, KeepsTheLightOfItsOtherSide) {
+    for (const Vec3& light : {Vec3(0.4, 0.2, 1), Vec3(1, 0, -0.3)})
+        for (int offset = 0; offset < 10; ++offset) {
+            ViewScene scene = haze(0.05);
+            scene.lights = {distantLight(light, 3)};
+            scene.solids = oneSolid(squareMesh({0, 0, 0.1 * offset}, {0.6, 0.1, 1}, 300));
+            const Frame frame = renderScene(scene);
+            for (int y = 0; y < 20; ++y)
+                for (int x = 0; x < 20; ++x)
+                    ASSERT_LE(pixelOf(frame, x, y)[0], 1e-3) << offset << ": " << x << ", " << y;
+        }
+}
+
+// Thin haze, a sun along x, a ball that throws a shadow and hides nothing: what is missing behind it is the way through
+// a cylinder, 2 sqrt(R^2 - y^2) of 20.
+TEST(ShadowOfASolid, OfABallInHazeIsACylinder) {
+    const double sigma = 1e-5, radius = 4;
+    ViewScene scene = haze(sigma);
+    scene.lights = {distantLight({1, 0, 0}, 1)};
+    scene.solids = oneSolid(ballMesh({-3, 0, 0}, radius), false);
+    for (const double texel : {1.0, 0.5}) {
+        scene.dials.texel = scene.dials.sheetThickness = texel;
+        const Frame frame = renderScene(scene);
+        double error = 0, darkest = 1;
+        for (int row = 0; row < 20; ++row) {
+            const double y = 9.5 - row;
+            // Mean over the height of a pixel.
+            double missing = 0;
+            for (int i = 0; i < 100; ++i) {
+                const double at = y - 0.5 + (i + 0.5) / 100;
+                missing += std::abs(at) < radius ? 2 * std::sqrt(radius * radius - at * at) / 100 : 0;
+            }
+            const double lit = sigma / (4 * kPi) * (20 - missing), seen = pixelOf(frame, 14, row)[0];
+            error = std::max(error, std::abs(seen / (sigma / (4 * kPi) * 20) - lit / (sigma / (4 * kPi) * 20)));
+            darkest = std::min(darkest, seen / lit);
+            EXPECT_NEAR(pixelOf(frame, 1, row)[0], sigma / (4 * kPi) * 20, 2e-3 * sigma) << row;  // before the ball
+        }
+        // A cell at the edge, lit or not, is a chord of at most 2 sqrt(2 R texel): a fifth of 20.
+        EXPECT_LE(error, 0.12 * texel) << texel;
+    }
+}
+
+TEST(Solids, ConvergeToTheReference) {
+    for (const bool holdout : {true, false})
+        for (const double z : {-0.8, 0.9}) {  // lit from the eye's side, and from behind
+            ViewScene scene = plainScene();
+            scene.lights.resize(1);
+            scene.lights[0].wsDirection = glm::normalize(Vec3(-1, -0.7, z));
+            scene.solids = oneSolid(ballMesh({6, 5, 3}, 7), holdout);
+            scene.dials.antialias = 2;
+            scene.dials.texel = scene.dials.sheetThickness = 0.7;
+            const double coarse = errorOf(scene, 60);
+            scene.dials.texel = scene.dials.sheetThickness = 0.35;
+            const double fine = errorOf(scene, 60);
+            // Edges of shadows are a cell wide: of first order, or half an order as a mean of squares.
+            EXPECT_LE(fine, 0.75 * coarse) << holdout << " " << z << ": " << coarse << ", " << fine;
+            EXPECT_LE(fine, 0.03) << holdout << " " << z;
+        }
+}
+
+// What hides adds nothing: the picture with it is the picture of what is in front of it, and where it covers nothing
+// all is as it was, to the last bit.
+TEST(Holdout, LeavesOtherPixelsAlone) {
+    ViewScene scene = plainScene();
+    const Frame plain = renderScene(scene);
+    scene.solids = oneSolid(squareMesh({15, 15, 22}, {0, 0, 1}, 6), true, false);
+    const Frame held = renderScene(scene);
+    int hidden = 0;
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 48; ++x) {
+            const double wsX = (x - 23.5) * 44 / 48, wsY = (23.5 - y) * 44 / 48;
+            const bool covered = std::abs(wsX - 15) < 6 && std::abs(wsY - 15) < 6;
+            hidden += covered ? 1 : 0;
+            for (std::size_t c = 0; c < 4; ++c)
+                ASSERT_EQ(pixelOf(held, x, y)[c], covered ? 0 : pixelOf(plain, x, y)[c]) << x << ", " << y;
+        }
+    EXPECT_GT(hidden, 100);
+}
+
+TEST(Solids, WithoutARoleChangeNothing) {
+    ViewScene scene = plainScene();
+    const Frame plain = renderScene(scene);
+    scene.solids = oneSolid(ballMesh({6, 5, 3}, 7), false, false);
+    const Frame frame = renderScene(scene);
+    EXPECT_EQ(frame.image.rgba, plain.image.rgba);
+    EXPECT_EQ(frame.work, plain.work);
+}
+
+// Light through a slab of haze onto a floor behind it: e^(-sigma 20 / cos), in each channel.
+TEST(CaughtShadow, IsTheTransmittanceOfASlab) {
+    ViewScene scene = haze(0.02);
+    scene.volumes[0].medium.extinctionTint = {1, 0.5, 0};
+    scene.lights = {distantLight({0.6, 0, -0.8}, 3), distantLight({0, 0, -1})};
+    scene.lights[1].shadows = false;
+    scene.layers = {Layer::shadow};
+    scene.solids = oneSolid(squareMesh({0, 0, -15}, {0, 0, 1}, 6), false, false, true);
+    const Frame frame = renderScene(scene);
+    ASSERT_EQ(frame.layers.size(), 2u);
+    const auto shadow = [&](std::size_t light, int x, int y, int c) {
+        return frame.layers[light].data[static_cast<std::size_t>(3 * (y * 20 + x) + c)];
+    };
+    for (int c = 0; c < 3; ++c) {
+        const double tau = 0.02 * 20 / 0.8 * scene.volumes[0].medium.extinctionTint[c];
+        EXPECT_NEAR(shadow(0, 10, 10, c), std::exp(-tau), 1e-3);
+        EXPECT_EQ(shadow(1, 10, 10, c), 1);  // it throws none
+        EXPECT_EQ(shadow(0, 1, 1, c), 1);    // beside the floor
+    }
+    // Something that does not catch stands in front.
+    scene.solids = std::make_shared<const Solids>(
+        std::vector<Solid>{{"floor", squareMesh({0, 0, -15}, {0, 0, 1}, 6), Mat4(1.0), true, false, true},
+                           {"card", squareMesh({-3, 0, 12}, {0, 0, 1}, 2), Mat4(1.0), true, false, false}});
+    const Frame behind = renderScene(scene);
+    const auto red = [&](int x) { return behind.layers[0].data[static_cast<std::size_t>(3 * (10 * 20 + x))]; };
+    EXPECT_EQ(red(6), 1);
+    EXPECT_NEAR(red(12), std::exp(-0.5), 1e-3);
+}
+
+}  // namespace
+}  // namespace scrim::test
