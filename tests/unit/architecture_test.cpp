@@ -21,8 +21,8 @@ namespace {
 
 // From the bottom up: a file includes its own folder and those before it. The last one is no folder: it is the header
 // that includes all that is public.
-const std::vector<std::string> kLayers{"base",   "geometry", "image", "volume", "scene",
-                                       "engine", "verify",   "shot",  "study",  "scrim.h"};
+const std::vector<std::string> kLayers{"base",   "geometry", "image", "solid", "volume", "scene",
+                                       "engine", "verify",   "shot",  "study", "scrim.h"};
 
 constexpr int kMostLines = 600, kManyLines = 400, kMedianLines = 150;
 

@@ -101,12 +101,12 @@ TEST(SceneOutput, LayersAreChecked) {
     EXPECT_EQ(
         layersError("layers = [\"depth\", \"normals\"]\n"),
         "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'ambient', 'emission', 'albedo', "
-        "'depth' or 'transmittance'");
+        "'depth', 'transmittance' or 'shadow'");
     EXPECT_EQ(layersError("layers = [\"depth\", \"depth\"]\n"),
               "scene.toml:7:20: 'layers[1]' is 'depth' again; expected each layer once");
     EXPECT_EQ(layersError("layers = \"depth\"\n"),
               "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'ambient', "
-              "'emission', 'albedo', 'depth' or 'transmittance'");
+              "'emission', 'albedo', 'depth', 'transmittance' or 'shadow'");
 }
 
 TEST(SceneOutput, AcesContainersTakeNoLayers) {

@@ -20,10 +20,10 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Optical depth along world-space segments, by steps of half a voxel with two points of Gauss' quadrature in each.
+// Optical depth along world-space segments, by steps of a voxel with two points of Gauss' quadrature in each.
 class Marcher {
   public:
-    explicit Marcher(const ViewScene& scene) : m_step(0.5 * voxelUnit(scene)) {
+    explicit Marcher(const ViewScene& scene) : m_step(voxelUnit(scene)) {
         for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty()) continue;
