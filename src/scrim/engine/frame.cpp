@@ -10,6 +10,7 @@ RenderWork& RenderWork::operator+=(const RenderWork& o) {
     lightSamples += o.lightSamples;
     pixelSheets += o.pixelSheets;
     layerSamples += o.layerSamples;
+    deepSamples += o.deepSamples;
     sheets += o.sheets;
     shade += o.shade;
     if (o.bytes.total() > bytes.total()) bytes = o.bytes;

@@ -72,20 +72,30 @@ struct Swept {
     PixelTiles tiles;
     RenderWork work;
     StageTimes times;
+    std::optional<DeepImage> deep;
 };
 
-Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
+void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
+    swept.work.deepSamples = deep.added();
+    swept.work.bytes.deep = deep.bytes();
+    swept.deep = deep.resolve(eye, n);
+}
+
+Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, std::size_t mostDeepBytes,
             const std::function<void(double)>& progress) {
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
-    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}};
-    auto& [tiles, work, times] = swept;
+    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}, {}};
+    auto& [tiles, work, times, deepImage] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff));
+    std::optional<DeepRays> deep;
+    if (scene.deep) deep.emplace(tiles, group.sameSide, scene.deep->tolerance, mostDeepBytes);
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff),
+                          deep ? &*deep : nullptr);
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
@@ -130,21 +140,33 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
     work.bytes = {extinction.bytes(), lights.bytes(), 0, tiles.bytes()};
     if (shaded)
         work.bytes.shaded = PlaneStack::bytes(shaded->planes(), shaded->width(), shaded->height(), layout.floats());
+    if (deep) keepDeep(*deep, eye, n, swept);
     return swept;
+}
+
+// What the memory limit leaves beside the deep pictures of the sweeps before; 0: no limit.
+std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept) {
+    std::size_t taken = 0;
+    for (const DeepImage& image : swept) taken += image.bytes();
+    if (plan.mostDeepBytes == 0) return 0;
+    return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
 Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
     Frame frame = emptyFrame(scene);
+    std::vector<DeepImage> deep;
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        const Swept swept = sweep(scene, plan, plan.groups[g], [&](double done) {
+        Swept swept = sweep(scene, plan, plan.groups[g], deepBytesLeft(plan, deep), [&](double done) {
             const double all = (double(g) + done) / double(plan.groups.size());
             if (progress && !progress(all)) throw Error(ErrorKind::interrupted, "the render was interrupted");
         });
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;
+        if (swept.deep) deep.push_back(std::move(*swept.deep));
     }
     finishLayers(frame);
+    if (scene.deep) frame.deep = combined(scene, plan, deep);
     return frame;
 }
 

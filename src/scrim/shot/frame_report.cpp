@@ -26,13 +26,15 @@ Json workJson(const RenderWork& w) {
             {"exponentials", w.shade.exponentials},
             {"pixel_sheets", w.pixelSheets},
             {"layer_samples", w.layerSamples},
+            {"deep_samples", w.deepSamples},
             {"sheets", w.sheets},
             {"buffer_bytes", w.bytes.total()},
             {"bytes",
              {{"fields", w.bytes.fields},
               {"shadows", w.bytes.shadows},
               {"shaded", w.bytes.shaded},
-              {"picture", w.bytes.picture}}}};
+              {"picture", w.bytes.picture},
+              {"deep", w.bytes.deep}}}};
 }
 
 Json verificationJson(const VerificationReport& v) {

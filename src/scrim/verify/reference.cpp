@@ -228,7 +228,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     direction /= depthScale;
     if (m_volumes.empty()) return {0, 0, 0, 0};
 
-    const auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, kInfinity);
+    const auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, m_options.far * depthScale);
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb radiance(0);
     Rgb tau(0);

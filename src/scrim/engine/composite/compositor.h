@@ -4,6 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/composite_tile.h>
+#include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/shade/sheet_shader.h>
@@ -16,8 +17,9 @@ namespace scrim {
 
 class Compositor {
   public:
-    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff)
-        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff) {}
+    /// `deep`: keeps what every ray meets, too; or null.
+    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, DeepRays* deep = nullptr)
+        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_deep(deep) {}
 
     /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
     struct Work {
@@ -51,6 +53,7 @@ class Compositor {
     };
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff);
     Work shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
     template <class BoxOf, class Walk>
@@ -63,6 +66,7 @@ class Compositor {
     PixelTiles& m_tiles;
     bool m_frontToBack;
     Real m_cutoff;
+    DeepRays* m_deep;
 };
 
 }  // namespace scrim

@@ -203,6 +203,15 @@ Effect layers(const ViewScene& scene) {
     return effect;
 }
 
+Effect deepPicture(const ViewScene& scene) {
+    Finder found(scene);
+    if (scene.deep)
+        found.add(scene.deep->tolerance > 0 ? fmt::format("samples merged within {:g}", scene.deep->tolerance)
+                                            : "a sample for every sheet",
+                  "output.deep");
+    return found.effect("deep picture", "", "none is asked for");
+}
+
 // An effect that one key of [render] decides.
 Effect ofDial(const ViewScene& scene, const std::string& name, const std::string& key, bool on,
               const std::string& reason) {
@@ -236,6 +245,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(ofDial(scene, "ambient light", "ambient", scene.ambient != Rgb(0),
                              scene.ambient != Rgb(0) ? "[ambient] has a color" : "[ambient] is black"));
     effects.push_back(layers(scene));
+    effects.push_back(deepPicture(scene));
     effects.push_back(crossFade(scene, plan));
     const Dials& dials = scene.dials;
     effects.push_back(ofDial(scene, "antialiasing", "render.antialias", dials.antialias > 1,
