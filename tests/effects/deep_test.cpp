@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include <glm/geometric.hpp>
 
@@ -42,7 +43,7 @@ Image flattened(const Frame& frame, bool half) {
     std::vector<float> pixel(std::size_t(std::max(channels, 4)));
     for (int y = image.window.y0; y < image.window.y1; ++y)
         for (int x = image.window.x0; x < image.window.x1; ++x) {
-            flat.getpixel(x, y, 0, pixel, OIIO::ImageBuf::WrapBlack);
+            flat.getpixel(x, y, 0, pixel.data(), channels, OIIO::ImageBuf::WrapBlack);
             std::copy_n(pixel.begin(), 4, image.rgba.begin() + std::ptrdiff_t(image.indexOf(x, y)));
         }
     return image;
@@ -197,10 +198,10 @@ TEST_P(Deep, IsTidy) {
 INSTANTIATE_TEST_SUITE_P(Scenes, Deep,
                          testing::Combine(testing::ValuesIn(cases()),
                                           testing::Values(ShadeMode::texel, ShadeMode::pixel)),
-                         [](const testing::TestParamInfo<Pick>& info) {
-                             std::string name = std::get<0>(info.param).name;
+                         [](const testing::TestParamInfo<Pick>& one) {
+                             std::string name = std::get<0>(one.param).name;
                              std::erase_if(name, [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); });
-                             return name + (std::get<1>(info.param) == ShadeMode::pixel ? "AtPixels" : "AtTexels");
+                             return name + (std::get<1>(one.param) == ShadeMode::pixel ? "AtPixels" : "AtTexels");
                          });
 
 // ---- cuts
@@ -224,54 +225,71 @@ DeepCurve one(std::span<const DeepPiece> curve) {
     return {{curve.front().begin, curve.back().end, curve.back().shown}};
 }
 
-struct CutErrors {
-    double colour = 0, alpha = 0;  ///< RMS over pixels, of the RMS of the whole picture
-};
+// Every fourth pixel either way.
+std::vector<Int2> somePixels(const ViewScene& scene) {
+    std::vector<Int2> pixels;
+    for (int y = scene.region.y0 + 1; y < scene.region.y1; y += 4)
+        for (int x = scene.region.x0 + 1; x < scene.region.x1; x += 4) pixels.emplace_back(x, y);
+    return pixels;
+}
 
-// What lies before `depth` against the reference's rays that end there, on every fourth pixel.
-CutErrors cutErrors(const ViewScene& scene, const DeepImage& deep, double depth, bool oneSample) {
+// What the reference's rays show that end at `depth`.
+std::vector<std::array<double, 4>> truthBefore(const ViewScene& scene, double depth) {
     ReferenceOptions options;
     options.far = depth;
-    const Reference reference(scene, options), whole(scene);
+    const Reference reference(scene, options);
+    std::vector<std::array<double, 4>> truth;
+    for (const Int2& pixel : somePixels(scene)) truth.push_back(reference.pixel(pixel.x, pixel.y));
+    return truth;
+}
+
+struct Errors {
+    double colour = 0, alpha = 0;  ///< RMS over pixels, of the RMS of the whole picture
+    double largest() const { return std::max(colour, alpha); }
+};
+
+Errors errorsOf(const std::vector<std::array<double, 4>>& found, const std::vector<std::array<double, 4>>& truth,
+                const std::vector<std::array<double, 4>>& whole) {
     double colour = 0, alpha = 0, allColour = 0, allAlpha = 0;
-    for (int y = scene.region.y0 + 1; y < scene.region.y1; y += 4)
-        for (int x = scene.region.x0 + 1; x < scene.region.x1; x += 4) {
-            const auto curve = deep.curve(x, y);
-            const auto found = oneSample ? shownBefore(one(curve), depth) : shownBefore(curve, depth);
-            const auto truth = reference.pixel(x, y), all = whole.pixel(x, y);
-            for (std::size_t c = 0; c < 3; ++c) {
-                colour += (found[c] - truth[c]) * (found[c] - truth[c]);
-                allColour += all[c] * all[c];
-            }
-            alpha += (found[3] - truth[3]) * (found[3] - truth[3]);
-            allAlpha += all[3] * all[3];
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            colour += std::pow(found[i][c] - truth[i][c], 2);
+            allColour += std::pow(whole[i][c], 2);
         }
+        alpha += std::pow(found[i][3] - truth[i][3], 2);
+        allAlpha += std::pow(whole[i][3], 2);
+    }
     return {std::sqrt(colour / allColour), std::sqrt(alpha / allAlpha)};
 }
 
 class DeepCut : public testing::TestWithParam<Case> {};
 
-// The sheets' own error in these scenes, of voxel-thick sheets and texels, is up to 1 % (algorithm: "standard"). To it
-// comes where in a sheet things are, which no sheet knows. At most, with all of a sheet's opacity at one of its faces,
-// a cut is wrong by what a sheet holds, and a cut through its middle by half of that; of a smooth field the curve
-// within a sheet is a straight line but for Delta^2 / 8 times its bend, which for smoke of 40 sheets is below 1 %.
-// Merging adds its tolerance, 1 %. Together less than 2.5 %.
-constexpr double kCut = 0.025;
+// The sheets' own error in these scenes, of texels and sheets a voxel thick, is about 1 % ("standard"). To it comes
+// where in a sheet things are, which no sheet knows: within one the curve is the straight line between its ends, which
+// is off by Delta^2 / 8 times the curve's bend. Bumps of smoke are about 5 sheets wide and hold less than a third of
+// what is shown, so that the bend is at most (pi / 5)^2 / 3 and the cut off by 1.6 % in the worst of places, a third of
+// that in the mean. Merging may take 1 % in the worst, and a third of that in the mean. Together less than 2 %.
+constexpr double kCut = 0.02;
 
 TEST_P(DeepCut, ShowsWhatTheReferenceShowsBeforeIt) {
     ViewScene s = plainScene();
     GetParam().change(s);
     s.deep = ViewDeep{0.01};
     const Frame frame = renderScene(s);
-    double worstOfOne = 0;
+    const auto whole = truthBefore(s, std::numeric_limits<double>::infinity());
     for (const double depth : fiveDepths(*frame.deep)) {
-        const CutErrors errors = cutErrors(s, *frame.deep, depth, false);
+        std::vector<std::array<double, 4>> found, ofOne;
+        for (const Int2& pixel : somePixels(s)) {
+            const auto curve = frame.deep->curve(pixel.x, pixel.y);
+            found.push_back(shownBefore(curve, depth));
+            ofOne.push_back(shownBefore(one(curve), depth));
+        }
+        const auto truth = truthBefore(s, depth);
+        const Errors errors = errorsOf(found, truth, whole);
         EXPECT_LT(errors.colour, kCut) << "at " << depth;
         EXPECT_LT(errors.alpha, kCut) << "at " << depth;
-        const CutErrors ofOne = cutErrors(s, *frame.deep, depth, true);
-        worstOfOne = std::max({worstOfOne, ofOne.colour, ofOne.alpha});
+        EXPECT_GT(errorsOf(ofOne, truth, whole).largest(), kCut) << "one sample a pixel passes at " << depth;
     }
-    EXPECT_GT(worstOfOne, kCut) << "one sample a pixel passes, so that the test sees nothing";
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, DeepCut,
@@ -293,7 +311,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, DeepCut,
                                               [](ViewScene& s) {
                                                   s.volumes.front().emission = {{flameField(), {0.4, 0.2, 0.05}}};
                                               }}),
-                         [](const testing::TestParamInfo<Case>& info) { return info.param.name; });
+                         [](const testing::TestParamInfo<Case>& one) { return one.param.name; });
 
 // ---- what must not change it
 
@@ -329,7 +347,7 @@ TEST(DeepPicture, LargerTolerancesTakeFewerSamples) {
         counts.push_back(renderScene(s).deep->pieceCount());
     }
     for (std::size_t i = 1; i < counts.size(); ++i) EXPECT_LT(counts[i], counts[i - 1]);
-    EXPECT_LT(4 * counts[2], counts[0]);
+    EXPECT_LT(3 * counts[2], counts[0]);
 }
 
 TEST(DeepPicture, HasNoSamplesWhereNothingIs) {

@@ -3,7 +3,9 @@
 // up for where an earlier run was killed.
 #include "errors/program_test.h"
 
+#include <scrim/image/exr_read.h>
 #include <scrim/image/picture_module.h>
+#include <scrim/image/whole_picture.h>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -189,7 +191,7 @@ TEST_F(DeepOutput, WarnsOfColouredExtinction) {
     EXPECT_EQ(runWell(arguments).err.find("one alpha for all colours"), std::string::npos);
     write("tint.toml", readBytes(file("scene.toml")) + "\n[output]\ndeep = \"d.exr\"\n");
     const ProgramResult result =
-        runWell({"render", "tint.toml", "-o", "x.exr", "--set", "volume.0.medium.extinction_tint=[1, 0.5, 0.2]"});
+        runWell({"render", "tint.toml", "-o", "x.exr", "--set", "volume.volume1.medium.extinction_tint=[1, 0.5, 0.2]"});
     EXPECT_NE(result.err.find("one alpha for all colours"), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("tint.toml:"), std::string::npos) << result.err;
 }

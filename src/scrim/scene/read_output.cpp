@@ -65,11 +65,11 @@ ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
 void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output) {
     const OutputKeys& k = keysOf<OutputKeys>();
     const auto path = table.find(k.deep);
+    output.deep.tolerance = table.number(k.deepTolerance);
+    output.deep.half = table.choice(k.deepType) == 0;
     for (const Key* key : {&k.deepTolerance, &k.deepType})
         if (const auto value = table.find(*key); value && !path)
             value->fail(fmt::format("{} without {}: no deep picture is written; expected its path, too", *key, k.deep));
-    output.deep.tolerance = table.number(k.deepTolerance);
-    output.deep.half = table.choice(k.deepType) == 0;
     if (!path) return;
     output.deep.path = context.path(*path);
     output.deep.file = output.deep.path.at(context.fileFrame());

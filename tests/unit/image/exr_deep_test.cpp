@@ -132,7 +132,7 @@ TEST_P(ExrDeep, OfNothingIsOneEmptyPixel) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Types, ExrDeep, testing::Values(true, false),
-                         [](const auto& info) { return info.param ? "half" : "single"; });
+                         [](const auto& one) { return one.param ? "half" : "single"; });
 
 TEST(ExrDeepErrors, AreToldAndLeaveNoFile) {
     const test::TempFolder folder;
@@ -141,7 +141,7 @@ TEST(ExrDeepErrors, AreToldAndLeaveNoFile) {
               "cannot write '" + path + "': the deep picture has no pixels");
     const test::FileSizeLimit limit(2000);
     EXPECT_EQ(test::errorOf(ErrorKind::output, [&] { writeDeepExr(path, somePicture(), someOptions(true)); }),
-              "cannot write '" + path + "': File too large");
+              "cannot write '" + path + "': File too large; raise the limit (ulimit -f)");
     EXPECT_EQ(folder.entryCount(), 0u);
 }
 
