@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 
 namespace scrim {
@@ -75,6 +76,13 @@ struct Swept {
     std::optional<DeepImage> deep;
 };
 
+// Null where no deep picture is asked for.
+std::unique_ptr<DeepRays> deepRays(const ViewScene& scene, const GroupPlan& group, const PixelTiles& tiles,
+                                   std::size_t mostBytes) {
+    if (!scene.deep) return nullptr;
+    return std::make_unique<DeepRays>(tiles, group.sameSide, scene.deep->tolerance, mostBytes);
+}
+
 void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
     swept.work.deepSamples = deep.added();
     swept.work.bytes.deep = deep.bytes();
@@ -92,10 +100,8 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, st
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
-    std::optional<DeepRays> deep;
-    if (scene.deep) deep.emplace(tiles, group.sameSide, scene.deep->tolerance, mostDeepBytes);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff),
-                          deep ? &*deep : nullptr);
+    const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), deep.get());
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
