@@ -13,21 +13,29 @@ Shown asDouble(const std::array<float, 4>& shown) {
     return {shown[0], shown[1], shown[2], shown[3]};
 }
 
-// What part of a piece's opacity lies in the first part `x` of its length: (1 - (1 - a)^x) / a. A piece that is opaque
-// would be so from its beginning: it is taken for one of a little less.
-double shareBefore(double x, double alphaBefore, double alphaAfter) {
-    constexpr double kMostOpaque = 1 - 1e-6, kLeastOpaque = 1e-9;
-    const double open = 1 - alphaBefore;
-    const double a = open > 0 ? std::min((alphaAfter - alphaBefore) / open, kMostOpaque) : 0;
-    return a < kLeastOpaque ? x : -std::expm1(x * std::log1p(-a)) / a;
-}
+// How what a piece adds is spread over its length: of its opacity a the first part x holds (1 - (1 - a)^x) / a, and of
+// its colour the same. A piece that is opaque would be so from its beginning: it is taken for one of a little less.
+class Between {
+  public:
+    Between(const Shown& before, const Shown& after) : m_before(before), m_after(after) {
+        constexpr double kMostOpaque = 1 - 1e-6;
+        const double open = 1 - before[3];
+        m_alpha = open > 0 ? std::min((after[3] - before[3]) / open, kMostOpaque) : 0;
+        if (m_alpha >= kLeastOpaque) m_decay = std::log1p(-m_alpha);
+    }
 
-Shown between(const Shown& before, const Shown& after, double x) {
-    const double share = std::min(shareBefore(x, before[3], after[3]), 1.0);
-    Shown shown;
-    for (std::size_t c = 0; c < 4; ++c) shown[c] = before[c] + share * (after[c] - before[c]);
-    return shown;
-}
+    Shown operator()(double x) const {
+        const double share = m_alpha < kLeastOpaque ? x : std::min((1 - std::exp(x * m_decay)) / m_alpha, 1.0);
+        Shown shown;
+        for (std::size_t c = 0; c < 4; ++c) shown[c] = m_before[c] + share * (m_after[c] - m_before[c]);
+        return shown;
+    }
+
+  private:
+    static constexpr double kLeastOpaque = 1e-7;  // below it the curve bends by less than a float shows
+    Shown m_before, m_after;
+    double m_alpha = 0, m_decay = 0;
+};
 
 // Reads a curve at depths that do not descend.
 class CurveReader {
@@ -39,7 +47,7 @@ class CurveReader {
             m_passed = asDouble(m_curve[m_next++].shown);
         if (m_next == m_curve.size() || double(m_curve[m_next].begin) >= depth) return m_passed;
         const DeepPiece& piece = m_curve[m_next];
-        return between(m_passed, asDouble(piece.shown), (depth - piece.begin) / (double(piece.end) - piece.begin));
+        return Between(m_passed, asDouble(piece.shown))((depth - piece.begin) / (double(piece.end) - piece.begin));
     }
 
   private:
@@ -58,16 +66,20 @@ bool near(const Shown& a, const Shown& b, const Tolerances& tolerances) {
     return std::abs(a[3] - b[3]) <= tolerances.alpha;
 }
 
-// Whether one piece can stand for pieces [first, last]: it is looked at wherever one of them begins or ends.
+// Whether one piece can stand for pieces [first, last]: it is looked at wherever one of them begins or ends, and first
+// in the middle, where it most likely fails.
 bool standsFor(const DeepCurve& curve, std::size_t first, std::size_t last, const Tolerances& tolerances) {
-    const Shown before = first > 0 ? asDouble(curve[first - 1].shown) : Shown{};
-    const Shown after = asDouble(curve[last].shown);
-    const double begin = curve[first].begin, length = curve[last].end - begin;
-    for (std::size_t i = first; i < last; ++i) {
+    const Between between(first > 0 ? asDouble(curve[first - 1].shown) : Shown{}, asDouble(curve[last].shown));
+    const double begin = curve[first].begin, scale = 1 / (curve[last].end - begin);
+    const auto holdsAfter = [&](std::size_t i) {
         const Shown shown = asDouble(curve[i].shown);
-        for (const double depth : {double(curve[i].end), double(curve[i + 1].begin)})
-            if (!near(between(before, after, (depth - begin) / length), shown, tolerances)) return false;
-    }
+        if (!near(between((curve[i].end - begin) * scale), shown, tolerances)) return false;
+        const float next = curve[i + 1].begin;
+        return next == curve[i].end || near(between((next - begin) * scale), shown, tolerances);
+    };
+    if (last > first + 2 && !holdsAfter((first + last) / 2)) return false;
+    for (std::size_t i = first; i < last; ++i)
+        if (!holdsAfter(i)) return false;
     return true;
 }
 
@@ -78,10 +90,14 @@ std::array<double, 4> shownBefore(std::span<const DeepPiece> curve, double depth
 }
 
 DeepCurve sumOf(const std::vector<DeepTerm>& terms) {
+    if (terms.size() == 1 && terms[0].colour == 1 && terms[0].alpha == 1)
+        return {terms[0].curve.begin(), terms[0].curve.end()};
     std::vector<float> depths;
-    for (const DeepTerm& term : terms)
+    for (const DeepTerm& term : terms) {
+        const auto middle = static_cast<std::ptrdiff_t>(depths.size());
         for (const DeepPiece& piece : term.curve) depths.insert(depths.end(), {piece.begin, piece.end});
-    std::sort(depths.begin(), depths.end());
+        std::inplace_merge(depths.begin(), depths.begin() + middle, depths.end());
+    }
     depths.erase(std::unique(depths.begin(), depths.end()), depths.end());
     std::vector<Shown> sums(depths.size(), Shown{});
     for (const DeepTerm& term : terms) {

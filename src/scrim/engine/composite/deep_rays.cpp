@@ -14,7 +14,7 @@ namespace {
 
 // Sheets whose samples are merged with one another while the sweep goes on, and the part of the tolerance for that:
 // the rest is for merging what the means of all rays are.
-constexpr int kStage = 32;
+constexpr int kStage = 16;
 constexpr double kStageShare = 0.25;
 
 float unit(Real value) {
@@ -118,11 +118,29 @@ DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& p
     return sum;
 }
 
+// Sorts samples from `from` on by ray, and those of a ray from front to back. They came in the order of the sweep, or
+// stage by stage in that order.
+DeepRays::Firsts DeepRays::byRay(Tile& tile, std::size_t from) const {
+    Firsts firsts{};
+    for (std::size_t i = from; i < tile.samples.size(); ++i) ++firsts[tile.samples[i].ray + 1];
+    for (std::size_t k = 0; k < kTileSize; ++k) firsts[k + 1] += firsts[k];
+    thread_local std::vector<Sample> sorted;
+    sorted.resize(tile.samples.size() - from);
+    Firsts next = firsts;
+    for (std::size_t i = from; i < tile.samples.size(); ++i) sorted[next[tile.samples[i].ray]++] = tile.samples[i];
+    const auto nearer = [](const Sample& a, const Sample& b) { return a.begin < b.begin; };
+    for (std::size_t k = 0; k < kTileSize; ++k) {
+        const auto first = sorted.begin() + firsts[k], last = sorted.begin() + firsts[k + 1];
+        if (!m_frontToBack) std::reverse(first, last);
+        if (!std::is_sorted(first, last, nearer)) std::sort(first, last, nearer);
+    }
+    std::copy(sorted.begin(), sorted.end(), tile.samples.begin() + static_cast<std::ptrdiff_t>(from));
+    return firsts;
+}
+
 void DeepRays::compact(Tile& tile) {
     if (m_tolerance <= 0 || tile.done == tile.samples.size()) return;
-    const auto fresh = tile.samples.begin() + static_cast<std::ptrdiff_t>(tile.done);
-    std::sort(fresh, tile.samples.end(),
-              [](const Sample& a, const Sample& b) { return a.ray != b.ray ? a.ray < b.ray : a.begin < b.begin; });
+    byRay(tile, tile.done);
     const Sample* const end = tile.samples.data() + tile.samples.size();
     Sample* out = tile.samples.data() + tile.done;
     for (const Sample* first = out; first != end;) {
@@ -137,15 +155,11 @@ void DeepRays::compact(Tile& tile) {
 }
 
 DeepImage DeepRays::resolve(const EyeView& eye, int n) {
-    std::vector<std::array<std::uint32_t, kTileSize + 1>> firsts(m_tiles.size());
+    std::vector<Firsts> firsts(m_tiles.size());
     parallelFor(m_tiles.size(), [&](std::size_t i) {
         Tile& tile = m_tiles[i];
         compact(tile);
-        std::sort(tile.samples.begin(), tile.samples.end(),
-                  [](const Sample& a, const Sample& b) { return a.ray != b.ray ? a.ray < b.ray : a.begin < b.begin; });
-        firsts[i].fill(0);
-        for (const Sample& sample : tile.samples) ++firsts[i][sample.ray + 1];
-        for (std::size_t k = 0; k < kTileSize; ++k) firsts[i][k + 1] += firsts[i][k];
+        firsts[i] = byRay(tile, 0);
     });
     const PixelWindow& raster = m_pixels.region();
     const auto curveAt = [&](int x, int y) {

@@ -10,6 +10,7 @@
 #include <scrim/engine/plan/plan.h>
 #include <scrim/image/deep_image.h>
 
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -62,6 +63,8 @@ class DeepRays {
         std::size_t done = 0;  // samples that are merged already
         int stage = -1;
     };
+    using Firsts = std::array<std::uint32_t, kTileSize + 1>;  // of each ray's samples; and one more
+    Firsts byRay(Tile& tile, std::size_t from) const;
     static DeepCurve curveOf(const Sample* first, const Sample* last);
     static Sample compositeOf(const Sample*& sample, const DeepPiece& piece);
     void compact(Tile& tile);
