@@ -14,7 +14,7 @@ namespace {
 
 // Sheets whose samples are merged with one another while the sweep goes on, and the part of the tolerance for that:
 // the rest is for merging what the means of all rays are.
-constexpr int kStage = 16;
+constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
 
 float unit(Real value) {
