@@ -105,7 +105,8 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
     if (m_options.verbose) options.planned = [this](const ShotPlan& plan) { m_console.detail(plan.table); };
     options.change = [this, &input](Scene& scene) {
         input.change(scene);
-        for (const std::string& path : {scene.output.file, scene.output.preview.file, m_options.stats})
+        for (const std::string& path :
+             {scene.output.file, scene.output.deep.file, scene.output.preview.file, m_options.stats})
             checkWritable(path);
     };
     return options;
@@ -122,16 +123,20 @@ void RenderRun::keepMissed(const ShotReport& report) {
 /// The preview is written last: the picture is what matters.
 void RenderRun::write(ShotFrame& frame, bool withPreview) {
     frame.write("", m_console.sink());
+    if (frame.hasDeep()) frame.writeDeep("", m_console.sink());
     if (withPreview) frame.preview();
 }
 
-/// Whether there is a whole picture, which is then left alone.
+/// Whether there is a whole picture, and a whole deep one where that is asked for; both are then left alone.
 bool RenderRun::existsAlready(const SceneInput& input, int frame) {
     if (!m_options.skipExisting) return false;
-    const std::string path = input.output().outputAt(frame);
-    if (m_whole.contains(path)) return true;
-    if (!isWholeExr(path)) return false;
-    m_whole.insert(path);
+    for (const FramePath& output : {input.output(), input.deep()}) {
+        if (output.pattern.empty()) continue;
+        const std::string path = output.outputAt(frame);
+        if (m_whole.contains(path)) continue;
+        if (!isWholeExr(path)) return false;
+        m_whole.insert(path);
+    }
     return true;
 }
 
@@ -167,7 +172,9 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     if (existsAlready(input, frame)) return completeFrame(input, frame);
     const std::string path = input.output().outputAt(frame);
     if (std::error_code ignored; m_options.skipExisting && std::filesystem::exists(path, ignored))
-        m_console.line(fmt::format("frame {}: {} is not whole, and is rendered again", frame, path));
+        m_console.line(m_whole.contains(path)
+                           ? fmt::format("frame {}: {} has no whole deep picture, and is rendered again", frame, path)
+                           : fmt::format("frame {}: {} is not whole, and is rendered again", frame, path));
 
     ShotFrame rendered = input.shot().render(frame, optionsOf(input, frame));
     if (rendered.skipped()) return;

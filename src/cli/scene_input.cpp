@@ -82,6 +82,7 @@ SceneInput::SceneInput(const std::string& path, const SceneOptions& options, con
     m_frames = framesOf(scene);
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
+    m_deep = scene.output.deep.path;
     checkPreview(scene.output.preview);
     if (lowerExtension(m_output.pattern) != ".exr")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
@@ -98,6 +99,7 @@ void SceneInput::change(Scene& scene) const {
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
     output.file = output.path.outputAt(frame);
     if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
+    if (!output.deep.path.pattern.empty()) output.deep.file = output.deep.path.outputAt(frame);
 }
 
 void SceneInput::checkPreview(const ScenePreview& preview) const {
@@ -186,6 +188,7 @@ void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& opt
         for (const int frame : input.frames()) {
             claim(input, input.output(), frame, "the picture");
             claim(input, input.preview(), frame, "the preview");
+            claim(input, input.deep(), frame, "the deep picture");
         }
     if (!options.stats.empty()) claims.writesAlone(options.stats, "--stats");
 }

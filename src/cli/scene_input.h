@@ -25,6 +25,7 @@ class SceneInput {
     /// Before the frame is put in; the preview's has no pattern where none is wanted.
     const FramePath& output() const { return m_output; }
     const FramePath& preview() const { return m_preview; }
+    const FramePath& deep() const { return m_deep; }  ///< the same of the deep picture
 
     /// Puts the output and the preview of the command line into `scene`, and its quality in the place of a tolerance.
     void change(Scene& scene) const;
@@ -39,7 +40,7 @@ class SceneInput {
     const SceneOptions& m_options;
     Shot m_shot;
     std::vector<int> m_frames;
-    FramePath m_output, m_preview;
+    FramePath m_output, m_preview, m_deep;
 };
 
 /// All inputs of the command.

@@ -3,7 +3,9 @@
 // up for where an earlier run was killed.
 #include "errors/program_test.h"
 
+#include <scrim/image/exr_read.h>
 #include <scrim/image/picture_module.h>
+#include <scrim/image/whole_picture.h>
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -143,6 +145,57 @@ TEST_F(Outputs, OfKilledRunsAreSwept) {
     for (const std::string folder : {"o/", "p/", ""}) EXPECT_FALSE(exists(folder + left)) << folder;
 }
 
+// ---- deep pictures
+
+class DeepOutput : public ProgramTest {};
+
+TEST_F(DeepOutput, NeverMeetsAnotherFile) {
+    const auto with = [&](const std::string& deep) {
+        return run({"render", "scene.toml", "-o", "x.exr", "--set", "output.deep=" + deep});
+    };
+    const ProgramResult same = with("x.exr");
+    EXPECT_EQ(same.status, 2);
+    EXPECT_NE(same.err.find("would be written twice, for the picture of scene.toml and for the deep picture of "
+                            "scene.toml"),
+              std::string::npos)
+        << same.err;
+    EXPECT_EQ(with("d.png").status, 3);
+    std::filesystem::create_directory(file("folder.exr"));
+    EXPECT_EQ(with("folder.exr").status, 4);
+    EXPECT_FALSE(exists("x.exr")) << "seen before anything is rendered";
+}
+
+TEST_F(DeepOutput, IsPlannedAndWrittenBesideThePicture) {
+    const std::vector<std::string> deep{"--set", "output.deep=new/d.exr", "--set", "output.deep_type=float"};
+    const auto with = [&](std::vector<std::string> arguments) {
+        arguments.insert(arguments.end(), deep.begin(), deep.end());
+        return runWell(arguments);
+    };
+    EXPECT_NE(with({"plan", "scene.toml"}).out.find("deep picture            on   samples merged within 0.01"),
+              std::string::npos);
+    EXPECT_FALSE(exists("new"));
+    runWell({"render", "scene.toml", "-o", "flat.exr"});
+    with({"render", "scene.toml", "-o", "x.exr"});
+    EXPECT_EQ(readExr(file("x.exr")).rgba, readExr(file("flat.exr")).rgba);
+    EXPECT_TRUE(isWholeExr(file("new/d.exr")));
+    const auto attributes = readExrAttributes(file("x.exr"));
+    auto ofDeep = readExrAttributes(file("new/d.exr"));
+    for (const char* name : {"worldToCamera", "worldToNDC", "colorInteropID", "software", "imageCounter",
+                             "displayWindow", "pixelAspectRatio", "scrim:camera", "scrim:plan"})
+        EXPECT_EQ(ofDeep[name], attributes.at(name)) << name;
+    EXPECT_EQ(ofDeep["compression"], "zips");
+}
+
+TEST_F(DeepOutput, WarnsOfColouredExtinction) {
+    const std::vector<std::string> arguments{"render", "scene.toml", "-o", "x.exr", "--set", "output.deep=d.exr"};
+    EXPECT_EQ(runWell(arguments).err.find("one alpha for all colours"), std::string::npos);
+    write("tint.toml", readBytes(file("scene.toml")) + "\n[output]\ndeep = \"d.exr\"\n");
+    const ProgramResult result =
+        runWell({"render", "tint.toml", "-o", "x.exr", "--set", "volume.volume1.medium.extinction_tint=[1, 0.5, 0.2]"});
+    EXPECT_NE(result.err.find("one alpha for all colours"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("tint.toml:"), std::string::npos) << result.err;
+}
+
 // ---- --skip-existing
 
 class SkipExisting : public ProgramTest {
@@ -200,6 +253,22 @@ TEST_F(SkipExisting, MakesUpForPreviews) {
     }
     EXPECT_EQ(std::filesystem::last_write_time(file("o.0003.exr")), before) << "pictures stay";
     EXPECT_EQ(runWell(m_arguments).err.find("preview"), std::string::npos);
+}
+
+TEST_F(SkipExisting, RendersAgainWhatHasNoWholeDeepPicture) {
+    std::vector<std::string> arguments = m_arguments;
+    arguments.insert(arguments.end(), {"--set", "output.deep=o.deep.####.exr"});
+    runWell(arguments);
+    const std::string whole = readBytes(file("o.deep.0001.exr"));
+    std::filesystem::remove(file("o.deep.0001.exr"));
+    std::filesystem::resize_file(file("o.deep.0002.exr"), whole.size() / 2);
+    const auto before = std::filesystem::last_write_time(file("o.0003.exr"));
+    const ProgramResult result = runWell(arguments);
+    expectLine(result, "frame 1: o.0001.exr has no whole deep picture, and is rendered again\n");
+    expectLine(result, "frame 2: o.0002.exr has no whole deep picture, and is rendered again\n");
+    expectLine(result, "frame 3: o.0003.exr exists already\n");
+    EXPECT_TRUE(readBytes(file("o.deep.0001.exr")) == whole);
+    EXPECT_EQ(std::filesystem::last_write_time(file("o.0003.exr")), before);
 }
 
 TEST_F(SkipExisting, MakesUpForPreviewsAsBrightAsTheyWere) {

@@ -12,6 +12,7 @@ RenderWork& RenderWork::operator+=(const RenderWork& o) {
     layerSamples += o.layerSamples;
     solidRays += o.solidRays;
     caughtRays += o.caughtRays;
+    deepSamples += o.deepSamples;
     sheets += o.sheets;
     shade += o.shade;
     if (o.bytes.total() > bytes.total()) bytes = o.bytes;

@@ -2,10 +2,12 @@
 // What a render yields: the picture, and counts of the work it took.
 #pragma once
 
+#include <scrim/image/deep_image.h>
 #include <scrim/image/image.h>
 #include <scrim/scene/scene.h>
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace scrim {
@@ -46,6 +48,7 @@ struct RenderWork {
     std::uint64_t lightSamples = 0;  ///< cells of shadow buffers walked
     std::uint64_t pixelSheets = 0;   ///< pixel and sheet pairs composited
     std::uint64_t layerSamples = 0;  ///< the same of quads beyond the first: more pictures, coloured opacities
+    std::uint64_t deepSamples = 0;   ///< ray and sheet pairs kept for a deep picture
     std::uint64_t sheets = 0;
     std::uint64_t solidRays = 0;   ///< traced to solids, for the eye and for lights
     std::uint64_t caughtRays = 0;  ///< marched from solids to lights
@@ -57,8 +60,9 @@ struct RenderWork {
         std::uint64_t shadows = 0;  ///< shadow buffers, with what lights splat for themselves
         std::uint64_t shaded = 0;   ///< sheets of shaded texels
         std::uint64_t picture = 0;  ///< pixels on the way
+        std::uint64_t deep = 0;     ///< samples of a deep picture
 
-        std::uint64_t total() const { return fields + shadows + shaded + picture; }
+        std::uint64_t total() const { return fields + shadows + shaded + picture + deep; }
         bool operator==(const Bytes&) const = default;
     } bytes;
 
@@ -88,8 +92,9 @@ struct FrameLayer {
 
 struct Frame {
     Image image;  ///< premultiplied, scene-linear, working space
-    std::vector<FrameLayer>
-        layers;  ///< as ViewScene::layers has them; of lights and shadows one each, in the scene's order
+    /// As ViewScene::layers has them; of lights and shadows one each, in the scene's order.
+    std::vector<FrameLayer> layers;
+    std::optional<DeepImage> deep;  ///< where it is asked for: over the image's window, in the working space
     RenderWork work;
     StageTimes times;
 };

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <optional>
 
 namespace scrim {
@@ -73,31 +74,53 @@ struct Swept {
     PixelTiles tiles;
     RenderWork work;
     StageTimes times;
+    std::optional<DeepImage> deep;
 };
 
-Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
+std::size_t bytesOf(const PlaneStack& planes) {
+    return PlaneStack::bytes(planes.planes(), planes.width(), planes.height(), planes.channels());
+}
+
+// Null where nothing hides volumes.
+std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const PixelTiles& tiles) {
+    if (!scene.solids || !scene.solids->any(SolidRole::holdout)) return nullptr;
+    return std::make_unique<EyeEnds>(*scene.solids, supersampled(scene.camera, scene.dials.antialias), tiles);
+}
+
+// Null where no deep picture is asked for.
+std::unique_ptr<DeepRays> deepRays(const ViewScene& scene, const GroupPlan& group, const PixelTiles& tiles,
+                                   std::size_t mostBytes) {
+    if (!scene.deep) return nullptr;
+    return std::make_unique<DeepRays>(tiles, group.sameSide, scene.deep->tolerance, mostBytes);
+}
+
+void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
+    swept.work.deepSamples = deep.added();
+    swept.work.bytes.deep = deep.bytes();
+    swept.deep = deep.resolve(eye, n);
+}
+
+Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, std::size_t mostDeepBytes,
             const std::function<void(double)>& progress) {
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
-    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}};
-    auto& [tiles, work, times] = swept;
+    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}, {}};
+    auto& [tiles, work, times, deepImage] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
-    std::optional<EyeEnds> ends;
-    if (scene.solids && scene.solids->any(SolidRole::holdout))
-        ends.emplace(*scene.solids, supersampled(scene.camera, n), tiles);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff),
-                          ends ? &*ends : nullptr);
+    const auto ends = eyeEnds(scene, tiles);
+    const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends.get(),
+                          deep.get());
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
     // The eye's own lattice holds what it needs and no more; of the shared one tiles are culled beforehand.
     const bool own = !group.lattice.shared();
     const TileCull cull = own && group.sameSide ? occlusionMap(tiles, group.lattice.guardTiles) : TileCull{};
-    const NeededTiles* needed = own ? nullptr : &group.needed;
     work.voxelsFed = extinction.voxels();
     times.prepare = watch.lap();
 
@@ -105,7 +128,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
         const int count = std::min(group.batchSheets, group.needed.last - first);
         work.sheets += static_cast<std::uint64_t>(count);
         // 1, 2: voxels into sheets, and what is extinct there.
-        work.footprints += extinction.splat(first, count, needed, cull);
+        work.footprints += extinction.splat(first, count, own ? nullptr : &group.needed, cull);
         times.splat += watch.lap();
         // 3: light through the sheets.
         const LightSweep::Work light = lights.attenuate(first, count, extinction);
@@ -133,10 +156,18 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
         if (group.sameSide && compositor.allOpaque()) break;
     }
     work.solidRays = lights.solidRays() + (ends ? ends->rays() : 0);
-    work.bytes = {extinction.bytes(), lights.bytes(), 0, tiles.bytes() + (ends ? ends->bytes() : 0)};
-    if (shaded)
-        work.bytes.shaded = PlaneStack::bytes(shaded->planes(), shaded->width(), shaded->height(), layout.floats());
+    work.bytes = {extinction.bytes(), lights.bytes(), shaded ? bytesOf(*shaded) : 0,
+                  tiles.bytes() + (ends ? ends->bytes() : 0)};
+    if (deep) keepDeep(*deep, eye, n, swept);
     return swept;
+}
+
+// What the memory limit leaves beside the deep pictures of the sweeps before; 0: no limit.
+std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept) {
+    std::size_t taken = 0;
+    for (const DeepImage& image : swept) taken += image.bytes();
+    if (plan.mostDeepBytes == 0) return 0;
+    return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
 Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
@@ -144,14 +175,17 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
+    std::vector<DeepImage> deep;
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        const Swept swept = sweep(scene, plan, plan.groups[g],
-                                  [&](double done) { goOn((double(g) + done) / double(plan.groups.size())); });
+        Swept swept = sweep(scene, plan, plan.groups[g], deepBytesLeft(plan, deep),
+                            [&](double done) { goOn((double(g) + done) / double(plan.groups.size())); });
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;
+        if (swept.deep) deep.push_back(std::move(*swept.deep));
     }
     finishLayers(frame);
+    if (scene.deep) frame.deep = combined(scene, plan, deep);
     frame.work.caughtRays = catchShadows(scene, frame, [&] { goOn(1); });
     return frame;
 }

@@ -1,92 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/image/exr.h>
 
-#include <scrim/base/atomic_file.h>
 #include <scrim/base/parallel.h>
-#include <scrim/base/system_error.h>
+#include <scrim/image/exr_header.h>
 
-#include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
-#include <OpenEXR/ImfFloatAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
 #include <OpenEXR/ImfFramesPerSecond.h>
 #include <OpenEXR/ImfHeader.h>
-#include <OpenEXR/ImfIO.h>
-#include <OpenEXR/ImfIntAttribute.h>
-#include <OpenEXR/ImfMatrixAttribute.h>
 #include <OpenEXR/ImfOutputFile.h>
-#include <OpenEXR/ImfRationalAttribute.h>
-#include <OpenEXR/ImfStandardAttributes.h>
-#include <OpenEXR/ImfStringAttribute.h>
 #include <OpenEXR/ImfThreading.h>
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <set>
 
 namespace scrim {
 
 namespace {
-
-constexpr float kLargestHalf = 65504.0f;
-constexpr float kDwaLevel = 45.0f;  // OpenEXR's own default, written down since it decides what is lost
-
-/// AP0: SMPTE ST 2065-1, table 1, with the white point of ACES (about D60).
-const Imf::Chromaticities kAp0({0.73470f, 0.26530f}, {0.0f, 1.0f}, {0.00010f, -0.07700f}, {0.32168f, 0.33767f});
-
-/// An output stream that remembers its first failure. OpenEXR swallows exceptions while it closes a file, so
-/// that a full disk would go unnoticed there; `close` says it.
-class CheckedStream : public Imf::OStream {
-  public:
-    explicit CheckedStream(const std::string& path) : Imf::OStream(path.c_str()) {
-        errno = 0;  // so that `check` sees no older one
-        m_file.open(path, std::ios::binary | std::ios::trunc);
-        check();
-    }
-    void write(const char bytes[], int count) override {
-        errno = 0;
-        m_file.write(bytes, count);
-        check();
-    }
-    uint64_t tellp() override { return static_cast<uint64_t>(std::streamoff(m_file.tellp())); }
-    void seekp(uint64_t position) override {
-        errno = 0;
-        m_file.seekp(static_cast<std::streamoff>(position));
-        check();
-    }
-    void close() {
-        errno = 0;
-        m_file.close();
-        check();
-    }
-
-  private:
-    void check() {
-        if (m_error == 0 && !m_file) m_error = errno != 0 ? errno : EIO;
-        if (m_error != 0) throw std::runtime_error(systemErrorText(m_error));
-    }
-
-    std::ofstream m_file;
-    int m_error = 0;
-};
-
-Imf::Compression compressionNamed(const std::string& name) {
-    if (name == "zip") return Imf::ZIP_COMPRESSION;
-    if (name == "zips") return Imf::ZIPS_COMPRESSION;
-    if (name == "piz") return Imf::PIZ_COMPRESSION;
-    if (name == "dwaa") return Imf::DWAA_COMPRESSION;
-    if (name == "none") return Imf::NO_COMPRESSION;
-    throw Error(ErrorKind::usage,
-                fmt::format("unknown EXR compression '{}'; expected {}", shortened(name), choices(exrCompressions())));
-}
-
-Imath::Box2i closedBox(const PixelWindow& window) {
-    return {{window.x0, window.y0}, {window.x1 - 1, window.y1 - 1}};
-}
 
 /// All that can be wrong with the arguments of writeExr, before anything is written.
 void checkArguments(const std::string& path, const Image& image, const ExrOptions& options,
@@ -113,40 +46,6 @@ void checkArguments(const std::string& path, const Image& image, const ExrOption
             refuse(fmt::format("the layer with {} has {} values, expected {} x {} x {}", choices(layer.channels),
                                layer.data.size(), image.window.width(), image.window.height(), layer.channels.size()));
     }
-}
-
-struct InsertAttribute {
-    Imf::Header& header;
-    const std::string& name;
-
-    void operator()(const std::string& text) const { header.insert(name, Imf::StringAttribute(text)); }
-    void operator()(double value) const { header.insert(name, Imf::FloatAttribute(static_cast<float>(value))); }
-    void operator()(int value) const { header.insert(name, Imf::IntAttribute(value)); }
-    void operator()(const glm::dmat4& matrix) const {
-        // GLM's [column][row] of a matrix for column vectors is EXR's [row][column] of one for row vectors.
-        Imath::M44f rows;
-        for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) rows[i][j] = static_cast<float>(matrix[i][j]);
-        header.insert(name, Imf::M44fAttribute(rows));
-    }
-    void operator()(const FrameRate& rate) const {
-        header.insert(name, Imf::RationalAttribute(Imf::Rational(rate.numerator, static_cast<int>(rate.denominator))));
-    }
-};
-
-Imf::Header makeHeader(const PixelWindow& dataWindow, const ExrOptions& options, const ExrAttributes& attributes) {
-    const Imf::Compression compression = compressionNamed(options.compression);
-    Imf::Header header(closedBox(options.displayWindow), closedBox(dataWindow), static_cast<float>(options.pixelAspect),
-                       Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
-                       options.acesContainer ? Imf::NO_COMPRESSION : compression);
-    if (compression == Imf::DWAA_COMPRESSION) header.dwaCompressionLevel() = kDwaLevel;
-    if (!options.colorInteropId.empty()) header.insert("colorInteropID", Imf::StringAttribute(options.colorInteropId));
-    if (options.acesContainer) {
-        header.insert("acesImageContainerFlag", Imf::IntAttribute(1));
-        Imf::addChromaticities(header, kAp0);
-    }
-    for (const auto& [name, value] : attributes) std::visit(InsertAttribute{header, name}, value);
-    return header;
 }
 
 /// The channels of one file: float channels are read where the caller has them, half ones from converted
@@ -194,17 +93,9 @@ class ChannelSet {
         out.reserve(count * std::size_t(m_dataWindow.height()));
         for (int y = 0; y < m_dataWindow.height(); ++y) {
             const float* row = corner + std::size_t(y) * floatsPerRow;
-            for (std::size_t i = 0; i < count; ++i) out.push_back(clampedHalf(row[i]));
+            for (std::size_t i = 0; i < count; ++i) out.push_back(clampedHalf(row[i], m_clamped));
         }
         return out;
-    }
-
-    half clampedHalf(float value) {
-        if (std::fabs(value) > kLargestHalf) {
-            ++m_clamped;
-            value = std::copysign(kLargestHalf, value);
-        }
-        return half(value);
     }
 
     PixelWindow m_imageWindow;
@@ -215,11 +106,6 @@ class ChannelSet {
 };
 
 }  // namespace
-
-const std::vector<std::string>& exrCompressions() {
-    static const std::vector<std::string> names = {"zip", "zips", "piz", "dwaa", "none"};
-    return names;
-}
 
 FrameRate exactFrameRate(double framesPerSecond) {
     const Imf::Rational exact = Imf::guessExactFps(framesPerSecond);
@@ -234,9 +120,8 @@ std::size_t writeExr(const std::string& path, const Image& image, const ExrOptio
                      const ExrAttributes& attributes, const std::vector<ExrLayer>& layers) {
     checkArguments(path, image, options, layers);
     const PixelWindow dataWindow = options.wholeWindow ? image.window : nonEmptyWindow(image);
-    AtomicFile file(path);
-    try {
-        Imf::Header header = makeHeader(dataWindow, options, attributes);
+    return writingExr(path, [&](AtomicFile& file) {
+        Imf::Header header = makeExrHeader(dataWindow, options, attributes);
         ChannelSet channels(image.window, dataWindow);
         channels.add(header, {"R", "G", "B", "A"}, image.rgba, options.half);
         for (const ExrLayer& layer : layers)
@@ -249,15 +134,8 @@ std::size_t writeExr(const std::string& path, const Image& image, const ExrOptio
             out.writePixels(dataWindow.height());
         }
         stream.close();
-        file.commit();
         return channels.clampedCount();
-    } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, fmt::format("cannot write '{}': out of memory", path));
-    } catch (const std::exception& exception) {
-        throw Error(ErrorKind::output, fmt::format("cannot write '{}': {}", path, shortened(exception.what())));
-    }
+    });
 }
 
 }  // namespace scrim

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace scrim {
 namespace {
@@ -62,6 +63,21 @@ ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
     return preview;
 }
 
+void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output) {
+    const OutputKeys& k = keysOf<OutputKeys>();
+    const auto path = table.find(k.deep);
+    output.deep.tolerance = table.number(k.deepTolerance);
+    output.deep.half = table.choice(k.deepType) == 0;
+    for (const Key* key : {&k.deepTolerance, &k.deepType})
+        if (const auto value = table.find(*key); value && !path)
+            value->fail(fmt::format("{} without {}: no deep picture is written; expected its path, too", *key, k.deep));
+    if (!path) return;
+    output.deep.path = context.path(*path);
+    output.deep.file = output.deep.path.at(context.fileFrame());
+    if (!equalIgnoringCase(std::filesystem::path(output.deep.path.pattern).extension().string(), ".exr"))
+        path->fail(fmt::format("{} is '{}'; expected a name that ends in '.exr'", k.deep, path->string()));
+}
+
 }  // namespace
 
 SceneOutput defaultOutput(const ReadContext& context) {
@@ -84,6 +100,7 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     output.compression = k.compression.words[table.choice(k.compression)];
     output.fps = table.number(k.fps);
     if (const auto preview = table.find(k.preview)) output.preview = readPreview(*preview, context);
+    readDeep(table, context, output);
     table.finish();
     return output;
 }

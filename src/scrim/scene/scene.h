@@ -102,6 +102,14 @@ struct ScenePreview {
     std::string view;     ///< "": the display's default
 };
 
+/// A deep picture beside the flat one.
+struct SceneDeep {
+    std::string file;  ///< at this frame; empty: none
+    FramePath path;
+    double tolerance = 0.01;  ///< of merging samples: of alpha, and of colour as a part of the pixel's
+    bool half = true;         ///< 16-bit colours, or else 32-bit; depths are 32-bit
+};
+
 struct SceneOutput {
     std::string file;        ///< at this frame; empty where the scene names none
     FramePath path;          ///< before the frame is put in
@@ -111,6 +119,7 @@ struct SceneOutput {
     double fps = 24;
     std::vector<Layer> layers;  ///< each at most once, in the order of the enumeration
     ScenePreview preview;
+    SceneDeep deep;
 };
 
 /// What the picture's normalised device coordinates are over its width and height.

@@ -223,6 +223,13 @@ struct OutputKeys : Section {
     const Key& preview =
         path("preview", "a path, or a table with 'file', 'display' and 'view'", "A picture to look at beside it.")
             .orTable(keysOf<PreviewKeys>());
+    const Key& deep = path("deep", "a path such as \"plume.deep.####.exr\"",
+                           "A deep picture beside it, an EXR of volume samples (Z, ZBack).");
+    const Key& deepTolerance =
+        number("deep_tolerance", Range::fromTo(0, 1, ""), 0.01,
+               "What merging samples may change before any depth: of alpha, and of colours as a part of the pixel's. 0 "
+               "keeps one a sheet.");
+    const Key& deepType = choice("deep_type", {"half", "float"}, "Bits of the deep picture's colours.");
 };
 
 struct KeyedKeys : Section {

@@ -14,6 +14,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,11 @@ struct ViewVolume {
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
 };
 
+/// A deep picture beside the flat one.
+struct ViewDeep {
+    double tolerance = 0.01;  ///< of merging samples: of alpha, and of colour as a part of the pixel's
+};
+
 struct ViewScene {
     Camera camera;
     PixelWindow region;   ///< the pixels to render, within the display window or beyond it (overscan)
@@ -57,6 +63,7 @@ struct ViewScene {
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
     std::vector<Layer> layers;                ///< to render beside the beauty
+    std::optional<ViewDeep> deep;             ///< none: the flat picture alone
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
 };

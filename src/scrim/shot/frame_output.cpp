@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
+#include <scrim/image/exr_deep.h>
 #include <scrim/image/preview.h>
 #include <scrim/scene/layer_names.h>
 #include <scrim/scene/plate_camera.h>
@@ -11,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace scrim {
@@ -89,10 +91,35 @@ PixelWindow displayWindowOf(const Scene& scene) {
     return {0, 0, scene.camera.resolution.x, scene.camera.resolution.y};
 }
 
+// What flat and deep pictures say alike.
+ExrOptions headerOptions(const ShotFrame::Content& content) {
+    ExrOptions options;
+    options.displayWindow = displayWindowOf(content.scene);
+    options.pixelAspect = content.scene.camera.pixelAspect;
+    options.colorInteropId = content.colour.interopId(content.scene.output.colorspace);
+    return options;
+}
+
+// What all pixels of a row show before each of its pieces ends is converted as if it were a picture, so that the ends
+// of the curves are the flat picture's pixels in every space.
+void convertDeep(DeepImage& deep, const ColourConfig& colour, const std::string& space) {
+    for (DeepImage::Row& row : deep.rows) {
+        if (row.pieces.empty()) continue;
+        Image image = emptyImage({0, 0, static_cast<int>(row.pieces.size()), 1});
+        for (std::size_t i = 0; i < row.pieces.size(); ++i)
+            std::copy(row.pieces[i].shown.begin(), row.pieces[i].shown.end(),
+                      image.rgba.begin() + std::ptrdiff_t(4 * i));
+        colour.convert(image, colour.workingSpace(), space);
+        for (std::size_t i = 0; i < row.pieces.size(); ++i)
+            std::copy_n(image.rgba.begin() + std::ptrdiff_t(4 * i), 4, row.pieces[i].shown.begin());
+    }
+}
+
 }  // namespace
 
 void takeFrame(ShotFrame::Content& content, Frame frame) {
     content.image = std::move(frame.image);
+    content.deep = std::move(frame.deep);
     for (FrameLayer& layer : frame.layers) {
         content.kinds.push_back(layer.layer);
         content.layers.push_back(shotLayer(content.scene, std::move(layer)));
@@ -102,12 +129,9 @@ void takeFrame(ShotFrame::Content& content, Frame frame) {
 std::size_t writeFrame(const ShotFrame::Content& content, const std::string& path) {
     const SceneOutput& output = content.scene.output;
     const ColourConfig& colour = content.colour;
-    ExrOptions options;
+    ExrOptions options = headerOptions(content);
     options.half = output.half;
     options.compression = output.compression;
-    options.displayWindow = displayWindowOf(content.scene);
-    options.pixelAspect = content.scene.camera.pixelAspect;
-    options.colorInteropId = colour.interopId(output.colorspace);
     options.acesContainer = output.half && content.layers.empty() && colour.isAces2065(output.colorspace);
     std::vector<ExrLayer> layers;
     for (std::size_t i = 0; i < content.layers.size(); ++i) {
@@ -118,6 +142,17 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
     Image image = content.image;
     colour.convert(image, colour.workingSpace(), output.colorspace);
     return writeExr(path, image, options, attributesOf(content), layers);
+}
+
+std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string& path) {
+    const SceneOutput& output = content.scene.output;
+    ExrOptions options = headerOptions(content);
+    options.half = output.deep.half;
+    if (output.colorspace == content.colour.workingSpace())
+        return writeDeepExr(path, *content.deep, options, attributesOf(content));
+    DeepImage deep = *content.deep;
+    convertDeep(deep, content.colour, output.colorspace);
+    return writeDeepExr(path, deep, options, attributesOf(content));
 }
 
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path) {

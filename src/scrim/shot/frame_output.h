@@ -9,6 +9,7 @@
 #include <scrim/shot/shot_frame.h>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,7 @@ struct ShotFrame::Content {
     Image image;                    ///< in the working space
     std::vector<Layer> kinds = {};  ///< of `layers`
     std::vector<ShotLayer> layers = {};
+    std::optional<DeepImage> deep = {};  ///< where the scene asks for one; in the working space
     ShotReport report = {};
     bool skipped = false;
     double previewExposure = 0;  ///< stops
@@ -31,6 +33,9 @@ void takeFrame(ShotFrame::Content& content, Frame frame);
 
 /// Writes an OpenEXR file. Returns how many values were clamped. Throws Error.
 std::size_t writeFrame(const ShotFrame::Content& content, const std::string& path);
+
+/// Writes the deep picture, which there must be. Returns how many values were clamped. Throws Error.
+std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string& path);
 
 /// Writes the picture as a display shows it. Throws Error.
 void writeFramePreview(const ShotFrame::Content& content, const std::string& path);

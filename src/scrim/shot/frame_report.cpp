@@ -28,13 +28,15 @@ Json workJson(const RenderWork& w) {
             {"layer_samples", w.layerSamples},
             {"solid_rays", w.solidRays},
             {"caught_rays", w.caughtRays},
+            {"deep_samples", w.deepSamples},
             {"sheets", w.sheets},
             {"buffer_bytes", w.bytes.total()},
             {"bytes",
              {{"fields", w.bytes.fields},
               {"shadows", w.bytes.shadows},
               {"shaded", w.bytes.shaded},
-              {"picture", w.bytes.picture}}}};
+              {"picture", w.bytes.picture},
+              {"deep", w.bytes.deep}}}};
 }
 
 Json verificationJson(const VerificationReport& v) {

@@ -48,6 +48,28 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
     }
 }
 
+/// A view with the deep picture that the scene asks for, if it does.
+ViewScene withDeep(ViewScene view, const SceneOutput& output) {
+    if (!output.deep.file.empty()) view.deep = ViewDeep{output.deep.tolerance};
+    return view;
+}
+
+/// "scene.toml:12:3: ", or nothing for a scene without text.
+std::string placeOf(const ViewScene& view, const std::string& key) {
+    const std::string where = view.lines ? view.lines->of(key) : "";
+    return where.empty() ? where : where + ": ";
+}
+
+/// One alpha for three opacities.
+void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
+    if (view.deep && extinctionChannels(view).coloured)
+        notify(
+            messages, Severity::warning,
+            fmt::format("{}extinction is coloured, and deep samples have one alpha for all colours: the deep picture "
+                        "flattens to the flat one, but what is merged or put between its samples is approximate",
+                        placeOf(view, "output.deep")));
+}
+
 /// One frame's way from views to a picture.
 class FrameRender {
   public:
@@ -70,8 +92,10 @@ class FrameRender {
 
 Frame FrameRender::run() {
     const Scene& scene = m_shot.scene;
-    const ViewScene view =
-        timed(m_report.seconds.plan, [&] { return m_shot.view(m_options, scene.dials.lod, VolumesOf::picture); });
+    const ViewScene view = timed(m_report.seconds.plan, [&] {
+        return withDeep(m_shot.view(m_options, scene.dials.lod, VolumesOf::picture), scene.output);
+    });
+    warnOfColouredDeep(view, m_options.messages);
     // Of a picture that shows nothing one wants to know why.
     if (view.volumes.empty())
         for (const auto& [name, reason] : view.culled)
@@ -135,7 +159,7 @@ bool isVerified(const Scene& scene, const RenderOptions& options) {
 }
 
 ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options) {
-    const ViewScene view = shot.view(options, shot.scene.dials.lod, VolumesOf::picture);
+    const ViewScene view = withDeep(shot.view(options, shot.scene.dials.lod, VolumesOf::picture), shot.scene.output);
     const Plan plan = makePlan(view, threadCount(), partOf(options.progress, 0, 0));
     return {false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)};
 }

@@ -14,6 +14,21 @@
 #include <utility>
 
 namespace scrim {
+namespace {
+
+void checkExr(const std::string& file, const std::string& what) {
+    if (lowerExtension(file) != ".exr")
+        throw Error(ErrorKind::usage, fmt::format("the {} '{}' does not end in '.exr'", what, shortened(file)));
+}
+
+void warnOfClamped(std::size_t values, const std::string& file, const std::string& key, const MessageSink& messages) {
+    if (values > 0)
+        notify(messages, Severity::warning,
+               fmt::format("{}: {} values beyond the range of half floats were clamped; {} = \"float\" keeps them",
+                           file, values, key));
+}
+
+}  // namespace
 
 ShotFrame::ShotFrame(std::unique_ptr<Content> content) : m_content(std::move(content)) {}
 ShotFrame::ShotFrame(ShotFrame&&) noexcept = default;
@@ -58,16 +73,27 @@ std::string ShotFrame::pathOf(const std::string& path, const std::string& fromSc
 void ShotFrame::write(const std::string& path, const MessageSink& messages) {
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.file, "picture");
-    if (lowerExtension(file) != ".exr")
-        throw Error(ErrorKind::usage, fmt::format("the picture '{}' does not end in '.exr'", shortened(file)));
+    checkExr(file, "picture");
     TaskArena(report.threads).run([&] {
         const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, file); });
         report.file = file;
-        if (clamped > 0)
-            notify(
-                messages, Severity::warning,
-                fmt::format("{}: {} values beyond the range of half floats were clamped; type = \"float\" keeps them",
-                            file, clamped));
+        warnOfClamped(clamped, file, "type", messages);
+    });
+    report.peakBytes = peakResidentBytes();
+}
+
+bool ShotFrame::hasDeep() const {
+    return m_content->deep.has_value();
+}
+
+void ShotFrame::writeDeep(const std::string& path, const MessageSink& messages) {
+    ShotReport& report = m_content->report;
+    const std::string file = pathOf(path, m_content->scene.output.deep.file, "deep picture");
+    checkExr(file, "deep picture");
+    if (!hasDeep()) throw Error(ErrorKind::usage, "the frame has no deep picture: the scene did not ask for one");
+    TaskArena(report.threads).run([&] {
+        const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrameDeep(*m_content, file); });
+        warnOfClamped(clamped, file, "deep_type", messages);
     });
     report.peakBytes = peakResidentBytes();
 }

@@ -94,6 +94,14 @@ class ShotFrame {
     /// whole or not at all. Throws Error: usage, output.
     void write(const std::string& path = "", const MessageSink& messages = {});
 
+    /// Whether the scene asked for a deep picture.
+    bool hasDeep() const;
+
+    /// Writes the deep picture: an OpenEXR file of volume samples with the same metadata, in the type that the scene's
+    /// output says for it. Otherwise as `write`; "": the scene's own deep file. Throws Error(usage) where there is
+    /// none.
+    void writeDeep(const std::string& path = "", const MessageSink& messages = {});
+
     /// Writes the picture as a display shows it: a PNG, or what the extension says. "": the scene's own preview file.
     void preview(const std::string& path = "");
 

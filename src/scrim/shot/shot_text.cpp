@@ -94,6 +94,7 @@ Scene ShotText::at(int frame, const ColourConfig& colour) const {
     }
     output.file = output.path.outputAt(frame);
     if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);
+    if (!output.deep.path.pattern.empty()) output.deep.file = output.deep.path.outputAt(frame);
     return scene;
 }
 

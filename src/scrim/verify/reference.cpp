@@ -232,7 +232,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     direction /= depthScale;
     if (m_volumes.empty()) return {0, 0, 0, 0};
 
-    auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, kInfinity);
+    auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, m_options.far * depthScale);
     if (m_scene.solids)
         end = std::min(end, m_scene.solids->firstHit(SolidRole::holdout, origin, direction, begin, end));
     const double gauss = 0.5 / std::sqrt(3.0);

@@ -8,6 +8,7 @@
 #include <scrim/engine/splat/kernel.h>
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -18,6 +19,8 @@ struct ReferenceOptions {
     double mostTau = 0.1;              ///< optical depth of a step, at most: denser places take smaller steps
     double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
     double classifiedStep = 0.0625;    ///< voxels, at most, where a volume is classified
+    /// Eye rays end at this depth along the viewing axis, world units. Light comes through all of the volumes.
+    double far = std::numeric_limits<double>::infinity();
 };
 
 class Reference {

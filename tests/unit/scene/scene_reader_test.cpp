@@ -84,6 +84,30 @@ TEST(SceneOutput, IsChecked) {
               "scene.toml:7:36: 'view' is the string \"film\"; expected 'ACE");
 }
 
+TEST(SceneOutput, DeepPicturesAreReadAndChecked) {
+    const SceneDeep none = read(kScene).output.deep;
+    EXPECT_EQ(none.file, "");
+    const SceneDeep deep = read(kScene + "[output]\ndeep = \"d.####.exr\"\n", {}, 7).output.deep;
+    EXPECT_EQ(deep.file, "/shots/d.0007.exr");
+    EXPECT_EQ(deep.tolerance, 0.01);
+    EXPECT_TRUE(deep.half);
+    const SceneDeep other =
+        read(kScene + "[output]\ndeep = \"d.exr\"\ndeep_tolerance = 0\ndeep_type = \"float\"\n").output.deep;
+    EXPECT_EQ(other.tolerance, 0);
+    EXPECT_FALSE(other.half);
+
+    const auto outputError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[output]\n" + lines); };
+    EXPECT_EQ(outputError("deep = 3\n"), "scene.toml:7:8: 'deep' is 3; expected a string that is not empty");
+    EXPECT_EQ(outputError("deep = \"d.png\"\n"),
+              "scene.toml:7:8: 'deep' is 'd.png'; expected a name that ends in '.exr'");
+    EXPECT_EQ(outputError("deep = \"d.exr\"\ndeep_tolerance = 2\n"),
+              "scene.toml:8:18: 'deep_tolerance' is 2; expected a number from 0 to 1");
+    EXPECT_EQ(outputError("deep = \"d.exr\"\ndeep_type = \"double\"\n"),
+              "scene.toml:8:13: 'deep_type' is the string \"double\"; expected 'half' or 'float'");
+    EXPECT_EQ(outputError("deep_tolerance = 0.1\n"),
+              "scene.toml:7:18: 'deep_tolerance' without 'deep': no deep picture is written; expected its path, too");
+}
+
 TEST(SceneOutput, LayersAreInTheOrderOfTheEnumeration) {
     const auto layers = [](const std::string& list) {
         return read(kScene + "[output]\nlayers = " + list).output.layers;

@@ -322,6 +322,10 @@ void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBac
     SCRIM_ON_TARGET(sheets.simd, compositeTileOnTarget)(rays, sheets, frontToBack, cutoff, state, first);
 }
 
+void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Real* kept) {
+    HWY_STATIC_DISPATCH(keepPart)(layout, part, sample, kept);
+}
+
 void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
                  const OutputLayout& layout, Real* samples, Simd simd) {
     SCRIM_ON_TARGET(simd, samplePlaneOnTarget)(rays, at, plane, width, height, layout, samples);

@@ -71,6 +71,9 @@ struct SheetSamples {
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
                       PixelTiles::FirstDepth* firstDepth = nullptr);
 
+/// What is left of a sample where only a part, in [0, 1], of its sheet is seen: radiance in proportion to opacity.
+void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Real* kept);
+
 /// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
 void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
                  const OutputLayout& layout, Real* samples, Simd simd = {});

@@ -140,9 +140,11 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
     const bool mayStop = m_frontToBack && range.sheet == blockBegin(range.sheet);
     const auto flush = [&] {
         if (listed == 0) return;
-        compositeTile(walk.rays,
-                      {planes.data(), steps.data(), listed, shaded.width(), shaded.height(), layout, m_eye.simd()},
-                      m_frontToBack, mayStop ? m_cutoff : Real(0), states, first);
+        const SheetList sheets{planes.data(),   steps.data(), listed,      shaded.width(),
+                               shaded.height(), layout,       m_eye.simd()};
+        const Real cutoff = mayStop ? m_cutoff : Real(0);
+        if (m_deep) keepDeep(tile, walk, sheets, cutoff);
+        compositeTile(walk.rays, sheets, m_frontToBack, cutoff, states, first);
         walked += static_cast<std::uint64_t>(listed) * kTileSize;
         listed = 0;
     };
@@ -163,6 +165,7 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
                 cutSlab(walk, step, part, at);
                 samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
                             m_eye.simd());
+                if (m_deep) m_deep->add(tile, {walk.block + step, samples, nullptr, part, at, static_cast<Real>(step)});
                 compositeSamples(walk.rays, {samples, part, at, layout, m_eye.simd()}, m_frontToBack, states, first);
                 walked += kTileSize;
             }
@@ -170,6 +173,23 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
     }
     flush();
     return {walked, {}};
+}
+
+// What compositeTile is about to add, for the same rays; sampled once more, so that the flat picture's own loop stays
+// as it is.
+void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff) {
+    const Real* states = m_tiles.states(tile);
+    const int floats = sheets.layout.floats();
+    std::array<std::uint8_t, kTileSize> open;
+    for (std::size_t k = 0; k < kTileSize; ++k)
+        open[k] = !m_frontToBack || 1 + states[floats * (k + 1) - 1] >= cutoff ? 1 : 0;
+    Real* samples = sampleScratch(sheets.layout);
+    alignas(64) Real at[kTileSize];
+    for (int s = 0; s < sheets.count; ++s) {
+        std::fill(at, at + kTileSize, sheets.steps[s]);
+        samplePlane(walk.rays, at, sheets.planes[s], sheets.width, sheets.height, sheets.layout, samples, sheets.simd);
+        m_deep->add(tile, {walk.block + static_cast<int>(sheets.steps[s]), samples, open.data()});
+    }
 }
 
 // Shades where the tile's rays meet each plane; `cells`: see SheetShader::shadePoints.
@@ -202,8 +222,9 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
         m_eye.setDepth(walk.block + step + 0.5, points);
         work.pixelSheets += kTileSize;
         if (!shader.shadePoints(p, points, cells, samples, work.shade)) continue;
-        compositeSamples(walk.rays, {samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd()},
-                         m_frontToBack, states, first);
+        const Real* const seenOf = seen == Seen::part ? part : nullptr;
+        if (m_deep) m_deep->add(tile, {walk.block + step, samples, nullptr, seenOf, at, static_cast<Real>(step)});
+        compositeSamples(walk.rays, {samples, seenOf, at, layout, m_eye.simd()}, m_frontToBack, states, first);
     }
     return work;
 }

@@ -4,6 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/composite_tile.h>
+#include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/composite/eye_ends.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/composite/pixel_tiles.h>
@@ -17,9 +18,10 @@ namespace scrim {
 
 class Compositor {
   public:
-    /// `ends`: where rays end; null: nowhere.
-    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr)
-        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends) {}
+    /// `ends`: where rays end; null: nowhere. `deep`: keeps what every ray meets, too; or null.
+    Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr,
+               DeepRays* deep = nullptr)
+        : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends), m_deep(deep) {}
 
     /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
     struct Work {
@@ -56,6 +58,7 @@ class Compositor {
     void cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff);
     Work shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
     template <class BoxOf, class Walk>
@@ -70,6 +73,7 @@ class Compositor {
     bool m_frontToBack;
     Real m_cutoff;
     const EyeEnds* m_ends;
+    DeepRays* m_deep;
 };
 
 }  // namespace scrim

@@ -37,6 +37,11 @@ EyeView::Ray EyeView::ray(double x, double y, double reference) const {
     return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
 }
 
+EyeView::Depths EyeView::depths(double x, double y) const {
+    const double originN = m_ts.origin(x, y).z, step = 1 / m_ts.direction(x, y).z;
+    return {-originN * step, step, m_ts.near};
+}
+
 RayTile EyeView::rays(int x0, int y0, double reference) const {
     RayTile tile;
     RayRow row{};

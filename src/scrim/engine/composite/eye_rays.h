@@ -36,6 +36,13 @@ class EyeView {
     /// The ray through raster position (x, y), located at the plane N = `reference`.
     Ray ray(double x, double y, double reference) const;
 
+    /// How deep, along the viewing axis, the ray through a raster position lies at N: first + N * step. What lies
+    /// before `near` is not seen.
+    struct Depths {
+        double first, step, near;
+    };
+    Depths depths(double x, double y) const;
+
     /// The rays of the 16 x 16 pixels from (x0, y0), through their centres, for a batch whose first plane is at
     /// N = `reference`.
     RayTile rays(int x0, int y0, double reference) const;

@@ -213,6 +213,15 @@ Effect layers(const ViewScene& scene) {
     return effect;
 }
 
+Effect deepPicture(const ViewScene& scene) {
+    Finder found(scene);
+    if (scene.deep)
+        found.add(scene.deep->tolerance > 0 ? fmt::format("samples merged within {:g}", scene.deep->tolerance)
+                                            : "a sample for every sheet",
+                  "output.deep");
+    return found.effect("deep picture", "", "none is asked for");
+}
+
 // An effect that one key of [render] decides.
 Effect ofDial(const ViewScene& scene, const std::string& name, const std::string& key, bool on,
               const std::string& reason) {
@@ -249,6 +258,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(solids(scene, SolidRole::shadow, "shadows of solids", "", "no mesh throws shadows"));
     effects.push_back(solids(scene, SolidRole::catcher, "caught shadows", ".catch", "no mesh catches shadows"));
     effects.push_back(layers(scene));
+    effects.push_back(deepPicture(scene));
     effects.push_back(crossFade(scene, plan));
     const Dials& dials = scene.dials;
     effects.push_back(ofDial(scene, "antialiasing", "render.antialias", dials.antialias > 1,

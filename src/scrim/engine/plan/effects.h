@@ -10,10 +10,6 @@
 //   of
 //                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h);
 //                          or a footprint gets a length (footprint_table.h). Nothing behind the splat changes.
-//   deep output            is a consumer of the walk: Compositor hands each pixel's samples, sheet by sheet and in
-//   either
-//                          order, to one place (addSample in composite_tile.cpp), which keeps them instead of adding
-//                          them up.
 //   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any
 //                          other (plan.h), without a medium in SheetShader's list. A depth picture to stop at
 //                          is the rays' end, as the near plane is their start (cutSlab in compositor.cpp).

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/composite/pixel_tiles.h>
+#include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/light/slide_map.h>
 #include <scrim/engine/plan/rasters.h>
@@ -88,6 +89,24 @@ std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan
     for (const LightPlan& light : group.lights)
         if (light.shadowed) shadowed.push_back(&scene.lights[light.light]);
     return shadowed;
+}
+
+// A deep picture: what its samples may take at most, and what they get. Samples become curves of about their size, so
+// they may take half of what the limit leaves.
+void planDeep(const ViewScene& scene, Plan& plan) {
+    if (!scene.deep) return;
+    double bytes = 0;
+    const int n = scene.dials.antialias;
+    for (const GroupPlan& group : plan.groups)
+        bytes += double(supersampled(plan.eyeParts[group.eyePart].window, n).pixelCount()) *
+                 (group.needed.last - group.needed.first) * double(DeepRays::kSampleBytes);
+    if (scene.memoryLimit > 0) {
+        const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, plan.bytes);
+        plan.mostDeepBytes = std::max<std::size_t>(1, left / 2);
+        bytes = std::min(bytes, double(plan.mostDeepBytes));
+    }
+    plan.deepBytes = static_cast<std::size_t>(2 * std::min(bytes, 4e18));
+    plan.bytes += plan.deepBytes;
 }
 
 // What the plan itself takes, which is little unless there are very many sheets.
@@ -326,6 +345,7 @@ Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress)
         chooseBatch(scene, threads, frameBytes, plan, group);
         plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);
     }
+    planDeep(scene, plan);
     estimateWork(scene, plan);
     return plan;
 }

@@ -89,6 +89,10 @@ struct Plan {
     std::vector<std::string> culledLights;  ///< for each light of the scene why it is culled; empty: it is not
     std::vector<EyePart> eyeParts;          ///< in pixels of the picture; windows cut to the region
     std::size_t bytes = 0;                  ///< buffers at their largest, frame included; without the fields
+    /// Of `bytes`, what a deep picture may take at most, with a sample for every ray and sheet; most scenes need a
+    /// small part of it, so it is no reason to refuse one. A render stops that comes to need more than the next.
+    std::size_t deepBytes = 0;
+    std::size_t mostDeepBytes = 0;  ///< that the memory limit leaves for the samples of a sweep; 0: no limit
     Work work;
 };
 

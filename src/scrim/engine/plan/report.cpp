@@ -114,19 +114,20 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     Json groups = Json::array();
     for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, group));
     const PixelWindow& r = plan.region;
-    const Json out{{"voxel", plan.voxel},
-                   {"region", {r.x0, r.y0, r.x1, r.y1}},
-                   {"splat", plan.perView ? "per-view" : "shared"},
-                   {"shade", plan.shadeAtPixels ? "pixel" : "texel"},
-                   {"shade_reason", plan.shadeReason},
-                   {"effects", effects},
-                   {"groups", groups},
-                   {"bytes", plan.bytes},
-                   {"expected_work",
-                    {{"footprints", plan.work.footprints},
-                     {"texels", plan.work.texels},
-                     {"light_samples", plan.work.lightSamples},
-                     {"pixel_sheets", plan.work.pixelSheets}}}};
+    Json out{{"voxel", plan.voxel},
+             {"region", {r.x0, r.y0, r.x1, r.y1}},
+             {"splat", plan.perView ? "per-view" : "shared"},
+             {"shade", plan.shadeAtPixels ? "pixel" : "texel"},
+             {"shade_reason", plan.shadeReason},
+             {"effects", effects},
+             {"groups", groups},
+             {"bytes", plan.bytes},
+             {"expected_work",
+              {{"footprints", plan.work.footprints},
+               {"texels", plan.work.texels},
+               {"light_samples", plan.work.lightSamples},
+               {"pixel_sheets", plan.work.pixelSheets}}}};
+    if (scene.deep) out["deep_bytes"] = plan.deepBytes;
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
@@ -139,6 +140,7 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);
     if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";
     text += fmt::format("{:<23} {}\n", "memory without fields", bytesText(plan.bytes));
+    if (scene.deep) text += fmt::format("{:<23} {} of it at most\n", "deep picture", bytesText(plan.deepBytes));
     text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
                         "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
                         plan.work.pixelSheets);

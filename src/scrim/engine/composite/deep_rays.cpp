@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/composite/deep_rays.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+// Sheets whose samples are merged with one another while the sweep goes on, and the part of the tolerance for that:
+// the rest is for merging what the means of all rays are.
+constexpr int kStage = 32;
+constexpr double kStageShare = 0.25;
+
+float unit(Real value) {
+    return static_cast<float>(std::min(std::max(Real(0), value), Real(1)));  // and a NaN is 0
+}
+
+}  // namespace
+
+DeepRays::DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes)
+    : m_pixels(tiles),
+      m_frontToBack(frontToBack),
+      m_tolerance(kStageShare * tolerance),
+      m_mostBytes(mostBytes),
+      m_tiles(std::size_t(tiles.count())) {}
+
+void DeepRays::count(std::size_t before, std::size_t after) {
+    const std::size_t bytes = m_bytes += (after - before) * sizeof(Sample);
+    if (m_mostBytes > 0 && bytes > m_mostBytes)
+        throw Error(ErrorKind::memory,
+                    fmt::format("the deep picture's samples take more than the {} that the memory limit leaves; a "
+                                "larger deep_tolerance, a crop or a smaller picture needs fewer",
+                                bytesText(m_mostBytes)));
+}
+
+void DeepRays::add(int index, const Crossing& crossing) {
+    Tile& tile = m_tiles[std::size_t(index)];
+    const std::size_t before = tile.samples.capacity();
+    if (const int stage = crossing.sheet / kStage; stage != tile.stage) {
+        compact(tile);
+        tile.stage = stage;
+    }
+    const OutputLayout& layout = m_pixels.layout();
+    const int floats = layout.floats(), opacities = floats - 4;
+    const int beauties = layout.beauty ? 1 : layout.quadOf(layout.beautyParts);
+    const int width = m_pixels.region().x1 - m_pixels.cornerX(index);
+    const int height = m_pixels.region().y1 - m_pixels.cornerY(index);
+    const auto sheet = static_cast<float>(crossing.sheet);
+    const std::size_t samples = tile.samples.size();
+    for (int k = 0; k < kTileSize; ++k) {
+        if (k % kTileEdge >= width || k / kTileEdge >= height || (crossing.open && !crossing.open[k])) continue;
+        const Real* values = crossing.samples + floats * k;
+        Sample sample{m_frontToBack ? sheet : -sheet - 1,
+                      m_frontToBack ? sheet + 1 : -sheet,
+                      {},
+                      {},
+                      static_cast<std::uint32_t>(k)};
+        std::array<Real, 4 * 256> seen;
+        if (crossing.part && crossing.part[k] < 1) {
+            keepSeenPart(layout, crossing.part[k], values, seen.data());
+            values = seen.data();
+            const auto middle = static_cast<float>(crossing.at[k] - crossing.step) + sheet + 0.5f;
+            const auto half = 0.5f * static_cast<float>(crossing.part[k]);
+            sample.begin = (m_frontToBack ? middle : -middle) - half;
+            sample.end = sample.begin + 2 * half;
+        }
+        float most = 0;
+        for (int c = 0; c < 3; ++c) {
+            sample.hides[c] = unit(-values[opacities + (layout.coloured ? c : 3)]);
+            for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
+            sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
+            most = std::max({most, sample.hides[c], sample.rgb[c]});
+        }
+        if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
+    }
+    m_added += tile.samples.size() - samples;
+    count(before, tile.samples.capacity());
+}
+
+DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
+    DeepCurve curve;
+    std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
+    for (; first != last; ++first) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            shown[c] += left[c] * first->rgb[c];
+            // Opacity and not transmittance is added up: where a volume is thin, 1 - T would lose it.
+            hidden[c] += left[c] * first->hides[c];
+            left[c] *= 1 - double(first->hides[c]);
+        }
+        curve.push_back({first->begin,
+                         first->end,
+                         {static_cast<float>(shown[0]), static_cast<float>(shown[1]), static_cast<float>(shown[2]),
+                          static_cast<float>((hidden[0] + hidden[1] + hidden[2]) / 3)}});
+    }
+    return curve;
+}
+
+// The samples that a merged piece stands for, as one.
+DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) {
+    Sample sum{piece.begin, piece.end, {}, {}, sample->ray};
+    std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
+    for (bool more = true; more; ++sample) {
+        for (std::size_t c = 0; c < 3; ++c) {
+            shown[c] += left[c] * sample->rgb[c];
+            hidden[c] += left[c] * sample->hides[c];
+            left[c] *= 1 - double(sample->hides[c]);
+        }
+        more = sample->end < piece.end;
+    }
+    for (std::size_t c = 0; c < 3; ++c) {
+        sum.rgb[c] = static_cast<float>(shown[c]);
+        sum.hides[c] = unit(static_cast<Real>(hidden[c]));
+    }
+    return sum;
+}
+
+// Sorts samples from `from` on by ray, and those of a ray from front to back. They came in the order of the sweep, or
+// stage by stage in that order.
+DeepRays::Firsts DeepRays::byRay(Tile& tile, std::size_t from) const {
+    Firsts firsts{};
+    for (std::size_t i = from; i < tile.samples.size(); ++i) ++firsts[tile.samples[i].ray + 1];
+    for (std::size_t k = 0; k < kTileSize; ++k) firsts[k + 1] += firsts[k];
+    thread_local std::vector<Sample> sorted;
+    sorted.resize(tile.samples.size() - from);
+    Firsts next = firsts;
+    for (std::size_t i = from; i < tile.samples.size(); ++i) sorted[next[tile.samples[i].ray]++] = tile.samples[i];
+    const auto nearer = [](const Sample& a, const Sample& b) { return a.begin < b.begin; };
+    for (std::size_t k = 0; k < kTileSize; ++k) {
+        const auto first = sorted.begin() + firsts[k], last = sorted.begin() + firsts[k + 1];
+        if (!m_frontToBack) std::reverse(first, last);
+        if (!std::is_sorted(first, last, nearer)) std::sort(first, last, nearer);
+    }
+    std::copy(sorted.begin(), sorted.end(), tile.samples.begin() + static_cast<std::ptrdiff_t>(from));
+    return firsts;
+}
+
+void DeepRays::compact(Tile& tile) {
+    if (m_tolerance <= 0 || tile.done == tile.samples.size()) return;
+    byRay(tile, tile.done);
+    const Sample* const end = tile.samples.data() + tile.samples.size();
+    Sample* out = tile.samples.data() + tile.done;
+    for (const Sample* first = out; first != end;) {
+        const Sample* last = first;
+        while (last != end && last->ray == first->ray) ++last;
+        // All of it counts as if nothing lay before it: what hides it hides its error, too.
+        const DeepCurve pieces = merged(curveOf(first, last), m_tolerance);
+        for (const DeepPiece& piece : pieces) *out++ = compositeOf(first, piece);
+    }
+    tile.samples.resize(static_cast<std::size_t>(out - tile.samples.data()));
+    tile.done = tile.samples.size();
+}
+
+DeepImage DeepRays::resolve(const EyeView& eye, int n) {
+    std::vector<Firsts> firsts(m_tiles.size());
+    parallelFor(m_tiles.size(), [&](std::size_t i) {
+        Tile& tile = m_tiles[i];
+        compact(tile);
+        firsts[i] = byRay(tile, 0);
+    });
+    const PixelWindow& raster = m_pixels.region();
+    const auto curveAt = [&](int x, int y) {
+        const int dx = x - raster.x0, dy = y - raster.y0;
+        const auto tile = std::size_t(dy / kTileEdge * m_pixels.tilesX() + dx / kTileEdge);
+        const auto ray = std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
+        const Sample* const samples = m_tiles[tile].samples.data();
+        return curveOf(samples + firsts[tile][ray], samples + firsts[tile][ray + 1]);
+    };
+    DeepImage image{{raster.x0 / n, raster.y0 / n, raster.x1 / n, raster.y1 / n}, {}};
+    image.rows.resize(std::size_t(image.window.height()));
+    parallelFor(image.rows.size(), [&](std::size_t r) {
+        DeepImage::Row& row = image.rows[r];
+        const int y = image.window.y0 + static_cast<int>(r);
+        row.first.push_back(0);
+        std::vector<DeepCurve> curves(std::size_t(n) * std::size_t(n));
+        std::vector<DeepTerm> terms(curves.size());
+        for (int x = image.window.x0; x < image.window.x1; ++x) {
+            for (std::size_t i = 0; i < curves.size(); ++i) {
+                curves[i] = curveAt(x * n + static_cast<int>(i) % n, y * n + static_cast<int>(i) / n);
+                terms[i] = {curves[i], 1.0 / (n * n), 1.0 / (n * n)};
+            }
+            const DeepCurve mean = n == 1 ? curves.front() : sumOf(terms);
+            const EyeView::Depths depths = eye.depths((x + 0.5) * n, (y + 0.5) * n);
+            const auto depthOf = [&](float sheets) {
+                const double sheet = m_frontToBack ? double(sheets) : -double(sheets);
+                return static_cast<float>(std::max(depths.near, depths.first + sheet * depths.step));
+            };
+            for (const DeepPiece& piece : mean)
+                row.pieces.push_back({depthOf(piece.begin), depthOf(piece.end), piece.shown});
+            row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
+        }
+    });
+    m_tiles.clear();
+    return image;
+}
+
+DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<DeepImage>& groups) {
+    DeepImage image{scene.region, {}};
+    image.rows.resize(std::size_t(scene.region.height()));
+    const double tolerance = (1 - kStageShare) * (scene.deep ? scene.deep->tolerance : 0);
+    parallelFor(image.rows.size(), [&](std::size_t r) {
+        DeepImage::Row& row = image.rows[r];
+        const int y = image.window.y0 + static_cast<int>(r);
+        row.first.push_back(0);
+        std::vector<DeepTerm> terms;
+        for (int x = image.window.x0; x < image.window.x1; ++x) {
+            terms.clear();
+            for (std::size_t g = 0; g < groups.size(); ++g) {
+                if (!groups[g].window.contains(x, y)) continue;
+                const double weight = plan.eyeParts[plan.groups[g].eyePart].weight(x + 0.5, y + 0.5);
+                terms.push_back({groups[g].curve(x, y), weight, weight * plan.groups[g].primary});
+            }
+            const DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
+            row.pieces.insert(row.pieces.end(), curve.begin(), curve.end());
+            row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
+        }
+        row.pieces.shrink_to_fit();
+    });
+    return image;
+}
+
+}  // namespace scrim
