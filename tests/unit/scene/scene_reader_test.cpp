@@ -97,8 +97,7 @@ TEST(SceneOutput, DeepPicturesAreReadAndChecked) {
     EXPECT_FALSE(other.half);
 
     const auto outputError = [](const std::string& lines) { return errorOf(kCamera + kVolume + "[output]\n" + lines); };
-    EXPECT_EQ(outputError("deep = 3\n"),
-              "scene.toml:7:8: 'deep' is 3; expected a string that is not empty");
+    EXPECT_EQ(outputError("deep = 3\n"), "scene.toml:7:8: 'deep' is 3; expected a string that is not empty");
     EXPECT_EQ(outputError("deep = \"d.png\"\n"),
               "scene.toml:7:8: 'deep' is 'd.png'; expected a name that ends in '.exr'");
     EXPECT_EQ(outputError("deep = \"d.exr\"\ndeep_tolerance = 2\n"),
