@@ -25,6 +25,7 @@ std::map<std::string, std::uint64_t> counters(const RenderWork& w) {
             {"layer samples", w.layerSamples},
             {"solid rays", w.solidRays},
             {"caught rays", w.caughtRays},
+            {"deep samples", w.deepSamples},
             {"sheets", w.sheets},
             {"samples", w.shade.samples},
             {"light lookups", w.shade.lightLookups},
@@ -38,7 +39,8 @@ std::map<std::string, std::uint64_t> counters(const RenderWork& w) {
             {"bytes of fields", w.bytes.fields},
             {"bytes of shadows", w.bytes.shadows},
             {"bytes of shaded sheets", w.bytes.shaded},
-            {"bytes of the picture", w.bytes.picture}};
+            {"bytes of the picture", w.bytes.picture},
+            {"bytes of the deep picture", w.bytes.deep}};
 }
 
 std::set<std::string> differing(const RenderWork& a, const RenderWork& b) {

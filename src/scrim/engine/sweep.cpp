@@ -123,7 +123,6 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, st
     const TileCull cull = own && group.sameSide ? occlusionMap(tiles, group.lattice.guardTiles) : TileCull{};
     work.voxelsFed = extinction.voxels();
     times.prepare = watch.lap();
-
     for (int first = group.needed.first; first < group.needed.last; first += group.batchSheets) {
         const int count = std::min(group.batchSheets, group.needed.last - first);
         work.sheets += static_cast<std::uint64_t>(count);

@@ -67,7 +67,7 @@ Json stagesJson(const ShotTimes& s) {
 
 void eraseThreads(Json& json) {
     if (json.is_object())
-        for (const char* name : {"batch_sheets", "buffer_bytes", "bytes"}) json.erase(name);
+        for (const char* name : {"batch_sheets", "buffer_bytes", "bytes", "deep_bytes"}) json.erase(name);
     if (json.is_structured())
         for (Json& value : json) eraseThreads(value);
 }

@@ -42,9 +42,10 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
 void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, const Plan& plan, GroupPlan& group) {
     const auto bytesFor = [&](int batch) { return groupBytes(scene, plan, group, batch); };
     const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
-    const std::size_t budget = std::min(
-        kComfortableBytes,
-        scene.memoryLimit == 0 ? kComfortableBytes : scene.memoryLimit - std::min(scene.memoryLimit, frameBytes));
+    // Where memory is short, a deep picture gets at least half of what the flat one leaves.
+    const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, frameBytes);
+    const std::size_t budget =
+        scene.memoryLimit == 0 ? kComfortableBytes : std::min(kComfortableBytes, scene.deep ? left / 2 : left);
     group.batchSheets = wanted;
     while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget) --group.batchSheets;
     group.bytes = bytesFor(group.batchSheets);
