@@ -2,13 +2,11 @@
 #include <scrim/verify/pilot_rays.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/splat/kernel.h>
 #include <scrim/scene/classified.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <memory>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -26,77 +24,23 @@ constexpr int kMostSteps = 400;               // of a ray
 constexpr double kFar = 1e300;
 constexpr std::size_t kMostLights = 3;
 
-std::uint64_t keyOf(int x, int y, int z) {
-    const auto part = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)) & 0x1fffff; };
-    return part(x) << 42 | part(y) << 21 | part(z);
-}
-
 // One volume's extinction at points of the world.
 class PilotVolume {
   public:
-    explicit PilotVolume(const ViewVolume& volume) : m_volume(volume), m_isFromWs(glm::inverse(volume.wsFromIs)) {
-        const SparseField& field = *volume.field;
-        auto blocks = std::make_shared<Blocks>();
-        blocks->reserve(field.blockCount());
-        for (std::size_t b = 0; b < field.blockCount(); ++b) {
-            const Int3 o = field.blockOrigins[b] / kBlockEdge;
-            blocks->emplace(keyOf(o.x, o.y, o.z), field.block(b));
-        }
-        m_blocks = std::move(blocks);
-    }
+    explicit PilotVolume(const ViewVolume& volume)
+        : m_volume(volume), m_field(*volume.field), m_isFromWs(glm::inverse(volume.wsFromIs)) {}
 
     double extinction(const Vec3& ws) const {
-        const Vec3 is = transformPoint(m_isFromWs, ws), base = glm::floor(is), f = is - base;
-        const int x = static_cast<int>(base.x), y = static_cast<int>(base.y), z = static_cast<int>(base.z);
-        const bool within = (x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7;
-        const float* block = within ? blockAt(x, y, z) : nullptr;
-        if (within && !block && m_constant == 0) return 0;
-        double corners[8];
-        for (int i = 0; i < 8; ++i) {
-            const int cx = x + (i >> 2), cy = y + (i >> 1 & 1), cz = z + (i & 1);
-            corners[i] = block ? block[blockOffset(cx & 7, cy & 7, cz & 7)] : voxel(cx, cy, cz);
-        }
-        const auto between = [](double a, double b, double t) { return a + t * (b - a); };
-        const double sum =
-            between(between(between(corners[0], corners[1], f.z), between(corners[2], corners[3], f.z), f.y),
-                    between(between(corners[4], corners[5], f.z), between(corners[6], corners[7], f.z), f.y), f.x);
-        if (sum == 0) return 0;
-        if (m_volume.classified) return classify(*m_volume.classified, sum).extinction;
-        return sum * m_volume.medium.mostExtinction();
+        const double value = m_field.value(transformPoint(m_isFromWs, ws));
+        if (value == 0) return 0;
+        if (m_volume.classified) return classify(*m_volume.classified, value).extinction;
+        return value * m_volume.medium.mostExtinction();
     }
 
   private:
-    using Blocks = std::unordered_map<std::uint64_t, const float*>;
-    const float* blockAt(int x, int y, int z) const {
-        const std::uint64_t key = keyOf(x >> 3, y >> 3, z >> 3);
-        if (key != m_key) {
-            m_key = key;
-            const auto found = m_blocks->find(key);
-            m_block = found == m_blocks->end() ? nullptr : found->second;
-            m_constant = m_block ? 0 : tileAt(Int3(x, y, z));
-        }
-        return m_block;
-    }
-    double voxel(int x, int y, int z) const {
-        if (const float* block = blockAt(x, y, z)) return block[blockOffset(x & 7, y & 7, z & 7)];
-        return m_constant;
-    }
-    // Tiles are made of whole blocks.
-    double tileAt(const Int3& is) const {
-        for (const ConstantTile& tile : m_volume.field->tiles) {
-            const Int3 d = is - tile.origin;
-            if (d.x >= 0 && d.y >= 0 && d.z >= 0 && d.x < tile.edge && d.y < tile.edge && d.z < tile.edge)
-                return tile.value;
-        }
-        return 0;
-    }
-
     const ViewVolume& m_volume;
+    LinearProbe m_field;
     Mat4 m_isFromWs;
-    std::shared_ptr<const Blocks> m_blocks;           // the same for all copies
-    mutable std::uint64_t m_key = ~std::uint64_t{0};  // of the block that was asked for last
-    mutable const float* m_block = nullptr;
-    mutable double m_constant = 0;  // where that is none: a tile's value, or 0
 };
 
 struct PilotLight {

@@ -8,6 +8,7 @@
 #include <scrim/volume/sparse_field.h>
 
 #include <cstdint>
+#include <memory>
 #include <unordered_map>
 
 namespace scrim {
@@ -37,12 +38,33 @@ class FieldProbe {
     Kernel kernel() const { return m_kernel; }
 
   private:
-    static std::uint64_t key(const Int3& block);
     const float* block(const Int3& coordinate) const;
 
     const SparseField& m_field;
     Kernel m_kernel;
     std::unordered_map<std::uint64_t, const float*> m_blocks;
+};
+
+/// A field between its voxels, as the linear kernel reconstructs it, for points that follow one another: remembers the
+/// block that was asked for last, so that every thread takes a copy.
+class LinearProbe {
+  public:
+    /// `field` must outlive this and all copies.
+    explicit LinearProbe(const SparseField& field);
+
+    /// The field at `is` (index space).
+    double value(const Vec3& is) const;
+
+  private:
+    using Blocks = std::unordered_map<std::uint64_t, const float*>;
+    const float* blockAt(int x, int y, int z) const;
+    double voxel(int x, int y, int z) const;
+
+    const SparseField* m_field;
+    std::shared_ptr<const Blocks> m_blocks;           // the same for all copies
+    mutable std::uint64_t m_key = ~std::uint64_t{0};  // of the block that was asked for last
+    mutable const float* m_block = nullptr;
+    mutable double m_constant = 0;  // where that is none: a tile's value, or 0
 };
 
 }  // namespace scrim
