@@ -133,8 +133,10 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
     return swept;
 }
 
-Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
-    Frame frame = emptyFrame(scene);
+Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress) {
+    Frame frame = emptyFrame(given);
+    ViewScene plain;
+    const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const Swept swept = sweep(scene, plan, plan.groups[g], [&](double done) {
             const double all = (double(g) + done) / double(plan.groups.size());

@@ -141,6 +141,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     else
         meetPoint(input, light, w.in);
     if (light.spot) limitToCone(light, w.in);
+    if (light.oneSided) limitToFront(light, w.in);
     if (light.windows) limitToWindow(light, w.in);
     w.done.lightLookups += kTileSize;
 
