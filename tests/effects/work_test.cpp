@@ -96,6 +96,29 @@ const std::vector<Off>& offs() {
              s.lights.back().kind = Light::Spot{};
              s.lights.back().wsDirection = {1, 0, 0};
          }},
+        {"suns of no angle",
+         [](ViewScene& s) {
+             for (Light& light : s.lights) {
+                 light.kind = Light::Distant(0);
+                 light.samples = 50;
+             }
+         }},
+        {"black dome",
+         [](ViewScene& s) {
+             s.lights.emplace_back().kind = Light::Dome();
+             s.lights.back().intensity = Rgb(0);
+         }},
+        {"sky linked to nothing",
+         [](ViewScene& s) {
+             s.lights.emplace_back().kind = Light::Dome();
+             s.volumes[0].lights = {true, true, false};
+         }},
+        {"rectangle that faces away",
+         [](ViewScene& s) {
+             s.lights.emplace_back().kind = Light::Area{AreaShape::rectangle, 9, 9};
+             s.lights.back().wsPosition = {60, 0, 0};
+             s.lights.back().wsDirection = {1, 0, 0};
+         }},
         {"no antialiasing", [](ViewScene& s) { s.dials.antialias = 1; }}};
     return all;
 }

@@ -169,8 +169,10 @@ std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept)
     return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
-Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
-    Frame frame = emptyFrame(scene);
+Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress) {
+    Frame frame = emptyFrame(given);
+    ViewScene plain;
+    const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
@@ -185,7 +187,7 @@ Frame renderHere(const ViewScene& scene, const Plan& plan, const ProgressSink& p
     }
     finishLayers(frame);
     if (scene.deep) frame.deep = combined(scene, plan, deep);
-    frame.work.caughtRays = catchShadows(scene, frame, [&] { goOn(1); });
+    frame.work.caughtRays = catchShadows(given, plan.subLights, frame, [&] { goOn(1); });
     return frame;
 }
 

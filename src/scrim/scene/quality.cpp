@@ -127,6 +127,9 @@ std::vector<Dial> makeDials() {
     all.push_back(crossFade());
     all.push_back(number("opacity_cutoff", "transmittance", 0, 0.5, &Dials::opacityCutoff,
                          "transmittance below which a pixel counts as opaque; bounds the error"));
+    all.push_back(number("light_error", "relative RMSE", 1e-4, 0.5, &Dials::lightError,
+                         "error that is left to the sub-lights of area lights, domes and suns with an angle: how many "
+                         "there are, where a light gives no samples"));
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
                          "size below which voxels are splatted from a coarser level of the grid; 0: never"));
     all.push_back(integer(
@@ -170,6 +173,7 @@ struct Preset {
     double sheetThickness, texel;
     int footprintSteps;
     double error, classifiedError;
+    double lightError() const { return 0.5 * error; }
 };
 
 const std::vector<Preset>& presets() {
@@ -232,6 +236,7 @@ std::optional<Dials> presetDials(const std::string& name) {
             dials.sheetThickness = preset.sheetThickness;
             dials.texel = preset.texel;
             dials.footprintSteps = preset.footprintSteps;
+            dials.lightError = preset.lightError();
             return dials;
         }
     return std::nullopt;

@@ -2,25 +2,30 @@
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/base/error.h>
+#include <scrim/image/blackbody.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace scrim {
 namespace {
 
 const LightKeys& k = keysOf<LightKeys>();
 
-enum class Type { distant, point, spot, projector };  // in the order of the key's words
+enum class Type { distant, point, spot, projector, area, dome };  // in the order of the key's words
 
 /// Colour times intensity times 2^exposure.
 Rgb readIntensity(TomlTable& table, const ReadContext& context) {
     const auto colour = table.find(k.color);
     const Rgb rgb = colour ? colour->colourAt(context.frame, context.colour) : Rgb(1);
     const double intensity = table.numberAt(context.frame, k.intensity);
-    return rgb * intensity * std::exp2(table.numberAt(context.frame, k.exposure));
+    Rgb tint(1);
+    if (const auto kelvin = table.find(k.temperature))
+        tint = located(*kelvin, [&] { return Blackbody(context.colour).colour(kelvin->numberAt(context.frame)); });
+    return rgb * tint * intensity * std::exp2(table.numberAt(context.frame, k.exposure));
 }
 
 /// The axis of a cone or a slide.
@@ -53,18 +58,28 @@ void readSlideSize(TomlTable& table, const Light& light, const ReadContext& cont
     if (height) slide.height = height->numberAt(context.frame);
 }
 
-Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContext& context) {
-    const SlideKeys& s = keysOf<SlideKeys>();
+// A picture and the space it is in: all that there is to that of a rectangle or a dome.
+Slide readPicture(TomlTable& table, const Key& fileKey, const Key& spaceKey, const ReadContext& context) {
     Slide slide;
-    const TomlValue file = table.require(s.file);
+    const TomlValue file = table.require(fileKey);
     slide.where = file.where();
     slide.file = context.path(file).at(context.fileFrame());
-    if (const auto space = table.find(s.colorspace)) {
+    if (const auto space = table.find(spaceKey)) {
         try {
             slide.colorspace = context.colour.resolve(space->string());
         } catch (const Error& error) {
             space->fail(error.what());
         }
+    }
+    return slide;
+}
+
+Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContext& context) {
+    const SlideKeys& s = keysOf<SlideKeys>();
+    Slide slide = readPicture(table, s.file, s.colorspace, context);
+    if (light.area()) {
+        table.finish();  // it fills the rectangle
+        return slide;
     }
     readSlideSize(table, light, context, slide);
     slide.roll = table.numberAt(context.frame, s.roll);
@@ -75,6 +90,14 @@ Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContex
     }
     table.finish();
     return slide;
+}
+
+/// The sun's disk, as large as it is seen.
+void readAngle(TomlTable& table, const std::optional<TomlValue>& slide, const ReadContext& context, Light& light) {
+    light.kind = Light::Distant{table.numberAt(context.frame, k.angle)};
+    if (light.extended() && slide)
+        slide->fail(fmt::format("{} has both {} and {}; expected one of them: the light of a slide is parallel",
+                                table.description(), k.angle, k.slide));
 }
 
 /// Where a distant light comes from, and the middle of its slide.
@@ -93,27 +116,35 @@ void readDistant(TomlTable& table, bool hasSlide, const Vec3& up, const ReadCont
     light.wsPosition = o.wsCenter;
 }
 
-/// Point, spot and projector.
-void readNear(TomlTable& table, Type type, bool hasSlide, const Vec3& up, const ReadContext& context, Light& light) {
-    const auto orbit = table.find(k.orbit);
-    Vec3 wsCenter(0);
-    if (orbit) {
-        const Orbit o = readOrbit(*orbit, table.description(), up, true, context);
-        wsCenter = o.wsCenter;
-        light.wsPosition = o.wsCenter + o.radius * o.toPlace;
-    } else {
+/// Where a light stands that is not distant; its orbit, where it has one, is around the second.
+std::optional<Vec3> readPlace(TomlTable& table, const std::optional<TomlValue>& orbit, const ReadContext& context,
+                              Light& light) {
+    if (!orbit) {
         light.wsPosition = table.require(k.position).vec3At(context.frame);
+        return std::nullopt;
     }
+    const Orbit o = readOrbit(*orbit, table.description(), light.wsUp, true, context);
+    light.wsPosition = o.wsCenter + o.radius * o.toPlace;
+    return o.wsCenter;
+}
+
+/// What it faces: what it says, or else the middle of its orbit.
+void readFacing(TomlTable& table, const std::optional<TomlValue>& orbit, const std::optional<Vec3>& wsCenter,
+                const ReadContext& context, Light& light) {
+    const bool aimed = table.find(k.direction).has_value() || table.find(k.target).has_value();
+    light.wsDirection = orbit && !aimed ? directionBetween(light.wsPosition, *wsCenter, *orbit,
+                                                           "the light stands in the middle of its orbit", context.frame)
+                                        : readAxis(table, light, context);
+}
+
+/// Point, spot and projector.
+void readNear(TomlTable& table, Type type, bool hasSlide, const ReadContext& context, Light& light) {
+    const auto orbit = table.find(k.orbit);
+    const std::optional<Vec3> wsCenter = readPlace(table, orbit, context, light);
     Light::Spot spot;
     spot.radius = table.numberAt(context.frame, k.radius);
     spot.decay = table.choice(k.decay) == 0;
-    if (type == Type::spot || hasSlide) {
-        const bool aimed = table.find(k.direction).has_value() || table.find(k.target).has_value();
-        light.wsDirection = orbit && !aimed
-                                ? directionBetween(light.wsPosition, wsCenter, *orbit,
-                                                   "the light stands in the middle of its orbit", context.frame)
-                                : readAxis(table, light, context);
-    }
+    if (type == Type::spot || hasSlide) readFacing(table, orbit, wsCenter, context, light);
     if (type != Type::spot) {
         light.kind = Light::Point(spot);
         return;
@@ -121,6 +152,68 @@ void readNear(TomlTable& table, Type type, bool hasSlide, const Vec3& up, const 
     spot.coneAngle = table.numberAt(context.frame, k.cone);
     spot.blend = table.numberAt(context.frame, k.blend);
     light.kind = spot;
+}
+
+double readLength(TomlTable& table, const Key& key, const ReadContext& context) {
+    const TomlValue length = table.require(key, "a length above 0");
+    const double value = length.numberAt(context.frame);
+    if (!(value > 0)) length.failExpecting("a length above 0");
+    return value;
+}
+
+void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const ReadContext& context, Light& light) {
+    const auto orbit = table.find(k.orbit);
+    const std::optional<Vec3> wsCenter = readPlace(table, orbit, context, light);
+    Light::Area area;
+    table.require(k.shape);
+    area.shape = static_cast<AreaShape>(table.choice(k.shape));
+    table.describe(fmt::format("{} and shape '{}'", table.description(), k.shape.words[std::size_t(area.shape)]));
+    if (area.shape == AreaShape::rectangle) {
+        area.width = readLength(table, k.width, context);
+        area.height = readLength(table, k.height, context);
+    } else {
+        area.radius = readLength(table, k.radius, context);
+        if (slide)
+            slide->fail(fmt::format("{} has a {}; expected one of a rectangle alone", table.description(), k.slide));
+    }
+    if (area.shape != AreaShape::sphere) readFacing(table, orbit, wsCenter, context, light);
+    light.kind = area;
+}
+
+/// A sky has one colour or a picture.
+void readDome(TomlTable& table, const ReadContext& context, Light& light) {
+    const TextureKeys& t = keysOf<TextureKeys>();
+    light.kind = Light::Dome{table.numberAt(context.frame, k.rotation)};
+    const auto texture = table.find(k.texture);
+    if (!texture) return;
+    TomlTable picture = texture->table(fmt::format("{} of {}", k.texture, table.description()));
+    light.slide = readPicture(picture, t.file, t.colorspace, context);
+    picture.finish();
+}
+
+/// What is special to its type; all but its slide.
+void readKind(TomlTable& table, Type type, const std::optional<TomlValue>& slide, const ReadContext& context,
+              Light& light) {
+    switch (type) {
+        case Type::distant:
+            readAngle(table, slide, context, light);
+            return readDistant(table, slide.has_value(), light.wsUp, context, light);
+        case Type::area:
+            return readArea(table, slide, context, light);
+        case Type::dome:
+            return readDome(table, context, light);
+        default:
+            return readNear(table, type, slide.has_value(), context, light);
+    }
+}
+
+/// As many sub-lights as it says; 0: "auto".
+int readSamples(TomlTable& table) {
+    const auto samples = table.find(k.samples);
+    if (!samples) return 0;
+    if (!samples->isString()) return samples->integer();
+    if (samples->string() != "auto") samples->failExpecting(k.samples.form);
+    return 0;
 }
 
 }  // namespace
@@ -133,17 +226,16 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
     table.describe(fmt::format("{} of type '{}'", table.description(), k.type.words[std::size_t(type)]));
 
     if (type == Type::projector) table.require(k.slide, "a table { file = \"...\" }: what it projects");
-    const auto slide = table.find(k.slide), orbit = table.find(k.orbit);
-    if (slide || orbit)
+    const auto slide = type == Type::dome ? std::nullopt : table.find(k.slide);
+    if (slide || table.find(k.orbit) || type == Type::area || type == Type::dome)
         if (const auto up = table.find(k.up)) light.wsUp = readDirection(*up, context.frame);
-    if (type == Type::distant)
-        readDistant(table, slide.has_value(), light.wsUp, context, light);
-    else
-        readNear(table, type, slide.has_value(), light.wsUp, context, light);
+    readKind(table, type, slide, context, light);
     if (slide)
         light.slide =
             readSlide(slide->table(fmt::format("{} of {}", k.slide, table.description())), light, type, context);
     light.intensity = readIntensity(table, context);
+    if (light.area() && table.boolean(k.normalize)) light.intensity /= light.area()->area();
+    if (light.area() || light.dome() || light.distant()) light.samples = readSamples(table);
     light.shadows = table.boolean(k.shadows);
     table.finish();
     return light;

@@ -42,8 +42,9 @@ const std::vector<const Section*>& sceneSections() {
         &keysOf<FrameKeys>(),      &keysOf<TransformKeys>(),  &keysOf<DensityKeys>(),  &keysOf<MediumKeys>(),
         &keysOf<AlbedoGridKeys>(), &keysOf<PhaseKeys>(),      &keysOf<OctavesKeys>(),  &keysOf<EmissionKeys>(),
         &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(), &keysOf<TransferKeys>(), &keysOf<MeshKeys>(),
-        &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),      &keysOf<AmbientKeys>(),  &keysOf<RenderKeys>(),
-        &keysOf<OutputKeys>(),     &keysOf<PreviewKeys>(),    &keysOf<KeyedKeys>(),    &keysOf<ColourKeys>()};
+        &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),      &keysOf<TextureKeys>(),  &keysOf<AmbientKeys>(),
+        &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),     &keysOf<PreviewKeys>(),  &keysOf<KeyedKeys>(),
+        &keysOf<ColourKeys>()};
     return all;
 }
 

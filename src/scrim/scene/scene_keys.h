@@ -131,12 +131,24 @@ struct SlideKeys : Section {
                                 "What the light is like beyond the picture's border. A projector's is black.");
 };
 
+struct TextureKeys : Section {
+    TextureKeys()
+        : Section("texture", "texture = { ... } of a [[light]] of type \"dome\"",
+                  "The picture of a sky, lat-long as UsdLux has it: its top is 'up', its middle +z, a quarter to the "
+                  "right of the middle -x, both borders -z. Every pixel gives its radiance times the light's.") {}
+    const Key& file =
+        path("file", "a path such as \"sky.exr\"", "Any format OpenImageIO reads, HDR as a rule.").required();
+    const Key& colorspace =
+        text("colorspace", "the name of a colour space", "Of the file.").unless("sRGB of whole numbers, else linear");
+};
+
 struct LightKeys : Section {
     LightKeys()
         : Section("light", "[[light]]",
                   "As many as there are. What a light gives is color * intensity * 2^exposure. Of a distant light that "
-                  "is irradiance, and of the others radiant intensity: their irradiance is it / max(r^2, radius^2) at "
-                  "r world units (with decay = \"none\" it is the irradiance at any r). The picture holds radiance. "
+                  "is irradiance, of points, spots and projectors radiant intensity: their irradiance is it / max(r^2, "
+                  "radius^2) at r world units (with decay = \"none\" it is the irradiance at any r). Of areas and "
+                  "domes it is radiance, the same from all sides. The picture holds radiance. "
                   "Under irradiance E, thin white smoke with an isotropic phase shows E / (4 pi) of it, so a light "
                   "that is to look as bright as on a white card wants an intensity of about 4 pi = 12.6 (Cycles: a sun "
                   "of strength E; vdb_render: a light of E / (4 pi)).") {
@@ -146,32 +158,72 @@ struct LightKeys : Section {
     const Key& name =
         text("name", "a name", "Of its layer, and for --set light.NAME.intensity=3.").unless("\"light1\", ...");
     const Key& type =
-        choice("type", {"distant", "point", "spot", "projector"},
-               "Parallel; from a point to all sides; from a point within a cone; from a point through a slide.")
+        choice("type", {"distant", "point", "spot", "projector", "area", "dome"},
+               "Parallel (a sun with 'angle'); from a point to all sides; from a point within a cone; from a point "
+               "through a slide; from a surface; from the whole sky.")
             .required();
     const Key& direction =
-        vector("direction", "a direction [x, y, z]", {}, "The way the light travels, or the axis of its cone or slide.")
+        vector("direction", "a direction [x, y, z]", {},
+               "The way the light travels, the axis of its cone or slide, or what its surface faces.")
             .keyed();
     const Key& position = vector("position", "a point [x, y, z]", Range::coordinate(),
                                  "Where it stands; of a distant light: the centre of its slide.")
                               .keyed();
     const Key& target = vector("target", "a point [x, y, z]", Range::coordinate(),
-                               "What a cone or slide is aimed at, in place of 'direction'.")
-                            .onlyFor("spot and projector")
+                               "What a cone, slide or surface is aimed at, in place of 'direction'.")
+                            .onlyFor("spot, projector and area")
                             .keyed();
     const Key& orbit = table(
         keysOf<OrbitKeys>(), "orbit",
         "Where it stands, in place of 'position'; of a distant light: where it comes from, in place of 'direction'.");
-    const Key& up = vector("up", "a direction [x, y, z]", {}, "What is up on the slide.").unless("[0, 1, 0]").keyed();
+    const Key& up = vector("up", "a direction [x, y, z]", {}, "What is up on the slide, the rectangle or the sky.")
+                        .unless("[0, 1, 0]")
+                        .keyed();
     const Key& color = colour("color", "[1, 1, 1]", "Its colour.").keyed();
     const Key& intensity =
-        number("intensity", Range::fromTo(0, 1e30), 1, "Irradiance (distant) or radiant intensity (others); see above.")
+        number("intensity", Range::fromTo(0, 1e30), 1,
+               "Irradiance (distant), radiance (area, dome) or radiant intensity (others); see above.")
             .keyed();
     const Key& exposure = number("exposure", Range::fromTo(-64, 64, "stops"), 0, "Times 2^exposure.").keyed();
-    const Key& radius =
-        number("radius", Range::length(), 0, "Nearer than this the light grows no brighter; shadows stay sharp.")
-            .onlyFor("point, spot and projector")
+    const Key& temperature =
+        number("temperature", Range::fromTo(800, 40000, "Kelvin"), {},
+               "The colour of a black body, times 'color': of luminance 1 (CIE Y), as UsdLux has it.")
             .keyed();
+    const Key& angle = number("angle", Range::fromTo(0, 180, "degrees"), 0,
+                              "How large the sun is seen; its irradiance stays the same. The real one: 0.53.")
+                           .onlyFor("distant")
+                           .keyed();
+    const Key& shape =
+        choice("shape", {"rectangle", "disk", "sphere"},
+               "Of the surface that shines; rectangles and disks to one side. Cylinders, meshes and IES profiles are "
+               "not there.")
+            .onlyFor("area")
+            .required();
+    const Key& width =
+        number("width", Range::positiveLength(), {}, "Of a rectangle, across 'up'.").onlyFor("area").keyed();
+    const Key& height =
+        number("height", Range::positiveLength(), {}, "Of a rectangle, along 'up'.").onlyFor("area").keyed();
+    const Key& radius =
+        number("radius", Range::length(), 0,
+               "Of a disk or sphere. Of a point, spot or projector: nearer than this the light grows no "
+               "brighter; shadows stay sharp.")
+            .onlyFor("area, point, spot and projector")
+            .keyed();
+    const Key& normalize =
+        boolean("normalize", false,
+                "Divides by the area in world units (w h, pi r^2, 4 pi r^2), so that a larger light is as strong.")
+            .onlyFor("area");
+    const Key& texture = table(keysOf<TextureKeys>(), "texture", "The picture of the sky, times its colour.");
+    const Key& rotation =
+        number("rotation", Range::fromTo(-1e15, 1e15, "degrees"), 0, "Turns the sky about 'up', from +z towards +x.")
+            .onlyFor("dome")
+            .keyed();
+    const Key& samples =
+        other("samples", "\"auto\" or a whole number from 1 to 4096",
+              R"({"oneOf":[{"const":"auto"},{"type":"integer","minimum":1,"maximum":4096}]})", Range::fromTo(1, 4096),
+              "Lights without extent that stand for it. Each costs about what any other light does.")
+            .onlyFor("area, dome and distant with an angle")
+            .unless("\"auto\": as render.light_error needs");
     const Key& decay =
         choice("decay", {"inverse-square", "none"},
                "How it falls off; none: as the paper's lights, 'intensity' is the irradiance everywhere.")
@@ -181,7 +233,10 @@ struct LightKeys : Section {
         number("blend", Range::fromTo(0, 1), 0.15, "Part of the cone, from its border inwards, over which it fades.")
             .onlyFor("spot")
             .keyed();
-    const Key& slide = table(keysOf<SlideKeys>(), "slide", "A picture that it shines through; a projector needs one.");
+    const Key& slide = table(keysOf<SlideKeys>(), "slide",
+                             "A picture that it shines through; a projector needs one. Of a rectangle: the "
+                             "picture on it, as on a screen, of which only 'file' and "
+                             "'colorspace' are said.");
     const Key& shadows = boolean("shadows", true, "Does the volume take light away on its way?");
 };
 

@@ -154,6 +154,7 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
     scene.dials.texel = chosen.dials.texel;
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);
+    scene.dials.lightError = std::min(scene.dials.lightError, chosen.dials.lightError);
 }
 
 ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {

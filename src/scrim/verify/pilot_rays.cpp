@@ -2,6 +2,7 @@
 #include <scrim/verify/pilot_rays.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/plan/sub_lights.h>
 #include <scrim/engine/splat/kernel.h>
 #include <scrim/scene/classified.h>
 
@@ -135,6 +136,8 @@ class PilotScene {
                 spot && glm::dot(-way, l.light->wsDirection) < std::cos(glm::pi<double>() / 360 * spot->coneAngle))
                 return;
         }
+        if (l.light->element()) power *= glm::dot(-way, l.light->wsDirection);
+        if (power <= 0) return;
         double tau[2] = {0, 0};
         if (l.light->shadows) {
             const double last = m_bounds.clip(at, way, 0, most).second;
@@ -156,7 +159,8 @@ class PilotScene {
 
 }  // namespace
 
-double pilotError(const ViewScene& scene, int rays) {
+double pilotError(const ViewScene& given, int rays) {
+    const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
     const RayFamily family = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
     // Additive recurrence over the picture: even, and the same every time.

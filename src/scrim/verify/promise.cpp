@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/promise.h>
 
+#include <scrim/engine/plan/sub_lights.h>
 #include <scrim/scene/quality.h>
 #include <scrim/verify/pilot_rays.h>
 
@@ -35,7 +36,9 @@ double meanSlant(const ViewScene& scene) {
     const Camera& camera = scene.camera;
     const Vec3 eye = camera.type == CameraType::orthographic ? viewingAxis(camera) : ws.center() - camera.wsPosition;
     double sum = 0, powers = 0;
-    for (const Light& light : scene.lights) {
+    constexpr int kDirections = 13;
+    const ViewScene few = withFewSubLights(scene, kDirections);
+    for (const Light& light : few.lights) {
         if (!light.shadows) continue;
         const Vec3 way = light.distant() ? light.wsDirection : ws.center() - light.wsPosition;
         const double lengths = glm::length(eye) * glm::length(way);
@@ -83,6 +86,7 @@ PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double p
     out.dials.texel = std::max(std::floor(100 * texel) / 100, finest);
     out.dials.sheetThickness = std::max(std::floor(100 * thickness) / 100, finest);
     out.dials.opacityCutoff = std::min(dials.opacityCutoff, promised / 10);
+    out.dials.lightError = std::min(dials.lightError, promised / 2);
     out.expected = model.predict(out.dials.texel, out.dials.sheetThickness);
     return out;
 }

@@ -2,10 +2,14 @@
 #include <scrim/verify/reference.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <utility>
 
+#include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -30,6 +34,20 @@ double least(const Rgb& v) {
     return std::min({v.x, v.y, v.z});
 }
 
+// Two numbers in [0, 1) by lot: the same for the same place and light, and no others' doing.
+Vec2 lotOf(const Vec3& ws, std::size_t light) {
+    std::uint64_t state = 0x9e3779b97f4a7c15 * (light + 1);
+    const auto mix = [&state](std::uint64_t bits) {  // SplitMix64
+        state += bits + 0x9e3779b97f4a7c15;
+        state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9;
+        state = (state ^ (state >> 27)) * 0x94d049bb133111eb;
+        state ^= state >> 31;
+    };
+    for (int axis = 0; axis < 3; ++axis) mix(std::bit_cast<std::uint64_t>(ws[axis]));
+    const auto number = [](std::uint32_t bits) { return bits * 0x1p-32; };
+    return {number(static_cast<std::uint32_t>(state)), number(static_cast<std::uint32_t>(state >> 32))};
+}
+
 }  // namespace
 
 Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
@@ -39,8 +57,15 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
-    for (const Light& light : scene.lights)
-        m_slides.push_back(light.slide ? std::optional(slideMap(light)) : std::nullopt);
+    for (const Light& light : scene.lights) {
+        m_slides.push_back(light.slide && !light.extended() ? std::optional(slideMap(light)) : std::nullopt);
+        m_extents.push_back(light.extended() ? std::optional<LightRays>(std::in_place, light) : std::nullopt);
+    }
+    // What n x n rays miss shrinks at least as 1 / n^2, and the samples along an eye's ray miss different things.
+    constexpr int kFewest = 6, kMost = 24;
+    if (m_options.lightRays == 0)
+        m_options.lightRays =
+            std::clamp(static_cast<int>(std::lround(0.8 / std::sqrt(scene.dials.lightError))), kFewest, kMost);
     for (const ViewVolume& volume : scene.volumes) {
         Volume& own = m_volumes.emplace_back();
         own.look = &volume;
@@ -155,6 +180,16 @@ Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, con
     return value.extinction / std::numbers::pi * (share.diffuse * value.color + share.specular);
 }
 
+// Beyond all volumes.
+Vec3 Reference::farAway(const Vec3& ws, const Vec3& direction) const {
+    return ws + direction * (std::max(0.0, m_wsBounds.clip(ws, direction, 0, kInfinity).second) + m_voxel);
+}
+
+// Is there a solid on the way from `ws` along `toLight`, a unit vector, within `distance`?
+bool Reference::blocked(const Vec3& ws, const Vec3& toLight, double distance) const {
+    return m_scene.solids && m_scene.solids->firstHit(SolidRole::shadow, ws, toLight, 0, distance) < kInfinity;
+}
+
 // Radiance per world unit that one light adds at `ws`.
 Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const {
     const Light& light = m_scene.lights[index];
@@ -179,14 +214,37 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     if (arriving == Rgb(0)) return arriving;
     Rgb tau(0);
     if (light.shadows) {
-        if (m_scene.solids && m_scene.solids->firstHit(SolidRole::shadow, ws, -travel, 0,
-                                                       light.distant() ? kInfinity : distance) < kInfinity)
-            return Rgb(0);
-        tau = opticalDepth(
-            light.distant() ? ws - travel * (std::max(0.0, m_wsBounds.clip(ws, -travel, 0, kInfinity).second) + m_voxel)
-                            : light.wsPosition,
-            ws);
+        if (blocked(ws, -travel, light.distant() ? kInfinity : distance)) return Rgb(0);
+        tau = opticalDepth(light.distant() ? farAway(ws, -travel) : light.wsPosition, ws);
     }
+    return arriving * towardsEye(index, ws, travel, eye, tau);
+}
+
+// The same of a light with an extent: n x n places of the square of its rays, which an additive recurrence spreads
+// evenly (M. Roberts' R2), all moved on by one offset that differs from point to point, so that what they miss averages
+// out along the eye's ray.
+Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& eye) const {
+    const int n = m_options.lightRays;
+    const Vec2 offset = lotOf(ws, index);
+    Rgb sum(0);
+    for (int i = 0; i < n * n; ++i) {
+        const Vec2 place = glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
+        const LightRay ray = m_extents[index]->ray(ws, place);
+        if (ray.weight == Rgb(0)) continue;
+        Rgb tau(0);
+        if (m_scene.lights[index].shadows) {
+            if (blocked(ws, ray.toLight, ray.distance)) continue;
+            tau =
+                opticalDepth(std::isinf(ray.distance) ? farAway(ws, ray.toLight) : ws + ray.distance * ray.toLight, ws);
+        }
+        sum += ray.weight * towardsEye(index, ws, -ray.toLight, eye, tau);
+    }
+    return sum / double(n * n);
+}
+
+// Radiance per world unit and unit of irradiance that volumes send along `eye`, of light that arrives along `travel`.
+Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye,
+                          const Rgb& tau) const {
     Rgb sum(0);
     for (const Volume& v : m_volumes) {
         if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;
@@ -202,7 +260,7 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
                    glm::exp(-std::pow(medium.octaves.extinction, n) * tau);
         }
     }
-    return arriving * sum;
+    return sum;
 }
 
 Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
@@ -211,7 +269,8 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
         for (const Volume::Emission& e : v.emission) out.source += e.probe.value(ws) * e.color;
     out.extinction = extinction(ws);
     if (most(out.extinction) == 0) return out;
-    for (std::size_t i = 0; i < m_scene.lights.size(); ++i) out.source += scatter(i, ws, eye);
+    for (std::size_t i = 0; i < m_scene.lights.size(); ++i)
+        out.source += m_extents[i] ? scatterExtended(i, ws, eye) : scatter(i, ws, eye);
     for (const Volume& v : m_volumes) {
         if (!v.density) continue;
         if (v.look->classified) {

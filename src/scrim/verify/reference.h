@@ -6,6 +6,7 @@
 #include <scrim/engine/light/slide_map.h>
 #include <scrim/scene/view_scene.h>
 #include <scrim/engine/splat/kernel.h>
+#include <scrim/verify/light_rays.h>
 
 #include <array>
 #include <limits>
@@ -21,6 +22,9 @@ struct ReferenceOptions {
     double classifiedStep = 0.0625;    ///< voxels, at most, where a volume is classified
     /// Eye rays end at this depth along the viewing axis, world units. Light comes through all of the volumes.
     double far = std::numeric_limits<double>::infinity();
+    /// n, where n^2 rays go to an extended light from every sample, moved by lot from sample to sample. 0: what the
+    /// scene's light_error calls for.
+    int lightRays = 0;
 };
 
 class Reference {
@@ -71,12 +75,18 @@ class Reference {
     Vec3 gradient(const Volume& volume, const Vec3& ws) const;
     Rgb reflect(const Volume& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
+    bool blocked(const Vec3& ws, const Vec3& toLight, double distance) const;
     Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
+    Rgb scatterExtended(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
+    Rgb towardsEye(std::size_t light, const Vec3& ws, const Vec3& travel, const Vec3& wsDirection,
+                   const Rgb& tau) const;
+    Vec3 farAway(const Vec3& ws, const Vec3& wsDirection) const;
 
     const ViewScene& m_scene;
     ReferenceOptions m_options;
     std::vector<Volume> m_volumes;
-    std::vector<std::optional<SlideMap>> m_slides;  // one a light
+    std::vector<std::optional<SlideMap>> m_slides;    // one a light
+    std::vector<std::optional<LightRays>> m_extents;  // the same
     Bounds m_wsBounds;
     double m_voxel, m_step;
 };

@@ -22,6 +22,13 @@ constexpr double kAim = 0.7;  // part of a tolerance that the prediction may use
 // An interval this much wider than the error is what `aim` leaves room for.
 constexpr double kWidthAllowed = 1.3;
 
+// Sub-lights are left half of it: neither pilots nor attempts may stumble over them.
+ViewScene litWithin(const ViewScene& scene, double tolerance) {
+    ViewScene out = scene;
+    out.dials.lightError = std::min(scene.dials.lightError, tolerance / 2);
+    return out;
+}
+
 ViewScene turned(const ViewScene& scene, double texel, double thickness) {
     ViewScene out = scene;
     out.dials.texel = texel;
@@ -111,7 +118,8 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
     }
 }
 
-ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, const ToleranceOptions& options) {
+ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth, const ToleranceOptions& options) {
+    const ViewScene scene = litWithin(given, options.tolerance), truth = litWithin(givenTruth, options.tolerance);
     constexpr double kPiloted = 0.3, kRendered = 0.2;  // of progress: all; of an attempt
     ToleranceResult out;
     std::array<Pilot, 2> pilots = pilotsFor(options.tolerance);

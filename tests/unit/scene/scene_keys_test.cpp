@@ -20,6 +20,7 @@ namespace scrim::test {
 namespace {
 
 const std::string kLight = "[[light]]\ntype = \"distant\"\ndirection = [0, 0, -1]\n";
+const std::string kBox = "[[light]]\ntype = \"area\"\nposition = [0, 0, 9]\n", kDome = "[[light]]\ntype = \"dome\"\n";
 const std::string kMedium = kCamera + kVolume + "[volume.medium]\n";
 
 /// Scenes to put a line of a section into, at "@"; one for every kind of it.
@@ -64,7 +65,16 @@ const std::map<std::string, std::vector<std::string>>& places() {
           kCamera + kVolume + "[[light]]\ntype = \"spot\"\nposition = [0, 0, 9]\ndirection = [0, 0, -1]\n@",
           kCamera + kVolume +
               "[[light]]\ntype = \"projector\"\nslide = { file = \"a.png\" }\nposition = [0, 0, 9]\ndirection = [0, 0, "
-              "-1]\n@"}},
+              "-1]\n@",
+          kCamera + kVolume + kBox + "@", kCamera + kVolume + kBox + "shape = \"rectangle\"\n@",
+          kCamera + kVolume + kBox + "shape = \"rectangle\"\nwidth = 1\n@",
+          kCamera + kVolume + kBox + "shape = \"rectangle\"\nwidth = 1\nheight = 1\n@",
+          kCamera + kVolume + kBox + "shape = \"rectangle\"\nwidth = 1\nheight = 1\ndirection = [0, 0, -1]\n@",
+          kCamera + kVolume + kBox + "shape = \"disk\"\nradius = 1\ndirection = [0, 0, -1]\n@",
+          kCamera + kVolume + kDome + "@"}},
+        {"texture",
+         {kCamera + kVolume + kDome + "[light.texture]\n@",
+          kCamera + kVolume + kDome + "[light.texture]\nfile = \"a.exr\"\n@"}},
         {"slide",
          {kCamera + kVolume + kLight + "position = [0, 0, 0]\n[light.slide]\n@",
           kCamera + kVolume + kLight + "position = [0, 0, 0]\n[light.slide]\nfile = \"a.png\"\n@",

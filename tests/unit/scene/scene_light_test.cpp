@@ -89,17 +89,22 @@ TEST(SceneLight, ConvertsColoursIntoTheWorkingSpace) {
 TEST(SceneLight, KeysBelongToTypes) {
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
               "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
-              "'type', 'direction', 'orbit', 'color', 'intensity', 'exposure', 'slide' or 'shadows'");
+              "'type', 'direction', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'angle', 'samples', "
+              "'slide' or 'shadows'");
     EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
               "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: 'name', 'type', "
-              "'position', 'orbit', 'color', 'intensity', 'exposure', 'radius', 'decay', 'slide' or 'shadows'");
-    EXPECT_EQ(lightError("type = \"area\"\n"),
-              "scene.toml:7:8: 'type' is the string \"area\"; expected 'distant', 'point', 'spot' or 'projector'");
+              "'position', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'radius', 'decay', 'slide' or "
+              "'shadows'");
+    EXPECT_EQ(lightError("type = \"cylinder\"\n"),
+              "scene.toml:7:8: 'type' is the string \"cylinder\"; expected 'distant', 'point', 'spot', 'projector', "
+              "'area' or 'dome'");
 }
 
 TEST(SceneLight, NeedsWhatItsTypeNeeds) {
-    EXPECT_EQ(lightError("name = \"key\"\n"),
-              "scene.toml:6:1: [[light]] 'key' lacks 'type'; expected 'distant', 'point', 'spot' or 'projector'");
+    EXPECT_EQ(
+        lightError("name = \"key\"\n"),
+        "scene.toml:6:1: [[light]] 'key' lacks 'type'; expected 'distant', 'point', 'spot', 'projector', 'area' or "
+        "'dome'");
     EXPECT_EQ(lightError("type = \"distant\"\n"),
               "scene.toml:6:1: [[light]] 'light1' of type 'distant' lacks 'direction'; expected a direction [x, y, z]");
     EXPECT_EQ(lightError("type = \"point\"\n"),
@@ -153,6 +158,89 @@ TEST(SceneAmbient, IsColourTimesIntensity) {
     EXPECT_EQ(errorOf(kCamera + kVolume + "[ambient]\ncolour = [1, 1, 1]\n"),
               "scene.toml:7:1: 'colour' is not known here ([ambient]); did you mean 'color'?; allowed: 'color' or "
               "'intensity'");
+}
+
+const std::string kBox = "type = \"area\"\nposition = [1, 2, 3]\ntarget = [1, 2, 0]\n";
+
+TEST(SceneLight, ReadsEveryAreaLight) {
+    const Light box = light(kBox +
+                            "shape = \"rectangle\"\nwidth = 4\nheight = 0.5\nup = [1, 0, 0]\nintensity = 3\n"
+                            "exposure = 1\nsamples = 12\n");
+    ASSERT_TRUE(box.area() && box.extended());
+    EXPECT_EQ(box.area()->shape, AreaShape::rectangle);
+    EXPECT_EQ(box.area()->width, 4);
+    EXPECT_EQ(box.area()->height, 0.5);
+    EXPECT_EQ(box.area()->area(), 2);
+    EXPECT_EQ(box.wsPosition, Vec3(1, 2, 3));
+    EXPECT_EQ(box.wsDirection, Vec3(0, 0, -1));
+    EXPECT_EQ(box.wsUp, Vec3(1, 0, 0));
+    EXPECT_EQ(box.intensity, Rgb(6));
+    EXPECT_EQ(box.samples, 12);
+    const Light disk = light(kBox + "shape = \"disk\"\nradius = 2\nsamples = \"auto\"\n");
+    EXPECT_NEAR(disk.area()->area(), 4 * std::acos(-1.0), 1e-12);
+    EXPECT_EQ(disk.samples, 0);
+    const Light sphere = light("type = \"area\"\nposition = [1, 2, 3]\nshape = \"sphere\"\nradius = 2\n");
+    EXPECT_NEAR(sphere.area()->area(), 16 * std::acos(-1.0), 1e-12);
+}
+
+// UsdLux' meaning: the power stays, whatever the size.
+TEST(SceneLight, IsDividedByItsAreaWhereNormalized) {
+    EXPECT_EQ(
+        light(kBox + "shape = \"rectangle\"\nwidth = 4\nheight = 2\nintensity = 24\nnormalize = true\n").intensity,
+        Rgb(3));
+    EXPECT_NEAR(light(kBox + "shape = \"disk\"\nradius = 3\nintensity = 9\nnormalize = true\n").intensity.x,
+                1 / std::acos(-1.0), 1e-12);
+}
+
+TEST(SceneLight, ReadsASunWithAnAngle) {
+    const Light sun = light("type = \"distant\"\ndirection = [0, -1, 0]\nangle = 0.53\n");
+    EXPECT_TRUE(sun.distant() && sun.extended());
+    EXPECT_EQ(std::get<Light::Distant>(sun.kind).angle, 0.53);
+    EXPECT_FALSE(light("type = \"distant\"\ndirection = [0, -1, 0]\n").extended());
+}
+
+TEST(SceneLight, ReadsADomeWithAColourOrAPicture) {
+    const Light sky = light("type = \"dome\"\ncolor = [0.5, 1, 2]\nintensity = 2\nrotation = 30\nup = [0, 0, 1]\n");
+    ASSERT_TRUE(sky.dome());
+    EXPECT_EQ(sky.dome()->rotation, 30);
+    EXPECT_EQ(sky.intensity, Rgb(1, 2, 4));
+    EXPECT_EQ(sky.wsUp, Vec3(0, 0, 1));
+    EXPECT_FALSE(sky.slide);
+    const Light picture = light("type = \"dome\"\ntexture = { file = \"sky.exr\", colorspace = \"ACEScg\" }\n");
+    ASSERT_TRUE(picture.slide);
+    EXPECT_NE(picture.slide->file.find("sky.exr"), std::string::npos);
+    EXPECT_EQ(picture.slide->colorspace, "ACEScg");
+}
+
+// 6500 K is near white, and candles are red; both have the luminance of [1, 1, 1].
+TEST(SceneLight, HasTheColourOfItsTemperature) {
+    const std::string sun = "type = \"distant\"\ndirection = [0, -1, 0]\n";
+    const Rgb warm = light(sun + "temperature = 2000\n").intensity,
+              cool = light(sun + "temperature = 6500\n").intensity;
+    EXPECT_GT(warm.x, 1.5);
+    EXPECT_GT(warm.x, 3 * warm.z);
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(cool[c], 1, 0.1);
+    const Rgb tinted = light(sun + "temperature = 2000\ncolor = [1, 0.5, 0]\nintensity = 2\n").intensity;
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(tinted[c], warm[c] * Rgb(2, 1, 0)[c], 1e-12);
+}
+
+TEST(SceneLight, SaysWhatAnAreaLightOrDomeLacks) {
+    EXPECT_NE(lightError(kBox + "shape = \"cylinder\"\n").find("expected 'rectangle', 'disk' or 'sphere'"),
+              std::string::npos);
+    EXPECT_NE(lightError(kBox).find("'shape'"), std::string::npos);
+    EXPECT_NE(lightError(kBox + "shape = \"rectangle\"\nwidth = 1\n").find("'height'"), std::string::npos);
+    EXPECT_NE(lightError(kBox + "shape = \"disk\"\nradius = 0\n").find("expected a length above 0"), std::string::npos);
+    EXPECT_NE(lightError(kBox + "shape = \"disk\"\nradius = 1\nslide = { file = \"a.png\" }\n")
+                  .find("expected one of a rectangle alone"),
+              std::string::npos);
+    EXPECT_NE(
+        lightError("type = \"distant\"\ndirection = [0, -1, 0]\nposition = [0, 0, 0]\nangle = 3\nslide = { file = "
+                   "\"a.png\", width = 1 }\n")
+            .find("the light of a slide is parallel"),
+        std::string::npos);
+    EXPECT_NE(lightError("type = \"dome\"\nnormalize = true\n").find("'normalize'"), std::string::npos);
+    EXPECT_NE(lightError("type = \"dome\"\nsamples = \"many\"\n").find("whole number"), std::string::npos);
+    EXPECT_NE(lightError("type = \"point\"\nposition = [0, 0, 0]\nsamples = 3\n").find("'samples'"), std::string::npos);
 }
 
 }  // namespace

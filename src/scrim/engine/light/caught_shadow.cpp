@@ -89,14 +89,56 @@ Rgb transmittance(const Marcher& marcher, const Light& light, const Vec3& ws) {
     return distance > 0 ? glm::exp(-marcher.opticalDepth(ws, way / distance, distance)) : Rgb(1);
 }
 
+// What share of its owner's light a sub-light gives at a point, without regard to the surface there.
+double weightOf(const Light& light, const Vec3& ws) {
+    const double power = light.intensity.x + light.intensity.y + light.intensity.z;
+    if (!light.element()) return power;
+    const Vec3 way = ws - light.wsPosition;
+    const double distance2 = std::max(glm::dot(way, way), light.point().radius * light.point().radius);
+    return distance2 > 0 ? power * std::max(0.0, glm::dot(way, light.wsDirection)) / std::pow(distance2, 1.5) : 0;
+}
+
+// Of a light of the scene, which is one light or many.
+using Parts = std::vector<const Light*>;
+
+Rgb transmittance(const Marcher& marcher, const Parts& parts, const Vec3& ws) {
+    if (parts.size() == 1) return transmittance(marcher, *parts.front(), ws);
+    Rgb sum(0);
+    double weights = 0;
+    for (const Light* part : parts) {
+        const double weight = weightOf(*part, ws);
+        if (weight <= 0) continue;
+        sum += weight * transmittance(marcher, *part, ws);
+        weights += weight;
+    }
+    return weights > 0 ? sum / weights : Rgb(1);
+}
+
+// What stands for light `index` of the scene; nothing where it throws no shadows.
+Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t index) {
+    Parts parts;
+    if (!scene.lights[index].shadows) return parts;
+    if (subLights.owners.empty() && !scene.lights[index].extended()) parts.push_back(&scene.lights[index]);
+    for (std::size_t i = 0; i < subLights.owners.size(); ++i)
+        if (subLights.owners[i] == static_cast<int>(index)) parts.push_back(&subLights.lights[i]);
+    return parts;
+}
+
 }  // namespace
 
-std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoint& checkpoint) {
-    std::vector<FrameLayer*> layers;
-    for (FrameLayer& layer : frame.layers)
-        if (layer.layer == Layer::shadow) layers.push_back(&layer);
-    for (FrameLayer* layer : layers) std::fill(layer->data.begin(), layer->data.end(), 1.0f);
-    std::erase_if(layers, [&](const FrameLayer* layer) { return !scene.lights[std::size_t(layer->light)].shadows; });
+std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, Frame& frame,
+                           const Checkpoint& checkpoint) {
+    struct Caught {
+        std::vector<float>* data;
+        Parts parts;
+    };
+    std::vector<Caught> layers;
+    for (FrameLayer& layer : frame.layers) {
+        if (layer.layer != Layer::shadow) continue;
+        std::fill(layer.data.begin(), layer.data.end(), 1.0f);
+        Caught caught{&layer.data, partsOf(scene, subLights, std::size_t(layer.light))};
+        if (!caught.parts.empty()) layers.push_back(std::move(caught));
+    }
     if (layers.empty() || !scene.solids || !scene.solids->any(SolidRole::catcher)) return 0;
     const Marcher one(scene);
     const int n = scene.dials.antialias;
@@ -112,11 +154,11 @@ std::uint64_t catchShadows(const ViewScene& scene, Frame& frame, const Checkpoin
             for (int i = 0; i < n * n; ++i) {
                 const auto ws = caughtAt(*scene.solids, rays, x * n + i % n + 0.5, y * n + i / n + 0.5);
                 if (!ws) continue;
-                for (FrameLayer* layer : layers) {
-                    const Rgb lost =
-                        (1.0 - transmittance(marcher, scene.lights[std::size_t(layer->light)], *ws)) / double(n * n);
-                    for (int c = 0; c < 3; ++c) layer->data[at + std::size_t(c)] -= static_cast<float>(lost[c]);
-                    ++count;
+                for (const Caught& layer : layers) {
+                    const Rgb lost = (1.0 - transmittance(marcher, layer.parts, *ws)) / double(n * n);
+                    for (std::size_t c = 0; c < 3; ++c)
+                        (*layer.data)[at + c] -= static_cast<float>(lost[static_cast<int>(c)]);
+                    count += layer.parts.size();
                 }
             }
         }

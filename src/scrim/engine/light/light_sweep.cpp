@@ -166,6 +166,13 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
         // A cone without a blend still has an edge of some width: a hundredth of a degree.
         out.cosInner = static_cast<Real>(std::cos(std::min(half * (1 - spot->blend), half - 1e-4)));
     }
+    if (light.element()) {
+        const Vec3 axis = sheets.ssFromWs * light.wsDirection;
+        out.oneSided = true;
+        out.axisU = static_cast<Real>(axis.x);
+        out.axisV = static_cast<Real>(axis.y);
+        out.axisW = static_cast<Real>(axis.z);
+    }
     if (!plan.ssWindows.empty()) {
         out.windows = &plan.ssWindows;
         out.window = plan.window;

@@ -110,6 +110,7 @@ bool scatters(const ViewVolume& volume) {
 
 // Might light that passes `from` come to `to`? Judged by what encloses either, so that a yes may be wrong.
 bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
+    if (light.extended()) return true;
     if (light.distant()) {
         const Vec3 other = std::abs(light.wsDirection.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
         const Mat3 alongLight = sweepRotation(light.wsDirection, other);

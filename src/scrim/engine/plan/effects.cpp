@@ -99,6 +99,26 @@ Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, c
     return found.effect(name, "of ", otherwise);
 }
 
+std::string extent(const Light& light) {
+    if (light.dome()) return light.slide ? "a dome with a picture" : "a dome";
+    if (!light.area()) return fmt::format("a sun of {:.3g} degrees", std::get<Light::Distant>(light.kind).angle);
+    constexpr const char* kShapes[] = {"a rectangle", "a disk", "a sphere"};
+    return kShapes[std::size_t(light.area()->shape)];
+}
+
+Effect extendedLights(const ViewScene& scene, const Plan& plan) {
+    Finder found(scene);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        if (!light.extended() || (i < plan.culledLights.size() && !plan.culledLights[i].empty())) continue;
+        const int count = plan.subLights.countOf(static_cast<int>(i));
+        found.add(
+            fmt::format("{} ({}): {} sub-light{}", quoted(light.name), extent(light), count, count == 1 ? "" : "s"),
+            "light." + light.name);
+    }
+    return found.effect("extended lights", "", "every light shines from one point or direction");
+}
+
 Effect culledLights(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
     for (std::size_t i = 0; i < plan.culledLights.size(); ++i)
@@ -199,7 +219,7 @@ Effect crossFade(const ViewScene& scene, const Plan& plan) {
                         true,
                         fmt::format("light '{}' is within {} degrees of perpendicular to the eye, and swept from both "
                                     "sides",
-                                    scene.lights[light.light].name, scene.dials.crossFade.value_or(kCrossFade)),
+                                    ownerOf(scene, plan, light.light).name, scene.dials.crossFade.value_or(kCrossFade)),
                         {}};
     if (scene.dials.crossFade == 0.0) return {"cross-fade", false, "nothing moves, or the dial is 0", {}};
     return {"cross-fade", false, "no light is perpendicular to the eye", {}};
@@ -249,7 +269,8 @@ Effect culledTiles(const Plan& plan) {
 }  // namespace
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
-    std::vector<Effect> effects{shadows(scene, plan), slides(scene, plan), surfaces(scene)};
+    std::vector<Effect> effects{shadows(scene, plan), extendedLights(scene, plan), slides(scene, plan),
+                                surfaces(scene)};
     addMediumEffects(scene, plan, effects);
     effects.push_back(lightLinking(scene));
     effects.push_back(ofDial(scene, "ambient light", "ambient", scene.ambient != Rgb(0),

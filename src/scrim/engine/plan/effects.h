@@ -3,9 +3,6 @@
 // pure function of the scene and its plan; what is off has cost nothing: no buffer, no splat, no loop.
 //
 // Where later effects go, and what they meet:
-//   area and dome lights   are several lights: LightPart already cuts one light into views with shares (grouping.h); a
-//                          sub-light is a part with a direction or position of its own. Groups, shadow buffers, layers
-//                          and shading take parts, and know nothing of how a light came to have them.
 //   motion blur            velocity grids move voxels, not samples: a field becomes one field for each of a few times
 //   of
 //                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h);

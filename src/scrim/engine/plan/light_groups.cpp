@@ -282,6 +282,10 @@ Beam beamOf(const Light& light) {
         beam.angle = glm::radians(0.5 * spot->coneAngle);
         beam.directions = rimOfCone(light.wsDirection, beam.angle);
     }
+    if (light.element()) {
+        beam.angle = 0.5 * pi;
+        beam.directions = rimOfCone(light.wsDirection, beam.angle);
+    }
     if (!light.slide) return beam;
     if (light.slide->outside == SlideOutside::black) {
         const double angle = slideHalfAngle(light);

@@ -15,7 +15,7 @@ namespace scrim {
 
 /// A light, or the part of a light that falls into one window of directions: one light view.
 struct LightPart {
-    int light = 0;                   ///< index into ViewScene::lights
+    int light = 0;                   ///< index into ViewScene::lights, none of which is extended
     std::vector<Vec3> wsDirections;  ///< unit directions of travel whose cone holds all rays that meet the volume
     std::vector<Vec3> wsWindows;     ///< axes of the windows that overlap this part's, itself included; or none
     int window = 0;                  ///< which of them is this part's

@@ -79,10 +79,11 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     }
 }
 
-std::vector<int> lightsOf(const GroupPlan& group) {
-    std::vector<int> lights;
-    for (const LightPlan& light : group.lights) lights.push_back(light.light);
-    return lights;
+// What the group's light belongs to, of the scene's lights.
+std::vector<int> ownersOf(const Plan& plan, const GroupPlan& group) {
+    std::vector<int> owners;
+    for (const LightPlan& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
+    return owners;
 }
 
 std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
@@ -133,7 +134,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
         checkpoint();
         g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
     }
-    g.outputs = chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, lightsOf(g));
+    g.outputs = chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g));
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
@@ -164,7 +165,8 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             rest.primary = 0;
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
-                half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, lightsOf(*half));
+                half->outputs =
+                    chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half));
                 open.push_back(std::move(*half));
             }
         }
@@ -193,11 +195,11 @@ Bounds wsBounds(const ViewScene& scene) {
 // Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels
 // as large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where
 // none does.
-std::string fineSlide(const ViewScene& scene, const Plan& plan, double texel) {
+std::string fineSlide(const ViewScene& scene, const std::vector<std::string>& culled, double texel) {
     const Vec3 center = wsBounds(scene).center();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
-        if (!light.slide || !plan.culledLights[i].empty()) continue;
+        if (!light.slide || !culled[i].empty()) continue;
         const std::optional<double> pixel = slidePixel(light, center);
         if (pixel && *pixel < 2 * texel)
             return fmt::format(
@@ -237,7 +239,7 @@ bool eyeAmong(const ViewScene& scene, double texel) {
 }
 
 // What texels would spoil; empty where they serve as well as pixels.
-std::string needOfPixels(const ViewScene& scene, const Plan& plan) {
+std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::vector<std::string>& culled) {
     const double texel = plan.groups.front().sheets.texel;
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified)
@@ -248,16 +250,17 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan) {
                 return fmt::format("light {} is so near that its light changes between texels",
                                    scene.lights[light.light].name);
     if (eyeAmong(scene, texel)) return "the eye stands so near that what it sees of a sheet changes between texels";
-    if (const std::string reason = fineSlide(scene, plan, texel); !reason.empty()) return reason;
+    if (const std::string reason = fineSlide(scene, culled, texel); !reason.empty()) return reason;
     return denseMedium(scene, plan);
 }
 
 // Where light is added up, at texels of the sheets or at pixels of the picture, and why (the dial `shade`).
-std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& plan) {
+std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& plan,
+                                          const std::vector<std::string>& culled) {
     if (plan.groups.empty()) return {false, ""};
     if (plan.perView) return {true, "per-view splatting knows no other place"};
     if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
-    if (const std::string need = needOfPixels(scene, plan); !need.empty()) return {true, need};
+    if (const std::string need = needOfPixels(scene, plan, culled); !need.empty()) return {true, need};
 
     // For a thin medium both are equally exact. At texels every texel is shaded, and every pixel reads what texels
     // show; at pixels every pixel reads extinction and shadows, and is shaded. In nanoseconds a sample and light (of
@@ -272,6 +275,46 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
             fmt::format("a texel is {:.2g} pixels wide and has {} light{}; a thin medium looks the "
                         "same either way",
                         across, scene.lights.size(), scene.lights.size() == 1 ? "" : "s")};
+}
+
+// For each light of the scene why it is culled: why the first of its lights is, where all are.
+std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vector<std::string>& reasons,
+                                        std::size_t count) {
+    if (lights.owners.empty()) return reasons;
+    // A picture that is black has no sub-lights at all.
+    std::vector<std::string> byOwner(count, "it is black");
+    std::vector<bool> seen(count, false);
+    for (std::size_t i = 0; i < reasons.size(); ++i) {
+        const auto owner = std::size_t(lights.owners[i]);
+        if (!seen[owner] || reasons[i].empty()) byOwner[owner] = reasons[i];
+        seen[owner] = true;
+    }
+    return byOwner;
+}
+
+// Of the picture itself.
+std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
+    const std::size_t pixels =
+        std::size_t(roundUpToTile(plan.region.width())) * std::size_t(roundUpToTile(plan.region.height()));
+    constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
+    std::size_t floats = 4;
+    for (const GroupPlan& group : plan.groups)
+        floats = std::max(
+            floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
+    const std::size_t layers =
+        scene.layers.size() +
+        std::size_t(std::count_if(scene.layers.begin(), scene.layers.end(),
+                                  [](Layer l) { return l == Layer::light || l == Layer::shadow; })) *
+            scene.lights.size();
+    return pixels * floats * sizeof(Real) +
+           std::size_t(scene.region.width()) * std::size_t(scene.region.height()) * (4 + 3 * layers) * sizeof(float);
+}
+
+void checkSlides(const ViewScene& scene) {
+    for (const Light& light : scene.lights)
+        if (light.slide && !light.slide->image)
+            throw Error(ErrorKind::usage,
+                        fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
 }
 
 }  // namespace
@@ -299,47 +342,36 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
     return channels;
 }
 
-Plan makePlan(const ViewScene& scene, int threads, const ProgressSink& progress) {
+Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress) {
     const Checkpoint checkpoint = [&] {
         if (progress && !progress(0)) throw Error(ErrorKind::interrupted, "the planning was interrupted");
     };
     Plan plan;
     plan.threads = threads;
-    plan.simd = Simd(scene.dials.simd);
-    plan.voxel = voxelUnit(scene);
-    plan.region = supersampled(scene.region, scene.dials.antialias);
-    plan.perView = scene.dials.splat == SplatMode::perView;
-    plan.extinction = extinctionChannels(scene);
-    const std::vector<Vec3> corners = wsCorners(scene);
+    plan.simd = Simd(given.dials.simd);
+    plan.voxel = voxelUnit(given);
+    plan.region = supersampled(given.region, given.dials.antialias);
+    plan.perView = given.dials.splat == SplatMode::perView;
+    plan.extinction = extinctionChannels(given);
+    const std::vector<Vec3> corners = wsCorners(given);
     if (corners.empty()) return plan;
-    plan.culledLights = culledLights(scene);
-    for (const Light& light : scene.lights)
-        if (light.slide && !light.slide->image)
-            throw Error(ErrorKind::usage,
-                        fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
+    checkSlides(given);
+    plan.subLights = subLights(given);
+    ViewScene plain;
+    const ViewScene& scene = withSubLights(given, plan.subLights, plain);
+    const std::vector<std::string> culled = culledLights(scene);
+    plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights.size());
 
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
-        for (LightGroup& group : groupLights(scene, corners, part, plan.culledLights, checkpoint))
+        for (LightGroup& group : groupLights(scene, corners, part, culled, checkpoint))
             plan.groups.push_back(planGroup(scene, corners, plan, part, group, checkpoint));
         plan.eyeParts.push_back(std::move(part));
     }
-    std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan);
+    std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan, culled);
 
-    const std::size_t pixels =
-        std::size_t(roundUpToTile(plan.region.width())) * std::size_t(roundUpToTile(plan.region.height()));
-    constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
-    std::size_t floats = 4;
-    for (const GroupPlan& group : plan.groups)
-        floats = std::max(
-            floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
-    const std::size_t layers =
-        scene.layers.size() +
-        (std::count(scene.layers.begin(), scene.layers.end(), Layer::light) > 0 ? scene.lights.size() : 0);
-    const std::size_t frameBytes = pixels * floats * sizeof(Real) + std::size_t(scene.region.width()) *
-                                                                        std::size_t(scene.region.height()) *
-                                                                        (4 + 3 * layers) * sizeof(float);
+    const std::size_t frameBytes = bytesOfFrame(given, plan);
     plan.bytes = frameBytes;
     splitIntoPasses(scene, frameBytes, plan);
     for (GroupPlan& group : plan.groups) {

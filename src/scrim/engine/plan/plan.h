@@ -10,6 +10,7 @@
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/outputs.h>
+#include <scrim/engine/plan/sub_lights.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
@@ -38,7 +39,7 @@ struct ExtinctionChannels {
 ExtinctionChannels extinctionChannels(const ViewScene& scene);
 
 struct LightPlan {
-    int light = 0;  ///< index into ViewScene::lights
+    int light = 0;  ///< index into the lights of the plan
     bool shadowed = true;
     LightView view;
     std::vector<Vec3> ssWindows;  ///< a split light: window axes in sweep space, see SheetLight
@@ -77,6 +78,7 @@ struct Plan {
         double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
     };
 
+    SubLights subLights;            ///< what the engine shines with; empty: the lights of the scene
     std::vector<GroupPlan> groups;  ///< by eye part; empty where nothing is to be seen
     int threads = 1;                ///< that the render takes
     Simd simd;                      ///< vector instructions that it uses
@@ -95,6 +97,14 @@ struct Plan {
     std::size_t mostDeepBytes = 0;  ///< that the memory limit leaves for the samples of a sweep; 0: no limit
     Work work;
 };
+
+/// The light that light `i` of the plan is, and the scene's that it belongs to.
+inline const Light& lightOf(const ViewScene& scene, const Plan& plan, int i) {
+    return plan.subLights.owners.empty() ? scene.lights[std::size_t(i)] : plan.subLights.lights[std::size_t(i)];
+}
+inline const Light& ownerOf(const ViewScene& scene, const Plan& plan, int i) {
+    return scene.lights[std::size_t(plan.subLights.ownerOf(i))];
+}
 
 /// Plans a render for `threads` threads. Throws Error: usage (a slide without its image), render (field of view too
 /// wide, more sheets or texels than can be addressed), memory (not one sheet and light fits the scene's memory limit,

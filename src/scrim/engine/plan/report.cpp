@@ -10,6 +10,7 @@
 #include <glm/trigonometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -28,18 +29,10 @@ Vec3 axisOf(const GroupPlan& group) {
     return {m[0][2], m[1][2], m[2][2]};
 }
 
-const Light& lightOf(const ViewScene& scene, const LightPlan& light) {
-    return scene.lights[light.light];
-}
-
-const std::string& lightName(const ViewScene& scene, const LightPlan& light) {
-    return lightOf(scene, light).name;
-}
-
-Json lightJson(const ViewScene& scene, const LightPlan& light) {
-    Json out{{"name", lightName(scene, light)}, {"shadowed", light.shadowed}};
+Json lightJson(const ViewScene& scene, const Plan& plan, const LightPlan& light) {
+    Json out{{"name", ownerOf(scene, plan, light.light).name}, {"shadowed", light.shadowed}};
     if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
-    if (const auto& slide = lightOf(scene, light).slide)
+    if (const auto& slide = lightOf(scene, plan, light.light).slide)
         out["slide"] = {{"file", slide->file}, {"pixels", {slide->image->width(), slide->image->height()}}};
     if (!light.ssWindows.empty()) {
         out["window"] = light.window;
@@ -48,9 +41,9 @@ Json lightJson(const ViewScene& scene, const LightPlan& light) {
     return out;
 }
 
-Json groupJson(const ViewScene& scene, const GroupPlan& group) {
+Json groupJson(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
     Json lights = Json::array();
-    for (const LightPlan& light : group.lights) lights.push_back(lightJson(scene, light));
+    for (const LightPlan& light : group.lights) lights.push_back(lightJson(scene, plan, light));
     return {{"primary", group.primary > 0},
             {"eye_part", group.eyePart},
             {"axis", vector(axisOf(group))},
@@ -68,10 +61,10 @@ Json groupJson(const ViewScene& scene, const GroupPlan& group) {
             {"lights", lights}};
 }
 
-std::string lightLine(const ViewScene& scene, const LightPlan& light) {
-    std::string line = fmt::format("  light '{}'", lightName(scene, light));
+std::string lightLine(const ViewScene& scene, const Plan& plan, const LightPlan& light) {
+    std::string line = fmt::format("  light '{}'", ownerOf(scene, plan, light.light).name);
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
-    if (const auto& slide = lightOf(scene, light).slide)
+    if (const auto& slide = lightOf(scene, plan, light.light).slide)
         line += fmt::format(", slide of {} x {} pixels", slide->image->width(), slide->image->height());
     line += light.shadowed ? fmt::format(": shadow raster {} x {} cells\n", light.view.width, light.view.height)
                            : std::string(": no shadows\n");
@@ -91,7 +84,7 @@ std::string passText(const GroupPlan& group) {
                        group.passes, group.lights.size());
 }
 
-std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size_t number) {
+std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan& group, std::size_t number) {
     const Vec3 axis = axisOf(group);
     std::string text = fmt::format("group {}{}{}: axis [{:.4f}, {:.4f}, {:.4f}], s = {}, slant {:.1f} degrees\n",
                                    number, group.primary > 0 ? " (primary: alpha and ambient)" : "", passText(group),
@@ -101,7 +94,11 @@ std::string groupLines(const ViewScene& scene, const GroupPlan& group, std::size
     text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
                         group.sheets.texel);
     text += fmt::format("  memory   {}\n", bytesText(group.bytes));
-    for (const LightPlan& light : group.lights) text += lightLine(scene, light);
+    // Of many sub-lights the first few tell what the rest are like.
+    constexpr std::size_t kMostLines = 24;
+    for (std::size_t i = 0; i < std::min(group.lights.size(), kMostLines); ++i)
+        text += lightLine(scene, plan, group.lights[i]);
+    if (group.lights.size() > kMostLines) text += fmt::format("  and {} more\n", group.lights.size() - kMostLines);
     return text;
 }
 
@@ -112,7 +109,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     for (const Effect& e : effectsOf(scene, plan))
         effects.push_back({{"name", e.name}, {"on", e.on}, {"reason", e.reason}, {"where", e.where}});
     Json groups = Json::array();
-    for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, group));
+    for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, plan, group));
     const PixelWindow& r = plan.region;
     Json out{{"voxel", plan.voxel},
              {"region", {r.x0, r.y0, r.x1, r.y1}},
@@ -137,7 +134,7 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
         text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason, placesText(e.where));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
     text += fmt::format("{:<23} {} x {} rays\n", "picture", plan.region.width(), plan.region.height());
-    for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan.groups[i], i + 1);
+    for (std::size_t i = 0; i < plan.groups.size(); ++i) text += groupLines(scene, plan, plan.groups[i], i + 1);
     if (plan.groups.empty()) text += "nothing to render: no volume has active voxels\n";
     text += fmt::format("{:<23} {}\n", "memory without fields", bytesText(plan.bytes));
     if (scene.deep) text += fmt::format("{:<23} {} of it at most\n", "deep picture", bytesText(plan.deepBytes));

@@ -84,6 +84,17 @@ HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
     });
 }
 
+// An element of a surface: Lambert's cosine.
+HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
+    const DF d;
+    forSamples([&](int k) HWY_ATTR {
+        const auto along = hn::MulAdd(load(in.a, k), constant(light.axisU),
+                                      hn::MulAdd(load(in.b, k), constant(light.axisV), constant(light.axisW)));
+        const auto cosine = hn::Max(hn::Div(along, load(in.slant, k)), constant(0));
+        hn::Store(hn::Mul(load(in.irradiance, k), cosine), d, in.irradiance + k);
+    });
+}
+
 // This part's share of a light that is cut into overlapping windows; the shares of a direction sum to 1.
 HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
     const DF d;

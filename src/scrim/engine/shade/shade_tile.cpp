@@ -141,6 +141,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     else
         meetPoint(input, light, w.in);
     if (light.spot) limitToCone(light, w.in);
+    if (light.oneSided) limitToFront(light, w.in);
     if (light.windows) limitToWindow(light, w.in);
     if (input.unblocked) scale(input.unblocked + index * kTileSize, w.in.irradiance);
     w.done.lightLookups += kTileSize;

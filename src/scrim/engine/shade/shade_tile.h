@@ -38,6 +38,7 @@ void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int
 struct SheetLight {
     bool distant = true;
     bool spot = false;
+    bool oneSided = false;  ///< an element of a surface: the cosine to its axis, and nothing behind
     bool shadowed = true;
     bool withinSheet = true;  ///< counts what the sheet itself takes of the light
     bool decay = true;
@@ -45,7 +46,7 @@ struct SheetLight {
     Real texelU = 0, texelV = 0;                ///< otherwise: the source, in texels
     Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
     Real radius2 = 0;                           ///< world units squared, > 0 where decay
-    Real axisU = 0, axisV = 0, axisW = 1;       ///< spot
+    Real axisU = 0, axisV = 0, axisW = 1;       ///< spot, element
     Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: light fades between them
     // Windows cut a light into overlapping parts (light close to the volume): this part's share of a direction
     // is its window's value there over the sum of all. None: 0.
@@ -54,7 +55,7 @@ struct SheetLight {
     Real windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
     Real intensity[3] = {1, 1, 1};
     int output = 0;  ///< where what it lights goes: a part of the beauty, or the beauty
-    int index = 0;   ///< among the scene's lights
+    int index = 0;   ///< among the lights of the plan
     SheetSlide slide;
 };
 

@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/picture_cells.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+// Cells consist of bins, of which there are no more than this along the picture's longer side. A bin holds the sums of
+// its pixels, so that neither light nor the middle of it depends on the bins.
+constexpr int kMostBins = 512;
+
+struct Bin {
+    Rgb light{0};       // integral over the bin
+    double weight = 0;  // mean of the channels
+    double share = 0;   // of all there is of solid angle or area
+    Vec3 moment{0};     // integral of weight times place
+
+    Bin& operator+=(const Bin& b) {
+        light += b.light;
+        weight += b.weight;
+        share += b.share;
+        moment += b.moment;
+        return *this;
+    }
+};
+
+struct Cell {
+    int x0, y0, x1, y1;
+    Bin sum;
+    bool whole = false;  // cannot be split
+    // What a light at the middle may get wrong: how much light, times how far it is moved.
+    double priority() const { return whole ? 0 : sum.weight * std::sqrt(sum.share); }
+};
+
+class BinMap {
+  public:
+    /// A point (u, v) of the picture is at across(u) * scale(v) + down(v); rows from v0 to v1 have share(v0, v1) of
+    /// all.
+    template <class Across, class Scale, class Down, class Share>
+    BinMap(const Texture& picture, const Across& across, const Scale& scale, const Down& down, const Share& share) {
+        const Texture::Level& level = picture.levels().front();
+        const int longer = std::max(level.width, level.height), by = (longer + kMostBins - 1) / kMostBins;
+        m_width = (level.width + by - 1) / by;
+        m_height = (level.height + by - 1) / by;
+        m_bins.resize(std::size_t(m_width) * std::size_t(m_height));
+        std::vector<Vec3> columns;
+        for (int x = 0; x < level.width; ++x) columns.push_back(across((x + 0.5) / level.width));
+        for (int y = 0; y < level.height; ++y) {
+            const double part = share(double(y) / level.height, double(y + 1) / level.height) / level.width;
+            const double v = (y + 0.5) / level.height, wide = scale(v);
+            const Vec3 below = down(v);
+            for (int x = 0; x < level.width; ++x) {
+                const float* p = level.pixel(x, y);
+                Bin one{part * Rgb(p[0], p[1], p[2]), 0, part, Vec3(0)};
+                one.weight = (one.light.x + one.light.y + one.light.z) / 3;
+                one.moment = one.weight * (wide * columns[std::size_t(x)] + below);
+                m_bins[std::size_t(y / by) * std::size_t(m_width) + std::size_t(x / by)] += one;
+            }
+        }
+    }
+
+    std::vector<Cell> split(int count, double widthOverHeight) const {
+        std::vector<Cell> cells{{0, 0, m_width, m_height, sumOf(0, 0, m_width, m_height)}};
+        while (static_cast<int>(cells.size()) < count) {
+            const auto most = std::max_element(
+                cells.begin(), cells.end(), [](const Cell& a, const Cell& b) { return a.priority() < b.priority(); });
+            if (most->priority() <= 0) break;
+            const Cell parent = *most;
+            if (const auto halves = halved(parent, widthOverHeight)) {
+                *most = halves->first;
+                cells.push_back(halves->second);
+            } else {
+                most->whole = true;
+            }
+        }
+        return cells;
+    }
+
+  private:
+    const Bin& at(int x, int y) const { return m_bins[std::size_t(y) * std::size_t(m_width) + std::size_t(x)]; }
+    Bin sumOf(int x0, int y0, int x1, int y1) const {
+        Bin sum;
+        for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) sum += at(x, y);
+        return sum;
+    }
+    // Across its longer side, where half of its light lies on either side; none of a single bin.
+    std::optional<std::pair<Cell, Cell>> halved(const Cell& c, double widthOverHeight) const {
+        const int columns = c.x1 - c.x0, rows = c.y1 - c.y0;
+        if (columns * rows == 1) return std::nullopt;
+        // A cell's own share tells how wide it is where a sky's meridians meet.
+        const double height = double(rows) / m_height;
+        const bool across = rows == 1 || (columns > 1 && c.sum.share / height > height / widthOverHeight);
+        const int length = across ? columns : rows;
+        std::vector<Bin> lines(static_cast<std::size_t>(length));
+        for (int y = c.y0; y < c.y1; ++y)
+            for (int x = c.x0; x < c.x1; ++x) lines[std::size_t(across ? x - c.x0 : y - c.y0)] += at(x, y);
+        int cut = 1;
+        double before = lines[0].weight;
+        while (cut < length - 1 && before + 0.5 * lines[std::size_t(cut)].weight < 0.5 * c.sum.weight)
+            before += lines[std::size_t(cut++)].weight;
+        std::pair<Cell, Cell> halves{c, c};
+        (across ? halves.first.x1 : halves.first.y1) = (across ? c.x0 : c.y0) + cut;
+        (across ? halves.second.x0 : halves.second.y0) = (across ? c.x0 : c.y0) + cut;
+        halves.first.sum = halves.second.sum = Bin();
+        for (int i = 0; i < length; ++i) (i < cut ? halves.first : halves.second).sum += lines[std::size_t(i)];
+        return halves;
+    }
+
+    int m_width = 0, m_height = 0;
+    std::vector<Bin> m_bins;
+};
+
+}  // namespace
+
+std::vector<PictureCell> domeCells(const Light& light, int count) {
+    constexpr double pi = std::numbers::pi;
+    const BinMap map(
+        *light.slide->image, [&](double u) { return domeDirection(light, u, 0.5); },
+        [](double v) { return std::sin(pi * v); },
+        [up = glm::normalize(light.wsUp)](double v) { return std::cos(pi * v) * up; },
+        [](double v0, double v1) { return 0.5 * (std::cos(pi * v0) - std::cos(pi * v1)); });
+    std::vector<PictureCell> cells;
+    // As shares of the sphere heights are up to 1 and widths 4 / pi times as much at the equator.
+    for (const Cell& cell : map.split(count, 4 / pi)) {
+        if (cell.sum.weight <= 0) continue;
+        const double length = glm::length(cell.sum.moment);
+        // The whole sky has no middle.
+        const Vec3 center = length > 1e-9 * cell.sum.weight ? cell.sum.moment / length : glm::normalize(light.wsUp);
+        cells.push_back({4 * pi * cell.sum.light, center, cell.sum.share});
+    }
+    return cells;
+}
+
+std::vector<PictureCell> rectangleCells(const Light& light, int count) {
+    const BinMap map(
+        *light.slide->image, [&](double u) { return pictureOfRectangle(light, u, 0.5); }, [](double) { return 1.0; },
+        [&](double v) { return pictureOfRectangle(light, 0.5, v) - light.wsPosition; },
+        [](double v0, double v1) { return v1 - v0; });
+    std::vector<PictureCell> cells;
+    for (const Cell& cell : map.split(count, light.area()->width / light.area()->height))
+        if (cell.sum.weight > 0) cells.push_back({cell.sum.light, cell.sum.moment / cell.sum.weight, cell.sum.share});
+    return cells;
+}
+
+}  // namespace scrim

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/light.h>
+
+#include <scrim/geometry/camera.h>
+
+#include <cmath>
+#include <numbers>
+
+#define GLM_ENABLE_EXPERIMENTAL  // glm::rotation
+#include <glm/geometric.hpp>
+#include <glm/gtx/quaternion.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace scrim {
+double Light::Area::area() const {
+    if (shape == AreaShape::rectangle) return width * height;
+    return (shape == AreaShape::disk ? 1 : 4) * std::numbers::pi * radius * radius;
+}
+
+Mat3 lightFrame(const Light& light) {
+    return lookAt(Vec3(0), -light.wsDirection, light.wsUp);
+}
+
+Vec3 pictureOfRectangle(const Light& light, double u, double v) {
+    const Mat3 frame = lightFrame(light);
+    const Light::Area& area = *light.area();
+    return light.wsPosition + (u - 0.5) * area.width * frame[0] + (0.5 - v) * area.height * frame[1];
+}
+
+Vec3 domeDirection(const Light& light, double u, double v) {
+    const double longitude = std::numbers::pi * (1 - 2 * u) + glm::radians(light.dome()->rotation);
+    const double latitude = std::numbers::pi * (0.5 - v);
+    const Vec3 upright(std::cos(latitude) * std::sin(longitude), std::sin(latitude),
+                       std::cos(latitude) * std::cos(longitude));
+    // By the shortest turn from +y, which takes +x and +z along.
+    return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), glm::normalize(light.wsUp))) * upright;
+}
+
+}  // namespace scrim

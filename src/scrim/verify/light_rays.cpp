@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/light_rays.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Directions around `axis` to within the angle whose 1 - cos is `depth`, solid angles in proportion.
+Vec3 inCone(const Vec3& axis, double depth, const Vec2& p) {
+    const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    const Vec3 x = glm::normalize(glm::cross(axis, other)), y = glm::cross(axis, x);
+    const double lower = p.x * depth, r = std::sqrt(std::max(0.0, lower * (2 - lower)));
+    return (1 - lower) * axis + r * (std::cos(2 * kPi * p.y) * x + std::sin(2 * kPi * p.y) * y);
+}
+
+// Where in the running sums `part` of the last lies, and how far into that entry.
+std::pair<std::size_t, double> find(const double* sums, std::size_t count, double part) {
+    const double wanted = part * sums[count - 1];
+    const auto i = std::min(std::size_t(std::upper_bound(sums, sums + count, wanted) - sums), count - 1);
+    const double before = i > 0 ? sums[i - 1] : 0, own = sums[i] - before;
+    return {i, own > 0 ? std::clamp((wanted - before) / own, 0.0, 1.0) : 0.5};
+}
+
+// A rectangle as it is seen from the origin: C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for
+// Spherical Rectangles", 2013. It lies in the plane z = z0 < 0, from (x0, y0) to (x1, y1).
+struct SphericalRectangle {
+    double x0, y0, x1, y1, z0;
+    double b0, b1, k, solidAngle;
+
+    SphericalRectangle(double ax, double ay, double bx, double by, double z) : x0(ax), y0(ay), x1(bx), y1(by), z0(z) {
+        const Vec3 v00(x0, y0, z0), v01(x0, y1, z0), v10(x1, y0, z0), v11(x1, y1, z0);
+        const auto across = [](const Vec3& a, const Vec3& b) { return glm::normalize(glm::cross(a, b)); };
+        const Vec3 n0 = across(v00, v10), n1 = across(v10, v11), n2 = across(v11, v01), n3 = across(v01, v00);
+        const auto angle = [](const Vec3& a, const Vec3& b) {
+            return std::acos(std::clamp(-glm::dot(a, b), -1.0, 1.0));
+        };
+        b0 = n0.z;
+        b1 = n2.z;
+        k = 2 * kPi - angle(n2, n3) - angle(n3, n0);
+        solidAngle = angle(n0, n1) + angle(n1, n2) - k;
+    }
+    Vec2 at(const Vec2& p) const {
+        const double au = p.x * solidAngle + k;
+        const double fu = (std::cos(au) * b0 - b1) / std::sin(au);
+        const double cu = std::clamp((fu > 0 ? 1 : -1) / std::sqrt(fu * fu + b0 * b0), -1.0, 1.0);
+        const double x = std::clamp(-(cu * z0) / std::sqrt(std::max(1e-300, 1 - cu * cu)), x0, x1);
+        const double d = std::sqrt(x * x + z0 * z0);
+        const double h0 = y0 / std::sqrt(d * d + y0 * y0), h1 = y1 / std::sqrt(d * d + y1 * y1);
+        const double h = h0 + p.y * (h1 - h0);
+        return {x, h * h < 1 - 1e-12 ? std::clamp(h * d / std::sqrt(1 - h * h), y0, y1) : y1};
+    }
+};
+
+}  // namespace
+
+LightRays::LightRays(const Light& light) : m_light(light), m_frame(lightFrame(light)) {
+    if (!light.dome() || !light.slide) return;
+    const Texture::Level& level = light.slide->image->levels().front();
+    double all = 0;
+    for (int y = 0; y < level.height; ++y) {
+        const double share = std::cos(kPi * y / level.height) - std::cos(kPi * (y + 1) / level.height);
+        double row = 0;
+        for (int x = 0; x < level.width; ++x) {
+            const float* p = level.pixel(x, y);
+            m_pixels.push_back(row += double(p[0]) + p[1] + p[2]);
+        }
+        m_rows.push_back(all += share * row);
+    }
+}
+
+Rgb LightRays::pictureAt(double u, double v) const {
+    if (!m_light.slide) return Rgb(1);
+    const Texture::Level& level = m_light.slide->image->levels().front();
+    const float* p = level.pixel(std::clamp(static_cast<int>(u * level.width), 0, level.width - 1),
+                                 std::clamp(static_cast<int>(v * level.height), 0, level.height - 1));
+    return {p[0], p[1], p[2]};
+}
+
+LightRay LightRays::fromRectangle(const Vec3& ws, const Vec2& square) const {
+    const Light::Area& area = *m_light.area();
+    // As seen from the point: right, up, and the plane at -height.
+    const Vec3 to = m_light.wsPosition - ws;
+    const double x = glm::dot(to, m_frame[0]), y = glm::dot(to, m_frame[1]), z = glm::dot(to, m_frame[2]);
+    if (z >= 0) return {};
+    const double w = 0.5 * area.width, h = 0.5 * area.height;
+    const SphericalRectangle seen(x - w, y - h, x + w, y + h, z);
+    // So far away that the angles of its corners say nothing of its size.
+    constexpr double kTiny = 1e-6;
+    const double r2 = glm::dot(to, to);
+    const double plain = area.area() * -z / (r2 * std::sqrt(r2));
+    const bool isTiny = plain < kTiny;
+    const Vec2 at = isTiny ? Vec2(x - w + 2 * w * square.x, y - h + 2 * h * square.y) : seen.at(square);
+    const Vec3 hit = at.x * m_frame[0] + at.y * m_frame[1] + z * m_frame[2];
+    const double distance = glm::length(hit);
+    const double solidAngle = isTiny ? area.area() * -z / (distance * distance * distance) : seen.solidAngle;
+    const Rgb radiance = m_light.intensity * pictureAt((at.x - x + w) / (2 * w), (h - (at.y - y)) / (2 * h));
+    return {hit / distance, distance, radiance * solidAngle};
+}
+
+// Around the foot of the perpendicular: the angle there, and the cosine to the perpendicular.
+LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
+    const double radius = m_light.area()->radius;
+    const Vec3 from = ws - m_light.wsPosition;
+    const double height = glm::dot(from, m_frame[2]);
+    if (height <= 0) return {};
+    const Vec3 foot = from - height * m_frame[2];
+    const double c = glm::length(foot);
+    const Vec3 inwards = c > 0 ? -foot / c : m_frame[0], aside = glm::cross(m_frame[2], inwards);
+    double angle = 2 * kPi * square.x, perSquare = 2 * kPi;
+    if (c > radius) {
+        // The chord vanishes like a root at either end: a sine makes that smooth.
+        const double widest = std::asin(radius / c), t = kPi * (square.x - 0.5);
+        angle = widest * std::sin(t);
+        perSquare = widest * kPi * std::cos(t);
+    }
+    const double middle = c * std::cos(angle);
+    const double half = std::sqrt(std::max(0.0, radius * radius - c * c * std::sin(angle) * std::sin(angle)));
+    const auto cosine = [&](double r) { return height / std::sqrt(height * height + r * r); };
+    const double near = cosine(c > radius ? middle - half : 0), far = cosine(middle + half);
+    const double cosAt = near + square.y * (far - near), sinAt = std::sqrt(std::max(0.0, 1 - cosAt * cosAt));
+    const Vec3 direction = sinAt * (std::cos(angle) * inwards + std::sin(angle) * aside) - cosAt * m_frame[2];
+    return {direction, height / cosAt, m_light.intensity * (perSquare * (near - far))};
+}
+
+LightRay LightRays::fromSphere(const Vec3& ws, const Vec2& square) const {
+    const double radius = m_light.area()->radius;
+    const Vec3 to = m_light.wsPosition - ws;
+    const double distance = glm::length(to);
+    if (distance <= radius) return {};
+    const double sine2 = radius * radius / (distance * distance), depth = sine2 / (1 + std::sqrt(1 - sine2));
+    const Vec3 direction = inCone(to / distance, depth, square);
+    const double along = glm::dot(direction, to);
+    const double half = std::sqrt(std::max(0.0, radius * radius - (distance * distance - along * along)));
+    return {direction, along - half, m_light.intensity * (2 * kPi * depth)};
+}
+
+// A pixel by its share of all light, and a place within it.
+LightRay LightRays::fromPicture(const Vec2& square) const {
+    const Texture::Level& level = m_light.slide->image->levels().front();
+    if (!(m_rows.back() > 0)) return {};
+    const auto [row, down] = find(m_rows.data(), m_rows.size(), square.x);
+    const double* pixels = m_pixels.data() + row * std::size_t(level.width);
+    const auto [column, across] = find(pixels, std::size_t(level.width), square.y);
+    const double top = std::cos(kPi * double(row) / level.height),
+                 bottom = std::cos(kPi * double(row + 1) / level.height);
+    const double v = std::acos(std::clamp(top + down * (bottom - top), -1.0, 1.0)) / kPi;
+    const float* p = level.pixel(static_cast<int>(column), static_cast<int>(row));
+    const Rgb value(p[0], p[1], p[2]);
+    // All of the light, in the colour of the pixel.
+    const double total = m_rows.back() * 2 * kPi / level.width;
+    return {domeDirection(m_light, (double(column) + across) / level.width, v), kInfinity,
+            m_light.intensity * value * (total / (value.x + value.y + value.z))};
+}
+
+LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
+    if (m_light.dome()) {
+        if (m_light.slide) return fromPicture(square);
+        return {inCone(Vec3(0, 0, 1), 2, square), kInfinity, m_light.intensity * (4 * kPi)};
+    }
+    if (const Light::Area* area = m_light.area()) {
+        if (area->shape == AreaShape::rectangle) return fromRectangle(ws, square);
+        return area->shape == AreaShape::disk ? fromDisk(ws, square) : fromSphere(ws, square);
+    }
+    const double half = std::sin(glm::radians(0.25 * std::get<Light::Distant>(m_light.kind).angle));
+    return {inCone(-m_light.wsDirection, 2 * half * half, square), kInfinity, m_light.intensity};
+}
+
+}  // namespace scrim
