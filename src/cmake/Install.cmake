@@ -33,6 +33,7 @@ foreach(
     shot/shot.h
     shot/shot_frame.h
     shot/shot_options.h
+    solid/triangle_mesh.h
     volume/field_builder.h
     volume/grid_request.h
     volume/load_options.h
