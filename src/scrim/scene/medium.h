@@ -23,6 +23,8 @@ struct Phase {
     double blend = 0.5;   ///< two-lobe: weight of the second lobe, in [0, 1]
     double strength = 1;  ///< rayleigh: in [0, 1], how much of it is not isotropic
 
+    bool operator==(const Phase&) const = default;
+
     bool isotropic() const {
         switch (type) {
             case PhaseType::twoLobe:
@@ -49,6 +51,8 @@ Phase flattened(const Phase& phase, double part);
 struct Octaves {
     int count = 1;  ///< 1: single scattering
     double extinction = 0.5, contribution = 0.5, phase = 0.5;
+
+    bool operator==(const Octaves&) const = default;
 };
 
 struct Medium {
@@ -58,6 +62,7 @@ struct Medium {
     Rgb extinctionTint{1};  ///< multiplies extinction, in each channel
     Octaves octaves = {};
 
+    bool operator==(const Medium&) const = default;
     /// Extinction per world unit and field value in the channel that has most, and what part of it each channel has.
     double mostExtinction() const { return densityScale * mostTint(); }
     Rgb relativeTint() const { return mostTint() > 0 ? extinctionTint / mostTint() : Rgb(1); }

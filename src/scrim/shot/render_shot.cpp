@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/base/timed.h>
 #include <scrim/engine/plan/report.h>
+#include <scrim/engine/plan/sub_lights.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/shot/frame_report.h>
 #include <scrim/verify/tolerance.h>
@@ -60,6 +61,16 @@ std::string placeOf(const ViewScene& view, const std::string& key) {
     return where.empty() ? where : where + ": ";
 }
 
+// More sub-lights than there may be would be needed for what the preset promises.
+void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
+    for (const Light& light : view.lights)
+        if (light.extended() && light.samples == 0 && subLightCount(view, light) == kMostSubLights)
+            notify(messages, Severity::warning,
+                   fmt::format("light '{}' is rendered as {} lights, the most there may be: light_error = {:.2g} calls "
+                               "for more; samples = N takes as many as you say",
+                               light.name, kMostSubLights, view.dials.lightError));
+}
+
 /// One alpha for three opacities.
 void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
     if (view.deep && extinctionChannels(view).coloured)
@@ -96,6 +107,7 @@ Frame FrameRender::run() {
         return withDeep(m_shot.view(m_options, scene.dials.lod, VolumesOf::picture), scene.output);
     });
     warnOfColouredDeep(view, m_options.messages);
+    warnOfCappedLights(view, m_options.messages);
     // Of a picture that shows nothing one wants to know why.
     if (view.volumes.empty())
         for (const auto& [name, reason] : view.culled)

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -53,11 +55,15 @@ struct PilotLight {
 class PilotScene {
   public:
     explicit PilotScene(const ViewScene& scene) {
+        std::vector<Bounds> bounds;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty()) continue;
             m_volumes.emplace_back(volume);
-            for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) m_bounds.include(corner);
+            Bounds& own = bounds.emplace_back();
+            for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.include(corner);
+            m_bounds.include(own);
         }
+        sortIntoCells(bounds);
         m_voxel = voxelUnit(scene);
         for (const Light& light : scene.lights) m_lights.push_back({&light, glm::dot(light.intensity, Rgb(1.0 / 3))});
         std::stable_sort(m_lights.begin(), m_lights.end(),
@@ -107,8 +113,38 @@ class PilotScene {
     }
     double extinction(const Vec3& ws) const {
         double sum = 0;
-        for (const PilotVolume& volume : m_volumes) sum += volume.extinction(ws);
+        if (!m_cells)
+            for (const PilotVolume& volume : m_volumes) sum += volume.extinction(ws);
+        else if (m_bounds.contains(ws))
+            for (const std::uint32_t v : (*m_cells)[cellOf(ws)]) sum += m_volumes[v].extinction(ws);
         return sum;
+    }
+    // Of thousands of instances a point lies in a few: which, is known for each cell of a grid.
+    static constexpr int kCells = 24;  // along an axis
+    using Cells = std::vector<std::vector<std::uint32_t>>;
+    int cellAlong(double x, int axis) const {
+        const double part = (x - m_bounds.lower[axis]) / std::max(m_bounds.size()[axis], 1e-300);
+        return std::clamp(static_cast<int>(part * kCells), 0, kCells - 1);
+    }
+    std::size_t cellOf(const Vec3& ws) const {
+        return std::size_t((cellAlong(ws.x, 0) * kCells + cellAlong(ws.y, 1)) * kCells + cellAlong(ws.z, 2));
+    }
+    void sortIntoCells(const std::vector<Bounds>& of) {
+        constexpr std::size_t kFew = 8;
+        if (m_volumes.size() <= kFew) return;
+        auto cells = std::make_shared<Cells>(std::size_t(kCells) * kCells * kCells);
+        for (std::size_t v = 0; v < of.size(); ++v) {
+            Int3 first, last;
+            for (int axis = 0; axis < 3; ++axis) {
+                first[axis] = cellAlong(of[v].lower[axis], axis);
+                last[axis] = cellAlong(of[v].upper[axis], axis);
+            }
+            for (int x = first.x; x <= last.x; ++x)
+                for (int y = first.y; y <= last.y; ++y)
+                    for (int z = first.z; z <= last.z; ++z)
+                        (*cells)[std::size_t((x * kCells + y) * kCells + z)].push_back(static_cast<std::uint32_t>(v));
+        }
+        m_cells = std::move(cells);
     }
     // Between the four prefiltered texels around: f - 1/12 (second differences), from which what a bilinear look-up
     // adds on average is missing. Texels at -1 and 2 of a row or column count through that alone.
@@ -151,6 +187,7 @@ class PilotScene {
     }
 
     std::vector<PilotVolume> m_volumes;
+    std::shared_ptr<const Cells> m_cells;  // null: there are few volumes
     std::vector<PilotLight> m_lights;
     Bounds m_bounds;
     double m_voxel = 1;

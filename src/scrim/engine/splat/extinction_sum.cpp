@@ -42,11 +42,34 @@ std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
     return emission;
 }
 
+// What is splatted into the same planes, since it looks the same: instances, above all. Indices of volumes with
+// density.
+using Alike = std::vector<std::size_t>;
+
+bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
+    return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
+           a.lights == b.lights;
+}
+
+std::vector<Alike> alikeVolumes(const ViewScene& scene) {
+    std::vector<Alike> groups;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        if (scene.volumes[v].field->empty()) continue;
+        const auto known = std::find_if(groups.begin(), groups.end(), [&](const Alike& group) {
+            return lookAlike(scene.volumes[group.front()], scene.volumes[v]);
+        });
+        if (known == groups.end())
+            groups.push_back({v});
+        else
+            known->push_back(v);
+    }
+    return groups;
+}
+
 // Does the sum need planes of its own?
 bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
-    const auto isDense = [](const ViewVolume& volume) { return !volume.field->empty(); };
     const auto emits = [](const ViewVolume& volume) { return !emissionOf(volume).empty(); };
-    return plan.extinction.count() > 1 || std::count_if(scene.volumes.begin(), scene.volumes.end(), isDense) != 1 ||
+    return plan.extinction.count() > 1 || alikeVolumes(scene).size() != 1 ||
            (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
 
@@ -73,36 +96,45 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
 ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets, For who)
     : m_channels(plan.extinction) {
+    const auto add = [&](const std::vector<std::vector<ViewField>>& placements, double scale) {
+        m_own.push_back(std::make_unique<FieldPlanes>(placements, settingsOf(scale, scene.dials, plan.voxel),
+                                                      scene.dials, sheets, lattice, batchSheets));
+        m_fields.push_back(m_own.back().get());
+        for (const std::vector<ViewField>& fields : placements)
+            for (const ViewField& field : fields) m_voxels += field.field->activeVoxels;
+        return m_own.back().get();
+    };
     // The planes of each field; those of one topology are splatted together.
     const auto planesOf = [&](const std::vector<ViewField>& fields, double scale) {
         std::vector<const PlaneStack*> planes;
         for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
-            m_own.push_back(std::make_unique<FieldPlanes>(together, settingsOf(scale, scene.dials, plan.voxel),
-                                                          scene.dials, sheets, lattice, batchSheets));
-            m_fields.push_back(m_own.back().get());
-            for (std::size_t f = 0; f < together.size(); ++f) planes.push_back(&m_own.back()->planes(f));
+            const FieldPlanes* own = add({together}, scale);
+            for (std::size_t f = 0; f < together.size(); ++f) planes.push_back(&own->planes(f));
         }
-        for (const ViewField& field : fields) m_voxels += field.field->activeVoxels;
         return planes;
     };
-    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        const ViewVolume& volume = scene.volumes[v];
-        if (!volume.field->empty()) {
-            Volume& own = m_volumes.emplace_back();
-            own.sceneVolume = static_cast<int>(v);
-            if (volume.classified) {
-                own.surface = std::make_unique<Surface>(volume, scene.dials, sheets, lattice, batchSheets, plan.voxel);
-                m_fields.push_back(&own.surface->field());
-                m_voxels += volume.field->activeVoxels;
-            } else {
-                std::vector<ViewField> fields{densityOf(volume)};
-                if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
-                const auto planes = planesOf(fields, volume.medium.mostExtinction());
-                own.density = planes[0];
-                std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
-            }
+    for (const Alike& alike : alikeVolumes(scene)) {
+        const ViewVolume& volume = scene.volumes[alike.front()];
+        Volume& own = m_volumes.emplace_back();
+        own.sceneVolume = static_cast<int>(alike.front());
+        if (volume.classified) {
+            own.surface = std::make_unique<Surface>(volume, scene.dials, sheets, lattice, batchSheets, plan.voxel);
+            m_fields.push_back(&own.surface->field());
+            m_voxels += volume.field->activeVoxels;
+        } else if (alike.size() > 1) {
+            std::vector<std::vector<ViewField>> placements;
+            for (const std::size_t v : alike) placements.push_back({densityOf(scene.volumes[v])});
+            own.density = &add(placements, volume.medium.mostExtinction())->planes();
+        } else {
+            std::vector<ViewField> fields{densityOf(volume)};
+            if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
+            const auto planes = planesOf(fields, volume.medium.mostExtinction());
+            own.density = planes[0];
+            std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
         }
-        if (who != For::primaryEye) continue;
+    }
+    for (const ViewVolume& volume : scene.volumes) {
+        if (who != For::primaryEye) break;
         const std::vector<ViewEmission> emission = emissionOf(volume);
         std::vector<ViewField> fields;
         for (const ViewEmission& e : emission) fields.push_back(e.field);
@@ -175,11 +207,17 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     const auto add = [&](const ViewField& field) {
         if (!field.field->empty()) sum += FieldPlanes::bytes(field, settings, scene.dials, sheets, lattice, batch);
     };
-    for (const ViewVolume& volume : scene.volumes) {
-        if (!volume.classified)
-            add(densityOf(volume));
-        else if (!volume.field->empty())
+    for (const Alike& alike : alikeVolumes(scene)) {
+        const ViewVolume& volume = scene.volumes[alike.front()];
+        if (volume.classified)
             sum += Surface::bytes(volume, scene.dials, sheets, lattice, batch);
+        else
+            add(densityOf(volume));
+        for (std::size_t i = 1; i < alike.size(); ++i)
+            sum +=
+                FieldPlanes::placementBytes(densityOf(scene.volumes[alike[i]]), settings, scene.dials, sheets, lattice);
+    }
+    for (const ViewVolume& volume : scene.volumes) {
         if (who != For::light)
             for (const ViewField& scatter : volume.scatter) add(scatter);
         if (who == For::primaryEye)

@@ -37,9 +37,9 @@ class ExtinctionSum {
     /// The planes whose active tiles are all those where anything is.
     const PlaneStack& covered() const { return total(0); }
 
-    /// A volume that has extinction.
+    /// A volume that has extinction, or several that look alike.
     struct Volume {
-        int sceneVolume = 0;                    ///< its place among the scene's
+        int sceneVolume = 0;                    ///< its place among the scene's, or the first one's
         std::unique_ptr<Surface> surface = {};  ///< of a classified volume
         const PlaneStack* density = nullptr;    ///< of a medium: its extinction
         std::array<const PlaneStack*, 3> scatter =

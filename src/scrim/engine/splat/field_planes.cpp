@@ -9,10 +9,10 @@ namespace {
 // Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
 constexpr int kSheetsPerTask = 8;
 
-using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
+}  // namespace
 
-Splatter splatterFor(const std::vector<ViewField>& fields, const FieldPlanes::Settings& s, const Dials& dials,
-                     const Sheets& sheets, const Lattice& lattice) {
+FieldPlanes::Splatter FieldPlanes::splatterFor(const std::vector<ViewField>& fields, const Settings& s,
+                                               const Dials& dials, const Sheets& sheets, const Lattice& lattice) {
     const Mat4 tsFromIs = sheets.tsFrom(fields.front().wsFromIs);
     if (!lattice.parallel()) {
         std::vector<WarpedSplatter> splatters;
@@ -26,15 +26,19 @@ Splatter splatterFor(const std::vector<ViewField>& fields, const FieldPlanes::Se
     return splatter;
 }
 
-}  // namespace
-
-FieldPlanes::FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
-                         const Sheets& sheets, const Lattice& lattice, int batchSheets)
-    : m_lattice(lattice),
-      m_settings(settings),
-      m_simd(dials.simd),
-      m_splatter(splatterFor(fields, settings, dials, sheets, lattice)) {
-    for (std::size_t f = 0; f < fields.size(); ++f)
+FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings,
+                         const Dials& dials, const Sheets& sheets, const Lattice& lattice, int batchSheets)
+    : m_lattice(lattice), m_settings(settings), m_simd(dials.simd) {
+    m_splatters.reserve(placements.size());
+    int bandTiles = 0;
+    for (const std::vector<ViewField>& fields : placements) {
+        m_splatters.push_back(splatterFor(fields, settings, dials, sheets, lattice));
+        if (const auto* own = std::get_if<FieldSplatter>(&m_splatters.back()))
+            bandTiles = std::max(bandTiles, own->bandTiles());
+    }
+    for (Splatter& splatter : m_splatters)
+        if (auto* own = std::get_if<FieldSplatter>(&splatter)) own->useBands(bandTiles);
+    for (std::size_t f = 0; f < placements.front().size(); ++f)
         m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
 }
 
@@ -58,7 +62,7 @@ void FieldPlanes::beginBatch(int firstSheet, int count) {
 
 // Phases take turns at the bands of rows; views that warp their footprints have no bands.
 int FieldPlanes::tasks(int phase) const {
-    const auto* splatter = std::get_if<FieldSplatter>(&m_splatter);
+    const auto* splatter = std::get_if<FieldSplatter>(&m_splatters.front());
     const int bands = splatter ? splatter->bands(planes()) : 1;
     return static_cast<int>(m_runs.size()) * ((bands + 1 - phase) / kPhases);
 }
@@ -73,11 +77,16 @@ std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed,
             return intersection(tiles, box).empty() || (cull && cull(tiles));
         };
     const int end = run.sheet + run.count;
-    if (const auto* splatter = std::get_if<FieldSplatter>(&m_splatter))
-        return splatter->splat(run.sheet, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
     std::uint64_t footprints = 0;
-    for (std::size_t f = 0; f < m_planes.size(); ++f)
-        footprints += std::get<1>(m_splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
+    for (const Splatter& splatter : m_splatters) {
+        if (const auto* own = std::get_if<FieldSplatter>(&splatter)) {
+            footprints +=
+                own->splat(run.sheet, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
+            continue;
+        }
+        for (std::size_t f = 0; f < m_planes.size(); ++f)
+            footprints += std::get<1>(splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
+    }
     return footprints;
 }
 
@@ -96,17 +105,23 @@ void FieldPlanes::finish(int plane) {
 
 std::size_t FieldPlanes::bytes() const {
     std::size_t sum = m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
-    if (const auto* splatter = std::get_if<FieldSplatter>(&m_splatter))
-        sum += splatter->tableBytes();
-    else
-        for (const WarpedSplatter& warped : std::get<1>(m_splatter)) sum += warped.table().bytes();
+    for (const Splatter& splatter : m_splatters)
+        if (const auto* own = std::get_if<FieldSplatter>(&splatter))
+            sum += own->tableBytes();
+        else
+            for (const WarpedSplatter& warped : std::get<1>(splatter)) sum += warped.table().bytes();
     return sum;
 }
 
 std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings, const Dials& dials,
                                const Sheets& sheets, const Lattice& lattice, int batchSheets) {
-    const std::size_t sum = PlaneStack::bytes(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1) +
-                            field.field->blockCount() * 8;
+    return PlaneStack::bytes(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1) +
+           placementBytes(field, settings, dials, sheets, lattice);
+}
+
+std::size_t FieldPlanes::placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
+                                        const Sheets& sheets, const Lattice& lattice) {
+    const std::size_t sum = field.field->blockCount() * 8;
     if (!lattice.parallel()) return sum;  // one small table
     const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
     const FootprintTable::Steps steps = footprintSteps(rsFromIs, settings.stepsPerVoxel);

@@ -25,8 +25,12 @@ class FieldPlanes {
     };
 
     /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `sheets` and `lattice` must outlive this.
-    /// Several fields must have the topology of the first (haveOneTopology).
+    /// Several fields must have the topology of the first (haveOneTopology), and each has planes of its own.
     FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
+                const Sheets& sheets, const Lattice& lattice, int batchSheets)
+        : FieldPlanes(std::vector<std::vector<ViewField>>(1, fields), settings, dials, sheets, lattice, batchSheets) {}
+    /// Placements add up in the same planes; all have as many fields.
+    FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
     /// Begins the batch [firstSheet, firstSheet + count). It is splatted in phases, one after the other, each of tasks
@@ -49,16 +53,22 @@ class FieldPlanes {
     /// An upper estimate beforehand.
     static std::size_t bytes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
                              const Lattice& lattice, int batchSheets);
+    /// Of that what each placement takes.
+    static std::size_t placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
+                                      const Sheets& sheets, const Lattice& lattice);
 
   private:
     struct Run {
         int sheet, count;
     };
+    using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
+    static Splatter splatterFor(const std::vector<ViewField>& fields, const Settings& s, const Dials& dials,
+                                const Sheets& sheets, const Lattice& lattice);
 
     const Lattice& m_lattice;
     Settings m_settings;
     Simd m_simd;
-    std::variant<FieldSplatter, std::vector<WarpedSplatter>> m_splatter;
+    std::vector<Splatter> m_splatters;       // one a placement; parallel ones take turns at the same bands
     std::vector<PlaneStack> m_planes;        // one a field
     int m_origin = -1;                       // the first sheet of the first batch, whose planes lie as it wants them
     int m_firstReady = 0, m_readySheet = 0;  // sheets that the batch splats

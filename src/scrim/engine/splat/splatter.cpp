@@ -105,6 +105,9 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
 
 std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                                    const TileCull& cull, int band) const {
+    const auto begin = std::lower_bound(m_firstSheets.begin(), m_firstSheets.end(), firstSheet - m_sheetSpan);
+    const auto end = std::lower_bound(begin, m_firstSheets.end(), lastSheet);
+    if (begin == end && m_field.tiles.empty()) return 0;
     PlaneStack& own = planes.front();
     const std::vector<std::ptrdiff_t> offsets = m_pieces.offsets(own.planeStride(), own.rowStride());
     Target target{{&m_order,
@@ -130,8 +133,6 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
                   bands(own)};
     for (std::size_t f = 0; f < planes.size(); ++f) target.splat.planes[f] = planes[f].plane(firstPlane);
 
-    const auto begin = std::lower_bound(m_firstSheets.begin(), m_firstSheets.end(), firstSheet - m_sheetSpan);
-    const auto end = std::lower_bound(begin, m_firstSheets.end(), lastSheet);
     std::vector<std::pair<std::uint32_t, Vec3>> blocks;
     for (auto it = begin; it != end; ++it) {
         const std::uint32_t b = m_byFirstSheet[it - m_firstSheets.begin()];

@@ -43,6 +43,9 @@ class FieldSplatter {
     /// Sheets that a footprint may reach.
     int footprintSheets() const { return m_table.sheets(); }
     std::size_t tableBytes() const { return m_pieces.bytes(); }
+    /// Rows of tiles a band. More than are needed let several splatters take turns at the same bands.
+    int bandTiles() const { return m_bandTiles; }
+    void useBands(int tiles) { m_bandTiles = tiles; }
     int bands(const PlaneStack& planes) const { return (planes.tilesY() + m_bandTiles - 1) / m_bandTiles; }
 
     /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed
