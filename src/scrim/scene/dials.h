@@ -48,6 +48,7 @@ struct Dials {
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
     double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
     int antialias = 1;            ///< n x n rays a pixel
+    std::optional<int> shutterSamples;  ///< renders that motion blur is the mean of; nothing: chosen by the motion
     std::string simd = "auto";    ///< instruction set: auto, or the most one may use
 };
 

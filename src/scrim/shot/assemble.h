@@ -18,6 +18,8 @@ struct VolumeFields {
     std::shared_ptr<const SparseField> density;
     std::array<std::shared_ptr<const SparseField>, 3> albedo;       ///< red, green and blue, where the albedo is a grid
     std::vector<std::shared_ptr<const SparseField>> emission = {};  ///< one each of SceneVolume::emission
+    /// Where the shutter sees it move: of x, y and z the parts above and below 0 (GridPart); else empty.
+    std::vector<std::shared_ptr<const SparseField>> velocity = {};
     std::string culled = {};  ///< why the picture has no use for the volume; then it may not be loaded
 };
 
