@@ -6,10 +6,6 @@
 //   area and dome lights   are several lights: LightPart already cuts one light into views with shares (grouping.h); a
 //                          sub-light is a part with a direction or position of its own. Groups, shadow buffers, layers
 //                          and shading take parts, and know nothing of how a light came to have them.
-//   motion blur            velocity grids move voxels, not samples: a field becomes one field for each of a few times
-//   of
-//                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h);
-//                          or a footprint gets a length (footprint_table.h). Nothing behind the splat changes.
 //   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any
 //                          other (plan.h), without a medium in SheetShader's list. A depth picture to stop at
 //                          is the rays' end, as the near plane is their start (cutSlab in compositor.cpp).
