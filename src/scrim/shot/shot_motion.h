@@ -35,7 +35,7 @@ class ShotMotion {
   private:
     ViewScene viewAt(double t, double lod, VolumesOf volumesOf, Moved moved) const;
     ViewScene truthAt(double t, const ViewScene& base) const;
-    double longestPath() const;
+    double longestPath();
     int samplesFor(double path) const;
     double middle() const { return 0.5 * (m_shutter.open + m_shutter.close); }
 
@@ -43,7 +43,8 @@ class ShotMotion {
     const RenderOptions& m_options;
     Shutter m_shutter;
     bool m_moves = false;
-    double m_path = 0;  // pixels
+    double m_path = 0;         // pixels
+    double m_voxelPixels = 1;  // pixels that a voxel covers
     int m_samples = 1;
 };
 
