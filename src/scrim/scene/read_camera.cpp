@@ -125,8 +125,8 @@ Shutter readShutter(const TomlValue& value) {
     const auto ends = value.items(2);
     const Shutter shutter{ends[0].number(), ends[1].number()};
     if (!(shutter.close > shutter.open))
-        value.fail(fmt::format("{} is [{}, {}]; expected it to close after it opens", k.shutter, shutter.open,
-                               shutter.close));
+        value.fail(
+            fmt::format("{} is [{}, {}]; expected it to close after it opens", k.shutter, shutter.open, shutter.close));
     return shutter;
 }
 

@@ -18,7 +18,7 @@ namespace scrim {
 
 /// What all sections need to know.
 struct ReadContext {
-    double frame = 1;  ///< that keys are looked up at
+    double frame = 1;       ///< that keys are looked up at
     double wholeFrame = 1;  ///< that files are those of: `frame`, or the frame that it is a moment of
     const ColourConfig& colour;
     std::string folder;                    ///< of the scene

@@ -162,10 +162,10 @@ struct Scene {
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
-    bool moves = false;                ///< does its text have keys, or a camera from frames?
-    std::optional<Shutter> shutter = {};   ///< none: the picture is that of one moment
-    bool movesWithin = false;              ///< does any of its text's keys change a value while the shutter is open?
-    std::string quality = "standard";  ///< the preset that `dials` started from
+    bool moves = false;                   ///< does its text have keys, or a camera from frames?
+    std::optional<Shutter> shutter = {};  ///< none: the picture is that of one moment
+    bool movesWithin = false;             ///< does any of its text's keys change a value while the shutter is open?
+    std::string quality = "standard";     ///< the preset that `dials` started from
     /// Are texels and sheets to be chosen for what the preset promises? Not where the scene gives either.
     bool keepsPromise = false;
     double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say

@@ -225,8 +225,8 @@ struct OutputKeys : Section {
     const Key& type = choice("type", {"half", "float"}, "Bits of a channel: 16 or 32. Depth is always 32.");
     const Key& layers;
     const Key& compression;
-    const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), 24,
-                            "For the header, and for velocities per second.");
+    const Key& fps =
+        number("fps", Range::aboveTo(0, 1e6, "frames a second"), 24, "For the header, and for velocities per second.");
     const Key& preview =
         path("preview", "a path, or a table with 'file', 'display' and 'view'", "A picture to look at beside it.")
             .orTable(keysOf<PreviewKeys>());

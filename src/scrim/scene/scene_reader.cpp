@@ -130,6 +130,17 @@ bool movesBetween(const toml::node& node, double begin, double end) {
     });
 }
 
+/// What the shutter means for the scene, which is complete but for that.
+void readShutterOf(const toml::table& tree, Scene& scene) {
+    const Shutter& shutter = *scene.shutter;
+    scene.movesWithin = movesBetween(tree, scene.frame + shutter.open, scene.frame + shutter.close);
+    if (scene.output.deep.file.empty()) return;
+    throw Error(ErrorKind::input,
+                fmt::format("{}: {} does not go with {} of [camera]: a deep pixel has one depth for "
+                            "each thing, and what moves has many; expected one of them",
+                            scene.lines->of("output.deep"), keysOf<OutputKeys>().deep, keysOf<CameraKeys>().shutter));
+}
+
 /// A solid that catches shadows shows them in layers.
 void addShadowLayer(Scene& scene) {
     std::vector<Layer>& layers = scene.output.layers;
@@ -206,8 +217,6 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.dials = render.dials;
     scene.moves = hasKeys(tree) || camera.moves;
     for (const SceneMesh& mesh : scene.meshes) scene.moves = scene.moves || mesh.sequence.hasFrame();
-    if (scene.shutter)
-        scene.movesWithin = movesBetween(tree, frame + scene.shutter->open, frame + scene.shutter->close);
     const auto output = section(k.output);
     scene.output = output ? readOutput(*output, context) : defaultOutput(context);
     root.finish();
@@ -216,11 +225,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     std::map<std::string, std::string> lines;
     addLines(tree, "", lines);
     scene.lines = std::make_shared<const SceneLines>(std::move(lines));
-    if (scene.shutter && !scene.output.deep.file.empty())
-        throw Error(ErrorKind::input, fmt::format("{}: {} does not go with {} of [camera]: a deep pixel has one depth "
-                                                  "for each thing, and what moves has many; expected one of them",
-                                                  scene.lines->of("output.deep"), keysOf<OutputKeys>().deep,
-                                                  keysOf<CameraKeys>().shutter));
+    if (scene.shutter) readShutterOf(tree, scene);
     return scene;
 }
 

@@ -92,9 +92,9 @@ struct ViewScene {
     Dials dials;
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
-    std::vector<Layer> layers;                ///< to render beside the beauty
-    std::optional<ViewDeep> deep;             ///< none: the flat picture alone
-    std::optional<ViewShutter> shutter;       ///< none: the scene has no shutter
+    std::vector<Layer> layers;           ///< to render beside the beauty
+    std::optional<ViewDeep> deep;        ///< none: the flat picture alone
+    std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
     /// Null: the picture is that of a moment, which is this scene. Else the mean over moments, of which this is one.
     std::shared_ptr<const ViewMoments> moments;
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null

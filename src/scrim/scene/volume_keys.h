@@ -69,8 +69,7 @@ struct VelocityKeys : Section {
               "NAME is also three floats NAME.x, NAME.y, NAME.z. Components of a staggered grid stand on faces.")
             .required();
     const Key& scale = number("scale", Range::fromTo(-1e12, 1e12), 1, "Times this.").keyed();
-    const Key& unit =
-        choice("unit", {"second", "frame"}, "What the velocity is per; seconds by 'fps' of [output].");
+    const Key& unit = choice("unit", {"second", "frame"}, "What the velocity is per; seconds by 'fps' of [output].");
 };
 
 struct AlbedoGridKeys : Section {

@@ -82,8 +82,8 @@ std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const Spar
     if (!path.moves()) return nullptr;
     const auto glows = std::find_if(fields.emission.begin(), fields.emission.end(),
                                     [](const FieldPointer& field) { return field && !field->empty(); });
-    return std::make_unique<const FieldMover>(
-        path, density.empty() && glows != fields.emission.end() ? **glows : density);
+    return std::make_unique<const FieldMover>(path,
+                                              density.empty() && glows != fields.emission.end() ? **glows : density);
 }
 
 // A volume with what its grids make of it; nothing where all of it is empty.

@@ -20,7 +20,7 @@ struct VolumeFields {
     std::vector<std::shared_ptr<const SparseField>> emission = {};  ///< one each of SceneVolume::emission
     /// Where the shutter sees it move: of x, y and z the parts above and below 0 (GridPart); else empty.
     std::vector<std::shared_ptr<const SparseField>> velocity = {};
-    double time = 0;  ///< times the velocity is what they move by
+    double time = 0;          ///< times the velocity is what they move by
     std::string culled = {};  ///< why the picture has no use for the volume; then it may not be loaded
 };
 

@@ -52,8 +52,7 @@ std::string placeText(const std::string& where) {
 std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& fields, const GridRequest& request,
                          const std::string& where, const std::string& maker) {
     if (request.part != GridPart::whole)
-        throw Error(ErrorKind::input,
-                    fmt::format("{}{} no velocities: only files do", placeText(where), maker));
+        throw Error(ErrorKind::input, fmt::format("{}{} no velocities: only files do", placeText(where), maker));
     std::vector<GridOffer> offers;
     std::vector<std::string> names;
     for (const auto& field : fields) {

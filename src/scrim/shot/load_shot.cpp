@@ -132,8 +132,8 @@ ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod,
                              Moved moved) const {
     Scene at = sceneAt(t);
     at.dials.lod = lod;
-    ViewScene view = assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf,
-                              moved);
+    ViewScene view =
+        assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, moved);
     view.solids = scene.movesWithin ? solidsOf(at) : solids;
     return view;
 }

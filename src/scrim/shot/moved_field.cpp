@@ -31,7 +31,8 @@ class BlockMap {
     };
     explicit BlockMap(const SparseField& field) : m_wsFromIs(field.wsFromIs), m_isFromWs(glm::inverse(field.wsFromIs)) {
         for (std::size_t b = 0; b < field.blockCount(); ++b)
-            add(field.blockOrigins[b], field.block(b), *std::max_element(field.block(b), field.block(b) + kBlockVoxels));
+            add(field.blockOrigins[b], field.block(b),
+                *std::max_element(field.block(b), field.block(b) + kBlockVoxels));
         for (const ConstantTile& tile : field.tiles) {
             const auto& constant =
                 m_constants.emplace_back(std::make_unique<std::vector<float>>(kBlockVoxels, tile.value));
@@ -185,8 +186,8 @@ Vec3 meanVelocity(const std::vector<BlockMap>& velocity, const SparseField& fiel
         const float* values = map.at(block)->values;
         for (int i = 0; i < kBlockVoxels; ++i) {
             if (values[i] == 0) continue;
-            sums[b].v += double(values[i]) *
-                         sampler.at(transformPoint(field.wsFromIs, Vec3(block * kBlockEdge + voxelOf(i))));
+            sums[b].v +=
+                double(values[i]) * sampler.at(transformPoint(field.wsFromIs, Vec3(block * kBlockEdge + voxelOf(i))));
             sums[b].weight += values[i];
         }
     });

@@ -95,9 +95,7 @@ class FrameRender {
 
 Frame FrameRender::run() {
     const Scene& scene = m_shot.scene;
-    const ViewScene view = timed(m_report.seconds.plan, [&] {
-        return withDeep(m_motion.view(), scene.output);
-    });
+    const ViewScene view = timed(m_report.seconds.plan, [&] { return withDeep(m_motion.view(), scene.output); });
     warnOfColouredDeep(view, m_options.messages);
     // Of a picture that shows nothing one wants to know why.
     if (view.volumes.empty())

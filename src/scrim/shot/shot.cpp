@@ -329,7 +329,8 @@ ShotFrame Shot::render(int frame, const RenderOptions& options) {
 }
 
 ShotFrame Shot::render(Scene scene, const RenderOptions& options) {
-    return withThreads(options.threads, [&] { return m_content->render(Content::byHand(std::move(scene)), 0, options); });
+    return withThreads(options.threads,
+                       [&] { return m_content->render(Content::byHand(std::move(scene)), 0, options); });
 }
 
 }  // namespace scrim

@@ -133,11 +133,11 @@ bool sameLook(const SceneVolume& a, const SceneVolume& b) {
 ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m_shot(shot), m_options(options) {
     if (!shot.scene.shutter) return;
     m_shutter = *shot.scene.shutter;
-    m_moves = shot.scene.movesWithin ||
-              std::any_of(shot.fields.begin(), shot.fields.end(), [](const VolumeFields& fields) {
-                  return std::any_of(fields.velocity.begin(), fields.velocity.end(),
-                                     [](const auto& part) { return part && !part->empty(); });
-              });
+    m_moves =
+        shot.scene.movesWithin || std::any_of(shot.fields.begin(), shot.fields.end(), [](const VolumeFields& fields) {
+            return std::any_of(fields.velocity.begin(), fields.velocity.end(),
+                               [](const auto& part) { return part && !part->empty(); });
+        });
     if (!m_moves) return;
     m_path = longestPath();
     m_samples = shot.scene.dials.shutterSamples.value_or(samplesFor(m_path));
@@ -151,8 +151,7 @@ ViewScene ShotMotion::view() const {
     const double lod = m_shot.scene.dials.lod;
     ViewScene view = m_moves ? viewAt(middle(), lod, VolumesOf::picture, Moved::byVoxels)
                              : m_shot.view(m_options, lod, VolumesOf::picture);
-    if (m_shot.scene.shutter)
-        view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, m_moves};
+    if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, m_moves};
     return view;
 }
 
@@ -211,8 +210,8 @@ double ShotMotion::longestPath() {
                     wsWay = std::max(wsWay, most);
                 }
     }
-    if (m_shutter.open < 0 && m_shutter.close > 0) wsWay *= (m_shutter.close - m_shutter.open) /
-                                                            std::max(-m_shutter.open, m_shutter.close);
+    if (m_shutter.open < 0 && m_shutter.close > 0)
+        wsWay *= (m_shutter.close - m_shutter.open) / std::max(-m_shutter.open, m_shutter.close);
     const Bounds box = boundsOf(places.front().ws);
     if (box.empty()) return 0;
     const double least = 1e-3 * glm::length(box.size());

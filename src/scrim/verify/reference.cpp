@@ -82,7 +82,8 @@ std::shared_ptr<const Reference::Velocity> Reference::velocityOf(const ViewVolum
     auto out = std::make_shared<Velocity>();
     for (const ViewField& part : volume.velocity->parts) out->parts.push_back(probeOf(part, Kernel::linear, probes));
     out->wsPath = volume.velocity->wsPath;
-    for (const Vec3& way : volume.velocity->wsRange().corners()) out->mostWay = std::max(out->mostWay, glm::length(way));
+    for (const Vec3& way : volume.velocity->wsRange().corners())
+        out->mostWay = std::max(out->mostWay, glm::length(way));
     return out;
 }
 

@@ -143,8 +143,7 @@ ToleranceResult renderWithin(const ViewScene& scene, const ViewScene& truth, con
         out.attempts = attempt + 1;
         out.dials = choice.dials;
         out.predicted = choice.predicted;
-        timed(out.seconds.render,
-              [&] { out.frame = make(tried, out.plan, partOf(options.progress, from, rendered)); });
+        timed(out.seconds.render, [&] { out.frame = make(tried, out.plan, partOf(options.progress, from, rendered)); });
 
         SampleOptions sampling;
         sampling.count = options.pixels;

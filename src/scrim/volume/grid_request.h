@@ -32,7 +32,8 @@ struct GridRequest {
     }
 };
 
-/// One word between processes: "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx". Back again; throws Error(usage) for anything else.
+/// One word between processes: "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx". Back again; throws Error(usage)
+/// for anything else.
 std::string toText(const GridRequest& request);
 GridRequest gridRequestFrom(const std::string& text);
 
