@@ -99,6 +99,21 @@ Dial crossFade() {
     return d;
 }
 
+Dial shutterSamples() {
+    Dial d;
+    d.words = {"auto"};
+    d.info = {"shutter_samples", "renders", "", "'auto', or a whole number from 1 to 1024",
+              "renders that motion blur is the mean of; auto: by the longest way that anything moves in the picture "
+              "and by the preset's error, or 1 where nothing moves; error of second order"};
+    d.allows = [](double v) { return v == std::floor(v) && v >= 1 && v <= 1024; };
+    d.setNumber = [](Dials& dials, double v) { dials.shutterSamples = static_cast<int>(v); };
+    d.setWord = [](Dials& dials, std::size_t) { dials.shutterSamples.reset(); };
+    d.get = [](const Dials& dials) {
+        return dials.shutterSamples ? std::to_string(*dials.shutterSamples) : std::string("auto");
+    };
+    return d;
+}
+
 std::vector<Dial> makeDials() {
     std::vector<Dial> all;
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
@@ -135,6 +150,7 @@ std::vector<Dial> makeDials() {
     all.push_back(integer(
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));
+    all.push_back(shutterSamples());
     all.push_back(simd());
     for (Dial& dial : all) {
         dial.info.defaultText = dial.get(Dials());

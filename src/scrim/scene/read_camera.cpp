@@ -121,6 +121,15 @@ void readView(TomlTable& table, const ReadContext& context, Camera& camera) {
     camera.wsFromCamera = lookAt(-forward, Vec3(0), up);
 }
 
+Shutter readShutter(const TomlValue& value) {
+    const auto ends = value.items(2);
+    const Shutter shutter{ends[0].number(), ends[1].number()};
+    if (!(shutter.close > shutter.open))
+        value.fail(
+            fmt::format("{} is [{}, {}]; expected it to close after it opens", k.shutter, shutter.open, shutter.close));
+    return shutter;
+}
+
 Int2 readResolution(const TomlValue& value) {
     const auto sides = value.items(2);
     return {sides[0].integer(), sides[1].integer()};
@@ -133,6 +142,7 @@ CameraSection readCamera(TomlTable table, const ReadContext& context) {
     Camera& camera = out.camera;
     camera.near = table.numberAt(context.frame, k.near);
     out.overscan = table.integer(k.overscan);
+    if (const auto shutter = table.find(k.shutter)) out.shutter = readShutter(*shutter);
     const auto resolution = table.find(k.resolution);
     if (resolution) camera.resolution = readResolution(*resolution);
     if (const auto exr = table.find(k.exr)) {

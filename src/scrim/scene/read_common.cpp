@@ -31,7 +31,7 @@ FramePath ReadContext::path(const TomlValue& value) const {
 }
 
 int ReadContext::fileFrame() const {
-    return static_cast<int>(std::lround(frame));
+    return static_cast<int>(std::lround(wholeFrame));
 }
 
 Vec3 readDirection(const TomlValue& value, double frame) {

@@ -18,7 +18,8 @@ namespace scrim {
 
 /// What all sections need to know.
 struct ReadContext {
-    double frame = 1;
+    double frame = 1;       ///< that keys are looked up at
+    double wholeFrame = 1;  ///< that files are those of: `frame`, or the frame that it is a moment of
     const ColourConfig& colour;
     std::string folder;                    ///< of the scene
     VariableLookup variables;              ///< [variables], then the environment
@@ -28,7 +29,7 @@ struct ReadContext {
 
     /// The pattern in `value` with its variables expanded, relative to the scene.
     FramePath path(const TomlValue& value) const;
-    /// The scene's frame as files are numbered: the nearest whole number.
+    /// As files are numbered: the nearest whole number.
     int fileFrame() const;
 };
 
@@ -36,6 +37,7 @@ struct CameraSection {
     Camera camera;
     int overscan = 0;
     std::optional<PlateCamera> plate;
+    std::optional<Shutter> shutter = {};
     bool moves = false;  ///< does the plate have frames?
 };
 

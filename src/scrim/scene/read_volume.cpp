@@ -47,10 +47,10 @@ void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume)
         map.keys.keys = readRamp<double>(
             *keys, "[frame, file number]", [](const TomlValue& y) { return y.number(); }, 1);
     }
-    const double number = map.fileAt(context.frame);
+    const double number = map.fileAt(context.wholeFrame);
     if (!(std::abs(number) <= 2.0 * kLastFrame))
         table.fail(fmt::format("{} is file {:g} at frame {}; expected one of at most {}", table.description(), number,
-                               context.frame, 2 * kLastFrame));
+                               context.wholeFrame, 2 * kLastFrame));
     volume.frame = static_cast<int>(number);
     volume.outside = static_cast<OutsidePolicy>(table.choice(f.outside));
     table.finish();
@@ -67,6 +67,21 @@ void readDensity(TomlTable table, SceneVolume& volume) {
                 "{} maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at", d.ramp));
     }
     table.finish();
+}
+
+Velocity readVelocity(TomlTable table, const ReadContext& context) {
+    const VelocityKeys& v = keysOf<VelocityKeys>();
+    Velocity velocity;
+    const TomlValue grid = table.require(v.grid);
+    velocity.where = grid.where();
+    if (grid.isString())
+        velocity.grids = {grid.string()};
+    else
+        for (const TomlValue& item : grid.items(3)) velocity.grids.push_back(item.string());
+    velocity.scale = table.numberAt(context.frame, v.scale);
+    velocity.perSecond = table.choice(v.unit) == 0;
+    table.finish();
+    return velocity;
 }
 
 /// The lights that light it, by name.
@@ -122,6 +137,8 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     if (const auto transform = table.find(k.transform))
         volume.wsFromAsset = readTransform(of(*transform, fmt::format("{}", k.transform)), context);
     if (const auto density = table.find(k.density)) readDensity(of(*density, fmt::format("{}", k.density)), volume);
+    if (const auto velocity = table.find(k.velocity))
+        volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);
     if (const auto classified = table.find(k.classified)) {
         Classified c = readClassified(of(*classified, keysOf<ClassifiedKeys>().title()), context);

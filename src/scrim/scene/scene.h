@@ -51,6 +51,22 @@ struct ColourGrid {
     std::string where;          ///< of the grid's name in the scene
 };
 
+/// What moves a volume while the shutter is open.
+struct Velocity {
+    std::vector<std::string> grids;  ///< one as GridRequest names velocities, or three scalar ones: x, y, z
+    double scale = 1;                ///< grid value to world units of the asset, a second or a frame
+    bool perSecond = true;
+    std::string where;  ///< of the grid's name in the scene
+
+    /// Grid value to world units of the asset a frame.
+    double perFrame(double fps) const { return perSecond ? scale / fps : scale; }
+};
+
+/// While the camera sees, in frames about the frame.
+struct Shutter {
+    double open = 0, close = 0;  ///< open < close
+};
+
 /// Light that a medium sends out by itself. It does not light the volume: nothing scatters it.
 struct Emission {
     std::string grid;
@@ -79,6 +95,7 @@ struct SceneVolume {
     Medium medium;                                   ///< its densityScale is the one above
     std::optional<ColourGrid> albedoGrid;            ///< instead of medium.albedo
     std::vector<Emission> emission;                  ///< of a medium; they add up
+    std::optional<Velocity> velocity = {};           ///< of all of its grids
     std::optional<std::vector<std::string>> lights;  ///< names of those that light it; none: all
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
     std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
@@ -145,8 +162,10 @@ struct Scene {
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
-    bool moves = false;                ///< does its text have keys, or a camera from frames?
-    std::string quality = "standard";  ///< the preset that `dials` started from
+    bool moves = false;                   ///< does its text have keys, or a camera from frames?
+    std::optional<Shutter> shutter = {};  ///< none: the picture is that of one moment
+    bool movesWithin = false;             ///< does any of its text's keys change a value while the shutter is open?
+    std::string quality = "standard";     ///< the preset that `dials` started from
     /// Are texels and sheets to be chosen for what the preset promises? Not where the scene gives either.
     bool keepsPromise = false;
     double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say

@@ -93,6 +93,12 @@ struct CameraKeys : Section {
             .keyed();
     const Key& near =
         number("near", Range::length(), 0, "Nothing nearer than this along the viewing axis is seen.").keyed();
+    const Key& shutter =
+        other("shutter", "two times [opens, closes], in frames about the frame", kTwoNumbers,
+              Range::fromTo(-1000, 1000, "frames"),
+              "Motion blur: the picture is the mean over these times, of whatever has keys or a 'velocity'. "
+              "[-0.25, 0.25] is a shutter of 180 degrees. Files of sequences are those of the frame.")
+            .unless("no motion blur");
     const Key& resolution = other("resolution", "[width, height] in pixels", kTwoNumbers,
                                   Range::fromTo(1, kMostPixels, "pixels"), "Of the picture.")
                                 .unless("[512, 512]");
@@ -274,7 +280,8 @@ struct OutputKeys : Section {
     const Key& type = choice("type", {"half", "float"}, "Bits of a channel: 16 or 32. Depth is always 32.");
     const Key& layers;
     const Key& compression;
-    const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), 24, "For the header.");
+    const Key& fps =
+        number("fps", Range::aboveTo(0, 1e6, "frames a second"), 24, "For the header, and for velocities per second.");
     const Key& preview =
         path("preview", "a path, or a table with 'file', 'display' and 'view'", "A picture to look at beside it.")
             .orTable(keysOf<PreviewKeys>());

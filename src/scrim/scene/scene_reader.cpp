@@ -95,6 +95,52 @@ bool hasKeys(const toml::node& node) {
             std::any_of(table->begin(), table->end(), [](const auto& entry) { return hasKeys(entry.second); }));
 }
 
+/// Does a value that has keys change between two frames? `keys`: a list of [frame, value], which was read before.
+bool changesBetween(const toml::array& keys, double begin, double end) {
+    const auto pairAt = [&](std::size_t i) {
+        const toml::array* pair = keys[i].as_array();
+        return pair != nullptr && pair->size() == 2 ? pair : nullptr;
+    };
+    const auto equal = [](const toml::node& a, const toml::node& b) {
+        toml::array one, other;
+        one.push_back(a);
+        other.push_back(b);
+        return one == other;
+    };
+    for (std::size_t i = 1; i < keys.size(); ++i) {
+        const toml::array *a = pairAt(i - 1), *b = pairAt(i);
+        if (a == nullptr || b == nullptr) return false;  // not keys, but the parameter of a source
+        const double from = (*a)[0].value<double>().value_or(0), to = (*b)[0].value<double>().value_or(0);
+        if (from < end && to > begin && !equal((*a)[1], (*b)[1])) return true;
+    }
+    return false;
+}
+
+/// Does any keyed value in it change between two frames?
+bool movesBetween(const toml::node& node, double begin, double end) {
+    const auto moves = [&](const toml::node& inner) { return movesBetween(inner, begin, end); };
+    if (const toml::array* list = node.as_array()) return std::any_of(list->begin(), list->end(), moves);
+    const toml::table* table = node.as_table();
+    if (table == nullptr) return false;
+    return std::any_of(table->begin(), table->end(), [&](const auto& entry) {
+        // Which file a volume shows is that of the frame.
+        if (entry.first.str() == keysOf<VolumeKeys>().frame.name && entry.second.is_table()) return false;
+        const bool isKeys = entry.first.str() == keysOf<KeyedKeys>().keys.name && entry.second.is_array();
+        return isKeys ? changesBetween(*entry.second.as_array(), begin, end) : moves(entry.second);
+    });
+}
+
+/// What the shutter means for the scene, which is complete but for that.
+void readShutterOf(const toml::table& tree, Scene& scene) {
+    const Shutter& shutter = *scene.shutter;
+    scene.movesWithin = movesBetween(tree, scene.frame + shutter.open, scene.frame + shutter.close);
+    if (scene.output.deep.file.empty()) return;
+    throw Error(ErrorKind::input,
+                fmt::format("{}: {} does not go with {} of [camera]: a deep pixel has one depth for "
+                            "each thing, and what moves has many; expected one of them",
+                            scene.lines->of("output.deep"), keysOf<OutputKeys>().deep, keysOf<CameraKeys>().shutter));
+}
+
 /// A solid that catches shadows shows them in layers.
 void addShadowLayer(Scene& scene) {
     std::vector<Layer>& layers = scene.output.layers;
@@ -125,7 +171,7 @@ SceneText loadSceneText(const std::string& path) {
 }
 
 Scene readScene(const SceneText& text, double frame, const std::vector<std::string>& overrides,
-                const ColourConfig& colour) {
+                const ColourConfig& colour, double within) {
     if (!(std::abs(frame) <= kLargestFrame))
         throw Error(ErrorKind::input, fmt::format("{}: frame {} is beyond {}", text.file, frame, kLargestFrame));
     const toml::table tree = parsed(text, overrides);
@@ -136,7 +182,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
         return value ? std::optional<TomlTable>(value->table(fmt::format("[{}]", key.name))) : std::nullopt;
     };
 
-    ReadContext context{frame, colour, text.folder, lookupIn({})};
+    ReadContext context{frame + within, frame, colour, text.folder, lookupIn({})};
     if (const auto variables = section(k.variables)) context.variables = lookupIn(readVariables(*variables));
     context.version = root.integer(k.sceneVersion);
 
@@ -148,6 +194,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.camera = camera.camera;
     scene.overscan = camera.overscan;
     scene.plate = camera.plate;
+    scene.shutter = camera.shutter;
     const std::string atLeastOne = "at least one [[volume]]";
     root.require(k.volume, atLeastOne);
     scene.lights = readNamed<Light>(root, k.light, [&](const TomlTable& table, const std::string& name) {
@@ -178,6 +225,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     std::map<std::string, std::string> lines;
     addLines(tree, "", lines);
     scene.lines = std::make_shared<const SceneLines>(std::move(lines));
+    if (scene.shutter) readShutterOf(tree, scene);
     return scene;
 }
 
@@ -186,7 +234,7 @@ Camera readCameraText(const std::string& text, const std::string& name, const Co
     const CameraKeys& k = keysOf<CameraKeys>();
     // Of the working space nothing is asked, and a camera in a picture has no picture of its own.
     if (tree.contains(k.exr.name)) throw Error(ErrorKind::input, fmt::format("{}: {} is not known here", name, k.exr));
-    return readCamera(TomlTable(tree, "[camera]", &k), ReadContext{1, colour, "", lookupIn({})}).camera;
+    return readCamera(TomlTable(tree, "[camera]", &k), ReadContext{1, 1, colour, "", lookupIn({})}).camera;
 }
 
 std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides) {

@@ -30,8 +30,10 @@ SceneText loadSceneText(const std::string& path);
 /// Matrices are written row by row and act on column vectors: the last column is the translation, the last
 /// row 0, 0, 0, 1. Only the environment is read besides the text; whether a volume's file exists is for
 /// volume_file.h.
+/// `within`: frames after `frame` at which keys are looked up; files, and what the scene says of itself, stay those of
+/// `frame`.
 Scene readScene(const SceneText& text, double frame, const std::vector<std::string>& overrides,
-                const ColourConfig& colour);
+                const ColourConfig& colour, double within = 0);
 
 /// The camera of a text such as the inside of [camera], whose messages call it `name`. Throws Error(input).
 Camera readCameraText(const std::string& text, const std::string& name, const ColourConfig& colour);

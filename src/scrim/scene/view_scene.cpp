@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -15,6 +16,17 @@ std::vector<ViewField> fieldsOf(const ViewVolume& volume) {
     return fields;
 }
 
+Bounds ViewVelocity::wsRange() const {
+    Bounds v{Vec3(0), Vec3(0)};
+    for (int axis = 0; axis < 3; ++axis) {
+        v.upper[axis] = parts[std::size_t(2 * axis)].field->maxValue;
+        v.lower[axis] = -double(parts[std::size_t(2 * axis + 1)].field->maxValue);
+    }
+    Bounds ways;
+    for (const Vec3& corner : v.corners()) ways.include(wsPath * corner);
+    return ways;
+}
+
 std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
     std::vector<Vec3> corners;
     for (const ViewField& field : fieldsOf(volume)) {
@@ -24,6 +36,12 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
         is.upper += radius;
         for (const Vec3& corner : is.corners()) corners.push_back(transformPoint(field.wsFromIs, corner));
     }
+    if (!volume.velocity) return corners;
+    const std::vector<Vec3> unmoved = std::move(corners);
+    corners.clear();
+    const Bounds ways = volume.velocity->wsRange();
+    for (const Vec3& corner : unmoved)
+        for (const Vec3& way : ways.corners()) corners.push_back(corner + way);
     return corners;
 }
 

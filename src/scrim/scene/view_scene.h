@@ -2,6 +2,7 @@
 // What a sweep needs to know of a scene at one frame: fields in memory, no files, no names to resolve.
 #pragma once
 
+#include <scrim/geometry/bounds.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/image/image.h>
 #include <scrim/scene/light.h>
@@ -13,6 +14,7 @@
 #include <scrim/volume/sparse_field.h>
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,6 +35,16 @@ struct ViewEmission {
     Rgb color{1};
 };
 
+/// What the reference alone takes fields from elsewhere by: at x it sees what they hold at x - wsPath velocity(x). What
+/// is rendered has fields that were moved before.
+struct ViewVelocity {
+    std::vector<ViewField> parts;  ///< of x, y and z the parts above and below 0, as GridPart has them
+    Mat3 wsPath{0};                ///< velocity to way, world space
+
+    /// World space box around all ways.
+    Bounds wsRange() const;
+};
+
 struct ViewVolume {
     std::string name;
     std::shared_ptr<const SparseField> field;
@@ -44,11 +56,29 @@ struct ViewVolume {
     std::vector<ViewField> scatter = {};
     std::vector<ViewEmission> emission = {};  ///< they add up
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
+    std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
 };
 
 /// A deep picture beside the flat one.
 struct ViewDeep {
     double tolerance = 0.01;  ///< of merging samples: of alpha, and of colour as a part of the pixel's
+};
+
+struct ViewScene;
+
+/// What is seen while a shutter is open, moment by moment: only a check of the picture needs to know.
+struct ViewMoments {
+    double open = 0, close = 0;           ///< frames about the frame
+    double path = 0;                      ///< the longest way that anything goes meanwhile, pixels
+    std::function<ViewScene(double)> at;  ///< the scene so many frames about the frame, fields where files have them
+};
+
+/// What the picture is the mean of, for the plan.
+struct ViewShutter {
+    double open = 0, close = 0;  ///< frames about the frame
+    int samples = 1;             ///< renders
+    double path = 0;             ///< the longest way that anything goes meanwhile, pixels
+    bool moves = false;          ///< does anything?
 };
 
 struct ViewScene {
@@ -62,8 +92,11 @@ struct ViewScene {
     Dials dials;
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
-    std::vector<Layer> layers;                ///< to render beside the beauty
-    std::optional<ViewDeep> deep;             ///< none: the flat picture alone
+    std::vector<Layer> layers;           ///< to render beside the beauty
+    std::optional<ViewDeep> deep;        ///< none: the flat picture alone
+    std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
+    /// Null: the picture is that of a moment, which is this scene. Else the mean over moments, of which this is one.
+    std::shared_ptr<const ViewMoments> moments;
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
 };

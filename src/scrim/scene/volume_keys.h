@@ -57,6 +57,21 @@ struct DensityKeys : Section {
                             "Remaps the field: ascending, linear between, constant outside, 0 at 0.");
 };
 
+struct VelocityKeys : Section {
+    VelocityKeys()
+        : Section("velocity", "velocity = { ... } of a [[volume]] with a file",
+                  "What the volume moves by while the shutter of [camera] is open, in world units of the file: at time "
+                  "t its grids are taken at x - v(x) t. Where the grid has no voxels nothing moves, so it should reach "
+                  "beyond the smoke as far as that moves.") {}
+    const Key& grid =
+        other("grid", "the name of a vec3 grid, or a list of the names of three scalar grids [x, y, z]",
+              R"({"type":["string","array"],"items":{"type":"string"},"minItems":3,"maxItems":3})", {},
+              "NAME is also three floats NAME.x, NAME.y, NAME.z. Components of a staggered grid stand on faces.")
+            .required();
+    const Key& scale = number("scale", Range::fromTo(-1e12, 1e12), 1, "Times this.").keyed();
+    const Key& unit = choice("unit", {"second", "frame"}, "What the velocity is per; seconds by 'fps' of [output].");
+};
+
 struct AlbedoGridKeys : Section {
     AlbedoGridKeys() : Section("albedo", "albedo = { grid = ... } of [volume.medium]", "Colours from a grid.") {}
     const Key& grid =
@@ -193,7 +208,7 @@ struct VolumeKeys : Section {
         : Section("volume", "[[volume]]",
                   "At least one: a .vdb file or sequence, or a source that makes or reads something else (`scrim make "
                   "--list`).") {
-        exclude({&source, &parameters}, {&file, &frame});
+        exclude({&source, &parameters}, {&file, &frame, &velocity});
         exclude({&medium}, {&classified});
     }
     const Key& name = text("name", "a name", "For messages, layers and --set volume.NAME.density.scale=3.")
@@ -208,6 +223,8 @@ struct VolumeKeys : Section {
             .onlyFor("'source'");
     const Key& transform = table(keysOf<TransformKeys>(), "transform", "Where it stands.");
     const Key& density = table(keysOf<DensityKeys>(), "density", "Which grid, and how dense.");
+    const Key& velocity =
+        table(keysOf<VelocityKeys>(), "velocity", "How it moves while the shutter is open.").onlyFor("'file'");
     const Key& lights = other("lights", "a list of names of lights", kStrings, {},
                               "Those that light it. What does not light it is still shadowed by it.")
                             .unless("all");

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/shot/derived_fields.h>
+#include <scrim/shot/moved_field.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/volume/coarser.h>
 
@@ -75,9 +76,22 @@ std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vecto
     return limit - bytes;
 }
 
+// What takes the fields of a volume to their places by its velocity; null where nothing does.
+std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const SparseField& density) {
+    const FieldPath path{fields.velocity, fields.time};
+    if (!path.moves()) return nullptr;
+    const auto glows = std::find_if(fields.emission.begin(), fields.emission.end(),
+                                    [](const FieldPointer& field) { return field && !field->empty(); });
+    return std::make_unique<const FieldMover>(path,
+                                              density.empty() && glows != fields.emission.end() ? **glows : density);
+}
+
 // A volume with what its grids make of it; nothing where all of it is empty.
-std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields) {
+std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
+                                 Moved moved) {
+    std::unique_ptr<const FieldMover> mover;
     const auto placed = [&](FieldPointer field) {
+        if (mover) field = (*mover)(field);
         if (scene.dials.lod > 0)
             field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
         const Mat4 wsFromIs = volume.wsFromAsset * field->wsFromIs;
@@ -90,6 +104,10 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     out.lights = lightsOf(scene, volume);
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
     if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
+    if (moved == Moved::byVelocity)
+        out.velocity = velocityOf(volume, fields);
+    else
+        mover = moverOf(fields, *density);
     if (!volume.classified) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
@@ -108,8 +126,16 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
 
 }  // namespace
 
+std::shared_ptr<const ViewVelocity> velocityOf(const SceneVolume& volume, const VolumeFields& fields) {
+    if (!FieldPath{fields.velocity, fields.time}.moves()) return nullptr;
+    auto out = std::make_shared<ViewVelocity>();
+    for (const FieldPointer& part : fields.velocity) out->parts.push_back({part, volume.wsFromAsset * part->wsFromIs});
+    out->wsPath = fields.time * Mat3(volume.wsFromAsset);
+    return out;
+}
+
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
-                   std::size_t memoryLimit, VolumesOf volumesOf) {
+                   std::size_t memoryLimit, VolumesOf volumesOf, Moved moved) {
     ViewScene out;
     out.camera = scene.camera;
     out.region = out.picture = pictureOf(scene);
@@ -127,11 +153,12 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.dials = scene.dials;
     if (!out.dials.crossFade && !scene.moves) out.dials.crossFade = 0;
     out.layers = scene.output.layers;
+    if (scene.shutter) out.shutter = ViewShutter{scene.shutter->open, scene.shutter->close};
     out.lines = scene.lines;
     std::vector<std::optional<std::vector<Vec3>>> corners;
     std::vector<std::optional<ViewVolume>> volumes;
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        volumes.push_back(viewOf(scene, scene.volumes[i], fields[i]));
+        volumes.push_back(viewOf(scene, scene.volumes[i], fields[i], moved));
         corners.push_back(volumes[i] ? wsCorners(*volumes[i], scene.dials.kernel) : std::vector<Vec3>{});
     }
     const std::vector<std::string> reasons = culledVolumes(scene, corners);

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 #include <utility>
 
@@ -26,6 +27,22 @@ GridRequest albedoRequest(const SceneVolume& volume, int component) {
     return {volume.albedoGrid->grid, component};
 }
 
+/// The two fields of velocity component `axis`: of the numbers above 0, and of those below.
+std::array<GridRequest, 2> velocityRequests(const Velocity& velocity, int axis) {
+    const bool isOne = velocity.grids.size() == 1;
+    GridRequest request{velocity.grids[isOne ? 0 : std::size_t(axis)], isOne ? axis : GridRequest::kScalar,
+                        GridPart::positive};
+    GridRequest below = request;
+    below.part = GridPart::negative;
+    return {request, below};
+}
+
+/// Whether anything of it may move while the shutter is open.
+bool isBlurred(const Scene& scene) {
+    return scene.shutter && (scene.movesWithin || std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                                              [](const auto& v) { return v.velocity.has_value(); }));
+}
+
 /// "s.toml:2:8: ": the start of a message. Volumes that were made in code have no place.
 std::string placeText(const std::string& where) {
     return where.empty() ? "" : where + ": ";
@@ -34,6 +51,8 @@ std::string placeText(const std::string& where) {
 /// The place in `fields` of the grid that is meant. `maker` is the source or volume, for messages.
 std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& fields, const GridRequest& request,
                          const std::string& where, const std::string& maker) {
+    if (request.part != GridPart::whole)
+        throw Error(ErrorKind::input, fmt::format("{}{} no velocities: only files do", placeText(where), maker));
     std::vector<GridOffer> offers;
     std::vector<std::string> names;
     for (const auto& field : fields) {
@@ -84,7 +103,7 @@ FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeF
     return origin;
 }
 
-std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume) {
+std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, bool blurred) {
     std::vector<Use> uses;
     const auto add = [&](const GridRequest& request, const std::string& where) {
         Use& use = uses.emplace_back();
@@ -97,6 +116,9 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume) {
         for (int c = 0; volume.albedoGrid && c < 3; ++c) add(albedoRequest(volume, c), volume.albedoGrid->where);
     }
     for (const Emission& emission : volume.emission) add({emission.grid}, emission.where);
+    for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
+        for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
+            add(request, volume.velocity->where);
     return uses;
 }
 
@@ -171,6 +193,8 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
 /// For each volume why the picture has no use for it, as far as the heads of files tell where they are.
 std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size());
+    // What moves is culled moment by moment.
+    if (isBlurred(scene)) return std::vector<std::string>(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         if (!isFile(volume)) continue;
@@ -179,7 +203,7 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
             continue;
         }
         std::vector<GridRequest> requests;
-        for (const Use& use : usesOf(volume)) requests.push_back(use.request);
+        for (const Use& use : usesOf(volume, false)) requests.push_back(use.request);
         const std::optional<Bounds> bounds = vdbBounds(files[i].path, requests);
         if (!bounds || bounds->empty()) continue;  // who is empty is told so, once it is read
         corners[i].emplace();
@@ -201,10 +225,11 @@ FieldStore::Uses FieldStore::usesOf(const Scene& scene, const std::vector<Volume
                                     const std::vector<bool>& shown) const {
     Uses uses;
     std::set<Key> used;
+    const bool blurred = isBlurred(scene);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         if (!shown[i]) continue;
         const Origin origin = originOf(scene.volumes[i], files[i]);
-        for (Use& use : usesOf(scene.volumes[i]))
+        for (Use& use : usesOf(scene.volumes[i], blurred))
             if (used.insert({origin, use.request}).second) uses[origin].push_back(std::move(use));
     }
     return uses;
@@ -248,6 +273,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     m_ahead.clear();
 
     Fields all;
+    const bool blurred = isBlurred(scene);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         VolumeFields& fields = all.emplace_back();
@@ -262,6 +288,9 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         }
         for (std::size_t k = 0; k < volume.emission.size(); ++k)
             fields.emission[k] = fieldOf({volume.emission[k].grid});
+        for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
+            for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
+                fields.velocity.push_back(fieldOf(request));
     }
     return all;
 }
@@ -293,6 +322,7 @@ std::size_t bytesOf(const Fields& fields) {
         all.insert(of.density);
         all.insert(of.albedo.begin(), of.albedo.end());
         all.insert(of.emission.begin(), of.emission.end());
+        all.insert(of.velocity.begin(), of.velocity.end());
     }
     for (const auto& field : all)
         if (field) bytes += field->bytes();

@@ -69,7 +69,7 @@ class FieldStore {
 
     bool isFile(const SceneVolume& volume) const;
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
-    static std::vector<Use> usesOf(const SceneVolume& volume);
+    static std::vector<Use> usesOf(const SceneVolume& volume, bool blurred);
     std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
     /// Of each origin, to be read in one go; every request once.
     using Uses = std::map<Origin, std::vector<Use>>;

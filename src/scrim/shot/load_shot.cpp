@@ -110,6 +110,34 @@ ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf v
     return view;
 }
 
+Scene LoadedShot::sceneAt(double t) const {
+    if (!textAt || !scene.movesWithin || t == 0) return scene;
+    Scene at = textAt(t);
+    at.dials = scene.dials;
+    if (scene.plate) at.camera = scene.camera;
+    for (std::size_t i = 0; i < at.lights.size(); ++i)
+        if (at.lights[i].slide && scene.lights[i].slide) at.lights[i].slide->image = scene.lights[i].slide->image;
+    for (std::size_t i = 0; i < at.meshes.size(); ++i) at.meshes[i].mesh = scene.meshes[i].mesh;
+    return at;
+}
+
+Fields LoadedShot::fieldsAt(double t) const {
+    Fields out = fields;
+    for (std::size_t i = 0; i < out.size(); ++i)
+        if (const auto& velocity = scene.volumes[i].velocity) out[i].time = t * velocity->perFrame(scene.output.fps);
+    return out;
+}
+
+ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf,
+                             Moved moved) const {
+    Scene at = sceneAt(t);
+    at.dials.lod = lod;
+    ViewScene view =
+        assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, moved);
+    view.solids = scene.movesWithin ? solidsOf(at) : solids;
+    return view;
+}
+
 LoadOptions limited(LoadOptions load, const RenderOptions& options) {
     if (load.memory == 0) load.memory = options.memory;
     return load;

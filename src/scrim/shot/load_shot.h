@@ -12,6 +12,7 @@
 #include <scrim/shot/slide_store.h>
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -34,6 +35,16 @@ struct LoadedShot {
     Fields fields;                         ///< one each of the scene's volumes
     std::size_t slideBytes = 0;            ///< of slides and meshes
     std::shared_ptr<const Solids> solids;  ///< null: there are none
+
+    std::function<Scene(double)> textAt = {};  ///< the scene's text so many frames after the frame; none: nothing moves
+
+    /// The scene so many frames after its frame, with what this one has loaded. Throws Error.
+    Scene sceneAt(double t) const;
+    /// The fields with the time by which velocities move them.
+    Fields fieldsAt(double t) const;
+
+    /// What the engine renders so many frames after the frame, or what the reference sees then.
+    ViewScene viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf, Moved moved) const;
 
     /// What the engine renders, with another value of the dial `lod`. Throws Error(memory) where volumes and slides
     /// leave nothing of the options' limit.

@@ -7,6 +7,7 @@
 #include <scrim/engine/plan/sub_lights.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/shot/frame_report.h>
+#include <scrim/shot/shot_motion.h>
 #include <scrim/verify/tolerance.h>
 #include <scrim/verify/verify.h>
 
@@ -86,26 +87,26 @@ class FrameRender {
   public:
     FrameRender(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,
                 const std::function<void(std::size_t)>& begins)
-        : m_shot(shot), m_options(options), m_report(report), m_begins(begins) {}
+        : m_shot(shot), m_options(options), m_report(report), m_begins(begins), m_motion(shot, options) {}
 
     Frame run();
 
   private:
     Frame renderOnce(const ViewScene& view, const ViewScene& truth);
     Frame renderTolerance(const ViewScene& view, const ViewScene& truth);
+    Frame renderPlanned(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const;
     void keepPlan(const ViewScene& view, const Plan& plan);
 
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     ShotReport& m_report;
     const std::function<void(std::size_t)>& m_begins;
+    const ShotMotion m_motion;
 };
 
 Frame FrameRender::run() {
     const Scene& scene = m_shot.scene;
-    const ViewScene view = timed(m_report.seconds.plan, [&] {
-        return withDeep(m_shot.view(m_options, scene.dials.lod, VolumesOf::picture), scene.output);
-    });
+    const ViewScene view = timed(m_report.seconds.plan, [&] { return withDeep(m_motion.view(), scene.output); });
     warnOfColouredDeep(view, m_options.messages);
     warnOfCappedLights(view, m_options.messages);
     // Of a picture that shows nothing one wants to know why.
@@ -114,7 +115,7 @@ Frame FrameRender::run() {
             notify(m_options.messages, Severity::warning,
                    fmt::format("frame {}: volume '{}' is culled: {}", m_report.frame, name, reason));
     // The truth does not depend on what was culled, nor on coarser levels.
-    const ViewScene truth = isVerified(scene, m_options) ? m_shot.view(m_options, 0, VolumesOf::scene) : ViewScene{};
+    const ViewScene truth = isVerified(scene, m_options) ? m_motion.truth() : ViewScene{};
     return scene.tolerance > 0 ? renderTolerance(view, truth) : renderOnce(view, truth);
 }
 
@@ -125,13 +126,17 @@ void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
     if (m_begins) m_begins(plan.bytes);
 }
 
+Frame FrameRender::renderPlanned(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const {
+    return m_motion.moves() ? m_motion.render(view, progress) : scrim::render(view, plan, progress);
+}
+
 Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
     ShotTimes& seconds = m_report.seconds;
     const double rendered = m_options.verify > 0 ? kRenderedOfVerified : 1;
     const ProgressSink& progress = m_options.progress;
     const Plan plan = timed(seconds.plan, [&] { return makePlan(view, threadCount(), partOf(progress, 0, 0)); });
     keepPlan(view, plan);
-    Frame frame = timed(seconds.render, [&] { return scrim::render(view, plan, partOf(progress, 0, rendered)); });
+    Frame frame = timed(seconds.render, [&] { return renderPlanned(view, plan, partOf(progress, 0, rendered)); });
     if (m_options.verify > 0) {
         SampleOptions sampling;
         sampling.count = m_options.verify;
@@ -153,6 +158,9 @@ Frame FrameRender::renderTolerance(const ViewScene& view, const ViewScene& truth
     options.seconds = m_options.verifyLimit;
     options.progress = m_options.progress;
     options.announce = m_options.announce;
+    options.render = [&](const ViewScene& planned, const Plan& plan, const ProgressSink& progress) {
+        return renderPlanned(planned, plan, progress);
+    };
     options.planned = [&](const ViewScene& planned, const Plan& plan) { keepPlan(planned, plan); };
     ToleranceResult result = renderWithin(view, truth, options);
     m_report.seconds.plan += result.seconds.pilots + result.seconds.plan;
@@ -171,7 +179,7 @@ bool isVerified(const Scene& scene, const RenderOptions& options) {
 }
 
 ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options) {
-    const ViewScene view = withDeep(shot.view(options, shot.scene.dials.lod, VolumesOf::picture), shot.scene.output);
+    const ViewScene view = withDeep(ShotMotion(shot, options).view(), shot.scene.output);
     const Plan plan = makePlan(view, threadCount(), partOf(options.progress, 0, 0));
     return {false, planAsJson(view, plan), planAsTable(view, plan), bytesOf(shot.fields)};
 }

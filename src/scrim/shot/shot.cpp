@@ -116,6 +116,10 @@ std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptio
     };
     auto loaded = loadShot(*stores, load, std::move(scene), heard, volumesOf, use);
     said.clear();
+    if (loaded && text && loaded->scene.movesWithin)
+        loaded->textAt = [this, &options, frame = static_cast<int>(loaded->scene.frame)](double t) {
+            return withOptions(text->at(frame, stores->colour, t), options, *stores);
+        };
     return loaded;
 }
 
@@ -155,6 +159,11 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
     scene.dials.sheetThickness = chosen.dials.sheetThickness;
     scene.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, chosen.dials.opacityCutoff);
     scene.dials.lightError = std::min(scene.dials.lightError, chosen.dials.lightError);
+}
+
+Scene Shot::Content::byHand(Scene scene) {
+    scene.movesWithin = false;
+    return scene;
 }
 
 ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {
@@ -309,7 +318,7 @@ ShotPlan Shot::plan(int frame, const RenderOptions& options) {
 }
 
 ShotPlan Shot::plan(Scene scene, const RenderOptions& options) {
-    return withThreads(options.threads, [&] { return m_content->plan(std::move(scene), options); });
+    return withThreads(options.threads, [&] { return m_content->plan(Content::byHand(std::move(scene)), options); });
 }
 
 ShotFrame Shot::render(int frame, const RenderOptions& options) {
@@ -321,7 +330,8 @@ ShotFrame Shot::render(int frame, const RenderOptions& options) {
 }
 
 ShotFrame Shot::render(Scene scene, const RenderOptions& options) {
-    return withThreads(options.threads, [&] { return m_content->render(std::move(scene), 0, options); });
+    return withThreads(options.threads,
+                       [&] { return m_content->render(Content::byHand(std::move(scene)), 0, options); });
 }
 
 }  // namespace scrim

@@ -67,7 +67,8 @@ class Shot {
 
     /// Loads what the frame needs, plans, renders and verifies it. Pixels do not depend on the number of threads.
     ShotFrame render(int frame, const RenderOptions& options = {});
-    /// The same for a scene of `scene()` that was changed by hand. The metadata still has the text of the shot.
+    /// The same for a scene of `scene()` that was changed by hand. The metadata still has the text of the shot. Keys
+    /// are values of the frame then, and do not blur it; velocities do.
     ShotFrame render(Scene scene, const RenderOptions& options = {});
 
     /// Makes the scene's preview of a frame from its picture, which was written before. Throws Error(input) where that

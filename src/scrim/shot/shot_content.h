@@ -37,6 +37,8 @@ struct Shot::Content {
     void keepPromise(Scene& scene, const RenderOptions& options, ShotUse use);
     /// As loadShot; what keepPromise has said of the same files is not said again.
     std::optional<LoadedShot> loadOnce(Scene scene, const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
+    /// Of a scene that was changed by hand nothing is keyed any more: only velocities move it.
+    static Scene byHand(Scene scene);
     /// The existing frame whose files are largest; where nothing is a sequence, the first, or
     /// of a scene that does not move its own.
     int richestFrame(const Scene& scene) const;

@@ -72,8 +72,8 @@ void ShotText::frameAsset(FieldStore& store, const MessageSink& messages) {
     applyTurntable();
 }
 
-Scene ShotText::at(int frame, const ColourConfig& colour) const {
-    Scene scene = readScene(m_text, frame, m_overrides, colour);
+Scene ShotText::at(int frame, const ColourConfig& colour, double within) const {
+    Scene scene = readScene(m_text, frame, m_overrides, colour, within);
     // The scene's text cannot name it.
     if (m_asset && !isUtf8(m_assetPattern))
         for (SceneVolume& volume : scene.volumes) {

@@ -27,7 +27,8 @@ class ShotText {
     void frameAsset(FieldStore& store, const MessageSink& messages);
 
     /// The scene at a frame. Where it names no output, the output is called as the shot is.
-    Scene at(int frame, const ColourConfig& colour) const;
+    /// `within`: as readScene.
+    Scene at(int frame, const ColourConfig& colour, double within = 0) const;
 
     /// With the overrides, and `more` of them.
     std::string toml(const std::vector<std::string>& more) const;

@@ -50,7 +50,24 @@ Vec2 lotOf(const Vec3& ws, std::size_t light) {
 
 }  // namespace
 
-Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
+struct Reference::Velocity {
+    std::vector<Probe> parts;
+    Mat3 wsPath;
+    double mostWay = 0;  // world units
+
+    Vec3 wayAt(const Vec3& ws) const {
+        Vec3 v;
+        for (int axis = 0; axis < 3; ++axis)
+            v[axis] = parts[std::size_t(2 * axis)].value(ws) - parts[std::size_t(2 * axis + 1)].value(ws);
+        return wsPath * v;
+    }
+};
+
+Vec3 Reference::Probe::is(const Vec3& ws) const {
+    return transformPoint(isFromWs, velocity ? ws - velocity->wayAt(ws) : ws);
+}
+
+Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, FieldProbes* shared)
     : m_scene(scene), m_options(options), m_voxel(voxelUnit(scene)) {
     m_step = options.step * m_voxel;
     // A transfer function may jump within a voxel.
@@ -66,21 +83,42 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options)
     if (m_options.lightRays == 0)
         m_options.lightRays =
             std::clamp(static_cast<int>(std::lround(0.8 / std::sqrt(scene.dials.lightError))), kFewest, kMost);
+    FieldProbes own;
+    FieldProbes& probes = shared ? *shared : own;
     for (const ViewVolume& volume : scene.volumes) {
-        Volume& own = m_volumes.emplace_back();
-        own.look = &volume;
-        if (!volume.field->empty()) own.density.emplace(probeOf({volume.field, volume.wsFromIs}));
-        for (const ViewField& field : volume.scatter) own.scatter.push_back(probeOf(field));
+        Volume& v = m_volumes.emplace_back();
+        v.look = &volume;
+        const std::shared_ptr<const Velocity> velocity = velocityOf(volume, probes);
+        const auto probe = [&](const ViewField& field) {
+            Probe out = probeOf(field, scene.dials.kernel, probes);
+            out.velocity = velocity;
+            return out;
+        };
+        if (!volume.field->empty()) v.density.emplace(probe({volume.field, volume.wsFromIs}));
+        for (const ViewField& field : volume.scatter) v.scatter.push_back(probe(field));
         for (const ViewEmission& emission : volume.emission)
-            own.emission.push_back({probeOf(emission.field), emission.color});
+            v.emission.push_back({probe(emission.field), emission.color});
     }
 }
 
-Reference::Probe Reference::probeOf(const ViewField& field) const {
+// Velocities are linear between their voxels, whatever the kernel of what they move is.
+std::shared_ptr<const Reference::Velocity> Reference::velocityOf(const ViewVolume& volume, FieldProbes& probes) const {
+    if (!volume.velocity) return nullptr;
+    auto out = std::make_shared<Velocity>();
+    for (const ViewField& part : volume.velocity->parts) out->parts.push_back(probeOf(part, Kernel::linear, probes));
+    out->wsPath = volume.velocity->wsPath;
+    for (const Vec3& way : volume.velocity->wsRange().corners())
+        out->mostWay = std::max(out->mostWay, glm::length(way));
+    return out;
+}
+
+Reference::Probe Reference::probeOf(const ViewField& field, Kernel kernel, FieldProbes& probes) const {
     const Mat4 isFromWs = glm::inverse(field.wsFromIs);
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
-    return {FieldProbe(*field.field, m_scene.dials.kernel), isFromWs, longest * std::sqrt(3.0)};
+    std::shared_ptr<const FieldProbe>& probe = probes[field.field.get()];
+    if (!probe || probe->kernel() != kernel) probe = std::make_shared<const FieldProbe>(*field.field, kernel);
+    return {probe, isFromWs, longest * std::sqrt(3.0), nullptr};
 }
 
 // The part of a step that the pixels of slides allow: light that varies within a step would be missed.
@@ -121,11 +159,17 @@ Rgb Reference::scattering(const Volume& v, const Vec3& ws) const {
 // Central differences over a voxel on either side, along the lattice's axes.
 Vec3 Reference::gradient(const Volume& v, const Vec3& ws) const {
     const Vec3 is = transformPoint(v.density->isFromWs, ws);
+    const Mat3 wsFromIs = glm::inverse(Mat3(v.density->isFromWs));
     Vec3 difference;
     for (int axis = 0; axis < 3; ++axis) {
         Vec3 step(0);
         step[axis] = 1;
-        difference[axis] = v.density->field.value(is + step) - v.density->field.value(is - step);
+        if (v.density->velocity) {
+            const Vec3 wsStep = wsFromIs * step;
+            difference[axis] = v.density->value(ws + wsStep) - v.density->value(ws - wsStep);
+        } else {
+            difference[axis] = v.density->field->value(is + step) - v.density->field->value(is - step);
+        }
     }
     return glm::transpose(Mat3(v.density->isFromWs)) * (0.5 * difference);
 }
@@ -135,7 +179,8 @@ double Reference::emptyDistance(const Vec3& ws) const {
     double distance = kInfinity;
     const auto isEmpty = [&](const Probe& probe) {
         distance = std::min(distance, kEmptyRadius / probe.isPerWs);
-        return probe.field.emptyAround(transformPoint(probe.isFromWs, ws), kEmptyRadius);
+        const double way = probe.velocity ? probe.velocity->mostWay * probe.isPerWs : 0;
+        return probe.field->emptyAround(transformPoint(probe.isFromWs, ws), kEmptyRadius + way);
     };
     for (const Volume& v : m_volumes) {
         if (v.density && !isEmpty(*v.density)) return 0;

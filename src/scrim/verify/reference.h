@@ -10,6 +10,8 @@
 
 #include <array>
 #include <limits>
+#include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -27,10 +29,14 @@ struct ReferenceOptions {
     int lightRays = 0;
 };
 
+/// Fields made ready to be sampled: references of moments of one scene share them.
+using FieldProbes = std::map<const SparseField*, std::shared_ptr<const FieldProbe>>;
+
 class Reference {
   public:
-    /// `scene` must outlive this.
-    explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {});
+    /// `scene` must outlive this, and so must the fields of `probes`, which get what is not among them yet; null: they
+    /// are this one's own. Of a scene of moments it sees the one that the scene is.
+    explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {}, FieldProbes* probes = nullptr);
 
     /// Premultiplied RGBA along the ray through raster position (x, y). A pixel's centre is at + 1/2.
     std::array<double, 4> ray(double x, double y) const;
@@ -50,12 +56,16 @@ class Reference {
     Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
 
   private:
+    // Where velocities take fields from.
+    struct Velocity;
     struct Probe {
-        FieldProbe field;
+        std::shared_ptr<const FieldProbe> field;
         Mat4 isFromWs;
-        double isPerWs;  // longest index-space length of a world unit
+        double isPerWs;                            // longest index-space length of a world unit
+        std::shared_ptr<const Velocity> velocity;  // null: the field is where it is
 
-        double value(const Vec3& ws) const { return field.value(transformPoint(isFromWs, ws)); }
+        Vec3 is(const Vec3& ws) const;
+        double value(const Vec3& ws) const { return field->value(is(ws)); }
     };
     struct Volume {
         std::optional<Probe> density;  // none where it is empty
@@ -67,7 +77,8 @@ class Reference {
         std::vector<Emission> emission;
         const ViewVolume* look;
     };
-    Probe probeOf(const ViewField& field) const;
+    Probe probeOf(const ViewField& field, Kernel kernel, FieldProbes& probes) const;
+    std::shared_ptr<const Velocity> velocityOf(const ViewVolume& volume, FieldProbes& probes) const;
     Rgb extinction(const Vec3& ws) const;
     double emptyDistance(const Vec3& ws) const;
     Rgb extinction(const Volume& volume, const Vec3& ws) const;

@@ -124,10 +124,13 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
     ToleranceResult out;
     std::array<Pilot, 2> pilots = pilotsFor(options.tolerance);
     timed(out.seconds.pilots, [&] {
-        runPilots(pilots, scene, truth, options.pilotPixels, options.seed + kPilotSeed,
+        ViewScene moment = truth;
+        moment.moments = nullptr;
+        runPilots(pilots, scene, moment, options.pilotPixels, options.seed + kPilotSeed,
                   partOf(options.progress, 0, kPiloted));
     });
     ToleranceModel model = fitModel(pilots);
+    const auto make = options.render ? options.render : render;
     ViewScene tried = scene;
     double wanted = options.tolerance;  // less where an interval turned out to be wide
     for (int attempt = 0; attempt < options.attempts; ++attempt) {
@@ -148,8 +151,7 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
         out.attempts = attempt + 1;
         out.dials = choice.dials;
         out.predicted = choice.predicted;
-        timed(out.seconds.render,
-              [&] { out.frame = render(tried, out.plan, partOf(options.progress, from, rendered)); });
+        timed(out.seconds.render, [&] { out.frame = make(tried, out.plan, partOf(options.progress, from, rendered)); });
 
         SampleOptions sampling;
         sampling.count = options.pixels;

@@ -64,7 +64,9 @@ struct ToleranceOptions {
     unsigned seed = 1;
     double seconds = 0;  ///< each verification ends after this time; 0: never
     ProgressSink progress = {};
-    std::function<void(double)> announce = {};                        ///< as SampleOptions has it
+    std::function<void(double)> announce = {};  ///< as SampleOptions has it
+    /// Renders what is not a pilot; none: engine/sweep.h does. Pilots are of the moment that both scenes are.
+    std::function<Frame(const ViewScene&, const Plan&, const ProgressSink&)> render = {};
     std::function<void(const ViewScene&, const Plan&)> planned = {};  ///< called before each render but the pilots'
 };
 

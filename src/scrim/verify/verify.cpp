@@ -3,7 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/verify/reference.h>
+#include <scrim/verify/moments_reference.h>
 #include <scrim/verify/verify_pixels.h>
 
 #include <algorithm>
@@ -174,7 +174,7 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
     if (options.count <= 0) return sample;
     const std::vector<Int2> order = verificationOrder(truth, image, options.seed);
     sample.candidates = order.size();
-    const Reference reference(truth);
+    MomentsReference reference(truth);
     const auto wanted = std::size_t(options.count);
     const double prepared = spent();
     bool announced = false;
@@ -184,7 +184,7 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
         const std::size_t step = std::min(kPixelsPerStep, order.size() - first);
         for (std::size_t i = first; i < first + step; ++i) sample.pixels.push_back({order[i].x, order[i].y, {}, {}});
         const std::span<VerifiedPixel> fresh = std::span(sample.pixels).subspan(first);
-        parallelFor(step, [&](std::size_t i) { fresh[i].reference = reference.pixel(fresh[i].x, fresh[i].y); });
+        reference.evaluate(fresh);
         setRendered(fresh, image);
         if (const double now = std::max(brightest, brightestOf(fresh)); now > brightest) {
             brightest = now;  // what counted in its shade may not count any more
@@ -220,13 +220,10 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, int count, 
 }
 
 void evaluateReferences(const ViewScene& truth, std::span<VerifiedPixel> pixels, const ProgressSink& progress) {
-    const Reference reference(truth);
+    MomentsReference reference(truth);
     for (std::size_t first = 0; first < pixels.size(); first += kPixelsPerStep) {
         const std::size_t step = std::min(kPixelsPerStep, pixels.size() - first);
-        parallelFor(step, [&](std::size_t i) {
-            VerifiedPixel& p = pixels[first + i];
-            p.reference = reference.pixel(p.x, p.y);
-        });
+        reference.evaluate(pixels.subspan(first, step));
         if (progress && !progress(double(first + step) / double(pixels.size())))
             throw Error(ErrorKind::interrupted, "the verification was interrupted");
     }

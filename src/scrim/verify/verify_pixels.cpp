@@ -38,6 +38,12 @@ std::vector<BoxTest> boxTests(const ViewScene& scene) {
             test.isBox = field.field->isBounds();
             test.isBox.lower -= radius;
             test.isBox.upper += radius;
+            if (volume.velocity) {
+                Bounds ways;
+                for (const Vec3& way : volume.velocity->wsRange().corners()) ways.include(linear * way);
+                test.isBox.lower += ways.lower;
+                test.isBox.upper += ways.upper;
+            }
             test.isRays = {transformPoint(isFromWs, ws.origin0),
                            linear * ws.originX,
                            linear * ws.originY,
@@ -88,7 +94,16 @@ std::uint64_t scrambledPoint(std::uint64_t i, int bits, std::uint64_t seed) {
 
 std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, unsigned seed) {
     const PixelWindow& region = truth.region;
-    const std::vector<BoxTest> tests = boxTests(truth);
+    std::vector<BoxTest> tests = boxTests(truth);
+    if (truth.moments) {
+        // As many moments as make steps of about a pixel: what is nearer to a box than that shows in the picture.
+        const int steps = std::clamp(static_cast<int>(truth.moments->path), 4, 64);
+        for (int i = 0; i <= steps; ++i) {
+            const double part = static_cast<double>(i) / steps;
+            const double t = (1 - part) * truth.moments->open + part * truth.moments->close;
+            for (const BoxTest& test : boxTests(truth.moments->at(t))) tests.push_back(test);
+        }
+    }
     const int n = truth.dials.antialias;
     const auto mayShow = [&](int x, int y) {
         for (const BoxTest& test : tests)

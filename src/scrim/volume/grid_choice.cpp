@@ -94,7 +94,8 @@ std::optional<GridChoice> chooseColour(const std::vector<GridOffer>& offers, con
         for (std::size_t c = 0; c < 3; ++c) parts[c] = named(offers, request.grid + "." + letters[c], scalar);
         if (parts[0] && parts[1] && parts[2]) return GridChoice{*parts[request.component]};
     }
-    if (const auto i = named(offers, request.grid, scalar)) return GridChoice{*i};
+    const bool mayBeGrey = request.part == GridPart::whole;
+    if (const auto i = named(offers, request.grid, scalar); i && mayBeGrey) return GridChoice{*i};
     return {};
 }
 
@@ -140,6 +141,11 @@ std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& r
     const auto found = named(offers, request.grid, anyGrid);
     if (!found) return fmt::format("no grid '{}'; it holds {}", name, offers.empty() ? "none" : listOf(offers));
     const std::string held = shortened(offers[*found].valueType(), kNameLimit);
+    if (colour && request.part != GridPart::whole)
+        return fmt::format(
+            "grid '{0}' holds {1} values, where a velocity is expected: a vec3 grid, or three scalar ones called "
+            "'{0}.x', '{0}.y', '{0}.z'; there is {2}",
+            name, held, listOf(offers));
     if (colour)
         return fmt::format(
             "grid '{0}' holds {1} values, where a colour is expected: a vec3 grid, three scalar ones "

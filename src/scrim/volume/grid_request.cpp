@@ -12,14 +12,19 @@ constexpr const char* kScalarPrefix = "scalar:";
 }  // namespace
 
 std::string toText(const GridRequest& request) {
-    return request.component == GridRequest::kScalar ? kScalarPrefix + request.grid
-                                                     : fmt::format("{}:{}", request.component, request.grid);
+    const std::string sign = request.part == GridPart::whole ? "" : request.part == GridPart::positive ? "+" : "-";
+    return sign + (request.component == GridRequest::kScalar ? kScalarPrefix + request.grid
+                                                             : fmt::format("{}:{}", request.component, request.grid));
 }
 
 GridRequest gridRequestFrom(const std::string& text) {
     const std::size_t prefix = std::string(kScalarPrefix).size();
-    if (text.starts_with(kScalarPrefix)) return {text.substr(prefix)};
-    if (text.size() >= 2 && text[0] >= '0' && text[0] <= '2' && text[1] == ':') return {text.substr(2), text[0] - '0'};
+    const bool isSigned = text.starts_with('+') || text.starts_with('-');
+    const GridPart part = !isSigned ? GridPart::whole : text[0] == '+' ? GridPart::positive : GridPart::negative;
+    const std::string grid = isSigned ? text.substr(1) : text;
+    if (grid.starts_with(kScalarPrefix)) return {grid.substr(prefix), GridRequest::kScalar, part};
+    if (grid.size() >= 2 && grid[0] >= '0' && grid[0] <= '2' && grid[1] == ':')
+        return {grid.substr(2), grid[0] - '0', part};
     throw Error(ErrorKind::usage, fmt::format("'{}' requests no grid; expected scalar:NAME, 0:NAME, 1:NAME or 2:NAME",
                                               shortened(text, 80)));
 }

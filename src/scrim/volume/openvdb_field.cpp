@@ -128,9 +128,12 @@ SparseField reportedField(const Grid& grid, const std::string& name, const Numbe
     return field;
 }
 
-template <typename Grid>
-SparseField scalarField(const Grid& grid, const std::string& where, const MessageSink& messages) {
-    const auto number = [](auto value) { return static_cast<float>(value); };
+/// A number as it is.
+constexpr auto kAsItIs = [](auto value) { return static_cast<float>(value); };
+
+template <typename Grid, typename NumberOf>
+SparseField scalarField(const Grid& grid, const NumberOf& number, const std::string& where,
+                        const MessageSink& messages) {
     if (grid.transform().isLinear()) return reportedField(grid, grid.getName(), number, where, messages);
     return reportedField(*resampled(grid, where, messages), grid.getName(), number, where, messages);
 }
@@ -149,13 +152,27 @@ openvdb::FloatGrid::Ptr componentOf(const Grid& grid, int component, const std::
     return out;
 }
 
-template <typename Grid>
-SparseField componentField(const Grid& grid, int component, const std::string& where, const MessageSink& messages) {
-    constexpr std::array<const char*, 3> kComponents{".r", ".g", ".b"};
-    const std::string name = grid.getName() + kComponents.at(std::size_t(component));
-    if (!grid.transform().isLinear()) return scalarField(*componentOf(grid, component, name), where, messages);
-    const auto number = [component](const auto& value) { return static_cast<float>(value[component]); };
+template <typename Grid, typename NumberOf>
+SparseField componentField(const Grid& grid, int component, const std::string& name, const NumberOf& numberOf,
+                           const std::string& where, const MessageSink& messages) {
+    if (!grid.transform().isLinear())
+        return scalarField(*componentOf(grid, component, name), numberOf, where, messages);
+    const auto number = [&](const auto& value) { return numberOf(value[component]); };
     return reportedField(grid, name, number, where, messages);
+}
+
+/// Runs `task` with the vec3 grid in its own type.
+template <typename Task>
+auto withVectorGrid(const openvdb::GridBase& grid, const Task& task) {
+    if (grid.isType<openvdb::Vec3SGrid>()) return task(static_cast<const openvdb::Vec3SGrid&>(grid));
+    return task(static_cast<const openvdb::Vec3DGrid&>(grid));
+}
+
+/// Component `c` of a staggered grid stands half a voxel below the voxel's centre (openvdb/tools/Interpolation.h).
+void placeOnFaces(SparseField& field, int c) {
+    Mat4 isFromFace(1.0);
+    isFromFace[3][c] = -0.5;
+    field.wsFromIs = field.wsFromIs * isFromFace;
 }
 
 /// Range and oddities of one part of a grid.
@@ -209,23 +226,41 @@ GridOffer offerOf(const openvdb::GridBase& grid) {
 
 SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
     return withScalarGrid(grid, [&](const auto& original) {
-        if (original.getGridClass() != openvdb::GRID_LEVEL_SET) return scalarField(original, where, messages);
+        if (original.getGridClass() != openvdb::GRID_LEVEL_SET) return scalarField(original, kAsItIs, where, messages);
         const auto fog = original.deepCopy();
         openvdb::tools::sdfToFogVolume(*fog);
         notify(messages, Severity::info,
                fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
                            shortened(original.getName(), 80)));
-        return scalarField(*fog, where, messages);
+        return scalarField(*fog, kAsItIs, where, messages);
     });
 }
 
 SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,
                            const MessageSink& messages) {
     if (component == GridRequest::kScalar)
-        return withScalarGrid(grid, [&](const auto& typed) { return scalarField(typed, where, messages); });
-    if (grid.isType<openvdb::Vec3SGrid>())
-        return componentField(static_cast<const openvdb::Vec3SGrid&>(grid), component, where, messages);
-    return componentField(static_cast<const openvdb::Vec3DGrid&>(grid), component, where, messages);
+        return withScalarGrid(grid, [&](const auto& typed) { return scalarField(typed, kAsItIs, where, messages); });
+    constexpr std::array<const char*, 3> kLetters{".r", ".g", ".b"};
+    const std::string name = grid.getName() + kLetters.at(std::size_t(component));
+    return withVectorGrid(
+        grid, [&](const auto& typed) { return componentField(typed, component, name, kAsItIs, where, messages); });
+}
+
+SparseField velocityFromGrid(const openvdb::GridBase& grid, int component, bool negative, const std::string& where,
+                             const MessageSink& messages) {
+    // What is not finite stays so, and is found to be.
+    const auto number = [negative](auto value) {
+        const auto v = static_cast<float>(negative ? -value : value);
+        return v < 0 ? 0.0f : v;
+    };
+    if (component == GridRequest::kScalar)
+        return withScalarGrid(grid, [&](const auto& typed) { return scalarField(typed, number, where, messages); });
+    constexpr std::array<const char*, 3> kLetters{".x", ".y", ".z"};
+    const std::string name = grid.getName() + kLetters.at(std::size_t(component));
+    SparseField field = withVectorGrid(
+        grid, [&](const auto& typed) { return componentField(typed, component, name, number, where, messages); });
+    if (grid.getGridClass() == openvdb::GRID_STAGGERED && grid.transform().isLinear()) placeOnFaces(field, component);
+    return field;
 }
 
 GridInfo describeGrid(const openvdb::GridBase& grid) {

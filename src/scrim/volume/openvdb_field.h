@@ -24,6 +24,11 @@ SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& wher
 SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,
                            const MessageSink& messages);
 
+/// The numbers above 0 of a velocity, or those below it without their sign, as a field: of a vec3 grid's component,
+/// ".x", ".y" or ".z" (where the grid is staggered it stands on the faces of voxels), or of a scalar grid (kScalar).
+SparseField velocityFromGrid(const openvdb::GridBase& grid, int component, bool negative, const std::string& where,
+                             const MessageSink& messages);
+
 /// Describes any grid; values of scalar ones.
 GridInfo describeGrid(const openvdb::GridBase& grid);
 

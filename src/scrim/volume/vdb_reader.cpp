@@ -278,6 +278,8 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
                fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,
                            layout.fileVersion, openvdb::getLibraryVersionString()));
     try {
+        if (request.part != GridPart::whole)
+            return velocityFromGrid(*grid, choice->component, request.part == GridPart::negative, path, messages);
         return request.component == GridRequest::kScalar ? fieldFromGrid(*grid, path, messages)
                                                          : colourFromGrid(*grid, choice->component, path, messages);
     } catch (const Error& error) {

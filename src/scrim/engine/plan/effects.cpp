@@ -242,6 +242,19 @@ Effect deepPicture(const ViewScene& scene) {
     return found.effect("deep picture", "", "none is asked for");
 }
 
+Effect motionBlur(const ViewScene& scene) {
+    if (!scene.shutter) return {"motion blur", false, "[camera] has no shutter", {}};
+    Finder found(scene);
+    found.addPlace("camera.shutter");
+    const ViewShutter& s = *scene.shutter;
+    if (!s.moves) return {"motion blur", false, "nothing moves while the shutter is open", found.where()};
+    return {"motion blur", true,
+            fmt::format("{} render{} of the frame while the shutter is open, from {:g} to {:g} frames; the longest way "
+                        "is {:.3g} pixels",
+                        s.samples, s.samples == 1 ? "" : "s", s.open, s.close, s.path),
+            found.where()};
+}
+
 // An effect that one key of [render] decides.
 Effect ofDial(const ViewScene& scene, const std::string& name, const std::string& key, bool on,
               const std::string& reason) {
@@ -280,6 +293,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(solids(scene, SolidRole::catcher, "caught shadows", ".catch", "no mesh catches shadows"));
     effects.push_back(layers(scene));
     effects.push_back(deepPicture(scene));
+    effects.push_back(motionBlur(scene));
     effects.push_back(crossFade(scene, plan));
     const Dials& dials = scene.dials;
     effects.push_back(ofDial(scene, "antialiasing", "render.antialias", dials.antialias > 1,

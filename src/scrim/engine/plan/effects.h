@@ -3,10 +3,6 @@
 // pure function of the scene and its plan; what is off has cost nothing: no buffer, no splat, no loop.
 //
 // Where later effects go, and what they meet:
-//   motion blur            velocity grids move voxels, not samples: a field becomes one field for each of a few times
-//   of
-//                          the shutter, with shares that sum to 1, and is splatted like any other (derived_fields.h);
-//                          or a footprint gets a length (footprint_table.h). Nothing behind the splat changes.
 //   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any
 //                          other (plan.h), without a medium in SheetShader's list. A depth picture to stop at
 //                          is the rays' end, as the near plane is their start (cutSlab in compositor.cpp).

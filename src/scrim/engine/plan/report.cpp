@@ -102,6 +102,11 @@ std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan
     return text;
 }
 
+/// That the picture is the mean of.
+int renders(const ViewScene& scene) {
+    return scene.shutter ? scene.shutter->samples : 1;
+}
+
 }  // namespace
 
 std::string planAsJson(const ViewScene& scene, const Plan& plan) {
@@ -111,6 +116,7 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     Json groups = Json::array();
     for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, plan, group));
     const PixelWindow& r = plan.region;
+    const double times = renders(scene);
     Json out{{"voxel", plan.voxel},
              {"region", {r.x0, r.y0, r.x1, r.y1}},
              {"splat", plan.perView ? "per-view" : "shared"},
@@ -120,16 +126,17 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
              {"groups", groups},
              {"bytes", plan.bytes},
              {"expected_work",
-              {{"footprints", plan.work.footprints},
-               {"texels", plan.work.texels},
-               {"light_samples", plan.work.lightSamples},
-               {"pixel_sheets", plan.work.pixelSheets}}}};
+              {{"footprints", times * plan.work.footprints},
+               {"texels", times * plan.work.texels},
+               {"light_samples", times * plan.work.lightSamples},
+               {"pixel_sheets", times * plan.work.pixelSheets}}}};
     if (scene.deep) out["deep_bytes"] = plan.deepBytes;
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
 std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     std::string text;
+    const double times = renders(scene);
     for (const Effect& e : effectsOf(scene, plan))
         text += fmt::format("{:<23} {:<4} {}{}\n", e.name, e.on ? "on" : "off", e.reason, placesText(e.where));
     text += fmt::format("{:<23} {:.6g} world units\n", "voxel", plan.voxel);
@@ -139,8 +146,8 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     text += fmt::format("{:<23} {}\n", "memory without fields", bytesText(plan.bytes));
     if (scene.deep) text += fmt::format("{:<23} {} of it at most\n", "deep picture", bytesText(plan.deepBytes));
     text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
-                        "expected work", plan.work.footprints, plan.work.texels, plan.work.lightSamples,
-                        plan.work.pixelSheets);
+                        "expected work", times * plan.work.footprints, times * plan.work.texels,
+                        times * plan.work.lightSamples, times * plan.work.pixelSheets);
     return text;
 }
 

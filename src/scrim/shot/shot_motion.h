@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+// A loaded shot while its shutter is open: its views moment by moment, and the picture that is their mean. Radiance is
+// averaged, of whole renders, so that what hides what, and what shadows what, is right at every moment.
+#pragma once
+
+#include <scrim/engine/frame.h>
+#include <scrim/engine/plan/plan.h>
+#include <scrim/shot/load_shot.h>
+#include <scrim/shot/shot_options.h>
+
+#include <functional>
+
+namespace scrim {
+
+class ShotMotion {
+  public:
+    /// `shot` must outlive this and all views. Of a shot in which nothing moves while the shutter is open there is
+    /// one moment, its frame. Throws Error.
+    ShotMotion(const LoadedShot& shot, const RenderOptions& options);
+
+    /// Does anything move?
+    bool moves() const { return m_moves; }
+    /// Renders that the picture is the mean of.
+    int samples() const { return m_samples; }
+
+    /// The view in the middle of the shutter; with what is planned of the shutter. Throws Error.
+    ViewScene view() const;
+    /// The truth that the picture is compared with.
+    ViewScene truth() const;
+
+    /// Plans and renders the samples, with the dials of `view`, and returns their mean: of depths the nearest, and of
+    /// mean depths the mean by opacity. Throws Error.
+    Frame render(const ViewScene& view, const ProgressSink& progress) const;
+
+  private:
+    ViewScene viewAt(double t, double lod, VolumesOf volumesOf, Moved moved) const;
+    ViewScene truthAt(double t, const ViewScene& base) const;
+    double longestPath();
+    int samplesFor(double path) const;
+    double middle() const { return 0.5 * (m_shutter.open + m_shutter.close); }
+
+    const LoadedShot& m_shot;
+    const RenderOptions& m_options;
+    Shutter m_shutter;
+    bool m_moves = false;
+    double m_path = 0;         // pixels
+    double m_voxelPixels = 1;  // pixels that a voxel covers
+    int m_samples = 1;
+};
+
+}  // namespace scrim

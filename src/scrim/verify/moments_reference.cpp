@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/moments_reference.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace scrim {
+namespace {
+
+using Rgba = std::array<double, 4>;
+
+constexpr std::size_t kMostIntervals = 256;  // 512 moments
+constexpr double kChange = 1e-3;             // of the brightest: less than this is none
+
+bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
+    for (std::size_t c = 0; c < 4; ++c)
+        if (std::abs(a[c] - b[c]) > kChange * brightest[c]) return true;
+    return false;
+}
+
+}  // namespace
+
+MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth) {
+    if (!truth.moments) {
+        Moment& still = m_levels.emplace_back().emplace_back();
+        still.reference = std::make_unique<const Reference>(truth);
+        return;
+    }
+    // Nothing goes further than about two pixels between two moments of the first level, if there is a limit to that.
+    m_intervals = static_cast<std::size_t>(std::clamp(truth.moments->path / 4, 3.0, 24.0));
+}
+
+std::size_t MomentsReference::moments() const {
+    std::size_t count = 0;
+    for (const auto& level : m_levels) count += level.size();
+    return count;
+}
+
+const std::vector<MomentsReference::Moment>& MomentsReference::momentsOf(std::size_t level) {
+    if (level < m_levels.size()) return m_levels[level];
+    const ViewMoments& moments = *m_truth.moments;
+    const std::size_t intervals = m_intervals << level;
+    const double length = (moments.close - moments.open) / double(intervals), gauss = 0.5 / std::sqrt(3.0);
+    std::vector<Moment>& made = m_levels.emplace_back();
+    for (std::size_t i = 0; i < intervals; ++i)
+        for (const double side : {-gauss, gauss}) {
+            Moment& moment = made.emplace_back();
+            const double t = moments.open + (double(i) + 0.5 + side) * length;
+            moment.scene = std::make_unique<const ViewScene>(moments.at(t));
+            moment.reference = std::make_unique<const Reference>(*moment.scene, ReferenceOptions{}, &m_probes);
+        }
+    return made;
+}
+
+std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pixels, std::size_t level) {
+    const std::vector<Moment>& moments = momentsOf(level);
+    std::vector<Rgba> values(pixels.size() * moments.size());
+    parallelFor(values.size(), [&](std::size_t i) {
+        const VerifiedPixel& p = pixels[i / moments.size()];
+        values[i] = moments[i % moments.size()].reference->pixel(p.x, p.y);
+    });
+    std::vector<Rgba> means(pixels.size());
+    for (std::size_t i = 0; i < values.size(); ++i)
+        for (std::size_t c = 0; c < 4; ++c) means[i / moments.size()][c] += values[i][c] / double(moments.size());
+    return means;
+}
+
+void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
+    if (!m_truth.moments) {
+        const Reference& still = *m_levels[0][0].reference;
+        parallelFor(pixels.size(), [&](std::size_t i) { pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y); });
+        return;
+    }
+    std::vector<VerifiedPixel> open(pixels.begin(), pixels.end());
+    std::vector<std::size_t> places(pixels.size());
+    for (std::size_t i = 0; i < places.size(); ++i) places[i] = i;
+    std::vector<Rgba> before;
+    for (std::size_t level = 0; !open.empty(); ++level) {
+        const std::vector<Rgba> means = meansOver(open, level);
+        for (const Rgba& mean : means)
+            for (std::size_t c = 0; c < 4; ++c) m_brightest[c] = std::max(m_brightest[c], std::abs(mean[c]));
+        const bool last = (m_intervals << (level + 1)) > kMostIntervals;
+        std::vector<VerifiedPixel> still;
+        std::vector<std::size_t> stillAt;
+        std::vector<Rgba> kept;
+        for (std::size_t i = 0; i < open.size(); ++i) {
+            pixels[places[i]].reference = means[i];
+            if (last || (level > 0 && !differ(means[i], before[i], m_brightest))) continue;
+            still.push_back(open[i]);
+            stillAt.push_back(places[i]);
+            kept.push_back(means[i]);
+        }
+        open = std::move(still);
+        places = std::move(stillAt);
+        before = std::move(kept);
+    }
+}
+
+}  // namespace scrim
