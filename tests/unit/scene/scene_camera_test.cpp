@@ -55,8 +55,8 @@ TEST(SceneCamera, OrthographicHasAHeightInsteadOfAFov) {
               "at most 1e+15 world units");
     EXPECT_EQ(cameraError("type = \"orthographic\"\nheight = 1\nfov = 30\n"),
               "scene.toml:6:1: 'fov' is not known here ([camera] of type 'orthographic'); allowed: 'type', 'position', "
-              "'target', 'up', 'matrix', 'orbit', 'exr', 'height', 'shift', 'near', 'resolution', 'pixel_aspect' or "
-              "'overscan'");
+              "'target', 'up', 'matrix', 'orbit', 'exr', 'height', 'shift', 'near', 'shutter', 'resolution', "
+              "'pixel_aspect' or 'overscan'");
 }
 
 TEST(SceneCamera, AFovMayComeFromALens) {
@@ -141,7 +141,7 @@ TEST(SceneCamera, UnknownKeysAreErrors) {
     EXPECT_EQ(cameraError("fvo = 20\n"),
               "scene.toml:4:1: 'fvo' is not known here ([camera] of type 'perspective'); did you mean 'fov'?; allowed: "
               "'type', 'position', 'target', 'up', 'matrix', 'orbit', 'exr', 'fov', 'fov_axis', 'focal_length', "
-              "'aperture', 'shift', 'near', 'resolution', 'pixel_aspect' or 'overscan'");
+              "'aperture', 'shift', 'near', 'shutter', 'resolution', 'pixel_aspect' or 'overscan'");
     EXPECT_EQ(errorOf("[camera]\npositoin = [0, 0, 1]\ntarget = [0, 0, 0]\n" + kVolume),
               "scene.toml:2:1: 'positoin' is not known here ([camera] of type 'perspective'); did you mean "
               "'position'?");

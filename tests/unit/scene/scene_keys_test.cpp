@@ -39,6 +39,8 @@ const std::map<std::string, std::vector<std::string>>& places() {
         {"frame", {kCamera + kVolume + "[volume.frame]\n@"}},
         {"transform", {kCamera + kVolume + "[volume.transform]\n@"}},
         {"density", {kCamera + kVolume + "[volume.density]\n@"}},
+        {"velocity",
+         {kCamera + kVolume + "[volume.velocity]\ngrid = \"v\"\n@", kCamera + kVolume + "[volume.velocity]\n@"}},
         {"medium", {kMedium + "@"}},
         {"albedo", {kMedium + "[volume.medium.albedo]\ngrid = \"Cd\"\n@", kMedium + "[volume.medium.albedo]\n@"}},
         {"phase",

@@ -33,7 +33,7 @@ TEST(GridRequest, ComesBackFromItsText) {
 }
 
 TEST(GridRequest, IsNotMadeOfAnyText) {
-    for (const std::string text : {"", "density", "3:Cd", "-1:Cd", "1"})
+    for (const std::string text : {"", "density", "3:Cd", "--1:Cd", "-3:Cd", "+", "1"})
         EXPECT_EQ(errorOf(ErrorKind::usage, [&] { gridRequestFrom(text); }),
                   "'" + text + "' requests no grid; expected scalar:NAME, 0:NAME, 1:NAME or 2:NAME");
 }
