@@ -23,8 +23,10 @@ Rgb readIntensity(TomlTable& table, const ReadContext& context) {
     const Rgb rgb = colour ? colour->colourAt(context.frame, context.colour) : Rgb(1);
     const double intensity = table.numberAt(context.frame, k.intensity);
     Rgb tint(1);
-    if (const auto kelvin = table.find(k.temperature))
-        tint = located(*kelvin, [&] { return Blackbody(context.colour).colour(kelvin->numberAt(context.frame)); });
+    if (const auto value = table.find(k.temperature)) {
+        const double kelvin = value->numberAt(context.frame);
+        tint = located(*value, [&] { return Blackbody(context.colour).colour(kelvin); });
+    }
     return rgb * tint * intensity * std::exp2(table.numberAt(context.frame, k.exposure));
 }
 

@@ -222,6 +222,10 @@ TEST(SceneLight, HasTheColourOfItsTemperature) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(cool[c], 1, 0.1);
     const Rgb tinted = light(sun + "temperature = 2000\ncolor = [1, 0.5, 0]\nintensity = 2\n").intensity;
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(tinted[c], warm[c] * Rgb(2, 1, 0)[c], 1e-12);
+    EXPECT_NE(lightError(sun + "temperature = -5\n").find(": 'temperature' is -5; expected a number from 800 to 40000"),
+              std::string::npos);
+    EXPECT_EQ(lightError(sun + "temperature = -5\n").rfind("'temperature'"),
+              lightError(sun + "temperature = -5\n").find("'temperature'"));
 }
 
 TEST(SceneLight, SaysWhatAnAreaLightOrDomeLacks) {
