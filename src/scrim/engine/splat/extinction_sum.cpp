@@ -209,13 +209,14 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     };
     for (const Alike& alike : alikeVolumes(scene)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
+        std::vector<ViewField> placements;
+        for (const std::size_t v : alike) placements.push_back(densityOf(scene.volumes[v]));
         if (volume.classified)
             sum += Surface::bytes(volume, scene.dials, sheets, lattice, batch);
+        else if (placements.size() > 1)
+            sum += FieldPlanes::bytes(placements, settings, scene.dials, sheets, lattice, batch);
         else
-            add(densityOf(volume));
-        for (std::size_t i = 1; i < alike.size(); ++i)
-            sum +=
-                FieldPlanes::placementBytes(densityOf(scene.volumes[alike[i]]), settings, scene.dials, sheets, lattice);
+            add(placements.front());
     }
     for (const ViewVolume& volume : scene.volumes) {
         if (who != For::light)

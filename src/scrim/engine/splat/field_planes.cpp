@@ -1,7 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/splat/field_planes.h>
 
+#include <scrim/base/parallel.h>
+#include <scrim/engine/splat/kernel.h>
+
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 namespace scrim {
 namespace {
@@ -9,37 +14,79 @@ namespace {
 // Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
 constexpr int kSheetsPerTask = 8;
 
+// Rows of tiles that a block may touch, and one more: bands must not depend on what there is in a batch, since they
+// decide the order in which floats are added.
+int bandTilesFor(const Mat4& rsFromIs, Kernel kernel) {
+    const Vec3 row(rsFromIs[0][1], rsFromIs[1][1], rsFromIs[2][1]);
+    const double block = (kBlockEdge - 1) * (std::abs(row.x) + std::abs(row.y) + std::abs(row.z));
+    return static_cast<int>((block + 2 * kernelExtent(kernel, row) + 3) / kTileEdge) + 4;
+}
+
 }  // namespace
 
-FieldPlanes::Splatter FieldPlanes::splatterFor(const std::vector<ViewField>& fields, const Settings& s,
-                                               const Dials& dials, const Sheets& sheets, const Lattice& lattice) {
-    const Mat4 tsFromIs = sheets.tsFrom(fields.front().wsFromIs);
-    if (!lattice.parallel()) {
+FieldPlanes::Splatter FieldPlanes::splatterFor(const std::vector<ViewField>& fields) const {
+    const Settings& s = m_settings;
+    const Mat4 tsFromIs = m_sheets.tsFrom(fields.front().wsFromIs);
+    if (!m_lattice.parallel()) {
         std::vector<WarpedSplatter> splatters;
         for (const ViewField& field : fields)
-            splatters.emplace_back(*field.field, tsFromIs, lattice, dials.kernel, s.stepsPerVoxel, s.scale, s.most);
+            splatters.emplace_back(*field.field, tsFromIs, m_lattice, m_dials.kernel, s.stepsPerVoxel, s.scale, s.most);
         return splatters;
     }
-    FieldSplatter splatter(*fields.front().field, lattice.rsFromTs * tsFromIs, dials.kernel, s.stepsPerVoxel, s.scale,
-                           s.most, Simd(dials.simd));
+    FieldSplatter splatter(*fields.front().field, m_lattice.rsFromTs * tsFromIs, m_dials.kernel, s.stepsPerVoxel,
+                           s.scale, s.most, m_simd);
     for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
     return splatter;
 }
 
+FieldPlanes::Reach FieldPlanes::reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets) {
+    constexpr double kRounding = 2;  // of footprints' tables, in sheets, and of bounds
+    const Mat4 tsFromIs = sheets.tsFrom(field.wsFromIs);
+    const double reach = kernelExtent(dials.kernel, {tsFromIs[0][2], tsFromIs[1][2], tsFromIs[2][2]}) + kRounding;
+    const Bounds ts = transformed(tsFromIs, field.field->isBounds());
+    return {static_cast<int>(std::floor(ts.lower.z - reach)), static_cast<int>(std::ceil(ts.upper.z + reach))};
+}
+
 FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings,
                          const Dials& dials, const Sheets& sheets, const Lattice& lattice, int batchSheets)
-    : m_lattice(lattice), m_settings(settings), m_simd(dials.simd) {
-    m_splatters.reserve(placements.size());
-    int bandTiles = 0;
+    : m_lattice(lattice), m_sheets(sheets), m_dials(dials), m_settings(settings), m_simd(dials.simd) {
     for (const std::vector<ViewField>& fields : placements) {
-        m_splatters.push_back(splatterFor(fields, settings, dials, sheets, lattice));
-        if (const auto* own = std::get_if<FieldSplatter>(&m_splatters.back()))
-            bandTiles = std::max(bandTiles, own->bandTiles());
+        m_placements.push_back({fields, reachOf(fields.front(), dials, sheets), std::nullopt});
+        if (lattice.parallel() && placements.size() > 1)
+            m_bandTiles = std::max(
+                m_bandTiles, bandTilesFor(lattice.rsFromTs * sheets.tsFrom(fields.front().wsFromIs), dials.kernel));
     }
-    for (Splatter& splatter : m_splatters)
-        if (auto* own = std::get_if<FieldSplatter>(&splatter)) own->useBands(bandTiles);
+    if (placements.size() == 1) {
+        Placement& one = m_placements.front();
+        one.reach = {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()};
+        one.splatter.emplace(splatterFor(one.fields));
+        if (const auto* splatter = std::get_if<FieldSplatter>(&*one.splatter)) m_bandTiles = splatter->bandTiles();
+    }
     for (std::size_t f = 0; f < placements.front().size(); ++f)
         m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
+}
+
+// Those that the batch reaches are there, and no others.
+void FieldPlanes::prepare() {
+    std::vector<Placement*> missing;
+    for (Placement& placement : m_placements) {
+        const bool reaches = placement.reach.first < m_readySheet && placement.reach.last >= m_firstReady;
+        if (!reaches) placement.splatter.reset();
+        if (reaches && !placement.splatter) missing.push_back(&placement);
+    }
+    parallelFor(missing.size(), [&](std::size_t i) {
+        missing[i]->splatter.emplace(splatterFor(missing[i]->fields));
+        if (auto* own = std::get_if<FieldSplatter>(&*missing[i]->splatter)) own->useBands(m_bandTiles);
+    });
+    std::size_t bytes = 0;
+    for (const Placement& placement : m_placements) {
+        if (!placement.splatter) continue;
+        if (const auto* own = std::get_if<FieldSplatter>(&*placement.splatter))
+            bytes += own->tableBytes();
+        else
+            for (const WarpedSplatter& warped : std::get<1>(*placement.splatter)) bytes += warped.table().bytes();
+    }
+    m_mostBytes = std::max(m_mostBytes, bytes);
 }
 
 void FieldPlanes::beginBatch(int firstSheet, int count) {
@@ -58,13 +105,16 @@ void FieldPlanes::beginBatch(int firstSheet, int count) {
     }
     for (PlaneStack& planes : m_planes)
         for (int sheet = m_firstReady; sheet < m_readySheet; ++sheet) planes.begin(planeOf(sheet));
+    prepare();
+}
+
+int FieldPlanes::bands() const {
+    return m_lattice.parallel() ? (planes().tilesY() + m_bandTiles - 1) / m_bandTiles : 1;
 }
 
 // Phases take turns at the bands of rows; views that warp their footprints have no bands.
 int FieldPlanes::tasks(int phase) const {
-    const auto* splatter = std::get_if<FieldSplatter>(&m_splatters.front());
-    const int bands = splatter ? splatter->bands(planes()) : 1;
-    return static_cast<int>(m_runs.size()) * ((bands + 1 - phase) / kPhases);
+    return static_cast<int>(m_runs.size()) * ((bands() + 1 - phase) / kPhases);
 }
 
 std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed, const TileCull& cull) {
@@ -78,7 +128,9 @@ std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed,
         };
     const int end = run.sheet + run.count;
     std::uint64_t footprints = 0;
-    for (const Splatter& splatter : m_splatters) {
+    for (const Placement& placement : m_placements) {
+        if (!placement.splatter || placement.reach.first >= end || placement.reach.last < run.sheet) continue;
+        const Splatter& splatter = *placement.splatter;
         if (const auto* own = std::get_if<FieldSplatter>(&splatter)) {
             footprints +=
                 own->splat(run.sheet, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
@@ -104,19 +156,29 @@ void FieldPlanes::finish(int plane) {
 }
 
 std::size_t FieldPlanes::bytes() const {
-    std::size_t sum = m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
-    for (const Splatter& splatter : m_splatters)
-        if (const auto* own = std::get_if<FieldSplatter>(&splatter))
-            sum += own->tableBytes();
-        else
-            for (const WarpedSplatter& warped : std::get<1>(splatter)) sum += warped.table().bytes();
-    return sum;
+    return m_mostBytes + m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
 }
 
 std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings, const Dials& dials,
                                const Sheets& sheets, const Lattice& lattice, int batchSheets) {
     return PlaneStack::bytes(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1) +
            placementBytes(field, settings, dials, sheets, lattice);
+}
+
+// What the most placements take that reach into one batch.
+std::size_t FieldPlanes::bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
+                               const Sheets& sheets, const Lattice& lattice, int batchSheets) {
+    const int batch = batchSheets + 2 * settings.halo;
+    std::map<int, std::ptrdiff_t> changes;  // by the batch's first sheet
+    for (const ViewField& field : placements) {
+        const Reach reach = reachOf(field, dials, sheets);
+        const auto own = static_cast<std::ptrdiff_t>(placementBytes(field, settings, dials, sheets, lattice));
+        changes[reach.first - batch + 1] += own;
+        changes[reach.last + 1] -= own;
+    }
+    std::ptrdiff_t now = 0, most = 0;
+    for (const auto& [sheet, change] : changes) most = std::max(most, now += change);
+    return PlaneStack::bytes(batch, lattice.width, lattice.height, 1) + static_cast<std::size_t>(most);
 }
 
 std::size_t FieldPlanes::placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,

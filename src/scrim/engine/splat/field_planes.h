@@ -9,6 +9,7 @@
 #include <scrim/engine/splat/splatter.h>
 
 #include <limits>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -24,12 +25,14 @@ class FieldPlanes {
         int halo = 0;                                   ///< sheets kept on either side of a batch
     };
 
-    /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `sheets` and `lattice` must outlive this.
+    /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `dials`, `sheets` and `lattice` must outlive
+    /// this.
     /// Several fields must have the topology of the first (haveOneTopology), and each has planes of its own.
     FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets)
         : FieldPlanes(std::vector<std::vector<ViewField>>(1, fields), settings, dials, sheets, lattice, batchSheets) {}
-    /// Placements add up in the same planes; all have as many fields.
+    /// Placements add up in the same planes; all have as many fields. Where there are several, what each needs is there
+    /// for the batches that it reaches into, and no longer.
     FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
@@ -53,22 +56,39 @@ class FieldPlanes {
     /// An upper estimate beforehand.
     static std::size_t bytes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
                              const Lattice& lattice, int batchSheets);
-    /// Of that what each placement takes.
-    static std::size_t placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
-                                      const Sheets& sheets, const Lattice& lattice);
+    /// The same of several placements.
+    static std::size_t bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
+                             const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
   private:
     struct Run {
         int sheet, count;
     };
     using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
-    static Splatter splatterFor(const std::vector<ViewField>& fields, const Settings& s, const Dials& dials,
-                                const Sheets& sheets, const Lattice& lattice);
+    // The sheets that it reaches, at most: [first, last].
+    struct Reach {
+        int first, last;
+    };
+    struct Placement {
+        std::vector<ViewField> fields;
+        Reach reach;
+        std::optional<Splatter> splatter;
+    };
+    static Reach reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets);
+    static std::size_t placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
+                                      const Sheets& sheets, const Lattice& lattice);
+    Splatter splatterFor(const std::vector<ViewField>& fields) const;
+    void prepare();
+    int bands() const;
 
     const Lattice& m_lattice;
+    const Sheets& m_sheets;
+    const Dials& m_dials;
     Settings m_settings;
     Simd m_simd;
-    std::vector<Splatter> m_splatters;       // one a placement; parallel ones take turns at the same bands
+    std::vector<Placement> m_placements;
+    int m_bandTiles = 0;                     // at whose bands all take turns
+    std::size_t m_mostBytes = 0;             // of splatters, in any batch
     std::vector<PlaneStack> m_planes;        // one a field
     int m_origin = -1;                       // the first sheet of the first batch, whose planes lie as it wants them
     int m_firstReady = 0, m_readySheet = 0;  // sheets that the batch splats
