@@ -82,9 +82,11 @@ std::size_t bytesOf(const PlaneStack& planes) {
 }
 
 // Null where nothing hides volumes.
-std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const PixelTiles& tiles) {
+std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const EyePart& part) {
     if (!scene.solids || !scene.solids->any(SolidRole::holdout)) return nullptr;
-    return std::make_unique<EyeEnds>(*scene.solids, supersampled(scene.camera, scene.dials.antialias), tiles);
+    const int n = scene.dials.antialias;
+    return std::make_unique<EyeEnds>(*scene.solids, supersampled(scene.camera, n),
+                                     PixelTiles(supersampled(part.window, n)));
 }
 
 // Null where no deep picture is asked for.
@@ -100,8 +102,8 @@ void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
     swept.deep = deep.resolve(eye, n);
 }
 
-Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, std::size_t mostDeepBytes,
-            const std::function<void(double)>& progress) {
+Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
+            std::size_t mostDeepBytes, const std::function<void(double)>& progress) {
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
@@ -111,10 +113,8 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, st
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye);
-    const auto ends = eyeEnds(scene, tiles);
     const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
-    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends.get(),
-                          deep.get());
+    Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends, deep.get());
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
@@ -154,7 +154,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, st
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && compositor.allOpaque()) break;
     }
-    work.solidRays = lights.solidRays() + (ends ? ends->rays() : 0);
+    work.solidRays = lights.solidRays();
     work.bytes = {extinction.bytes(), lights.bytes(), shaded ? bytesOf(*shaded) : 0,
                   tiles.bytes() + (ends ? ends->bytes() : 0)};
     if (deep) keepDeep(*deep, eye, n, swept);
@@ -177,8 +177,14 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
     std::vector<DeepImage> deep;
+    std::unique_ptr<EyeEnds> ends;  // the same for all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
-        Swept swept = sweep(scene, plan, plan.groups[g], deepBytesLeft(plan, deep),
+        const std::size_t part = plan.groups[g].eyePart;
+        if (g == 0 || part != plan.groups[g - 1].eyePart) {
+            ends = eyeEnds(scene, plan.eyeParts[part]);
+            if (ends) frame.work.solidRays += ends->rays();
+        }
+        Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), deepBytesLeft(plan, deep),
                             [&](double done) { goOn((double(g) + done) / double(plan.groups.size())); });
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;

@@ -3,9 +3,11 @@
 
 #include <scrim/base/error.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 #include <utility>
 
 #include <embree3/rtcore.h>
@@ -93,8 +95,15 @@ struct Solids::Traced {
 };
 
 Solids::Solids(std::vector<Solid> solids) : m_solids(std::move(solids)) {
-    for (int role = 0; role < kRoles; ++role)
-        m_traced.push_back(std::make_unique<Traced>(m_solids, static_cast<SolidRole>(role)));
+    const auto sameSolids = [&](SolidRole a, SolidRole b) {
+        return std::all_of(m_solids.begin(), m_solids.end(), [&](const Solid& s) { return s.has(a) == s.has(b); });
+    };
+    for (int i = 0; i < kRoles; ++i) {
+        const auto role = static_cast<SolidRole>(i);
+        for (int known = 0; known < i && m_traced.size() == std::size_t(i); ++known)
+            if (sameSolids(static_cast<SolidRole>(known), role)) m_traced.push_back(m_traced[std::size_t(known)]);
+        if (m_traced.size() == std::size_t(i)) m_traced.push_back(std::make_shared<const Traced>(m_solids, role));
+    }
 }
 
 Solids::~Solids() = default;
@@ -145,7 +154,7 @@ SolidHit Solids::trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirec
 std::size_t Solids::bytes() const {
     std::size_t sum = 0;
     constexpr std::size_t kTreeBytes = 100;  // a triangle: Embree's tree, about
-    for (const auto& traced : m_traced)
+    for (const auto& traced : std::set(m_traced.begin(), m_traced.end()))
         sum += traced->wsPoints.size() * (sizeof(Vec3) + 3 * sizeof(float)) +
                traced->triangles.size() * (2 * sizeof(traced->triangles[0]) + kTreeBytes);
     return sum;

@@ -71,7 +71,7 @@ class Solids {
     const Traced& of(SolidRole role) const { return *m_traced[static_cast<std::size_t>(role)]; }
 
     std::vector<Solid> m_solids;
-    std::vector<std::unique_ptr<const Traced>> m_traced;
+    std::vector<std::shared_ptr<const Traced>> m_traced;  // one a role; roles of the same solids share one
 };
 
 }  // namespace scrim
