@@ -14,6 +14,8 @@ RenderWork& RenderWork::operator+=(const RenderWork& o) {
     caughtRays += o.caughtRays;
     deepSamples += o.deepSamples;
     sheets += o.sheets;
+    scatterSweeps += o.scatterSweeps;
+    scatterDirections += o.scatterDirections;
     shade += o.shade;
     if (o.bytes.total() > bytes.total()) bytes = o.bytes;
     return *this;
@@ -21,6 +23,7 @@ RenderWork& RenderWork::operator+=(const RenderWork& o) {
 
 StageTimes& StageTimes::operator+=(const StageTimes& o) {
     prepare += o.prepare;
+    scatter += o.scatter;
     splat += o.splat;
     attenuate += o.attenuate;
     shade += o.shade;

@@ -23,6 +23,7 @@ struct ShadeWork {
     std::uint64_t gradients = 0;     ///< normals of classified volumes
     std::uint64_t emissions = 0;     ///< samples of emission
     std::uint64_t ambients = 0;      ///< samples of ambient light
+    std::uint64_t scattered = 0;     ///< samples of light that scattered before
     std::uint64_t exponentials = 0;  ///< of optical depths
 
     ShadeWork& operator+=(const ShadeWork& o) {
@@ -34,6 +35,7 @@ struct ShadeWork {
         gradients += o.gradients;
         emissions += o.emissions;
         ambients += o.ambients;
+        scattered += o.scattered;
         exponentials += o.exponentials;
         return *this;
     }
@@ -52,6 +54,8 @@ struct RenderWork {
     std::uint64_t sheets = 0;
     std::uint64_t solidRays = 0;   ///< traced to solids, for the eye and for lights
     std::uint64_t caughtRays = 0;  ///< marched from solids to lights
+    std::uint64_t scatterSweeps = 0;      ///< of all ordinates through the finest cells
+    std::uint64_t scatterDirections = 0;  ///< cells and ordinates passed, of all sizes of cells
     ShadeWork shade;
 
     /// Address space of buffers, of the sweep that takes most.
@@ -61,8 +65,9 @@ struct RenderWork {
         std::uint64_t shaded = 0;   ///< sheets of shaded texels
         std::uint64_t picture = 0;  ///< pixels on the way
         std::uint64_t deep = 0;     ///< samples of a deep picture
+        std::uint64_t scattered = 0;  ///< light that scatters more than once
 
-        std::uint64_t total() const { return fields + shadows + shaded + picture + deep; }
+        std::uint64_t total() const { return fields + shadows + shaded + picture + deep + scattered; }
         bool operator==(const Bytes&) const = default;
     } bytes;
 
@@ -73,7 +78,7 @@ struct RenderWork {
 
 /// Seconds spent in each stage, wall clock.
 struct StageTimes {
-    double prepare = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
+    double prepare = 0, scatter = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
 
     StageTimes& operator+=(const StageTimes& o);
 };
@@ -95,6 +100,9 @@ struct Frame {
     /// As ViewScene::layers has them; of lights and shadows one each, in the scene's order.
     std::vector<FrameLayer> layers;
     std::optional<DeepImage> deep;  ///< where it is asked for: over the image's window, in the working space
+    /// What a further sweep would have changed of light that scatters more than once, relative; 0: there is none.
+    double scatterChange = 0;
+    bool scatterConverged = true;  ///< is that as little as scatter_error asks for?
     RenderWork work;
     StageTimes times;
 };

@@ -11,6 +11,7 @@
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/extinction_sum.h>
+#include <scrim/engine/transport/scattered_light.h>
 
 #include <algorithm>
 #include <chrono>
@@ -103,7 +104,7 @@ void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
 }
 
 Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-            std::size_t mostDeepBytes, const std::function<void(double)>& progress) {
+            const ScatteredLight* scattered, std::size_t mostDeepBytes, const std::function<void(double)>& progress) {
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
@@ -112,7 +113,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
-    const SheetShader shader(scene, plan, group, extinction, lights, eye);
+    const SheetShader shader(scene, plan, group, extinction, lights, eye, scattered);
     const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
     Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends, deep.get());
     std::optional<PlaneStack> shaded;
@@ -169,6 +170,22 @@ std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept)
     return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
+// Light that scatters more than once, before the sweeps that look it up; null where none does.
+std::unique_ptr<ScatteredLight> scatteredLight(const ViewScene& scene, const Plan& plan, Frame& frame,
+                                               const std::function<void()>& checkpoint) {
+    if (!plan.transport.any() || plan.groups.empty()) return nullptr;
+    Stopwatch watch;
+    auto scattered = std::make_unique<ScatteredLight>(scene, plan.transport, plan.simd, checkpoint);
+    const Solved& solved = scattered->solved();
+    frame.scatterChange = solved.change;
+    frame.scatterConverged = solved.converged;
+    frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
+    frame.work.scatterDirections = solved.cellDirections;
+    frame.work.bytes.scattered = scattered->bytes();
+    frame.times.scatter = watch.lap();
+    return scattered;
+}
+
 Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress) {
     Frame frame = emptyFrame(given);
     ViewScene plain;
@@ -176,6 +193,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
     };
+    const auto scattered = scatteredLight(given, plan, frame, [&] { goOn(0); });
     std::vector<DeepImage> deep;
     std::unique_ptr<EyeEnds> ends;  // the same for all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
@@ -184,7 +202,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
             ends = eyeEnds(scene, plan.eyeParts[part]);
             if (ends) frame.work.solidRays += ends->rays();
         }
-        Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), deepBytesLeft(plan, deep),
+        Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), scattered.get(), deepBytesLeft(plan, deep),
                             [&](double done) { goOn((double(g) + done) / double(plan.groups.size())); });
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;

@@ -49,6 +49,9 @@ struct Dials {
     double lightError = 0.005;          ///< relative, that sub-lights may leave of lights that are larger than a point
     double lod = 0;                     ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
     int antialias = 1;                  ///< n x n rays a pixel
+    double scatterCell = 2;      ///< voxels: edge of the cells that light is carried through which scatters more than once
+    int scatterDirections = 64;  ///< that it is carried along
+    double scatterError = 0.002;  ///< relative change by a sweep of them that is small enough
     std::optional<int> shutterSamples;  ///< renders that motion blur is the mean of; nothing: chosen by the motion
     std::string simd = "auto";          ///< instruction set: auto, or the most one may use
 };

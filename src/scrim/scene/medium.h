@@ -55,11 +55,19 @@ struct Octaves {
     bool operator==(const Octaves&) const = default;
 };
 
+/// How often light may scatter in a medium before it reaches the eye.
+enum class Scattering {
+    single,   ///< once
+    octaves,  ///< the look of more than once, see Octaves
+    full,     ///< as often as it does: transport by discrete ordinates (engine/transport)
+};
+
 struct Medium {
     double densityScale = 1;  ///< extinction per world unit = field value times this
     Rgb albedo{0.9};          ///< scattered part of extinction, each channel in [0, 1]
     Phase phase = {};
     Rgb extinctionTint{1};  ///< multiplies extinction, in each channel
+    Scattering scattering = Scattering::single;
     Octaves octaves = {};
 
     bool operator==(const Medium&) const = default;

@@ -150,6 +150,15 @@ std::vector<Dial> makeDials() {
     all.push_back(integer(
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));
+    all.push_back(number("scatter_cell", "voxels", 0.25, 64, &Dials::scatterCell,
+                         "edge of the cells that light is carried through where scattering = 'full'; error of first "
+                         "order, time and memory of third"));
+    all.push_back(integer(
+        "scatter_directions", "directions", "64, 128 or 256",
+        [](double v) { return v == 64 || v == 128 || v == 256; }, &Dials::scatterDirections,
+        "that such light is carried along: narrow phase functions want more"));
+    all.push_back(number("scatter_error", "relative change", 1e-6, 0.1, &Dials::scatterError,
+                         "what a further sweep may still change of such light"));
     all.push_back(shutterSamples());
     all.push_back(simd());
     for (Dial& dial : all) {

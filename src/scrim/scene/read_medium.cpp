@@ -57,6 +57,23 @@ Octaves readOctaves(TomlTable table) {
     return octaves;
 }
 
+// Octaves alone say what is meant; beside another word they are a contradiction.
+void readScattering(TomlTable& table, const MediumKeys& k, Medium& medium) {
+    const auto octaves = table.find(k.octaves);
+    const auto word = table.find(k.scattering);
+    medium.scattering = word      ? static_cast<Scattering>(table.choice(k.scattering))
+                        : octaves ? Scattering::octaves
+                                  : Scattering::single;
+    if (octaves) {
+        if (medium.scattering != Scattering::octaves)
+            octaves->fail(fmt::format("{} has {} = \"{}\" and {}; expected one of them", table.description(), k.scattering,
+                                      k.scattering.words[std::size_t(medium.scattering)], k.octaves));
+        medium.octaves = readOctaves(octaves->table(fmt::format("'{}' of {}", octaves->name(), table.description())));
+    } else if (medium.scattering == Scattering::octaves) {
+        medium.octaves.count = static_cast<int>(*keysOf<OctavesKeys>().count.value);
+    }
+}
+
 ColourGrid readColourGrid(TomlTable table, const ReadContext& context) {
     const AlbedoGridKeys& k = keysOf<AlbedoGridKeys>();
     const TomlValue grid = table.require(k.grid);
@@ -153,7 +170,7 @@ void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume
     if (const auto albedo = table.find(k.albedo)) readAlbedo(*albedo, of, context, volume);
     if (const auto tint = table.find(k.extinctionTint)) medium.extinctionTint = readBounded(*tint, context, kMostTint);
     if (const auto phase = table.find(k.phase)) medium.phase = readPhase(inner(*phase));
-    if (const auto octaves = table.find(k.octaves)) medium.octaves = readOctaves(inner(*octaves));
+    readScattering(table, k, medium);
     if (const auto emission = table.find(k.emission))
         volume.emission.push_back(readEmission(inner(*emission), context));
     if (const auto blackbody = table.find(k.blackbody))

@@ -59,6 +59,11 @@ struct ViewVolume {
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
 };
 
+/// Does the volume's medium scatter light more than once?
+inline bool scattersFully(const ViewVolume& volume) {
+    return volume.medium.scattering == Scattering::full && !volume.classified && !volume.field->empty();
+}
+
 /// A deep picture beside the flat one.
 struct ViewDeep {
     double tolerance = 0.01;  ///< of merging samples: of alpha, and of colour as a part of the pixel's

@@ -153,6 +153,11 @@ struct MediumKeys : Section {
             .orTable(keysOf<AlbedoGridKeys>());
     const Key& extinctionTint = colour("extinction_tint", "[1, 1, 1]", "Multiplies extinction in each channel.");
     const Key& phase = table(keysOf<PhaseKeys>(), "phase", "Which way it scatters.").unless("isotropic");
+    const Key& scattering =
+        choice("scattering", {"single", "octaves", "full"},
+               "How often light scatters on its way: once; with the look of more, by 'octaves'; as often as it does, "
+               "which also lets what glows, [ambient] and domes light the volume, with shadows.")
+            .unless("\"single\", or \"octaves\" where these are given");
     const Key& octaves =
         table(keysOf<OctavesKeys>(), "octaves", "The look of multiple scattering.").unless("single scattering");
     const Key& emission = table(keysOf<EmissionKeys>(), "emission", "Light of its own, from a grid by a ramp.");

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/plan/effects.h>
 
+#include <scrim/base/error.h>
+
 #include <scrim/scene/layer_names.h>
 
 #include <algorithm>
@@ -170,6 +172,19 @@ Effect emission(const ViewScene& scene) {
     return found.effect("emission", "of ", "no medium has emission or blackbody");
 }
 
+Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
+    Effect effect =
+        ofMedia(scene, ".medium.scattering",
+                [](const ViewVolume& v) { return scattersFully(v) ? quoted(v.name) : std::string(); },
+                "multiple scattering", "in ", "no medium has scattering = \"full\": light scatters once");
+    const TransportPlan& t = plan.transport;
+    const int solves = static_cast<int>(t.targets.size()) * t.colours;
+    if (effect.on)
+        effect.reason += fmt::format("; {} solve{} along {} directions, cells of {:.4g} world units, about {}", solves,
+                                     solves == 1 ? "" : "s", t.ordinates, t.edge, bytesText(t.bytes));
+    return effect;
+}
+
 void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effect>& effects) {
     Effect coloured = ofMedia(
         scene, ".medium.extinction_tint",
@@ -197,7 +212,8 @@ void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effe
             const int count = v.medium.octaves.count;
             return count > 1 ? fmt::format("{} ({})", quoted(v.name), count) : std::string();
         },
-        "octaves", "of ", "no medium has octaves: single scattering"));
+        "octaves", "of ", "no medium has octaves"));
+    effects.push_back(multipleScattering(scene, plan));
 }
 
 Effect lightLinking(const ViewScene& scene) {

@@ -13,6 +13,8 @@ namespace scrim {
 struct Output {
     Layer layer = Layer::light;
     int light = -1;  ///< of a light's: index into ViewScene::lights
+
+    bool operator==(const Output&) const = default;
 };
 
 /// Quads of floats, one for each output, and how much the sample hides of what lies behind it. Where extinction is grey

@@ -357,6 +357,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     if (corners.empty()) return plan;
     checkSlides(given);
     plan.subLights = subLights(given);
+    plan.transport = planTransport(given);
     ViewScene plain;
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const std::vector<std::string> culled = culledLights(scene);
@@ -378,6 +379,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
         chooseBatch(scene, threads, frameBytes, plan, group);
         plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);
     }
+    plan.bytes += plan.transport.bytes;
     planDeep(scene, plan);
     estimateWork(scene, plan);
     return plan;

@@ -11,6 +11,7 @@
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/outputs.h>
 #include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
@@ -78,6 +79,7 @@ struct Plan {
         double pixelSheets = 0;   ///< pixel and sheet pairs composited, at most
     };
 
+    TransportPlan transport;        ///< of light that scatters more than once
     SubLights subLights;            ///< what the engine shines with; empty: the lights of the scene
     std::vector<GroupPlan> groups;  ///< by eye part; empty where nothing is to be seen
     int threads = 1;                ///< that the render takes

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/plan/sub_lights.h>
 
+#include <scrim/engine/plan/transport_plan.h>
+
 #include <scrim/engine/plan/picture_cells.h>
 #include <scrim/geometry/bounds.h>
 
@@ -157,8 +159,10 @@ SubLights subLights(const ViewScene& scene) {
         const int count = subLightCount(scene, light);
         if (light.area())
             addSurface(light, count, all.lights);
-        else if (light.dome())
+        else if (light.dome() && !skiesFromBorder(scene))
             addSky(light, count, all.lights);
+        else if (light.dome())
+            continue;
         else if (light.extended())
             addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
         else
@@ -183,10 +187,14 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
     plain = scene;
     plain.lights = lights.lights;
     for (ViewVolume& volume : plain.volumes) {
-        if (volume.lights.empty()) continue;
+        // Into what scatters light more than once skies shine through the border of its cells.
+        const bool noSky = scattersFully(volume);
+        if (volume.lights.empty() && !noSky) continue;
         const std::vector<bool> byOwner = volume.lights;
         volume.lights.clear();
-        for (const int owner : lights.owners) volume.lights.push_back(byOwner[std::size_t(owner)]);
+        for (const int owner : lights.owners)
+            volume.lights.push_back((byOwner.empty() || byOwner[std::size_t(owner)]) &&
+                                    !(noSky && scene.lights[std::size_t(owner)].dome()));
     }
     return plain;
 }

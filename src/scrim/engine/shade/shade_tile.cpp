@@ -186,13 +186,30 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
     });
 }
 
+// The same of radiance that differs from sample to sample.
+HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, Work& w) {
+    const DF d;
+    const SheetMedium& medium = input.media[std::size_t(scattered.medium)];
+    for (int c = 0; c < 3; ++c) {
+        const auto albedo = constant(medium.albedo[c] * scattered.share);
+        const Real *through = w.through.values[input.coloured ? c : 0], *scatter = medium.scatter[c],
+                   *radiance = scattered.radiance[c];
+        Real* to = outputRow(input, w, scattered.output, c);
+        forSamples([&](int k) HWY_ATTR {
+            const auto part = hn::Mul(hn::Mul(load(scatter, k), load(through, k)), load(radiance, k));
+            hn::Store(hn::MulAdd(part, albedo, load(to, k)), d, to + k);
+        });
+    }
+    w.done.scattered += kTileSize;
+}
+
 // What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
 template <class SurfaceShare>
-HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, const SurfaceShare& share,
-                             Work& w) {
+HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool ambient,
+                             const SurfaceShare& share, Work& w) {
     for (int c = 0; c < 3; ++c) {
         for (const SheetMedium& medium : input.media)
-            addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, w);
+            if (medium.ambient || !ambient) addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, w);
         for (const SheetSurface& surface : input.surfaces)
             addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, w);
     }
@@ -201,11 +218,11 @@ HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int 
 // All that is not a light's.
 HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
-    if (!ambient && input.emissions.empty() && input.layout.albedo < 0) return;
+    if (!ambient && input.emissions.empty() && input.scattered.empty() && input.layout.albedo < 0) return;
     fillThrough(input, w);
     if (ambient) {
         addEnvironment(
-            input, input.ambient, input.layout.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
+            input, input.ambient, input.layout.ambient, true, [](const SheetSurface& s) { return s.ambient; }, w);
         w.done.ambients += kTileSize;
     }
     for (const SheetEmission& emission : input.emissions) {
@@ -213,10 +230,11 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
             addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, w);
         w.done.emissions += kTileSize;
     }
+    for (const SheetScattered& scattered : input.scattered) addScatteredBefore(input, scattered, w);
     constexpr Real kWhite[3] = {1, 1, 1};
     if (input.layout.albedo >= 0)
         addEnvironment(
-            input, kWhite, input.layout.albedo, [](const SheetSurface&) { return Real(1); }, w);
+            input, kWhite, input.layout.albedo, false, [](const SheetSurface&) { return Real(1); }, w);
 }
 
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {

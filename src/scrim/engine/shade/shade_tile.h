@@ -68,6 +68,15 @@ struct SheetMedium {
     Phase phase;
     Octaves octaves;
     const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
+    bool ambient = true;                     ///< does ambient light reach it as if nothing shadowed it?
+};
+
+/// Light that scattered before, at a medium: an environment that differs from sample to sample.
+struct SheetScattered {
+    int medium = 0;           ///< index into ShadeInput::media
+    const Real* radiance[3];  ///< 256 values each
+    Real share = 1;           ///< that the sweep owns of it
+    int output = 0;
 };
 
 /// A part of what a sheet sends out by itself: 256 coefficients times a colour are radiance per world unit.
@@ -101,6 +110,7 @@ struct ShadeInput {
     std::span<const SheetMedium> media;
     std::span<const SheetSurface> surfaces;
     std::span<const SheetEmission> emissions;
+    std::span<const SheetScattered> scattered;
     std::span<const SheetLight> lights;
     const Real* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
     /// 256 values a light, of what gets past solids; nullptr: there are none.

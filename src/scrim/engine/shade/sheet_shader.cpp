@@ -24,6 +24,7 @@ struct Scratch {
     std::vector<SheetMedium> media;
     std::vector<SheetSurface> surfaces;
     std::vector<SheetEmission> emissions;
+    std::vector<SheetScattered> scattered;
 };
 
 Scratch& threadScratch() {
@@ -53,7 +54,8 @@ struct SheetShader::Rows {
         m_tauIn = m_emission + shader.m_extinction.emissions().size();
         const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
         m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
-        m_outputs = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
+        m_scattered = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
+        m_outputs = m_scattered + 3 * shader.m_scatteredParts.size();
         const std::size_t count = m_outputs + 3 * std::size_t(shader.m_group.outputs.layout.outputs - 1) + 1;
         if (scratch.rows.size() < count) scratch.rows.resize(count);
         if (scratch.classified.size() < shader.m_surfaces.size()) scratch.classified.resize(shader.m_surfaces.size());
@@ -66,17 +68,19 @@ struct SheetShader::Rows {
     Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
     Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
     Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
+    Real* scattered(std::size_t i, int c) const { return scratch.rows[m_scattered + 3 * i + std::size_t(c)].values; }
     Real* outputs() const { return scratch.rows[m_outputs].values; }
 
     Scratch& scratch;
 
   private:
-    std::size_t m_medium, m_emission, m_tauIn, m_unblocked, m_outputs;
+    std::size_t m_medium, m_emission, m_tauIn, m_unblocked, m_scattered, m_outputs;
 };
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
-                         const ExtinctionSum& extinction, const LightSweep& lights, const EyeView& eye)
-    : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye) {
+                         const ExtinctionSum& extinction, const LightSweep& lights, const EyeView& eye,
+                         const ScatteredLight* scattered)
+    : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye), m_scattered(scattered) {
     for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(group.primary * scene.ambient[c]);
     m_emitting = static_cast<Real>(group.primary);
     for (std::size_t i = 0; i < extinction.volumes().size(); ++i) {
@@ -96,10 +100,44 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         const Rgb albedo = (grid ? Rgb(1) : volume.medium.albedo) * volume.medium.relativeTint();
         SheetMedium look{{}, {}, volume.medium.phase, volume.medium.octaves, litOrAll(volume)};
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
+        look.ambient = !scattersFully(volume);
         m_media.push_back(look);
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
+    if (m_scattered && group.primary > 0) chooseScattered();
+}
+
+// Light that scattered before belongs to no sweep's lights: the sweeps show it that own alpha.
+void SheetShader::chooseScattered() {
+    for (std::size_t t = 0; t < m_scattered->targets(); ++t) {
+        int output = 0;
+        if (const auto& wanted = m_scattered->target(t).output)
+            for (std::size_t i = 0; i < m_group.outputs.list.size(); ++i)
+                if (m_group.outputs.list[i] == *wanted) output = static_cast<int>(i) + 1;
+        for (std::size_t i = 0; i < m_media.size(); ++i) {
+            const int field =
+                m_scattered->fieldOf(static_cast<int>(m_extinction.volumes()[m_mediumVolumes[i]].sceneVolume), t);
+            if (field < 0) continue;
+            m_scatteredParts.push_back({static_cast<int>(i), {}, static_cast<Real>(m_group.primary), output});
+            m_scatteredFields.push_back(field);
+        }
+    }
+}
+
+void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const {
+    rows.scratch.scattered.clear();
+    if (m_scatteredParts.empty()) return;
+    const Sheets& sheets = m_group.sheets;
+    const double middle = sheet + 0.5;
+    const Vec3 origin = sheets.wsPoint({0, 0, middle});
+    const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin};
+    for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
+        SheetScattered& part = rows.scratch.scattered.emplace_back(m_scatteredParts[i]);
+        Real* const rgb[3] = {rows.scattered(i, 0), rows.scattered(i, 1), rows.scattered(i, 2)};
+        m_scattered->lookUp(m_scatteredFields[i], plane, samples.u, samples.v, rgb);
+        std::copy(rgb, rgb + 3, part.radiance);
+    }
 }
 
 // Fills the rows of all media; read(planes, to) reads one row of one of them.
@@ -141,6 +179,7 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn(i));
     passSolids(p, samples, rows);
+    lookUpScattered(lights.sheet, samples, rows);
     return shadeTile(inputOf(p, samples, rows), out);
 }
 
@@ -171,6 +210,7 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
         if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn(i));
     passSolids(p, samples, rows);
+    lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
     return true;
 }
@@ -258,6 +298,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.media = scratch.media;
     input.surfaces = scratch.surfaces;
     input.emissions = scratch.emissions;
+    input.scattered = scratch.scattered;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn(0);
     input.unblocked = m_lights.passSolids() ? rows.unblocked(0) : nullptr;

@@ -7,6 +7,7 @@
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/splat/extinction_sum.h>
+#include <scrim/engine/transport/scattered_light.h>
 
 #include <optional>
 #include <vector>
@@ -16,7 +17,7 @@ namespace scrim {
 class SheetShader {
   public:
     SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ExtinctionSum& extinction,
-                const LightSweep& lights, const EyeView& eye);
+                const LightSweep& lights, const EyeView& eye, const ScatteredLight* scattered);
 
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
@@ -37,6 +38,8 @@ class SheetShader {
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
     void classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
     bool shows(const Rows& rows) const;
+    void chooseScattered();
+    void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;
     ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
 
     const Plan& m_plan;
@@ -44,6 +47,7 @@ class SheetShader {
     const ExtinctionSum& m_extinction;
     const LightSweep& m_lights;
     const EyeView& m_eye;
+    const ScatteredLight* m_scattered;  // null: light scatters but once
     bool m_alone;  // one medium has all the extinction there is
     Real m_ambient[3];
     Real m_emitting;  // the group's share of emission
@@ -51,6 +55,9 @@ class SheetShader {
     std::vector<SheetMedium> m_media;
     std::vector<SheetSurface> m_surfaces;
     std::vector<int> m_mediumVolumes, m_surfaceVolumes;
+    // What of m_scattered the group shows, and which fields of it that are.
+    std::vector<SheetScattered> m_scatteredParts;
+    std::vector<int> m_scatteredFields;
 };
 
 }  // namespace scrim

@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/transport_plan.h>
+
+#include <scrim/base/error.h>
+#include <scrim/engine/plan/effects.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+bool asksFor(const ViewScene& scene, Layer layer) {
+    return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
+}
+
+bool black(const Rgb& v) {
+    return v == Rgb(0);
+}
+
+bool grey(const Rgb& v) {
+    return v.x == v.y && v.y == v.z;
+}
+
+// Everything that light comes from, by the layer that it belongs to.
+std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
+    std::vector<ScatterTarget> targets;
+    ScatterTarget beauty;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        if (black(scene.lights[i].intensity)) continue;
+        if (asksFor(scene, Layer::light))
+            targets.push_back({Output{Layer::light, static_cast<int>(i)}, {static_cast<int>(i)}});
+        else
+            beauty.lights.push_back(static_cast<int>(i));
+    }
+    if (!black(scene.ambient)) {
+        if (asksFor(scene, Layer::ambient))
+            targets.push_back({Output{Layer::ambient}, {}, true});
+        else
+            beauty.ambient = true;
+    }
+    const bool glows = std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                   [](const ViewVolume& v) { return !v.emission.empty(); });
+    if (glows) {
+        if (asksFor(scene, Layer::emission))
+            targets.push_back({Output{Layer::emission}, {}, false, true});
+        else
+            beauty.emission = true;
+    }
+    if (!beauty.lights.empty() || beauty.ambient || beauty.emission) targets.push_back(beauty);
+    return targets;
+}
+
+// Is what scatters, and what it scatters, of one colour?
+bool oneColour(const ViewScene& scene) {
+    const auto mediumIsGrey = [&](const ViewVolume& v) {
+        return v.classified || (grey(v.medium.extinctionTint) &&
+                                (!scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo))));
+    };
+    if (!std::all_of(scene.volumes.begin(), scene.volumes.end(), mediumIsGrey)) return false;
+    Rgb colour(0);  // of the first light
+    const auto same = [&](const Rgb& light) {
+        if (black(colour)) colour = light;
+        return glm::length(glm::cross(colour, light)) <= 1e-12 * glm::length(colour) * glm::length(light);
+    };
+    for (const Light& light : scene.lights)
+        if (light.slide || !same(light.intensity)) return false;
+    for (const ViewVolume& v : scene.volumes)
+        for (const ViewEmission& e : v.emission)
+            if (!same(e.color)) return false;
+    return same(scene.ambient);
+}
+
+// World volume of all blocks of fields, those of several fields counted for each.
+double occupied(const ViewScene& scene, double margin) {
+    double sum = 0;
+    for (const ViewVolume& volume : scene.volumes) {
+        const SparseField& field = *volume.field;
+        const Mat3 m(volume.wsFromIs);
+        const double voxel = std::abs(glm::dot(m[0], glm::cross(m[1], m[2]))), edge = std::cbrt(voxel);
+        const auto add = [&](double voxels) { sum += std::pow(voxels * edge + 2 * margin, 3); };
+        for (std::size_t b = 0; b < field.blockCount(); ++b) add(kBlockEdge);
+        for (const ConstantTile& tile : field.tiles) add(tile.edge);
+    }
+    return sum;
+}
+
+}  // namespace
+
+bool skiesFromBorder(const ViewScene& scene) {
+    const bool caught = scene.solids && asksFor(scene, Layer::shadow);
+    return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                                  [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
+}
+
+TransportPlan planTransport(const ViewScene& scene) {
+    TransportPlan plan;
+    if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return plan;
+    plan.targets = targetsOf(scene);
+    plan.edge = scene.dials.scatterCell * voxelUnit(scene);
+    plan.ordinates = scene.dials.scatterDirections;
+    plan.isotropic = std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
+        return !scattersFully(v) || v.medium.phase.isotropic();
+    });
+    plan.colours = oneColour(scene) ? 1 : 3;
+    // Blocks of cells at the border of voxels' blocks are not full of them: about as much again.
+    plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
+    const double values = plan.isotropic ? 3 + 8 : 3 * plan.ordinates * 0.6;  // see TransportSolver and sweepIsotropic
+    const double fields = double(plan.targets.size()) * 4 * 2;
+    const double bytes = 1.15 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
+    plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
+    if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)
+        throw Error(ErrorKind::memory,
+                    fmt::format("light that scatters more than once takes about {} with cells of {:.4g} voxels, and the "
+                                "memory limit is {}; a larger scatter_cell takes less",
+                                bytesText(plan.bytes), scene.dials.scatterCell, bytesText(scene.memoryLimit)));
+    return plan;
+}
+
+}  // namespace scrim

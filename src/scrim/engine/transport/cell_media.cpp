@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/transport/cell_media.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+bool grey(const Rgb& v) {
+    return v.x == v.y && v.y == v.z;
+}
+
+// One field, what it is of, and how many times a voxel's value goes where.
+struct Deposit {
+    const SparseField* field;
+    Mat4 wsFromIs;
+    const Classified* classified = nullptr;  // its extinction goes there instead of the field's value
+    struct Share {
+        CellMedia::Row* row;
+        double factor;
+    };
+    std::vector<Share> shares;
+};
+
+// Half the edges of the box, along the world's axes, around a voxel.
+Vec3 halfVoxel(const Mat4& wsFromIs) {
+    Vec3 half(0);
+    for (int axis = 0; axis < 3; ++axis) half += 0.5 * glm::abs(Vec3(wsFromIs[axis]));
+    return half;
+}
+
+// Shares a box of space out to the cells that it meets.
+class BoxDeposit {
+  public:
+    BoxDeposit(const CellGrid& grid, const Deposit& deposit) : m_grid(grid), m_deposit(deposit) {
+        const Mat3 m(deposit.wsFromIs);
+        m_voxelVolume = std::abs(glm::dot(m[0], glm::cross(m[1], m[2])));
+    }
+
+    // `voxels`: of how many voxels' volume the box is.
+    void add(const Vec3& wsCenter, const Vec3& wsHalf, double voxels, double value) const {
+        if (m_deposit.classified) value = classify(*m_deposit.classified, value).extinction;
+        if (value == 0) return;
+        const Vec3 center = m_grid.csFromWs(wsCenter), half = wsHalf / m_grid.edge();
+        std::array<Span, 3> spans;
+        for (int axis = 0; axis < 3; ++axis) spans[std::size_t(axis)] = spanOf(center[axis], half[axis]);
+        const double edge = m_grid.edge();
+        const double amount = value * voxels * m_voxelVolume / (edge * edge * edge);
+        for (int z = 0; z < spans[2].count; ++z)
+            for (int y = 0; y < spans[1].count; ++y)
+                for (int x = 0; x < spans[0].count; ++x) {
+                    const std::ptrdiff_t cell =
+                        m_grid.index({spans[0].first + x, spans[1].first + y, spans[2].first + z});
+                    if (cell < 0) continue;
+                    const double part = amount * spans[0].part(x) * spans[1].part(y) * spans[2].part(z);
+                    for (const Deposit::Share& share : m_deposit.shares)
+                        (*share.row)[std::size_t(cell)] += static_cast<Real>(share.factor * part);
+                }
+    }
+
+  private:
+    // The cells that an interval meets, and which part of it each of them has.
+    struct Span {
+        int first, count;
+        double begin, size;
+
+        double part(int i) const {
+            const double from = std::max(begin, double(first + i)), to = std::min(begin + size, double(first + i + 1));
+            return std::max(0.0, to - from) / size;
+        }
+    };
+    static Span spanOf(double center, double half) {
+        const int first = static_cast<int>(std::floor(center - half)), last = static_cast<int>(std::floor(center + half));
+        return {first, last - first + 1, center - half, 2 * half};
+    }
+
+    const CellGrid& m_grid;
+    const Deposit& m_deposit;
+    double m_voxelVolume;
+};
+
+void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t block, const Vec3& half) {
+    const SparseField& field = *deposit.field;
+    const float* values = field.block(block);
+    for (int x = 0; x < kBlockEdge; ++x)
+        for (int y = 0; y < kBlockEdge; ++y)
+            for (int z = 0; z < kBlockEdge; ++z)
+                if (const float value = values[blockOffset(x, y, z)]; value > 0)
+                    into.add(transformPoint(deposit.wsFromIs, Vec3(field.blockOrigins[block] + Int3(x, y, z))), half, 1,
+                             value);
+}
+
+// In cubes that are about as large as a cell, and of which the tile's edge is a multiple.
+void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& deposit, const ConstantTile& tile,
+                 const Vec3& half) {
+    int edge = 1;
+    while (edge < kBlockEdge && 4 * edge * std::max({half.x, half.y, half.z}) <= grid.edge()) edge *= 2;
+    for (int x = 0; x < tile.edge; x += edge)
+        for (int y = 0; y < tile.edge; y += edge)
+            for (int z = 0; z < tile.edge; z += edge)
+                into.add(transformPoint(deposit.wsFromIs, Vec3(tile.origin + Int3(x, y, z)) + 0.5 * (edge - 1)),
+                         double(edge) * half, double(edge) * edge * edge, tile.value);
+}
+
+// Every block goes to cells around it. Where cells are smaller than blocks, two blocks that are not neighbours share
+// none, so eight rounds of every other block can go on at once; sums are the same whoever adds them.
+void add(const CellGrid& grid, const Deposit& deposit) {
+    const SparseField& field = *deposit.field;
+    const Vec3 half = halfVoxel(deposit.wsFromIs);
+    const BoxDeposit into(grid, deposit);
+    double least = 1e300;
+    for (int axis = 0; axis < 3; ++axis) least = std::min(least, glm::length(Vec3(deposit.wsFromIs[axis])));
+    const bool apart = least * (kBlockEdge - 2) > 2 * std::sqrt(3.0) * grid.edge();
+    std::array<std::vector<std::size_t>, 8> rounds;
+    for (std::size_t b = 0; b < field.blockCount(); ++b) {
+        const Int3 at = field.blockOrigins[b] / kBlockEdge;
+        rounds[apart ? std::size_t((at.x & 1) + 2 * (at.y & 1) + 4 * (at.z & 1)) : 0].push_back(b);
+    }
+    for (const std::vector<std::size_t>& round : rounds) {
+        if (apart)
+            parallelFor(round.size(), [&](std::size_t i) { depositBlock(into, deposit, round[i], half); });
+        else
+            for (const std::size_t block : round) depositBlock(into, deposit, block, half);
+    }
+    for (const ConstantTile& tile : field.tiles) depositTile(grid, into, deposit, tile, half);
+}
+
+void addShares(std::vector<CellMedia::Row>& rows, const Rgb& factor, Deposit& deposit) {
+    for (std::size_t c = 0; c < rows.size(); ++c)
+        if (factor[int(c)] != 0) deposit.shares.push_back({&rows[c], factor[int(c)]});
+}
+
+// A volume's extinction, and what of it is scattered into `cls`, if it scatters.
+void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<CellMedia::Row>* scattering) {
+    if (volume.field->empty()) return;
+    const Medium& medium = volume.medium;
+    Deposit density{volume.field.get(), volume.wsFromIs, volume.classified.get(), {}};
+    const Rgb extinction = volume.classified ? Rgb(1) : medium.densityScale * medium.extinctionTint;
+    addShares(media.extinction, extinction, density);
+    if (scattering && volume.scatter.empty()) addShares(*scattering, extinction * medium.albedo, density);
+    add(media.grid, density);
+    if (!scattering) return;
+    for (std::size_t c = 0; c < volume.scatter.size(); ++c) {
+        const ViewField& field = volume.scatter[c];
+        if (field.field->empty()) continue;
+        add(media.grid, {field.field.get(), field.wsFromIs, nullptr, {{&(*scattering)[c], extinction[int(c)]}}});
+    }
+}
+
+}  // namespace
+
+std::vector<ScatterClass> scatterClasses(const ViewScene& scene) {
+    std::vector<ScatterClass> classes;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (volume.medium.scattering != Scattering::full || volume.classified) continue;
+        const auto same = std::find_if(classes.begin(), classes.end(), [&](const ScatterClass& c) {
+            return c.phase == volume.medium.phase && c.lights == volume.lights;
+        });
+        ScatterClass& cls =
+            same != classes.end() ? *same : classes.emplace_back(ScatterClass{volume.medium.phase, volume.lights, {}});
+        cls.volumes.push_back(static_cast<int>(v));
+    }
+    return classes;
+}
+
+bool greyExtinction(const ViewScene& scene) {
+    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
+}
+
+bool greyScattering(const ViewScene& scene) {
+    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
+               return v.medium.scattering != Scattering::full || (v.scatter.empty() && grey(v.medium.albedo));
+           });
+}
+
+std::size_t CellMedia::bytes() const {
+    std::size_t rows = extinction.size() + emission.size();
+    for (const std::vector<Row>& cls : scattering) rows += cls.size();
+    return grid.bytes() + rows * grid.cells() * sizeof(Real);
+}
+
+std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
+    std::vector<Bounds> boxes;
+    for (const ViewVolume& volume : scene.volumes)
+        for (const ViewField& field : fieldsOf(volume)) {
+            const auto include = [&](const Int3& origin, int edge) {
+                Bounds box = transformed(field.wsFromIs, {Vec3(origin) - 0.5, Vec3(origin + edge) - 0.5});
+                box.lower -= margin;
+                box.upper += margin;
+                boxes.push_back(box);
+            };
+            for (const Int3& origin : field.field->blockOrigins) include(origin, kBlockEdge);
+            for (const ConstantTile& tile : field.field->tiles) include(tile.origin, tile.edge);
+        }
+    return boxes;
+}
+
+CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge) {
+    CellMedia media;
+    media.grid = CellGrid(edge, cellBoxes(scene, edge));
+    const auto rows = [&](bool one) {
+        return std::vector<CellMedia::Row>(one ? 1 : 3, CellMedia::Row(media.grid.cells(), Real(0)));
+    };
+    media.extinction = rows(greyExtinction(scene));
+    for (std::size_t k = 0; k < classes.size(); ++k) media.scattering.push_back(rows(greyScattering(scene)));
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        std::vector<CellMedia::Row>* scattering = nullptr;
+        for (std::size_t k = 0; k < classes.size(); ++k)
+            if (std::count(classes[k].volumes.begin(), classes[k].volumes.end(), static_cast<int>(v)))
+                scattering = &media.scattering[k];
+        addVolume(media, scene.volumes[v], scattering);
+        for (const ViewEmission& emission : scene.volumes[v].emission) {
+            if (media.emission.empty()) media.emission = rows(false);
+            if (emission.field.field->empty()) continue;
+            Deposit glow{emission.field.field.get(), emission.field.wsFromIs, nullptr, {}};
+            addShares(media.emission, emission.color, glow);
+            add(media.grid, glow);
+        }
+    }
+    return media;
+}
+
+CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const CellMedia::Row& row) {
+    CellMedia::Row out(coarse.cells(), Real(0));
+    // A block of the finer grid is an octant of one of the coarser.
+    const Int3 shift(glm::round(coarse.csFromWs(fine.wsFromCs(Vec3(0)))));
+    for (std::size_t b = 0; b < fine.storedBlocks().size(); ++b) {
+        const Int3 first = shift + fine.storedBlocks()[b] * (kCellEdge / 2);
+        const auto base = std::size_t(coarse.index(first));
+        for (int i = 0; i < kBlockCells; ++i) {
+            const int x = i % kCellEdge, y = i / kCellEdge % kCellEdge, z = i / (kCellEdge * kCellEdge);
+            out[base + std::size_t(cellOffset(x / 2, y / 2, z / 2))] += row[b * kBlockCells + std::size_t(i)] / 8;
+        }
+    }
+    return out;
+}
+
+CellMedia coarser(const CellMedia& fine) {
+    CellMedia out;
+    out.grid = CellGrid::coarser(fine.grid);
+    const auto rows = [&](const std::vector<CellMedia::Row>& from) {
+        std::vector<CellMedia::Row> to;
+        for (const CellMedia::Row& row : from) to.push_back(coarserRow(fine.grid, out.grid, row));
+        return to;
+    };
+    out.extinction = rows(fine.extinction);
+    for (const auto& cls : fine.scattering) out.scattering.push_back(rows(cls));
+    return out;
+}
+
+}  // namespace scrim

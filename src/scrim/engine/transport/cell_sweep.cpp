@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/transport/cell_sweep.h>
+
+#include <scrim/base/parallel.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/transport/cell_sweep.cpp"
+#include <hwy/aligned_allocator.h>
+#include <hwy/foreach_target.h>
+#include <scrim/engine/simd-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+using DL = hn::CappedTag<Real, kOrdinateLanes>;
+using VL = hn::Vec<DL>;
+
+HWY_ATTR HWY_INLINE VL lanes(const Real* from) {
+    return hn::LoadU(DL(), from);
+}
+
+// What one cell makes of what enters it: radiance in it, and what leaves it.
+struct Passed {
+    VL in, x, y, z;
+};
+
+// Some ordinates of one octant, which all cells are passed in the same order for.
+class Bundle {
+  public:
+    HWY_ATTR Bundle(const CellSweep& sweep, int octant, int first)
+        : m_sweep(sweep), m_first(std::size_t(octant * sweep.ordinates->perOctant + first)), m_lanes(hn::Lanes(DL())) {
+        const Int3 blocks = sweep.grid->blocks();
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            m_down[axis] = (octant >> axis & 1) != 0;
+            for (std::size_t lane = 0; lane < m_lanes; ++lane)
+                m_slope[axis][lane] = static_cast<Real>(
+                    2 * std::abs(sweep.ordinates->directions[m_first + lane][int(axis)]) / sweep.grid->edge());
+        }
+        for (std::size_t lane = 0; lane < m_lanes; ++lane) {
+            m_weight[lane] = static_cast<Real>(sweep.ordinates->weights[m_first + lane] / (4 * std::numbers::pi));
+            m_inflow[lane] = sweep.inflow ? sweep.inflow[m_first + lane] : Real(0);
+        }
+        m_acrossX = std::size_t(blocks.x) * kCellEdge;
+        m_x = hwy::AllocateAligned<Real>(kCellEdge * kCellEdge * m_lanes);
+        m_y = hwy::AllocateAligned<Real>(kCellEdge * m_acrossX * m_lanes);
+        m_z = hwy::AllocateAligned<Real>(std::size_t(blocks.y) * kCellEdge * m_acrossX * m_lanes);
+    }
+
+    // Passes all blocks, in the order that light does; cell(index, extinction, passed) is called for each stored cell.
+    template <class Source, class Result>
+    HWY_ATTR void pass(const Source& source, const Result& result) {
+        const Int3 blocks = m_sweep.grid->blocks();
+        enter(m_z.get(), std::size_t(blocks.y) * kCellEdge * m_acrossX);
+        for (int k = 0; k < blocks.z; ++k) {
+            enter(m_y.get(), kCellEdge * m_acrossX);
+            for (int j = 0; j < blocks.y; ++j) {
+                enter(m_x.get(), kCellEdge * kCellEdge);
+                for (int i = 0; i < blocks.x; ++i) {
+                    const Int3 at(m_down[0] ? blocks.x - 1 - i : i, m_down[1] ? blocks.y - 1 - j : j,
+                                  m_down[2] ? blocks.z - 1 - k : k);
+                    const std::int32_t stored = m_sweep.grid->stored(at);
+                    if (stored < 0)
+                        passEmpty(at);
+                    else if (m_sweep.notBelowZero)
+                        passBlock<true>(at, std::size_t(stored) * kBlockCells, source, result);
+                    else
+                        passBlock<false>(at, std::size_t(stored) * kBlockCells, source, result);
+                }
+            }
+        }
+    }
+
+    std::size_t firstOrdinate() const { return m_first; }
+    HWY_ATTR VL weight() const { return lanes(m_weight); }
+
+  private:
+    HWY_ATTR void enter(Real* faces, std::size_t count) const {
+        const VL inflow = lanes(m_inflow);
+        for (std::size_t i = 0; i < count; ++i) hn::StoreU(inflow, DL(), faces + i * m_lanes);
+    }
+    Real* faceX(int y, int z) { return m_x.get() + std::size_t(z * kCellEdge + y) * m_lanes; }
+    Real* faceY(int x, int z) { return m_y.get() + (std::size_t(z) * m_acrossX + std::size_t(x)) * m_lanes; }
+    Real* faceZ(int x, int y) { return m_z.get() + (std::size_t(y) * m_acrossX + std::size_t(x)) * m_lanes; }
+
+    template <bool kNotBelowZero, class Source, class Result>
+    HWY_ATTR void passBlock(const Int3& at, std::size_t base, const Source& source, const Result& result) {
+        const VL slopeX = lanes(m_slope[0]), slopeY = lanes(m_slope[1]), slopeZ = lanes(m_slope[2]);
+        const VL slopes = hn::Add(slopeX, hn::Add(slopeY, slopeZ));
+        const DL d;
+        for (int k = 0; k < kCellEdge; ++k) {
+            const int z = m_down[2] ? kCellEdge - 1 - k : k;
+            for (int j = 0; j < kCellEdge; ++j) {
+                const int y = m_down[1] ? kCellEdge - 1 - j : j;
+                Real* const intoX = faceX(y, z);
+                VL x = lanes(intoX);
+                for (int i = 0; i < kCellEdge; ++i) {
+                    const int cx = m_down[0] ? kCellEdge - 1 - i : i;
+                    const std::size_t cell = base + std::size_t(cellOffset(cx, y, z));
+                    Real* const intoY = faceY(at.x * kCellEdge + cx, z);
+                    Real* const intoZ = faceZ(at.x * kCellEdge + cx, at.y * kCellEdge + y);
+                    const VL extinction = hn::Set(d, m_sweep.extinction[cell]), sent = source(cell);
+                    const VL fromY = lanes(intoY), fromZ = lanes(intoZ);
+                    // Balance, with outflow = 2 in - inflow and slope = 2 |cosine| / edge.
+                    const VL entered = hn::MulAdd(slopeX, x, hn::MulAdd(slopeY, fromY, hn::MulAdd(slopeZ, fromZ, sent)));
+                    const VL in = hn::Div(entered, hn::Add(extinction, slopes));
+                    Passed out{in, hn::Sub(hn::Add(in, in), x), hn::Sub(hn::Add(in, in), fromY),
+                               hn::Sub(hn::Add(in, in), fromZ)};
+                    if constexpr (kNotBelowZero) {
+                        const VL least = hn::Min(out.x, hn::Min(out.y, out.z));
+                        if (!hn::AllTrue(d, hn::Ge(least, hn::Zero(d))))
+                            balance(x, fromY, fromZ, extinction, sent, out);
+                    }
+                    hn::StoreU(out.y, d, intoY);
+                    hn::StoreU(out.z, d, intoZ);
+                    x = out.x;
+                    result(cell, out.in);
+                }
+                hn::StoreU(x, d, intoX);
+            }
+        }
+    }
+
+    // Nothing leaves through a face where less than nothing would; the cell is balanced anew without it, which may let
+    // another face fall below zero, but no more than three.
+    HWY_ATTR void balance(VL x, VL y, VL z, VL extinction, VL sent, Passed& out) const {
+        const DL d;
+        const VL zero = hn::Zero(d), half = hn::Set(d, Real(0.5));
+        VL a = lanes(m_slope[0]), b = lanes(m_slope[1]), c = lanes(m_slope[2]);
+        VL keepX = hn::Set(d, Real(1)), keepY = keepX, keepZ = keepX;
+        for (int round = 0; round < 3; ++round) {
+            keepX = hn::IfThenZeroElse(hn::Lt(out.x, zero), keepX);
+            keepY = hn::IfThenZeroElse(hn::Lt(out.y, zero), keepY);
+            keepZ = hn::IfThenZeroElse(hn::Lt(out.z, zero), keepZ);
+            // Inflow counts |cosine| / edge, and as much again where outflow = 2 in - inflow.
+            const auto into = [&](VL slope, VL keep, VL inflow)
+                                  HWY_ATTR { return hn::Mul(hn::Mul(half, slope), hn::MulAdd(keep, inflow, inflow)); };
+            const VL entered = hn::Add(hn::Add(into(a, keepX, x), into(b, keepY, y)), hn::Add(into(c, keepZ, z), sent));
+            const VL leaves =
+                hn::MulAdd(a, keepX, hn::MulAdd(b, keepY, hn::MulAdd(c, keepZ, extinction)));
+            // Where all faces are closed and nothing is extinct, nothing has come in.
+            out.in = hn::Div(hn::Max(entered, zero), hn::Max(leaves, hn::Set(d, Real(1e-30))));
+            out.x = hn::Mul(keepX, hn::Sub(hn::Add(out.in, out.in), x));
+            out.y = hn::Mul(keepY, hn::Sub(hn::Add(out.in, out.in), y));
+            out.z = hn::Mul(keepZ, hn::Sub(hn::Add(out.in, out.in), z));
+        }
+        out.x = hn::Max(out.x, zero);
+        out.y = hn::Max(out.y, zero);
+        out.z = hn::Max(out.z, zero);
+    }
+
+    // Where nothing is stored a block is passed as one large cell.
+    HWY_ATTR void passEmpty(const Int3& at) {
+        const DL d;
+        const VL x = mean([&](int i, int j) { return faceX(i, j); });
+        const VL y = mean([&](int i, int j) { return faceY(at.x * kCellEdge + i, j); });
+        const VL z = mean([&](int i, int j) { return faceZ(at.x * kCellEdge + i, at.y * kCellEdge + j); });
+        const VL a = lanes(m_slope[0]), b = lanes(m_slope[1]), c = lanes(m_slope[2]);
+        const VL in = hn::Div(hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z))), hn::Add(a, hn::Add(b, c)));
+        // As one cell's fix-up, without extinction: all that enters leaves by the faces that are left to it.
+        const VL twice = hn::Add(in, in), zero = hn::Zero(d);
+        Passed out{in, hn::Sub(twice, x), hn::Sub(twice, y), hn::Sub(twice, z)};
+        const VL least = hn::Min(out.x, hn::Min(out.y, out.z));
+        if (!hn::AllTrue(d, hn::Ge(least, zero))) {
+            const auto below = hn::Lt(least, zero);
+            out.x = hn::IfThenElse(below, in, out.x);
+            out.y = hn::IfThenElse(below, in, out.y);
+            out.z = hn::IfThenElse(below, in, out.z);
+        }
+        for (int j = 0; j < kCellEdge; ++j)
+            for (int i = 0; i < kCellEdge; ++i) {
+                hn::StoreU(out.x, d, faceX(i, j));
+                hn::StoreU(out.y, d, faceY(at.x * kCellEdge + i, j));
+                hn::StoreU(out.z, d, faceZ(at.x * kCellEdge + i, at.y * kCellEdge + j));
+            }
+    }
+    template <class Face>
+    HWY_ATTR VL mean(const Face& face) {
+        VL sum = hn::Zero(DL());
+        for (int j = 0; j < kCellEdge; ++j)
+            for (int i = 0; i < kCellEdge; ++i) sum = hn::Add(sum, lanes(face(i, j)));
+        return hn::Mul(sum, hn::Set(DL(), Real(1) / (kCellEdge * kCellEdge)));
+    }
+
+    const CellSweep& m_sweep;
+    std::size_t m_first, m_lanes, m_acrossX;
+    bool m_down[3];
+    Real m_slope[3][kOrdinateLanes];  // 2 |cosine| / edge
+    Real m_weight[kOrdinateLanes];    // sum to 1 over all ordinates
+    Real m_inflow[kOrdinateLanes];
+    // What enters the next cell along each axis: through the faces of a block, of a layer of blocks, of all of them.
+    hwy::AlignedFreeUniquePtr<Real[]> m_x, m_y, m_z;
+};
+
+int bundleLanes() {
+    return static_cast<int>(hn::Lanes(DL()));
+}
+
+// `sum`: the bundle's own row of one value a cell.
+HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, const Real* source, Real* sum) {
+    Bundle bundle(sweep, octant, first);
+    const DL d;
+    const VL weight = bundle.weight();
+    bundle.pass([&](std::size_t cell) HWY_ATTR { return hn::Set(d, source[cell]); },
+                [&](std::size_t cell, VL in) HWY_ATTR { sum[cell] = hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, in))); });
+}
+
+HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, const std::int32_t* slots,
+                              Real* radiance) {
+    Bundle bundle(sweep, octant, first);
+    const DL d;
+    const auto count = std::size_t(sweep.ordinates->count());
+    const auto at = [&](std::size_t cell) { return radiance + std::size_t(slots[cell]) * count + bundle.firstOrdinate(); };
+    bundle.pass([&](std::size_t cell) HWY_ATTR { return slots[cell] < 0 ? hn::Zero(d) : lanes(at(cell)); },
+                [&](std::size_t cell, VL in) HWY_ATTR {
+                    if (slots[cell] >= 0) hn::StoreU(in, d, at(cell));
+                });
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(bundleLanes);
+HWY_EXPORT(passIsotropic);
+HWY_EXPORT(passDirectional);
+
+namespace {
+
+// Calls task(bundle, octant, first ordinate of the octant) for all bundles.
+template <class Task>
+void forBundles(const CellSweep& sweep, const Task& task) {
+    const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
+    const int each = sweep.ordinates->perOctant / lanes;
+    parallelFor(std::size_t(8 * each), [&](std::size_t i) {
+        task(i, static_cast<int>(i) / each, static_cast<int>(i) % each * lanes);
+    });
+}
+
+}  // namespace
+
+void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean) {
+    const std::size_t cells = sweep.grid->cells();
+    const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
+    const auto bundles = std::size_t(sweep.ordinates->count() / lanes);
+    // Sums are formed in one order, whichever thread is through first.
+    std::vector<std::vector<Real>> sums(bundles, std::vector<Real>(cells));
+    forBundles(sweep, [&](std::size_t i, int octant, int first) {
+        SCRIM_ON_TARGET(sweep.simd, passIsotropic)(sweep, octant, first, source.data(), sums[i].data());
+    });
+    mean.assign(cells, Real(0));
+    parallelFor(sweep.grid->storedBlocks().size(), [&](std::size_t block) {
+        for (const std::vector<Real>& sum : sums)
+            for (std::size_t c = block * kBlockCells; c < (block + 1) * kBlockCells; ++c) mean[c] += sum[c];
+    });
+}
+
+void sweepDirectional(const CellSweep& sweep, const std::vector<std::int32_t>& slots, std::vector<Real>& radiance) {
+    forBundles(sweep, [&](std::size_t, int octant, int first) {
+        SCRIM_ON_TARGET(sweep.simd, passDirectional)(sweep, octant, first, slots.data(), radiance.data());
+    });
+}
+
+}  // namespace scrim
+#endif

@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/transport/light_sources.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/transport/first_collisions.h>
+#include <scrim/engine/transport/mix_ordinates.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+// That stand for an extended light.
+constexpr int kMostPoints = 12;
+// Columns of a sky's picture that its ordinates' means are taken from.
+constexpr int kSkyColumns = 256;
+
+// Of one ordinate, weighted with solid angles.
+struct SkyMean {
+    double radiance = 0, weight = 0;
+};
+
+void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vector<double>& radiance) {
+    if (!sky.slide) {
+        for (double& r : radiance) r += sky.intensity[colour];
+        return;
+    }
+    const auto& levels = sky.slide->image->levels();
+    std::size_t level = 0;
+    while (level + 1 < levels.size() && levels[level].width > kSkyColumns) ++level;
+    const Texture::Level& picture = levels[level];
+    std::vector<SkyMean> means(radiance.size());
+    for (int y = 0; y < picture.height; ++y)
+        for (int x = 0; x < picture.width; ++x) {
+            const double v = (y + 0.5) / picture.height;
+            const Vec3 towards = domeDirection(sky, (x + 0.5) / picture.width, v);
+            SkyMean& mean = means[std::size_t(nearestOrdinate(ordinates, -towards))];
+            const double weight = std::sin(std::numbers::pi * v);
+            mean.radiance += weight * double(picture.pixel(x, y)[colour]);
+            mean.weight += weight;
+        }
+    for (std::size_t m = 0; m < radiance.size(); ++m)
+        if (means[m].weight > 0) radiance[m] += sky.intensity[colour] * means[m].radiance / means[m].weight;
+}
+
+// The light itself, or a few that stand for it.
+std::vector<Light> pointsOf(const ViewScene& scene, const Light& light) {
+    if (!light.extended()) return {light};
+    ViewScene alone = scene;
+    alone.lights = {light};
+    alone.lights.front().samples = std::min(subLightCount(scene, light), kMostPoints);
+    return subLights(alone).lights;
+}
+
+struct Collisions {
+    const ViewScene& scene;
+    const CellMedia& media;
+    const std::vector<ScatterClass>& classes;
+    std::size_t owner;  // of the light: index into the scene's
+    int colour;
+    const Ordinates& ordinates;
+    Simd simd;
+
+    // Of all classes that the light shines on, per unit of irradiance: one number, or one for each ordinate.
+    void addTo(const TransportSolver& solver, const Light& light, std::vector<Real>& source) const {
+        const FirstCollisions rays(scene, media, light);
+        const std::size_t values = solver.valuesPerRow();
+        std::vector<std::vector<Real>> even;  // where the light comes from one direction
+        if (!solver.isotropic() && light.distant())
+            for (const ScatterClass& cls : classes)
+                scatteringRow(ordinates, cls.phase, light.wsDirection, even.emplace_back(values).data(), simd);
+        parallelFor(media.grid.storedBlocks().size(), [&](std::size_t block) {
+            std::vector<Real> row(values);
+            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
+                if (solver.rowOf(cell) < 0 || !scatters(cell)) continue;
+                const Arriving arriving = rays.at(cell);
+                if (!(arriving.irradiance[colour] > 0)) continue;
+                for (std::size_t k = 0; k < classes.size(); ++k) {
+                    const double scattered = scatteringOf(k, cell) * arriving.irradiance[colour];
+                    if (scattered == 0) continue;
+                    Real* to = source.data() + std::size_t(solver.rowOf(cell)) * values;
+                    if (solver.isotropic()) {
+                        *to += static_cast<Real>(scattered / (4 * std::numbers::pi));
+                        continue;
+                    }
+                    const Real* into = row.data();
+                    if (even.empty())
+                        scatteringRow(ordinates, classes[k].phase, arriving.travel, row.data(), simd);
+                    else
+                        into = even[k].data();
+                    for (std::size_t m = 0; m < values; ++m) to[m] += static_cast<Real>(scattered) * into[m];
+                }
+            }
+        });
+    }
+
+  private:
+    double scatteringOf(std::size_t k, std::size_t cell) const {
+        return classes[k].litBy(owner) ? media.scatteringOf(k, std::size_t(colour))[cell] : 0;
+    }
+    bool scatters(std::size_t cell) const {
+        for (std::size_t k = 0; k < classes.size(); ++k)
+            if (scatteringOf(k, cell) > 0) return true;
+        return false;
+    }
+};
+
+}  // namespace
+
+std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates,
+                           int colour) {
+    std::vector<double> radiance(std::size_t(ordinates.count()), 0.0);
+    if (target.ambient)
+        for (double& r : radiance) r += scene.ambient[colour];
+    for (const int light : target.lights)
+        if (scene.lights[std::size_t(light)].dome())
+            addSky(scene.lights[std::size_t(light)], ordinates, colour, radiance);
+    if (std::all_of(radiance.begin(), radiance.end(), [](double r) { return r == 0; })) return {};
+    return {radiance.begin(), radiance.end()};
+}
+
+void fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
+                const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
+                TransportSolver& solver) {
+    std::vector<Real>& source = solver.clearedSource();
+    for (const int light : target.lights) {
+        const auto owner = std::size_t(light);
+        if (scene.lights[owner].dome()) continue;
+        for (const Light& point : pointsOf(scene, scene.lights[owner]))
+            Collisions{scene, media, classes, owner, colour, ordinates, simd}.addTo(solver, point, source);
+    }
+    if (!target.emission || media.emission.empty()) return;
+    const std::size_t values = solver.valuesPerRow();
+    for (std::size_t cell = 0; cell < media.grid.cells(); ++cell)
+        if (const Real glow = media.emission[std::size_t(colour)][cell]; glow > 0 && solver.rowOf(cell) >= 0)
+            for (std::size_t m = 0; m < values; ++m) source[std::size_t(solver.rowOf(cell)) * values + m] += glow;
+}
+
+}  // namespace scrim

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a solve of the transport equation begins with: light of lights where it scatters for the first time, what glows,
+// and what shines in from beyond all volumes.
+#pragma once
+
+#include <scrim/base/real.h>
+#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/transport/cell_media.h>
+#include <scrim/engine/transport/solver.h>
+#include <scrim/scene/view_scene.h>
+
+#include <vector>
+
+namespace scrim {
+
+/// Radiance of the target's skies and ambient light along each ordinate, of one colour: the mean over the directions
+/// that are nearest to it. Empty where there are none.
+std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates, int colour);
+
+/// The solver's source for colour `colour` of the target: what its lights, skies not among them, bring to each cell,
+/// and what glows. Of an extended light a few points are enough: what scatters twice has lost its edges.
+void fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
+                const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
+                TransportSolver& solver);
+
+}  // namespace scrim

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/transport/solver.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/transport/mix_ordinates.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include <glm/common.hpp>
+
+namespace scrim {
+namespace {
+
+// Cells below which a grid is not made coarser: by then a sweep costs next to nothing.
+constexpr std::size_t kFewestCells = 4 * kBlockCells;
+// Levels below the finest: past it the coarsest cell is 64 times as large.
+constexpr std::size_t kMostLevels = 6;
+// What of a residual the coarser cells leave: they are no more like the finer than that.
+constexpr double kCoarseTolerance = 0.05;
+constexpr int kCoarseSweeps = 30;
+constexpr int kHistory = 6;
+
+constexpr std::size_t kChunk = 2048;  // rows of a task
+
+// task(begin, end) for chunks of [0, count).
+template <class Task>
+void forChunks(std::size_t count, const Task& task) {
+    parallelFor((count + kChunk - 1) / kChunk,
+                [&](std::size_t i) { task(i * kChunk, std::min(count, (i + 1) * kChunk)); });
+}
+
+// The sum over rows of term(row), formed in one order.
+template <class Term>
+double sumOf(std::size_t count, const Term& term) {
+    std::vector<double> sums((count + kChunk - 1) / kChunk);
+    forChunks(count, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t row = begin; row < end; ++row) sum += term(row);
+        sums[begin / kChunk] = sum;
+    });
+    double sum = 0;
+    for (const double s : sums) sum += s;
+    return sum;
+}
+
+// Least squares by the normal equations, by Gauss' elimination with pivots; what is singular counts as 0.
+std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
+    const std::size_t n = b.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        std::size_t pivot = i;
+        for (std::size_t j = i + 1; j < n; ++j)
+            if (std::abs(a[j][i]) > std::abs(a[pivot][i])) pivot = j;
+        std::swap(a[i], a[pivot]);
+        std::swap(b[i], b[pivot]);
+        if (!(std::abs(a[i][i]) > 0)) continue;
+        for (std::size_t j = i + 1; j < n; ++j) {
+            const double factor = a[j][i] / a[i][i];
+            for (std::size_t k = i; k < n; ++k) a[j][k] -= factor * a[i][k];
+            b[j] -= factor * b[i];
+        }
+    }
+    for (std::size_t i = n; i-- > 0;) {
+        for (std::size_t k = i + 1; k < n; ++k) b[i] -= a[i][k] * b[k];
+        b[i] = std::abs(a[i][i]) > 0 ? b[i] / a[i][i] : 0;
+    }
+    return b;
+}
+
+}  // namespace
+
+Solved& Solved::operator+=(const Solved& o) {
+    sweeps += o.sweeps;
+    cellDirections += o.cellDirections;
+    change = std::max(change, o.change);
+    converged = converged && o.converged;
+    return *this;
+}
+
+// The mix of the last iterates whose residuals cancel best.
+class TransportSolver::Anderson {
+  public:
+    // x becomes the next iterate; `next` = G(x). `weights`: of the squares, one a row.
+    void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights, std::size_t values) {
+        std::vector<Real> residual(x.size());
+        for (std::size_t i = 0; i < x.size(); ++i) residual[i] = next[i] - x[i];
+        if (!m_x.empty()) {
+            Difference& d = m_differences.emplace_back();
+            d.next.resize(x.size());
+            d.residual.resize(x.size());
+            for (std::size_t i = 0; i < x.size(); ++i) {
+                d.residual[i] = residual[i] - m_residual[i];
+                d.next[i] = next[i] - m_next[i];
+            }
+            if (m_differences.size() > kHistory) m_differences.erase(m_differences.begin());
+        }
+        m_x = x;
+        m_next = next;
+        m_residual = residual;
+        const auto product = [&](const std::vector<Real>& a, const std::vector<Real>& b) {
+            return sumOf(weights.size(), [&](std::size_t row) {
+                double sum = 0;
+                for (std::size_t i = row * values; i < (row + 1) * values; ++i) sum += double(a[i]) * double(b[i]);
+                return sum * double(weights[row]);
+            });
+        };
+        const std::size_t n = m_differences.size();
+        std::vector<std::vector<double>> matrix(n, std::vector<double>(n));
+        std::vector<double> right(n);
+        for (std::size_t i = 0; i < n; ++i) {
+            for (std::size_t j = 0; j <= i; ++j)
+                matrix[i][j] = matrix[j][i] = product(m_differences[i].residual, m_differences[j].residual);
+            matrix[i][i] *= 1 + 1e-10;
+            right[i] = product(m_differences[i].residual, residual);
+        }
+        const std::vector<double> part = solved(matrix, right);
+        x = next;
+        for (std::size_t i = 0; i < n; ++i)
+            for (std::size_t k = 0; k < x.size(); ++k)
+                x[k] -= static_cast<Real>(part[i]) * m_differences[i].next[k];
+    }
+
+  private:
+    struct Difference {
+        std::vector<Real> next, residual;
+    };
+    std::vector<Difference> m_differences;
+    std::vector<Real> m_x, m_next, m_residual;
+};
+
+TransportSolver::TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings)
+    : m_classes(classes), m_settings(std::move(settings)) {
+    m_isotropic =
+        std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.phase.isotropic(); });
+    if (!m_isotropic)
+        for (const ScatterClass& cls : classes) m_matrices.push_back(scatteringMatrix(m_settings.ordinates, cls.phase));
+    m_levels.emplace_back().own = &media;
+    while (m_settings.accelerate && m_levels.size() < kMostLevels &&
+           m_levels.back().cells().grid.cells() > kFewestCells) {
+        CellMedia next = coarser(m_levels.back().cells());
+        m_levels.emplace_back().media = std::move(next);
+    }
+    for (Level& level : m_levels) numberRows(level);
+}
+
+// Where all directions are one number every cell has a row. Where they are many, only those have that scatter, and
+// those around them, which others are interpolated from.
+void TransportSolver::numberRows(Level& level) const {
+    const CellGrid& grid = level.cells().grid;
+    level.rows.assign(grid.cells(), m_isotropic ? 0 : -1);
+    if (!m_isotropic) {
+        const auto wanted = [&](std::size_t cell) {
+            for (const auto& cls : level.cells().scattering)
+                for (const CellMedia::Row& row : cls)
+                    if (row[cell] > 0) return true;
+            for (const CellMedia::Row& row : level.cells().emission)
+                if (row[cell] > 0) return true;
+            return false;
+        };
+        for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+            if (!wanted(cell)) continue;
+            const Int3 place = grid.place(cell);
+            for (int z = -1; z <= 1; ++z)
+                for (int y = -1; y <= 1; ++y)
+                    for (int x = -1; x <= 1; ++x)
+                        if (const std::ptrdiff_t at = grid.index(place + Int3(x, y, z)); at >= 0)
+                            level.rows[std::size_t(at)] = 0;
+        }
+    }
+    for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+        if (level.rows[cell] < 0) continue;
+        level.rows[cell] = static_cast<std::int32_t>(level.rowCount++);
+        level.cellOf.push_back(cell);
+    }
+    const std::size_t values = level.rowCount * valuesPerRow();
+    level.x.assign(values, Real(0));
+    level.next.assign(values, Real(0));
+    level.source.assign(values, Real(0));
+    level.scattering.resize(level.rowCount);
+}
+
+void TransportSolver::chooseColour(Level& level, std::size_t colour) const {
+    const CellMedia& media = level.cells();
+    level.extinction = media.extinctionOf(colour);
+    level.shares.assign(m_classes.size() > 1 ? m_classes.size() : 0, std::vector<Real>(level.rowCount));
+    for (std::size_t row = 0; row < level.rowCount; ++row) {
+        const std::size_t cell = level.cellOf[row];
+        Real sum = 0;
+        for (std::size_t k = 0; k < m_classes.size(); ++k) sum += media.scatteringOf(k, colour)[cell];
+        level.scattering[row] = sum;
+        for (std::size_t k = 0; k < level.shares.size(); ++k)
+            level.shares[k][row] =
+                sum > 0 ? media.scatteringOf(k, colour)[cell] / sum : Real(1) / static_cast<Real>(m_classes.size());
+    }
+}
+
+std::vector<Real>& TransportSolver::clearedSource() {
+    std::vector<Real>& source = m_levels.front().source;
+    std::fill(source.begin(), source.end(), Real(0));
+    return source;
+}
+
+// next = G(x): what cells send out, swept, scattered. The last time it is not scattered, and nothing is below zero.
+void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
+    if (m_settings.checkpoint) m_settings.checkpoint();
+    const std::size_t values = valuesPerRow();
+    forChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row)
+            for (std::size_t i = row * values; i < (row + 1) * values; ++i) {
+                const Real sent = level.scattering[row] * level.x[i] + level.source[i];
+                level.next[i] = last ? std::max(sent, Real(0)) : sent;
+            }
+    });
+    const CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(),
+                          inflow,              last,                  m_settings.simd};
+    if (m_isotropic) {
+        std::vector<Real> mean;
+        sweepIsotropic(cells, level.next, mean);
+        level.next.swap(mean);
+    } else {
+        sweepDirectional(cells, level.rows, level.next);
+        if (!last) scatter(level);
+    }
+    m_solved.cellDirections += level.cells().grid.cells() * std::size_t(m_settings.ordinates.count());
+    if (&level == &m_levels.front()) ++m_solved.sweeps;
+}
+
+// From the radiance along each ordinate to what a unit of scattering coefficient sends out along each.
+void TransportSolver::scatter(Level& level) const {
+    const std::size_t values = valuesPerRow();
+    forChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
+        mixOrdinates(m_matrices, level.shares, begin, end, values, level.next.data(), m_settings.simd);
+    });
+}
+
+// What the last sweep changed of the scattered light, relative to it.
+double TransportSolver::changeOf(const Level& level) const {
+    const std::size_t values = valuesPerRow();
+    const auto total = [&](std::size_t row, const auto& value) {
+        double sum = 0;
+        for (std::size_t m = 0; m < values; ++m)
+            sum += (m_isotropic ? 1 : m_settings.ordinates.weights[m]) * double(value(row * values + m));
+        return std::abs(sum) * double(level.scattering[row]);
+    };
+    const double change = sumOf(level.rowCount, [&](std::size_t row) {
+        return total(row, [&](std::size_t i) { return level.next[i] - level.x[i]; });
+    });
+    const double all =
+        sumOf(level.rowCount, [&](std::size_t row) { return total(row, [&](std::size_t i) { return level.next[i]; }); });
+    return all > 0 ? change / all : 0;
+}
+
+// The source of the coarser cells: that of the finer ones, or what a sweep of these has left to be scattered.
+void TransportSolver::restrict(const Level& fine, Level& coarse, bool residual) const {
+    const std::size_t values = valuesPerRow();
+    const CellGrid &from = fine.cells().grid, &to = coarse.cells().grid;
+    std::fill(coarse.source.begin(), coarse.source.end(), Real(0));
+    // A block of the coarser grid holds whole blocks of the finer one, and no other task writes to it.
+    const Int3 shift(glm::round(to.csFromWs(from.wsFromCs(Vec3(0)))));
+    std::vector<std::vector<std::size_t>> inside(to.storedBlocks().size());
+    for (std::size_t b = 0; b < from.storedBlocks().size(); ++b)
+        inside[std::size_t(to.index(shift + from.storedBlocks()[b] * (kCellEdge / 2))) / kBlockCells].push_back(b);
+    parallelFor(inside.size(), [&](std::size_t task) {
+        for (const std::size_t block : inside[task])
+            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
+                const std::int32_t row = fine.rows[cell];
+                if (row < 0) continue;
+                const Int3 place = from.place(cell);
+                const std::ptrdiff_t at = to.index(shift + Int3(place.x >> 1, place.y >> 1, place.z >> 1));
+                const std::int32_t into = coarse.rows[std::size_t(at)];
+                if (into < 0) continue;
+                const Real* source = fine.source.data() + std::size_t(row) * values;
+                const Real *next = fine.next.data() + std::size_t(row) * values,
+                           *x = fine.x.data() + std::size_t(row) * values;
+                Real* sum = coarse.source.data() + std::size_t(into) * values;
+                const Real part = residual ? fine.scattering[std::size_t(row)] / 8 : Real(1) / 8;
+                if (part == 0) continue;
+                if (residual)
+                    for (std::size_t m = 0; m < values; ++m) sum[m] += part * (next[m] - x[m]);
+                else
+                    for (std::size_t m = 0; m < values; ++m) sum[m] += part * source[m];
+            }
+    });
+}
+
+// fine.x = (add ? fine.next : 0) + what the coarser cells have there, linear between their middles.
+void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const {
+    const std::size_t values = valuesPerRow();
+    const CellGrid &from = coarse.cells().grid, &to = fine.cells().grid;
+    const Vec3 shift = from.csFromWs(to.wsFromCs(Vec3(0)));
+    forChunks(fine.rowCount, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) {
+            Real* x = fine.x.data() + row * values;
+            if (add)
+                std::copy_n(fine.next.data() + row * values, values, x);
+            else
+                std::fill_n(x, values, Real(0));
+            const Vec3 at = shift + 0.5 * (Vec3(to.place(fine.cellOf[row])) + 0.5) - 0.5;
+            const Vec3 low = glm::floor(at), fraction = at - low;
+            double sum = 0;
+            std::pair<const Real*, double> parts[8];
+            int count = 0;
+            for (int corner = 0; corner < 8; ++corner) {
+                const Int3 side(corner & 1, corner >> 1 & 1, corner >> 2);
+                const std::ptrdiff_t cell = from.index(Int3(low) + side);
+                if (cell < 0 || coarse.rows[std::size_t(cell)] < 0) continue;
+                double weight = 1;
+                for (int axis = 0; axis < 3; ++axis) weight *= side[axis] ? fraction[axis] : 1 - fraction[axis];
+                sum += weight;
+                parts[count++] = {coarse.x.data() + std::size_t(coarse.rows[std::size_t(cell)]) * values, weight};
+            }
+            for (int i = 0; i < count; ++i) {
+                const Real weight = static_cast<Real>(parts[i].second / sum);
+                for (std::size_t m = 0; m < values; ++m) x[m] += weight * parts[i].first[m];
+            }
+        }
+    });
+}
+
+// A first x, from the coarser cells.
+void TransportSolver::start(std::size_t level, const Real* inflow) {
+    Level& here = m_levels[level];
+    if (level + 1 == m_levels.size()) {
+        std::fill(here.x.begin(), here.x.end(), Real(0));
+        return;
+    }
+    Level& coarse = m_levels[level + 1];
+    restrict(here, coarse, false);
+    start(level + 1, inflow);
+    iterate(level + 1, inflow, kCoarseTolerance, kCoarseSweeps);
+    prolong(coarse, here, false);
+}
+
+// Until a sweep changes x by no more than `tolerance`, which is then what it is; returns the change. On return x is the
+// last iterate.
+double TransportSolver::iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps) {
+    Level& here = m_levels[level];
+    const bool coarsest = level + 1 == m_levels.size();
+    Anderson anderson;
+    double change = 0;
+    for (int i = 0; i < mostSweeps; ++i) {
+        sweep(here, inflow, false);
+        change = changeOf(here);
+        if (change <= tolerance) break;
+        if (!m_settings.accelerate) {
+            here.x = here.next;
+        } else if (coarsest) {
+            anderson.step(here.x, here.next, here.scattering, valuesPerRow());
+        } else {
+            // What is left is r + K r + ..., with r = G(x) - x: r itself, and on coarser cells what it scatters to.
+            Level& coarse = m_levels[level + 1];
+            restrict(here, coarse, true);
+            std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
+            iterate(level + 1, nullptr, kCoarseTolerance, kCoarseSweeps);
+            prolong(coarse, here, true);
+        }
+    }
+    if (change <= tolerance) here.x = here.next;
+    return change;
+}
+
+Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflow) {
+    m_solved = {};
+    for (Level& level : m_levels) chooseColour(level, colour);
+    const Real* from = inflow.empty() ? nullptr : inflow.data();
+    start(0, from);
+    m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps);
+    m_solved.converged = m_solved.change <= m_settings.tolerance;
+    sweep(m_levels.front(), from, true);
+    return m_solved;
+}
+
+std::size_t TransportSolver::bytes() const {
+    std::size_t bytes = 0;
+    for (const Level& level : m_levels) {
+        bytes += (level.x.size() + level.next.size() + level.source.size() + level.extinction.size() +
+                  level.scattering.size() * (1 + level.shares.size())) *
+                     sizeof(Real) +
+                 level.rows.size() * sizeof(std::int32_t) + level.cellOf.size() * sizeof(std::size_t);
+        if (!level.own) bytes += level.media.bytes();
+    }
+    return bytes;
+}
+
+}  // namespace scrim
