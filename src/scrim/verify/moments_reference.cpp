@@ -12,6 +12,7 @@ namespace {
 using Rgba = std::array<double, 4>;
 
 constexpr std::size_t kMostIntervals = 256;  // 512 moments
+constexpr int kPaths = 2048;                 // of light that scatters more than once, a pixel
 constexpr double kChange = 1e-3;             // of the brightest: less than this is none
 
 bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
@@ -20,12 +21,23 @@ bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
     return false;
 }
 
+// Light that scatters more than once, with the noise of it.
+void addScattered(const PathTracer& paths, VerifiedPixel& pixel) {
+    if (!paths.any()) return;
+    const Estimate scattered = paths.pixel(pixel.x, pixel.y, kPaths);
+    for (int c = 0; c < 3; ++c) {
+        pixel.reference[std::size_t(c)] += scattered.mean[c];
+        pixel.variance[std::size_t(c)] = scattered.variance[c];
+    }
+}
+
 }  // namespace
 
 MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth) {
     if (!truth.moments) {
         Moment& still = m_levels.emplace_back().emplace_back();
         still.reference = std::make_unique<const Reference>(truth);
+        m_paths = std::make_unique<const PathTracer>(truth);
         return;
     }
     // Nothing goes further than about two pixels between two moments of the first level, if there is a limit to that.
@@ -70,7 +82,10 @@ std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pix
 void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
     if (!m_truth.moments) {
         const Reference& still = *m_levels[0][0].reference;
-        parallelFor(pixels.size(), [&](std::size_t i) { pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y); });
+        parallelFor(pixels.size(), [&](std::size_t i) {
+            pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y);
+            addScattered(*m_paths, pixels[i]);
+        });
         return;
     }
     std::vector<VerifiedPixel> open(pixels.begin(), pixels.end());

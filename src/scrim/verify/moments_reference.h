@@ -4,6 +4,7 @@
 #pragma once
 
 #include <scrim/scene/view_scene.h>
+#include <scrim/verify/path_tracer.h>
 #include <scrim/verify/reference.h>
 #include <scrim/verify/verify.h>
 
@@ -36,6 +37,7 @@ class MomentsReference {
 
     const ViewScene& m_truth;
     FieldProbes m_probes;
+    std::unique_ptr<const PathTracer> m_paths;  // of a single moment
     std::size_t m_intervals = 1;                // of the first level
     std::vector<std::vector<Moment>> m_levels;  // made when they are needed
     std::array<double, 4> m_brightest{};        // of all means so far

@@ -321,7 +321,7 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
         if (v.look->classified) {
             const ClassifiedValue value = classify(*v.look->classified, v.density->value(ws));
             out.source += value.extinction * v.look->classified->ambient * value.color * m_scene.ambient;
-        } else {
+        } else if (!scattersFully(*v.look)) {  // what that makes of ambient light is the path tracer's
             out.source += scattering(v, ws) * m_scene.ambient;
         }
     }

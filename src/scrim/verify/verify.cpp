@@ -77,7 +77,7 @@ RelativeError::Value RelativeError::valueOf(const Terms& terms) {
         sm += t.square * t.mean;
         mm += t.mean * t.mean;
     }
-    if (n == 0 || s == 0) return {};
+    if (n == 0 || s <= 0) return {};
     if (!(m > 0) || !std::isfinite(s)) return {kInfinity, kInfinity, 0};
     s /= n;
     m /= n;
@@ -125,7 +125,7 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
         Term c, a;
         for (std::size_t k = 0; k < 3; ++k) {
             const double e = p.rendered[k] - p.reference[k];
-            c.square += e * e / 3;
+            c.square += (e * e - p.variance[k]) / 3;
             c.mean += p.reference[k] / 3;
             signedSum += e / 3;
         }

@@ -19,6 +19,7 @@ namespace scrim {
 struct VerifiedPixel {
     int x = 0, y = 0;
     std::array<double, 4> rendered{}, reference{};
+    std::array<double, 3> variance{};  ///< of the reference, where that is a mean of random numbers
 };
 
 /// Relative RMSE over the pixels that count: those where the reference or the picture has an alpha above 1e-3, or light

@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/path_tracer.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kBoxes = 64;           // of majorants, along the longest axis
+constexpr double kRoulette = 0.1;    // a path of less weight than this goes on by lot
+constexpr int kMostScatterings = 100000;
+
+double most(const Rgb& v) {
+    return std::max({v.x, v.y, v.z});
+}
+
+// A unit vector at an angle to `axis` whose cosine is given, turned around it by `turn`.
+Vec3 around(const Vec3& axis, double cosine, double turn) {
+    const Vec3 other = std::abs(axis.x) > 0.7 ? Vec3(0, 1, 0) : Vec3(1, 0, 0);
+    const Vec3 u = glm::normalize(glm::cross(other, axis)), v = glm::cross(axis, u);
+    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+    return glm::normalize(sine * std::cos(turn) * u + sine * std::sin(turn) * v + cosine * axis);
+}
+
+// The cosine that a share `u` of all light is scattered below, of a Henyey-Greenstein lobe.
+double lobeCosine(double g, double u) {
+    if (std::abs(g) < 1e-4) return 1 - 2 * u;
+    const double s = (1 - g * g) / (1 - g + 2 * g * u);
+    return std::clamp((1 + g * g - s * s) / (2 * g), -1.0, 1.0);
+}
+
+}  // namespace
+
+// S. Vigna's splitmix64.
+struct PathTracer::Random {
+    std::uint64_t state;
+
+    double next() {
+        state += 0x9e3779b97f4a7c15;
+        std::uint64_t v = state;
+        v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9;
+        v = (v ^ v >> 27) * 0x94d049bb133111eb;
+        return static_cast<double>((v ^ v >> 31) >> 11) * 0x1p-53;
+    }
+    double free() { return -std::log(1 - next()); }  // a length, in mean free paths
+};
+
+PathTracer::PathTracer(const ViewScene& scene) : m_scene(scene) {
+    m_any = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
+    if (!m_any) return;
+    for (const Light& light : scene.lights) {
+        m_slides.push_back(light.slide && !light.extended() ? std::optional(slideMap(light)) : std::nullopt);
+        m_extents.push_back(light.extended() ? std::optional<LightRays>(std::in_place, light) : std::nullopt);
+    }
+    const auto probe = [&](const ViewField& field) {
+        return Probe{std::make_shared<const FieldProbe>(*field.field, scene.dials.kernel), glm::inverse(field.wsFromIs)};
+    };
+    for (const ViewVolume& volume : scene.volumes) {
+        Volume& v = m_volumes.emplace_back();
+        v.look = &volume;
+        if (!volume.field->empty()) v.density = probe({volume.field, volume.wsFromIs});
+        for (const ViewField& field : volume.scatter) v.scatter.push_back(probe(field));
+        for (const ViewEmission& emission : volume.emission)
+            if (!emission.field.field->empty()) v.emission.emplace_back(probe(emission.field), emission.color);
+    }
+    measure();
+}
+
+// Boxes of majorants: every voxel counts in all boxes that its kernel reaches.
+void PathTracer::measure() {
+    for (const Vec3& corner : wsCorners(m_scene)) m_wsBounds.include(corner);
+    const Vec3 size = m_wsBounds.size();
+    m_edge = std::max({size.x, size.y, size.z}) / kBoxes * (1 + 1e-9);
+    m_size = glm::max(Int3(glm::ceil(size / m_edge)), Int3(1));
+    m_majorants.assign(std::size_t(m_size.x) * std::size_t(m_size.y) * std::size_t(m_size.z), 0.0);
+    std::vector<double> ofField(m_majorants.size());
+    std::vector<bool> glows(m_majorants.size(), false);
+    const auto mark = [&](const ViewField& field, const auto& set) {
+        const double reach = kernelRadius(m_scene.dials.kernel);
+        const auto add = [&](const Int3& from, const Int3& to, double value) {
+            const Bounds box = transformed(field.wsFromIs, {Vec3(from) - reach, Vec3(to) + reach});
+            const Int3 first = glm::max(Int3(glm::floor((box.lower - m_wsBounds.lower) / m_edge)), Int3(0));
+            const Int3 last = glm::min(Int3(glm::floor((box.upper - m_wsBounds.lower) / m_edge)), m_size - 1);
+            for (int z = first.z; z <= last.z; ++z)
+                for (int y = first.y; y <= last.y; ++y)
+                    for (int x = first.x; x <= last.x; ++x)
+                        set((std::size_t(z) * std::size_t(m_size.y) + std::size_t(y)) * std::size_t(m_size.x) +
+                                std::size_t(x),
+                            value);
+        };
+        const SparseField& f = *field.field;
+        for (std::size_t b = 0; b < f.blockCount(); ++b)
+            for (int i = 0; i < kBlockVoxels; ++i) {
+                if (f.block(b)[i] <= 0) continue;
+                const Int3 at = f.blockOrigins[b] + Int3(i / 64, i / 8 % 8, i % 8);
+                add(at, at, f.block(b)[i]);
+            }
+        for (const ConstantTile& tile : f.tiles) add(tile.origin, tile.origin + tile.edge - 1, tile.value);
+    };
+    for (const Volume& v : m_volumes) {
+        if (v.density) {
+            std::fill(ofField.begin(), ofField.end(), 0.0);
+            double steepest = 0;
+            if (v.look->classified)
+                for (int i = 0; i <= 1000; ++i)
+                    steepest = std::max(
+                        steepest, 1.1 * classify(*v.look->classified, 1e-3 * i * v.look->field->maxValue).extinction);
+            mark({v.look->field, v.look->wsFromIs}, [&](std::size_t box, double value) {
+                const double here = v.look->classified ? steepest : value * v.look->medium.mostExtinction();
+                ofField[box] = std::max(ofField[box], here);
+            });
+            for (std::size_t i = 0; i < m_majorants.size(); ++i) m_majorants[i] += ofField[i];
+        }
+        for (const ViewEmission& emission : v.look->emission)
+            mark(emission.field, [&](std::size_t box, double) { glows[box] = true; });
+    }
+    // Where something glows flights stop now and then, to gather it.
+    for (std::size_t i = 0; i < m_majorants.size(); ++i)
+        if (glows[i]) m_majorants[i] = std::max(m_majorants[i], 2 / m_edge);
+}
+
+Rgb PathTracer::extinctionOf(const Volume& v, const Vec3& ws) const {
+    if (!v.density) return Rgb(0);
+    const double value = v.density->value(ws);
+    if (v.look->classified) return Rgb(classify(*v.look->classified, value).extinction);
+    return v.look->medium.densityScale * value * v.look->medium.extinctionTint;
+}
+
+// Of a volume that scatters more than once.
+Rgb PathTracer::scatteringOf(const Volume& v, const Vec3& ws) const {
+    const Medium& medium = v.look->medium;
+    if (v.scatter.empty()) return extinctionOf(v, ws) * medium.albedo;
+    return medium.densityScale * Rgb(v.scatter[0].value(ws), v.scatter[1].value(ws), v.scatter[2].value(ws)) *
+           medium.extinctionTint;
+}
+
+PathTracer::Matter PathTracer::matterAt(const Vec3& ws) const {
+    Matter matter;
+    for (const Volume& v : m_volumes) {
+        matter.extinction += extinctionOf(v, ws);
+        for (const auto& [probe, colour] : v.emission) matter.emission += probe.value(ws) * colour;
+    }
+    return matter;
+}
+
+// visit(begin, end, majorant) for the boxes along a ray, until it returns false.
+template <class Visit>
+void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double length, const Visit& visit) const {
+    const auto [begin, end] = m_wsBounds.clip(ws, direction, 0, length);
+    if (!(begin < end)) return;
+    const Vec3 origin = (ws - m_wsBounds.lower) / m_edge;
+    const Vec3 entry = origin + begin / m_edge * direction;
+    Int3 box = glm::clamp(Int3(glm::floor(entry)), Int3(0), m_size - 1), step(0);
+    Vec3 next(kInfinity), each(kInfinity);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (direction[axis] == 0) continue;
+        step[axis] = direction[axis] > 0 ? 1 : -1;
+        each[axis] = m_edge / std::abs(direction[axis]);
+        next[axis] = (box[axis] + (step[axis] > 0 ? 1 : 0) - origin[axis]) * m_edge / direction[axis];
+    }
+    for (double t = begin; t < end;) {
+        const int axis = next.x < next.y ? (next.x < next.z ? 0 : 2) : (next.y < next.z ? 1 : 2);
+        const double to = std::min(next[axis], end);
+        const std::size_t at =
+            (std::size_t(box.z) * std::size_t(m_size.y) + std::size_t(box.y)) * std::size_t(m_size.x) +
+            std::size_t(box.x);
+        if (to > t && !visit(t, to, m_majorants[at])) return;
+        t = std::max(t, to);
+        box[axis] += step[axis];
+        next[axis] += each[axis];
+        if (box[axis] < 0 || box[axis] >= m_size[axis]) return;
+    }
+}
+
+// To the next collision, by delta tracking; where extinction is coloured, with weights.
+PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double length, Random& random) const {
+    Flight flight;
+    forCells(ws, direction, length, [&](double begin, double end, double majorant) {
+        if (majorant <= 0) return true;
+        for (double t = begin + random.free() / majorant; t < end; t += random.free() / majorant) {
+            const Matter matter = matterAt(ws + t * direction);
+            flight.glow += flight.weight * matter.emission / majorant;
+            const double chance = std::min(most(matter.extinction) / majorant, 1.0);
+            if (random.next() < chance) {
+                flight.weight *= matter.extinction / (majorant * chance);
+                flight.collided = true;
+                flight.ws = ws + t * direction;
+                return false;
+            }
+            if (chance < 1) flight.weight *= (majorant - matter.extinction) / (majorant * (1 - chance));
+        }
+        return true;
+    });
+    return flight;
+}
+
+// By ratio tracking.
+Rgb PathTracer::transmittance(const Vec3& ws, const Vec3& direction, double length, Random& random) const {
+    Rgb left(1);
+    forCells(ws, direction, length, [&](double begin, double end, double majorant) {
+        if (majorant <= 0) return true;
+        for (double t = begin + random.free() / majorant; t < end; t += random.free() / majorant) {
+            left *= 1.0 - matterAt(ws + t * direction).extinction / majorant;
+            if (most(left) < 0.05) {
+                if (random.next() < 0.5) {
+                    left = Rgb(0);
+                    return false;
+                }
+                left *= 2;
+            }
+        }
+        return true;
+    });
+    return left;
+}
+
+double PathTracer::solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const {
+    return m_scene.solids ? m_scene.solids->firstHit(role, ws, direction, begin, kInfinity) : kInfinity;
+}
+
+PathTracer::Incident PathTracer::incident(std::size_t index, const Vec3& ws, Random& random) const {
+    const Light& light = m_scene.lights[index];
+    Incident out;
+    if (m_extents[index]) {
+        const double u = random.next(), v = random.next();
+        const LightRay ray = m_extents[index]->ray(ws, {u, v});
+        return {ray.weight, ray.toLight, ray.distance};
+    }
+    out = {light.intensity, -light.wsDirection, kInfinity};
+    if (!light.distant()) {
+        const Vec3 way = light.wsPosition - ws;
+        out.distance = glm::length(way);
+        if (out.distance == 0) return {};
+        out.toLight = way / out.distance;
+        const Light::Point& point = light.point();
+        if (point.decay) out.irradiance /= std::max(out.distance * out.distance, point.radius * point.radius);
+        if (const Light::Spot* spot = light.spot()) {
+            const double half = glm::radians(0.5 * spot->coneAngle);
+            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - spot->blend), half - 1e-4));
+            out.irradiance *= glm::smoothstep(outer, inner, -glm::dot(out.toLight, light.wsDirection));
+        }
+    }
+    if (light.slide) out.irradiance *= slideValue(light, *m_slides[index], ws);
+    return out;
+}
+
+// Radiance that a unit of the volume's scattering coefficient sends back along `direction`, of light straight from
+// lights.
+Rgb PathTracer::lit(const Volume& v, const Vec3& ws, const Vec3& direction, Random& random) const {
+    Rgb sum(0);
+    for (std::size_t i = 0; i < m_scene.lights.size(); ++i) {
+        if (!v.look->lights.empty() && !v.look->lights[i]) continue;
+        const Incident in = incident(i, ws, random);
+        if (in.irradiance == Rgb(0)) continue;
+        Rgb light = in.irradiance * phaseValue(v.look->medium.phase, glm::dot(in.toLight, direction));
+        if (m_scene.lights[i].shadows) {
+            if (solidAhead(SolidRole::shadow, ws, in.toLight, 0) < in.distance) continue;
+            light *= transmittance(ws, in.toLight, in.distance, random);
+        }
+        sum += light;
+    }
+    return sum;
+}
+
+Rgb PathTracer::path(Vec3 ws, Vec3 direction, double length, Random& random) const {
+    Rgb weight(1), sum(0);
+    for (int scattered = 0; scattered < kMostScatterings; ++scattered) {
+        const Flight flight = fly(ws, direction, length, random);
+        if (scattered > 0) sum += weight * flight.glow;
+        weight *= flight.weight;
+        if (!flight.collided) return scattered > 0 && length == kInfinity ? sum + weight * m_scene.ambient : sum;
+        ws = flight.ws;
+        // Which volume it is scattered by, or whether it is absorbed.
+        Rgb extinction(0), all(0);
+        std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
+        for (std::size_t i = 0; i < m_volumes.size(); ++i) {
+            extinction += extinctionOf(m_volumes[i], ws);
+            if (scattersFully(*m_volumes[i].look)) parts[i] = scatteringOf(m_volumes[i], ws);
+            all += parts[i];
+        }
+        if (most(all) <= 0) return sum;
+        double choice = random.next() * most(all);
+        std::size_t volume = 0;
+        while (volume + 1 < parts.size() && choice >= most(parts[volume])) choice -= most(parts[volume++]);
+        if (most(parts[volume]) <= 0) return sum;
+        const double chance = most(parts[volume]) / most(all);
+        for (int c = 0; c < 3; ++c) weight[c] *= extinction[c] > 0 ? parts[volume][c] / (extinction[c] * chance) : 0;
+        if (scattered > 0) sum += weight * lit(m_volumes[volume], ws, direction, random);
+        if (most(weight) < kRoulette) {
+            if (random.next() >= 0.5) return sum;
+            weight *= 2;
+        }
+        // Backwards along the light: its cosine is that of the two ways of the path.
+        const Phase& phase = m_volumes[volume].look->medium.phase;
+        double cosine = 0;
+        if (phase.type == PhaseType::rayleigh) {
+            cosine = 2 * random.next() - 1;
+            weight *= 4 * std::numbers::pi * phaseValue(phase, cosine);
+        } else {
+            const bool second = phase.type == PhaseType::twoLobe && random.next() < phase.blend;
+            cosine = lobeCosine(second ? phase.g2 : phase.g, random.next());
+        }
+        direction = around(direction, cosine, 2 * std::numbers::pi * random.next());
+        length = solidAhead(SolidRole::shadow, ws, direction, 0);
+    }
+    return sum;
+}
+
+Estimate PathTracer::pixel(int x, int y, int paths, std::uint64_t seed) const {
+    Estimate out;
+    if (!m_any || paths <= 0) return out;
+    const RayFamily rays = wsRays(m_scene.camera);
+    const int n = m_scene.dials.antialias;
+    Random random{seed * 0x9e3779b97f4a7c15 + std::uint64_t(std::uint32_t(x)) * 0xd1342543de82ef95 +
+                  std::uint64_t(std::uint32_t(y)) * 0xaf251af3b0f025b5};
+    Rgb squares(0);
+    for (int i = 0; i < paths; ++i) {
+        const int ray = i % (n * n);
+        const double px = x + (ray % n + 0.5) / n, py = y + (ray / n + 0.5) / n;
+        const Vec3 along = rays.direction(px, py);
+        const double scale = glm::length(along);
+        const Vec3 direction = along / scale, start = rays.origin(px, py) + rays.near * along;
+        const Rgb value = path(start, direction, solidAhead(SolidRole::holdout, start, direction, 0), random);
+        out.mean += value;
+        squares += value * value;
+    }
+    out.mean /= paths;
+    out.variance = glm::max(squares / double(paths) - out.mean * out.mean, Rgb(0)) / double(std::max(paths - 1, 1));
+    return out;
+}
+
+}  // namespace scrim
