@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -60,7 +61,8 @@ void DeepRays::add(int index, const Crossing& crossing) {
                       m_frontToBack ? sheet + 1 : -sheet,
                       {},
                       {},
-                      static_cast<std::uint32_t>(k)};
+                      static_cast<std::uint32_t>(k),
+                      0};
         std::array<Real, 4 * 256> seen;
         if (crossing.part && crossing.part[k] < 1) {
             keepSeenPart(layout, crossing.part[k], values, seen.data());
@@ -71,16 +73,26 @@ void DeepRays::add(int index, const Crossing& crossing) {
             sample.end = sample.begin + 2 * half;
         }
         float most = 0;
+        double opacity = 0, shows = 0;
         for (int c = 0; c < 3; ++c) {
             sample.hides[c] = unit(-values[opacities + (layout.coloured ? c : 3)]);
             for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
             sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
+            opacity += sample.hides[c];
+            if (layout.seen > 0) shows += values[4 * layout.quadOf(layout.seen) + c];
             most = std::max({most, sample.hides[c], sample.rgb[c]});
         }
+        if (layout.seen > 0) sample.held = heldPart(shows, opacity);
         if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
     }
     m_added += tile.samples.size() - samples;
     count(before, tile.samples.capacity());
+}
+
+// One part for all three channels: where extinction is coloured alpha is a mean, and this is that of the sample alone.
+std::uint32_t DeepRays::heldPart(double seen, double hidden) {
+    const double part = hidden > 0 ? 1 - seen / hidden : 0;
+    return static_cast<std::uint32_t>(std::lround(std::clamp(part, 0.0, 1.0) * kHeldUnits));
 }
 
 DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
@@ -90,7 +102,7 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * first->rgb[c];
             // Opacity and not transmittance is added up: where a volume is thin, 1 - T would lose it.
-            hidden[c] += left[c] * first->hides[c];
+            hidden[c] += left[c] * seenShare(*first) * first->hides[c];
             left[c] *= 1 - double(first->hides[c]);
         }
         curve.push_back({first->begin,
@@ -103,12 +115,14 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
 
 // The samples that a merged piece stands for, as one.
 DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) {
-    Sample sum{piece.begin, piece.end, {}, {}, sample->ray};
+    Sample sum{piece.begin, piece.end, {}, {}, sample->ray, 0};
     std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
+    double seen = 0;
     for (bool more = true; more; ++sample) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * sample->rgb[c];
             hidden[c] += left[c] * sample->hides[c];
+            seen += left[c] * seenShare(*sample) * sample->hides[c];
             left[c] *= 1 - double(sample->hides[c]);
         }
         more = sample->end < piece.end;
@@ -117,6 +131,7 @@ DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& p
         sum.rgb[c] = static_cast<float>(shown[c]);
         sum.hides[c] = unit(static_cast<Real>(hidden[c]));
     }
+    sum.held = heldPart(seen, hidden[0] + hidden[1] + hidden[2]);
     return sum;
 }
 

@@ -58,8 +58,12 @@ class DeepRays {
         float begin, end;  // sheets from the eye's side: N front to back, or else -N
         float rgb[3];
         float hides[3];
-        std::uint32_t ray;  // of the tile
+        std::uint32_t ray : 8;    // of the tile
+        std::uint32_t held : 24;  // of what it hides the part that is held out, and no alpha, in kHeldUnits
     };
+    static constexpr double kHeldUnits = (1 << 24) - 1;
+    static double seenShare(const Sample& sample) { return 1 - sample.held / kHeldUnits; }
+    static std::uint32_t heldPart(double seen, double hidden);
     static_assert(sizeof(Sample) == kSampleBytes);
     struct Tile {
         std::vector<Sample> samples;
