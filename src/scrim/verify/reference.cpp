@@ -346,10 +346,8 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         end = std::min(end, m_scene.solids->firstHit(SolidRole::holdout, origin, direction, begin, end));
     const HeldRay held(m_scene.depths.get(), x, y, depthScale);
     end = std::min(end, held.end());
-    Rgb shown(0);
     const double gauss = 0.5 / std::sqrt(3.0);
-    Rgb radiance(0);
-    Rgb tau(0);
+    Rgb radiance(0), tau(0), shown(0);
     for (double t = begin; t < end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
         if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
             t += empty;

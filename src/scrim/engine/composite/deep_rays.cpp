@@ -18,6 +18,16 @@ namespace {
 constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
 
+// Pieces that show nothing: of what is held out.
+void dropUnseen(DeepCurve& curve) {
+    std::array<float, 4> before{};
+    std::erase_if(curve, [&](const DeepPiece& piece) {
+        const bool same = piece.shown == before;
+        before = piece.shown;
+        return same;
+    });
+}
+
 float unit(Real value) {
     return static_cast<float>(std::min(std::max(Real(0), value), Real(1)));  // and a NaN is 0
 }
@@ -217,6 +227,7 @@ DeepImage DeepRays::resolve(const EyeView& eye, int n) {
 DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<DeepImage>& groups) {
     DeepImage image{scene.region, {}};
     image.rows.resize(std::size_t(scene.region.height()));
+    const bool holds = holdsOut(scene);
     const double tolerance = (1 - kStageShare) * (scene.deep ? scene.deep->tolerance : 0);
     parallelFor(image.rows.size(), [&](std::size_t r) {
         DeepImage::Row& row = image.rows[r];
@@ -230,7 +241,8 @@ DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<D
                 const double weight = plan.eyeParts[plan.groups[g].eyePart].weight(x + 0.5, y + 0.5);
                 terms.push_back({groups[g].curve(x, y), weight, weight * plan.groups[g].primary});
             }
-            const DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
+            DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
+            if (holds) dropUnseen(curve);
             row.pieces.insert(row.pieces.end(), curve.begin(), curve.end());
             row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
         }
