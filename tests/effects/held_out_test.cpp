@@ -279,6 +279,34 @@ TEST(DepthPicture, AddsUpWhatOverlaps) {
     EXPECT_TRUE(picture->at(1, 0).empty());
 }
 
+// A deep picture of coloured extinction has one alpha, the mean. What is held out of each colour it knows to 1 / 510.
+TEST(DeepHoldout, OfColouredExtinctionAgreesWithTheFlatPicture) {
+    for (const bool volume : {true, false}) {
+        ViewScene scene = sceneWith("two tints");
+        scene.ambient = Rgb(0.3);
+        scene.deep = ViewDeep{0};
+        if (volume)
+            scene.volumes.back().holdout = true;
+        else
+            scene.depths = pictureOf(deepSamplesEverywhere(scene, {100, 115, 0.8f, 120, 120, 1}));
+        const Frame frame = renderScene(scene);
+        double worst = 0, alpha = 0, colour = 0;
+        for (int y = 0; y < 48; ++y)
+            for (int x = 0; x < 48; ++x) {
+                const auto curve = frame.deep->curve(x, y);
+                const auto flat = pixelOf(frame, x, y);
+                for (std::size_t c = 0; c < 3; ++c)
+                    colour = std::max(colour, std::abs((curve.empty() ? 0 : curve.back().shown[c]) - flat[c]));
+                worst = std::max(worst, std::abs((curve.empty() ? 0 : curve.back().shown[3]) - flat[3]));
+                alpha = std::max(alpha, flat[3]);
+            }
+        EXPECT_GT(alpha, 0.3);
+        EXPECT_LE(colour, 2e-5) << volume;
+        EXPECT_LE(worst, 0.002) << volume;
+        testing::Test::RecordProperty(volume ? "volume" : "picture", fmt::format("{}", worst));
+    }
+}
+
 // ---- volumes
 
 // A slab of tau in front of one of tau2, of which only the second is seen: e^-tau (1 - e^-tau2).

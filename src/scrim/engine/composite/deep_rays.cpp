@@ -18,6 +18,8 @@ namespace {
 constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
 
+constexpr double kHeldUnits = (1 << 24) - 1, kHeldByte = (1 << 8) - 1;
+
 // Pieces that show nothing: of what is held out.
 void dropUnseen(DeepCurve& curve) {
     std::array<float, 4> before{};
@@ -83,36 +85,49 @@ void DeepRays::add(int index, const Crossing& crossing) {
             sample.end = sample.begin + 2 * half;
         }
         float most = 0;
-        double opacity = 0, shows = 0;
+        Channels shows{}, hides{};
         for (int c = 0; c < 3; ++c) {
             sample.hides[c] = unit(-values[opacities + (layout.coloured ? c : 3)]);
             for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
             sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
-            opacity += sample.hides[c];
-            if (layout.seen > 0) shows += values[4 * layout.quadOf(layout.seen) + c];
+            hides[c] = sample.hides[c];
+            if (layout.seen > 0) shows[c] = values[4 * layout.quadOf(layout.seen) + c];
             most = std::max({most, sample.hides[c], sample.rgb[c]});
         }
-        if (layout.seen > 0) sample.held = heldPart(shows, opacity);
+        if (layout.seen > 0) setHeld(shows, hides, sample);
         if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
     }
     m_added += tile.samples.size() - samples;
     count(before, tile.samples.capacity());
 }
 
-// One part for all three channels: where extinction is coloured alpha is a mean, and this is that of the sample alone.
-std::uint32_t DeepRays::heldPart(double seen, double hidden) {
-    const double part = hidden > 0 ? 1 - seen / hidden : 0;
-    return static_cast<std::uint32_t>(std::lround(std::clamp(part, 0.0, 1.0) * kHeldUnits));
+// Keeps which part of what the sample hides is held out, and is no alpha: of all colours one number of 24 bits, or,
+// where extinction is coloured, of each one of 8, which is as good as the half floats that a deep alpha is written in.
+void DeepRays::setHeld(const Channels& seen, const Channels& hidden, Sample& sample) const {
+    const auto part = [](double shows, double hides, double units) {
+        const double held = hides > 0 ? 1 - shows / hides : 0;
+        return static_cast<std::uint32_t>(std::lround(std::clamp(held, 0.0, 1.0) * units));
+    };
+    if (!m_pixels.layout().coloured)
+        sample.held = part(seen[0], hidden[0], kHeldUnits);
+    else
+        sample.held = part(seen[0], hidden[0], kHeldByte) | part(seen[1], hidden[1], kHeldByte) << 8 |
+                      part(seen[2], hidden[2], kHeldByte) << 16;
 }
 
-DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
+double DeepRays::seenShare(const Sample& sample, std::size_t channel) const {
+    if (!m_pixels.layout().coloured) return 1 - sample.held / kHeldUnits;
+    return 1 - (sample.held >> (8 * channel) & 0xff) / kHeldByte;
+}
+
+DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) const {
     DeepCurve curve;
     std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
     for (; first != last; ++first) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * first->rgb[c];
             // Opacity and not transmittance is added up: where a volume is thin, 1 - T would lose it.
-            hidden[c] += left[c] * seenShare(*first) * first->hides[c];
+            hidden[c] += left[c] * seenShare(*first, c) * first->hides[c];
             left[c] *= 1 - double(first->hides[c]);
         }
         curve.push_back({first->begin,
@@ -124,15 +139,15 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
 }
 
 // The samples that a merged piece stands for, as one.
-DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) {
+DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) const {
     Sample sum{piece.begin, piece.end, {}, {}, sample->ray, 0};
     std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
-    double seen = 0;
+    Channels seen{};
     for (bool more = true; more; ++sample) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * sample->rgb[c];
             hidden[c] += left[c] * sample->hides[c];
-            seen += left[c] * seenShare(*sample) * sample->hides[c];
+            seen[c] += left[c] * seenShare(*sample, c) * sample->hides[c];
             left[c] *= 1 - double(sample->hides[c]);
         }
         more = sample->end < piece.end;
@@ -141,7 +156,7 @@ DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& p
         sum.rgb[c] = static_cast<float>(shown[c]);
         sum.hides[c] = unit(static_cast<Real>(hidden[c]));
     }
-    sum.held = heldPart(seen, hidden[0] + hidden[1] + hidden[2]);
+    setHeld(seen, hidden, sum);
     return sum;
 }
 
