@@ -89,7 +89,7 @@ double seenShare(DepthPicture::Pieces pieces, double near, double far, double ta
     else if (!pieces.empty())
         before = double(pieces.back().before) + double(pieces.back().tau);
     const double length = far - near;
-    if (!(length > 0)) return std::exp(-before);
+    if (!(length > 0) || piece == pieces.end() || piece->begin >= far) return std::exp(-before);
     double sum = 0, at = near;
     // Over [at, to), where pieces have `density`.
     const auto add = [&](double to, double density) {

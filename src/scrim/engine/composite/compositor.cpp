@@ -152,11 +152,15 @@ void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const
         const double half = 0.5 * double(part[k]) * std::abs(depths.step);
         if (middle + half <= walk.thinFrom[k]) continue;
         Real* const sample = samples + floats * k;
+        if (std::all_of(sample, sample + floats, [](Real v) { return v == 0; })) continue;
+        Real share = 1;
         for (int c = 0; c < 3; ++c) {
-            constexpr double kOpaque = 1 - 1e-12;
-            const double alpha = -double(sample[opacities + (layout.coloured ? c : 3)]);
-            const double tau = -std::log1p(-std::clamp(alpha, 0.0, kOpaque)) * double(part[k]);
-            const auto share = static_cast<Real>(m_ends->seenShare(x, y, middle - half, middle + half, tau));
+            if (c == 0 || layout.coloured) {
+                constexpr double kOpaque = 1 - 1e-12;
+                const double alpha = -double(sample[opacities + (layout.coloured ? c : 3)]);
+                const double tau = -std::log1p(-std::clamp(alpha, 0.0, kOpaque)) * double(part[k]);
+                share = static_cast<Real>(m_ends->seenShare(x, y, middle - half, middle + half, tau));
+            }
             for (int q = 0; q < shown; q += 4) sample[q + c] *= share;
         }
     }
