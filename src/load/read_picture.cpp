@@ -59,6 +59,8 @@ void ReadPicture::run() const {
         readWithErrors(m_request.path, [&] {
             if (m_request.what == kPictureHeader)
                 sendPictureHeader(m_transfer, m_module.header(m_request.path));
+            else if (m_request.what == kPictureDepth)
+                sendPictureDepth(m_transfer, m_module.depth(m_request.path, m_request.parameters.at(0).second));
             else
                 sendPicture(m_transfer, m_module.read(m_request.path));
         });

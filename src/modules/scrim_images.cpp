@@ -2,19 +2,24 @@
 // The module `scrim_images`: the one place that reads and writes through OpenImageIO.
 #include <scrim/image/picture_module.h>
 
+#include <OpenImageIO/deepdata.h>
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <memory>
+#include <utility>
 
 namespace {
 
 using scrim::FileBytes;
+using scrim::FileDepth;
 using scrim::FilePicture;
 using scrim::PictureHeader;
 using scrim::RgbPicture;
@@ -135,6 +140,131 @@ PictureHeader readHeader(const std::string& path) {
     return out;
 }
 
+/// A channel of one of a file's parts.
+struct DepthChannel {
+    int part = 0, channel = 0;
+    std::string name;  ///< as a scene may have it
+};
+
+std::vector<DepthChannel> channelsOf(OIIO::ImageInput& in) {
+    constexpr int kMostParts = 256;
+    std::vector<DepthChannel> all;
+    for (int part = 0; part < kMostParts && in.seek_subimage(part, 0); ++part) {
+        const OIIO::ImageSpec& spec = in.spec();
+        const std::string of = in.supports("multiimage") ? spec.get_string_attribute("oiio:subimagename") : "";
+        for (int c = 0; c < spec.nchannels && std::size_t(c) < spec.channelnames.size(); ++c) {
+            const std::string& name = spec.channelnames[std::size_t(c)];
+            all.push_back({part, c, of.empty() || name.starts_with(of + ".") ? name : of + "." + name});
+        }
+    }
+    in.geterror();  // that there are no more
+    return all;
+}
+
+std::string namesOf(const std::vector<DepthChannel>& channels) {
+    constexpr std::size_t kMostNamed = 24;
+    std::string text;
+    for (std::size_t i = 0; i < channels.size() && i < kMostNamed; ++i)
+        text += (i > 0 ? ", " : "") + ("'" + channels[i].name + "'");
+    return channels.size() > kMostNamed ? fmt::format("{} and {} more", text, channels.size() - kMostNamed) : text;
+}
+
+std::string lastPart(const std::string& name) {
+    return name.substr(name.rfind('.') + 1);
+}
+
+/// Those that may be meant: by their name, or else by what they are called.
+std::vector<DepthChannel> depthChannels(const std::vector<DepthChannel>& all, const std::string& name) {
+    std::vector<DepthChannel> found;
+    const auto take = [&](const auto& isMeant) {
+        if (found.empty()) std::copy_if(all.begin(), all.end(), std::back_inserter(found), isMeant);
+    };
+    if (!name.empty()) {
+        take([&](const DepthChannel& c) { return c.name == name; });
+        take([&](const DepthChannel& c) { return c.name.ends_with("." + name); });
+        return found;
+    }
+    take([](const DepthChannel& c) { return c.name == "Z"; });
+    take([](const DepthChannel& c) { return OIIO::Strutil::iequals(lastPart(c.name), "Z"); });
+    take([](const DepthChannel& c) { return OIIO::Strutil::iequals(lastPart(c.name), "depth"); });
+    if (all.size() == 1) take([](const DepthChannel&) { return true; });
+    return found;
+}
+
+FileDepth noDepth(const std::string& problem) {
+    FileDepth out;
+    out.problem = problemText(problem);
+    return out;
+}
+
+/// Z, ZBack and alpha of all samples.
+FileDepth readDeep(OIIO::ImageInput& in, const DepthChannel& z, FileDepth out) {
+    const OIIO::ImageSpec spec = in.spec();
+    const std::string prefix = spec.channelnames[std::size_t(z.channel)];
+    const std::string layer = prefix.substr(0, prefix.size() - lastPart(prefix).size());
+    const int back = spec.channelindex(layer + "ZBack"), alpha = spec.channelindex(layer + "A");
+    if (alpha < 0)
+        return noDepth(fmt::format("its deep samples have no channel '{}A' that says how much they hide", layer));
+    OIIO::DeepData data;
+    if (!in.read_native_deep_image(z.part, 0, data)) return noDepth(in.geterror());
+    const auto pixels = std::int64_t{spec.width} * spec.height;
+    if (data.pixels() < pixels) return noDepth("its deep samples are incomplete");
+    std::size_t samples = 0;
+    for (std::int64_t p = 0; p < pixels; ++p) samples += std::size_t(std::max(data.samples(p), 0));
+    if (samples > scrim::kMostDepthSamples)
+        return noDepth(fmt::format("it has {} samples; expected at most {}", samples, scrim::kMostDepthSamples));
+    out.samples.reserve(3 * samples);
+    for (std::int64_t p = 0; p < pixels; ++p) {
+        const int count = std::max(data.samples(p), 0);
+        out.counts.push_back(static_cast<std::uint32_t>(count));
+        for (int s = 0; s < count; ++s) {
+            const float front = data.deep_value(p, z.channel, s);
+            out.samples.push_back(front);
+            out.samples.push_back(back < 0 ? front : data.deep_value(p, back, s));
+            out.samples.push_back(data.deep_value(p, alpha, s));
+        }
+    }
+    return out;
+}
+
+FileDepth readDepth(const std::string& path, const std::string& channel) {
+    const auto in = OIIO::ImageInput::open(path);
+    if (!in) return noDepth(OIIO::geterror());
+    const std::vector<DepthChannel> all = channelsOf(*in), meant = depthChannels(all, channel);
+    if (meant.empty() && !channel.empty())
+        return noDepth(fmt::format("it has no channel '{}'; expected one of {}", channel, namesOf(all)));
+    if (meant.empty())
+        return noDepth(
+            fmt::format("none of its channels is called Z or depth; expected 'channel' to be one of {}", namesOf(all)));
+    if (meant.size() > 1)
+        return noDepth(
+            fmt::format("it has several channels of depths; expected 'channel' to be one of {}", namesOf(meant)));
+    const DepthChannel& z = meant.front();
+    if (!in->seek_subimage(z.part, 0)) return noDepth(in->geterror());
+    const OIIO::ImageSpec spec = in->spec();
+    const auto pixels = [](int width, int height) { return static_cast<double>(width) * height; };
+    const auto most = static_cast<double>(scrim::kMostTexturePixels);
+    if (spec.depth > 1 || spec.width < 1 || spec.height < 1 || pixels(spec.width, spec.height) > most)
+        return noDepth(fmt::format("it has {} x {} pixels; expected at most {} million", spec.width, spec.height,
+                                   scrim::kMostTexturePixels / 1000000));
+    if (!spec.channelformat(z.channel).is_floating_point())
+        return noDepth(fmt::format("its channel '{}' holds whole numbers; expected depths as floats", z.name));
+    FileDepth out;
+    out.fullWidth = spec.full_width > 0 ? spec.full_width : spec.width;
+    out.fullHeight = spec.full_height > 0 ? spec.full_height : spec.height;
+    out.x0 = spec.x - spec.full_x;
+    out.y0 = spec.y - spec.full_y;
+    out.width = spec.width;
+    out.height = spec.height;
+    out.deep = spec.deep;
+    if (spec.deep) return readDeep(*in, z, std::move(out));
+    out.depths.resize(std::size_t(spec.width) * std::size_t(spec.height));
+    if (!in->read_image(z.part, 0, z.channel, z.channel + 1, OIIO::TypeDesc::FLOAT, out.depths.data()) ||
+        in->has_error())
+        return noDepth(in->geterror());
+    return out;
+}
+
 // In memory, since on a full disk OpenImageIO's PNG writer reports success and libjpeg ends the process.
 FileBytes encoded(const std::string& name, const RgbPicture& picture) {
     const std::string extension = std::filesystem::path(name).extension().string();
@@ -161,7 +291,7 @@ void prepare() {
 
 }  // namespace
 
-extern "C" __attribute__((visibility("default"))) const scrim::PictureModule* scrim_picture_module_3() {
-    static const scrim::PictureModule module{prepare, readPixels, readHeader, encoded};
+extern "C" __attribute__((visibility("default"))) const scrim::PictureModule* scrim_picture_module_4() {
+    static const scrim::PictureModule module{prepare, readPixels, readHeader, readDepth, encoded};
     return &module;
 }

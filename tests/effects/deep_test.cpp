@@ -65,6 +65,20 @@ void perspective(ViewScene& s, const Vec3& eye, double near) {
     s.camera.near = near;
 }
 
+// Of another renderer: something thin across the smoke, and a wall that leans.
+std::shared_ptr<const DepthPicture> veil(const PixelWindow& window) {
+    FileDepth file;
+    file.width = window.width();
+    file.height = window.height();
+    file.deep = true;
+    for (int i = 0; i < file.width * file.height; ++i) {
+        const float wall = 70 + 0.3f * static_cast<float>(i % file.width);
+        file.counts.push_back(2);
+        file.samples.insert(file.samples.end(), {66, 75, 0.6f, wall, wall, 1});
+    }
+    return std::make_shared<const DepthPicture>(depthPictureOf(file, {}));
+}
+
 std::vector<Case> cases() {
     std::vector<Case> all{
         {"light in front",
@@ -110,6 +124,18 @@ std::vector<Case> cases() {
         {"layers",
          [](ViewScene& s) {
              s.layers = {Layer::light, Layer::ambient, Layer::depth, Layer::transmittance};
+         }},
+        {"volume held out",
+         [](ViewScene& s) {
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+             s.volumes.back().holdout = true;
+         }},
+        {"behind a deep picture",
+         [](ViewScene& s) {
+             perspective(s, {20, 15, 70}, 0);
+             s.dials.antialias = 2;
+             s.depths = veil(s.region);
          }},
         {"classified, per view", [](ViewScene& s) {
              Classified look;

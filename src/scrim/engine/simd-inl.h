@@ -97,6 +97,9 @@ HWY_ATTR HWY_INLINE V4 bilinear4(const Real* texel, std::ptrdiff_t across, std::
     const Real* below = texel + down;
     return lerp4(lerp4(load4(texel), load4(texel + across), u), lerp4(load4(below), load4(below + across), u), v);
 }
+HWY_ATTR HWY_INLINE Real lane0(const V4& v) {
+    return hn::GetLane(v.part[0]);
+}
 HWY_ATTR HWY_INLINE Real lane3(const V4& v) {
     constexpr std::size_t kLast = hn::MaxLanes(D4()) - 1;
     return hn::ExtractLane(v.part[kParts4 - 1], kLast);

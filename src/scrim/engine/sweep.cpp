@@ -84,10 +84,8 @@ std::size_t bytesOf(const PlaneStack& planes) {
 
 // Null where nothing hides volumes.
 std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const EyePart& part) {
-    if (!scene.solids || !scene.solids->any(SolidRole::holdout)) return nullptr;
-    const int n = scene.dials.antialias;
-    return std::make_unique<EyeEnds>(*scene.solids, supersampled(scene.camera, n),
-                                     PixelTiles(supersampled(part.window, n)));
+    if (!EyeEnds::any(scene)) return nullptr;
+    return std::make_unique<EyeEnds>(scene, PixelTiles(supersampled(part.window, scene.dials.antialias)));
 }
 
 // Null where no deep picture is asked for.

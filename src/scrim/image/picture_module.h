@@ -14,6 +14,9 @@ namespace scrim {
 /// Pixels a picture may have: as a texture 1 GB with its pyramid.
 constexpr std::size_t kMostTexturePixels = std::size_t{48} << 20;
 
+/// Samples of a deep picture: 3 GB as they come, and more than a frame of film has.
+constexpr std::size_t kMostDepthSamples = std::size_t{256} << 20;
+
 /// A picture file over its full (display) window, turned as its orientation tag says, 4 floats a pixel in rows from top
 /// to bottom. The file's values: nothing is converted, and alpha is as the file has it.
 struct FilePicture {
@@ -32,6 +35,17 @@ struct PictureHeader {
     std::string camera;                            ///< scrim:camera, as Scrim writes it; ""
     std::vector<float> worldToCamera, worldToNdc;  ///< 16 numbers that act on row vectors, or none
     std::string problem;                           ///< why there is no header; "": there is one
+};
+
+/// What a picture file says of where things are: one depth a pixel, or, where it is deep, any number of samples.
+struct FileDepth {
+    int x0 = 0, y0 = 0, width = 0, height = 0;  ///< the data window, from the corner of the full (display) window
+    int fullWidth = 0, fullHeight = 0;
+    bool deep = false;
+    std::vector<float> depths;          ///< flat: of each pixel, in rows from top to bottom
+    std::vector<std::uint32_t> counts;  ///< deep: samples of each pixel
+    std::vector<float> samples;         ///< deep: Z, ZBack and alpha of each, pixel by pixel
+    std::string problem;                ///< why there is none; "": there is one
 };
 
 /// A file in memory.
@@ -54,12 +68,14 @@ struct PictureModule {
     FilePicture (*read)(const std::string& path);
     /// Reads no pixels.
     PictureHeader (*header)(const std::string& path);
+    /// Reads a channel of depths; "": the one that must be it.
+    FileDepth (*depth)(const std::string& path, const std::string& channel);
     /// The bytes of a file in the format that the extension of `name` stands for.
     FileBytes (*encode)(const std::string& name, const RgbPicture& picture);
 };
 
 /// The one function that the module exports. Its name changes with whatever stands above.
-#define SCRIM_PICTURE_MODULE_SYMBOL "scrim_picture_module_3"
+#define SCRIM_PICTURE_MODULE_SYMBOL "scrim_picture_module_4"
 using PictureModuleFunction = const PictureModule* (*)();
 
 /// Loads the module, for good. May be called from any thread. Throws Error(render) where it cannot be loaded.

@@ -78,6 +78,20 @@ void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output)
         path->fail(fmt::format("{} is '{}'; expected a name that ends in '.exr'", k.deep, path->string()));
 }
 
+SceneHoldout readHoldout(TomlTable table, const ReadContext& context) {
+    const HoldoutKeys& k = keysOf<HoldoutKeys>();
+    SceneHoldout holdout;
+    const TomlValue depth = table.require(k.depth);
+    holdout.where = depth.where();
+    holdout.file = context.path(depth).at(context.fileFrame());
+    holdout.channel = table.string(k.channel);
+    holdout.alongRay = table.choice(k.kind) == 1;
+    holdout.background = table.number(k.background);
+    holdout.dataWindow = table.choice(k.window) == 1;
+    table.finish();
+    return holdout;
+}
+
 }  // namespace
 
 SceneOutput defaultOutput(const ReadContext& context) {
@@ -101,6 +115,8 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     output.fps = table.number(k.fps);
     if (const auto preview = table.find(k.preview)) output.preview = readPreview(*preview, context);
     readDeep(table, context, output);
+    if (const auto holdout = table.find(k.holdout))
+        output.holdout = readHoldout(holdout->table(fmt::format("{} of [output]", k.holdout)), context);
     table.finish();
     return output;
 }

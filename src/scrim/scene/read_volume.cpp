@@ -148,6 +148,11 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     if (const auto medium = table.find(k.medium))
         readMedium(of(*medium, keysOf<MediumKeys>().title()), context, volume);
     volume.medium.densityScale = volume.densityScale;
+    volume.holdout = table.boolean(k.holdout);
+    if (volume.holdout) {  // whose colours nobody sees, and whose grids of them nobody needs
+        volume.albedoGrid.reset();
+        volume.emission.clear();
+    }
     table.finish();
     return volume;
 }

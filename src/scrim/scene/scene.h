@@ -22,6 +22,8 @@
 
 namespace scrim {
 
+struct DepthPicture;
+
 /// Pictures beside the beauty.
 enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow };
 
@@ -98,6 +100,7 @@ struct SceneVolume {
     std::optional<Velocity> velocity = {};           ///< of all of its grids
     std::optional<std::vector<std::string>> lights;  ///< names of those that light it; none: all
     std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
+    bool holdout = false;                                    ///< hides and shadows, and adds neither colour nor alpha
     std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
 };
 
@@ -127,6 +130,17 @@ struct SceneDeep {
     bool half = true;         ///< 16-bit colours, or else 32-bit; depths are 32-bit
 };
 
+/// A depth or deep picture of another renderer, which hides what is behind it.
+struct SceneHoldout {
+    std::string file;         ///< at this frame; empty: none
+    std::string channel;      ///< of depths; "": the one that must be it
+    bool alongRay = false;    ///< depths are distances along the pixel's ray, and not along the viewing axis
+    double background = 1e9;  ///< from here on nothing is there; nor is there at 0 and below, and where is no number
+    bool dataWindow = false;  ///< its data window is the picture, whatever its display window says
+    std::string where;        ///< of its path in the scene
+    std::shared_ptr<const DepthPicture> picture = nullptr;  ///< null until it is loaded
+};
+
 struct SceneOutput {
     std::string file;        ///< at this frame; empty where the scene names none
     FramePath path;          ///< before the frame is put in
@@ -137,6 +151,7 @@ struct SceneOutput {
     std::vector<Layer> layers;  ///< each at most once, in the order of the enumeration
     ScenePreview preview;
     SceneDeep deep;
+    SceneHoldout holdout;
 };
 
 /// What the picture's normalised device coordinates are over its width and height.

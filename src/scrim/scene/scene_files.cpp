@@ -31,6 +31,7 @@ std::vector<SceneFile> filesReadBy(const Scene& scene) {
     for (const SceneMesh& mesh : scene.meshes)
         if (!mesh.file.empty()) files.push_back({mesh.file, fmt::format("the mesh '{}'", mesh.name)});
     if (scene.plate) files.push_back({scene.plate->file, "the picture that the camera is that of"});
+    if (!scene.output.holdout.file.empty()) files.push_back({scene.output.holdout.file, "the holdout's picture"});
     for (const Light& light : scene.lights)
         if (light.slide && !light.slide->file.empty())
             files.push_back({light.slide->file, fmt::format("the slide of light '{}'", light.name)});

@@ -44,7 +44,7 @@ const std::vector<const Section*>& sceneSections() {
         &keysOf<EmissionKeys>(), &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(), &keysOf<TransferKeys>(),
         &keysOf<MeshKeys>(),     &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),      &keysOf<TextureKeys>(),
         &keysOf<AmbientKeys>(),  &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),     &keysOf<PreviewKeys>(),
-        &keysOf<KeyedKeys>(),    &keysOf<ColourKeys>()};
+        &keysOf<HoldoutKeys>(),  &keysOf<KeyedKeys>(),      &keysOf<ColourKeys>()};
     return all;
 }
 

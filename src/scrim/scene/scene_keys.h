@@ -272,6 +272,26 @@ struct PreviewKeys : Section {
     const Key& view = text("view", "the name of a view", "Of the display.").unless("the display's");
 };
 
+struct HoldoutKeys : Section {
+    HoldoutKeys()
+        : Section("holdout", "holdout = { ... } of [output]",
+                  "A depth or deep picture of another renderer, taken by the same camera: what is behind it is hidden, "
+                  "and what is in front of it, to the part of a sheet, goes over that renderer's picture. A deep one "
+                  "(Z, ZBack, A) hides by its alpha. All of it adds neither colour nor alpha.") {}
+    const Key& depth =
+        path("depth", "a path such as \"z.####.exr\"", "Of as many pixels as the picture; sequences by ####.")
+            .required();
+    const Key& channel = text("channel", "the name of a channel", "That holds depths; \"PART.NAME\" in files of parts.")
+                             .unless("Z, else the one that is called so");
+    const Key& kind = choice("kind", {"z", "distance"},
+                             "Along the viewing axis, or from the camera along each pixel's ray; in world units.");
+    const Key& background = number("background", Range::above(0), 1e9,
+                                   "From this depth on nothing is there: Blender writes 1e10, Arnold 1e30, Karma "
+                                   "infinity. Nor is there at 0, below it, and at what is no number.");
+    const Key& window = choice("window", {"display", "data"},
+                               "Which of its windows is the picture. The other may be larger or smaller.");
+};
+
 struct OutputKeys : Section {
     OutputKeys();
     const Key& file = path("file", "a path such as \"plume.####.exr\"", "The picture, an EXR; or -o.");
@@ -292,6 +312,7 @@ struct OutputKeys : Section {
                "What merging samples may change before any depth: of alpha, and of colours as a part of the pixel's. 0 "
                "keeps one a sheet.");
     const Key& deepType = choice("deep_type", {"half", "float"}, "Bits of the deep picture's colours.");
+    const Key& holdout = table(keysOf<HoldoutKeys>(), "holdout", "A depth or deep picture that hides the volumes.");
 };
 
 struct KeyedKeys : Section {

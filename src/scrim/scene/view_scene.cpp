@@ -54,6 +54,11 @@ std::vector<Vec3> wsCorners(const ViewScene& scene) {
     return corners;
 }
 
+bool holdsOut(const ViewScene& scene) {
+    return (scene.depths && scene.depths->thin) ||
+           std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) { return v.holdout; });
+}
+
 PixelWindow wholePicture(const ViewScene& scene) {
     if (!scene.picture.empty()) return scene.picture;
     const PixelWindow& r = scene.region;

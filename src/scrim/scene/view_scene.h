@@ -4,6 +4,7 @@
 
 #include <scrim/geometry/bounds.h>
 #include <scrim/geometry/camera.h>
+#include <scrim/image/depth_picture.h>
 #include <scrim/image/image.h>
 #include <scrim/scene/light.h>
 #include <scrim/scene/dials.h>
@@ -57,11 +58,13 @@ struct ViewVolume {
     std::vector<ViewEmission> emission = {};  ///< they add up
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
+    bool holdout = false;                                    ///< hides and shadows, and adds neither colour nor alpha
 };
 
 /// Does the volume's medium scatter light more than once?
 inline bool scattersFully(const ViewVolume& volume) {
-    return volume.medium.scattering == Scattering::full && !volume.classified && !volume.field->empty();
+    return volume.medium.scattering == Scattering::full && !volume.holdout && !volume.classified &&
+           !volume.field->empty();
 }
 
 /// A deep picture beside the flat one.
@@ -92,8 +95,9 @@ struct ViewScene {
     PixelWindow picture;  ///< the whole picture that `region` is a crop of; empty: region and display window
     std::vector<ViewVolume> volumes;
     std::vector<Light> lights;
-    std::shared_ptr<const Solids> solids = nullptr;  ///< null: there are none
-    Rgb ambient{0};                                  ///< radiance of an unshadowed environment
+    std::shared_ptr<const Solids> solids = nullptr;        ///< null: there are none
+    std::shared_ptr<const DepthPicture> depths = nullptr;  ///< hides what is behind it; null: there is none
+    Rgb ambient{0};                                        ///< radiance of an unshadowed environment
     Dials dials;
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
@@ -114,6 +118,10 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
 
 /// World-space corners of all volumes' boxes, kernels included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);
+
+/// Is there more to what hides than what shows? Then alpha is not what transmittance leaves: a volume is held out, or a
+/// deep picture lets a part through.
+bool holdsOut(const ViewScene& scene);
 
 /// The pixels of the whole picture, overscan included.
 PixelWindow wholePicture(const ViewScene& scene);

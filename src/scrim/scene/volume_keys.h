@@ -233,6 +233,9 @@ struct VolumeKeys : Section {
     const Key& lights = other("lights", "a list of names of lights", kStrings, {},
                               "Those that light it. What does not light it is still shadowed by it.")
                             .unless("all");
+    const Key& holdout =
+        boolean("holdout", false,
+                "Does it hide and shadow, and add neither colour nor alpha? So it is where another picture shows it.");
     const Key& medium = table(keysOf<MediumKeys>(), "medium", "Smoke, clouds, fire.");
     const Key& classified = table(keysOf<ClassifiedKeys>(), "classified", "Scans and surfaces, in place of 'medium'.");
 };

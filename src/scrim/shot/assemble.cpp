@@ -102,13 +102,14 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     out.medium = volume.medium;
     out.classified = volume.classified;
     out.lights = lightsOf(scene, volume);
+    out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
     if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
     if (moved == Moved::byVelocity)
         out.velocity = velocityOf(volume, fields);
     else
         mover = moverOf(fields, *density);
-    if (!volume.classified) {
+    if (!volume.classified && !volume.holdout) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
                 for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i]))
@@ -153,6 +154,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.dials = scene.dials;
     if (!out.dials.crossFade && !scene.moves) out.dials.crossFade = 0;
     out.layers = scene.output.layers;
+    out.depths = scene.output.holdout.picture;
     if (scene.shutter) out.shutter = ViewShutter{scene.shutter->open, scene.shutter->close};
     out.lines = scene.lines;
     std::vector<std::optional<std::vector<Vec3>>> corners;

@@ -18,9 +18,10 @@ std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slid
     const std::size_t taken = bytesOf(fields) + slideBytes;
     if (limit == 0) return 0;
     if (taken >= limit)
-        throw Error(ErrorKind::memory,
-                    fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
-                                slideBytes > 0 ? ", slides and meshes" : "", bytesText(taken), bytesText(limit)));
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
+                        slideBytes > 0 ? ", slides, meshes and depths" : "", bytesText(taken), bytesText(limit)));
     return limit - taken;
 }
 
@@ -118,6 +119,7 @@ Scene LoadedShot::sceneAt(double t) const {
     for (std::size_t i = 0; i < at.lights.size(); ++i)
         if (at.lights[i].slide && scene.lights[i].slide) at.lights[i].slide->image = scene.lights[i].slide->image;
     for (std::size_t i = 0; i < at.meshes.size(); ++i) at.meshes[i].mesh = scene.meshes[i].mesh;
+    at.output.holdout = scene.output.holdout;
     return at;
 }
 
@@ -166,7 +168,8 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
     listenTo(stores.fields, load, options);
     stores.slides.loadInto(out.scene, limited(load, options), options.messages, checkpointOf(options));
     stores.meshes.loadInto(out.scene, limited(load, options), checkpointOf(options));
-    out.slideBytes = stores.slides.bytes() + stores.meshes.bytes();
+    stores.depths.loadInto(out.scene, limited(load, options), checkpointOf(options));
+    out.slideBytes = stores.slides.bytes() + stores.meshes.bytes() + stores.depths.bytes();
     out.solids = solidsOf(out.scene);
     out.fields = stores.fields.fieldsOf(out.scene, out.files, volumesOf);
     if (use == ShotUse::render) warnOfColdFire(out.scene, out.fields, options.messages);

@@ -6,6 +6,7 @@
 #include <scrim/image/colour.h>
 #include <scrim/scene/scene.h>
 #include <scrim/shot/assemble.h>
+#include <scrim/shot/depth_store.h>
 #include <scrim/shot/field_store.h>
 #include <scrim/shot/mesh_store.h>
 #include <scrim/shot/shot_options.h>
@@ -27,13 +28,14 @@ struct ShotStores {
     FieldStore fields;
     SlideStore slides;
     MeshStore meshes = {};
+    DepthStore depths = {};
 };
 
 struct LoadedShot {
-    Scene scene;  ///< its slides have their pictures, its meshes their triangles
+    Scene scene;  ///< its slides and its holdout have their pictures, its meshes their triangles
     std::vector<VolumeFile> files;
     Fields fields;                         ///< one each of the scene's volumes
-    std::size_t slideBytes = 0;            ///< of slides and meshes
+    std::size_t slideBytes = 0;            ///< of slides, meshes and depths
     std::shared_ptr<const Solids> solids;  ///< null: there are none
 
     std::function<Scene(double)> textAt = {};  ///< the scene's text so many frames after the frame; none: nothing moves

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/path_tracer.h>
 
+#include <scrim/verify/held_ray.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -155,8 +157,9 @@ PathTracer::Matter PathTracer::matterAt(const Vec3& ws) const {
 
 // visit(begin, end, majorant) for the boxes along a ray, until it returns false.
 template <class Visit>
-void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double length, const Visit& visit) const {
-    const auto [begin, end] = m_wsBounds.clip(ws, direction, 0, length);
+void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double from, double length,
+                          const Visit& visit) const {
+    const auto [begin, end] = m_wsBounds.clip(ws, direction, from, length);
     if (!(begin < end)) return;
     const Vec3 origin = (ws - m_wsBounds.lower) / m_edge;
     const Vec3 entry = origin + begin / m_edge * direction;
@@ -183,9 +186,10 @@ void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double length, 
 }
 
 // To the next collision, by delta tracking; where extinction is coloured, with weights.
-PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double length, Random& random) const {
+PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double from, double length,
+                                   Random& random) const {
     Flight flight;
-    forCells(ws, direction, length, [&](double begin, double end, double majorant) {
+    forCells(ws, direction, from, length, [&](double begin, double end, double majorant) {
         if (majorant <= 0) return true;
         for (double t = begin + random.free() / majorant; t < end; t += random.free() / majorant) {
             const Matter matter = matterAt(ws + t * direction);
@@ -207,7 +211,7 @@ PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double
 // By ratio tracking.
 Rgb PathTracer::transmittance(const Vec3& ws, const Vec3& direction, double length, Random& random) const {
     Rgb left(1);
-    forCells(ws, direction, length, [&](double begin, double end, double majorant) {
+    forCells(ws, direction, 0, length, [&](double begin, double end, double majorant) {
         if (majorant <= 0) return true;
         for (double t = begin + random.free() / majorant; t < end; t += random.free() / majorant) {
             left *= 1.0 - matterAt(ws + t * direction).extinction / majorant;
@@ -272,14 +276,17 @@ Rgb PathTracer::lit(const Volume& v, const Vec3& ws, const Vec3& direction, Rand
     return sum;
 }
 
-Rgb PathTracer::path(Vec3 ws, Vec3 direction, double length, Random& random) const {
+Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held,
+                     Random& random) const {
+    const Vec3 eye = ws;
     Rgb weight(1), sum(0);
     for (int scattered = 0; scattered < kMostScatterings; ++scattered) {
-        const Flight flight = fly(ws, direction, length, random);
+        const Flight flight = fly(ws, direction, scattered == 0 ? begin : 0, length, random);
         if (scattered > 0) sum += weight * flight.glow;
         weight *= flight.weight;
         if (!flight.collided) return scattered > 0 && length == kInfinity ? sum + weight * m_scene.ambient : sum;
         ws = flight.ws;
+        if (scattered == 0) weight *= held.transmittance(glm::distance(eye, ws));
         // Which volume it is scattered by, or whether it is absorbed.
         Rgb extinction(0), all(0);
         std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
@@ -329,8 +336,10 @@ Estimate PathTracer::pixel(int x, int y, int paths, std::uint64_t seed) const {
         const double px = x + (ray % n + 0.5) / n, py = y + (ray / n + 0.5) / n;
         const Vec3 along = rays.direction(px, py);
         const double scale = glm::length(along);
-        const Vec3 direction = along / scale, start = rays.origin(px, py) + rays.near * along;
-        const Rgb value = path(start, direction, solidAhead(SolidRole::holdout, start, direction, 0), random);
+        const Vec3 direction = along / scale, origin = rays.origin(px, py);
+        const HeldRay held(m_scene.depths.get(), px, py, scale);
+        const double end = std::min(solidAhead(SolidRole::holdout, origin, direction, rays.near * scale), held.end());
+        const Rgb value = path(origin, direction, rays.near * scale, end, held, random);
         out.mean += value;
         squares += value * value;
     }

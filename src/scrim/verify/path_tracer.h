@@ -17,6 +17,8 @@
 
 namespace scrim {
 
+class HeldRay;
+
 /// Of a mean of random numbers: the mean, and the variance of it.
 struct Estimate {
     Rgb mean{0}, variance{0};
@@ -69,12 +71,12 @@ class PathTracer {
     Rgb scatteringOf(const Volume& volume, const Vec3& ws) const;
     void measure();
     template <class Visit>
-    void forCells(const Vec3& ws, const Vec3& direction, double length, const Visit& visit) const;
-    Flight fly(const Vec3& ws, const Vec3& direction, double length, Random& random) const;
+    void forCells(const Vec3& ws, const Vec3& direction, double from, double length, const Visit& visit) const;
+    Flight fly(const Vec3& ws, const Vec3& direction, double from, double length, Random& random) const;
     Rgb transmittance(const Vec3& ws, const Vec3& direction, double length, Random& random) const;
     Incident incident(std::size_t light, const Vec3& ws, Random& random) const;
     Rgb lit(const Volume& volume, const Vec3& ws, const Vec3& direction, Random& random) const;
-    Rgb path(Vec3 ws, Vec3 direction, double length, Random& random) const;
+    Rgb path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held, Random& random) const;
     double solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const;
 
     const ViewScene& m_scene;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <scrim/verify/held_ray.h>
 #include <scrim/verify/reference.h>
 
 #include <algorithm>
@@ -292,7 +293,7 @@ Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel,
                           const Rgb& tau) const {
     Rgb sum(0);
     for (const Volume& v : m_volumes) {
-        if (!v.density || (!v.look->lights.empty() && !v.look->lights[index])) continue;
+        if (!v.density || v.look->holdout || (!v.look->lights.empty() && !v.look->lights[index])) continue;
         if (v.look->classified) {
             sum += reflect(v, ws, -travel, -eye) * glm::exp(-tau);
             continue;
@@ -310,14 +311,18 @@ Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel,
 
 Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     Sample out;
-    for (const Volume& v : m_volumes)
+    for (const Volume& v : m_volumes) {
+        const Rgb own = extinction(v, ws);
+        out.extinction += own;
+        if (v.look->holdout) continue;
+        out.seen += own;
         for (const Volume::Emission& e : v.emission) out.source += e.probe.value(ws) * e.color;
-    out.extinction = extinction(ws);
-    if (most(out.extinction) == 0) return out;
+    }
+    if (most(out.seen) == 0) return out;
     for (std::size_t i = 0; i < m_scene.lights.size(); ++i)
         out.source += m_extents[i] ? scatterExtended(i, ws, eye) : scatter(i, ws, eye);
     for (const Volume& v : m_volumes) {
-        if (!v.density) continue;
+        if (!v.density || v.look->holdout) continue;
         if (v.look->classified) {
             const ClassifiedValue value = classify(*v.look->classified, v.density->value(ws));
             out.source += value.extinction * v.look->classified->ambient * value.color * m_scene.ambient;
@@ -339,17 +344,18 @@ std::array<double, 4> Reference::ray(double x, double y) const {
     auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, m_options.far * depthScale);
     if (m_scene.solids)
         end = std::min(end, m_scene.solids->firstHit(SolidRole::holdout, origin, direction, begin, end));
+    const HeldRay held(m_scene.depths.get(), x, y, depthScale);
+    end = std::min(end, held.end());
     const double gauss = 0.5 / std::sqrt(3.0);
-    Rgb radiance(0);
-    Rgb tau(0);
+    Rgb radiance(0), tau(0), shown(0);
     for (double t = begin; t < end && std::exp(-least(tau)) > m_options.leastTransmittance;) {
         if (const double empty = emptyDistance(origin + t * direction); empty > 0) {
             t += empty;
             continue;
         }
         // A step is as long as its optical depth allows.
-        double step = std::min(m_step, end - t);
-        step = slideStep(origin + t * direction, direction, step);
+        double step = slideStep(origin + t * direction, direction, std::min(m_step, end - t));
+        step = held.limited(t, step, m_options.mostTau);
         for (int halvings = 0; halvings < 40; ++halvings) {
             const double densest = std::max({most(extinction(origin + t * direction)),
                                              most(extinction(origin + (t + 0.5 * step) * direction)),
@@ -360,16 +366,22 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         }
         // Two Gauss points; each sees half of the step's optical depth in front of or behind it.
         const double middle = t + 0.5 * step;
-        const Sample near = sample(origin + (middle - gauss * step) * direction, direction);
-        const Sample far = sample(origin + (middle + gauss * step) * direction, direction);
+        const double nearT = middle - gauss * step, farT = middle + gauss * step;
+        const Sample near = sample(origin + nearT * direction, direction);
+        const Sample far = sample(origin + farT * direction, direction);
         const Rgb stepTau = 0.5 * step * (near.extinction + far.extinction);
         const double fraction = 0.5 - gauss;
-        radiance += 0.5 * step *
-                    (near.source * glm::exp(-tau - fraction * step * near.extinction) +
-                     far.source * glm::exp(-tau - stepTau + fraction * step * far.extinction));
+        const Rgb fromNear =
+            0.5 * step * held.transmittance(nearT) * glm::exp(-tau - fraction * step * near.extinction);
+        const Rgb fromFar =
+            0.5 * step * held.transmittance(farT) * glm::exp(-tau - stepTau + fraction * step * far.extinction);
+        radiance += fromNear * near.source + fromFar * far.source;
+        shown += fromNear * near.seen + fromFar * far.seen;
         tau += stepTau;
         t += step;
     }
+    // Where all that hides is seen alpha is what transmittance leaves; else it is a sum as radiance is.
+    if (holdsOut(m_scene)) return {radiance.x, radiance.y, radiance.z, (shown.x + shown.y + shown.z) / 3};
     const double alpha = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
     return {radiance.x, radiance.y, radiance.z, alpha};
 }

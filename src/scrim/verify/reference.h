@@ -52,6 +52,7 @@ class Reference {
     struct Sample {
         Rgb source{0};
         Rgb extinction{0};
+        Rgb seen{0};  ///< extinction of what is not held out
     };
     Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
 

@@ -25,10 +25,11 @@
 namespace scrim {
 
 inline constexpr const char* kPictureHeader = "header";
+inline constexpr const char* kPictureDepth = "depth";  ///< of the channel that the one parameter names
 inline constexpr const char* kMesh = "mesh";
 
-/// What a child is asked for: "fields" or "info" of a volume file, a "picture" or its kPictureHeader, or
-/// what a "source" makes of a file, or a kMesh. The file is handed to it; its path is for messages.
+/// What a child is asked for: "fields" or "info" of a volume file, a "picture", its kPictureHeader or
+/// kPictureDepth, or what a "source" makes of a file, or a kMesh. The file is handed to it; its path is for messages.
 struct LoadRequest {
     std::string what;
     std::string path;

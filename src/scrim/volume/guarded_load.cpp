@@ -125,10 +125,10 @@ auto withLoader(const Checkpoint& checkpoint, const Load& load) {
     }
 }
 
-/// Lets a child read `what` of a picture, and receives it.
+/// Lets a child read `what` of a picture, as `parameters` say, and receives it.
 template <typename Result>
 Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
-                  const Checkpoint& checkpoint) {
+                  const Checkpoint& checkpoint, const SourceParameters& parameters = {}) {
     const OpenFile file(path);
     if (!file.problem().empty()) {
         Result none;
@@ -137,7 +137,7 @@ Result pictureJob(const std::string& path, const std::string& what, Result (*rec
     }
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
-        sendRequest(transfer.fd(), {what, path, {}});
+        sendRequest(transfer.fd(), {what, path, {}, "", parameters});
         LoadJob(options.loader, LoadedFiles::pictures, path, transfer.fd(), file.fd(),
                 limitsFor(kPicture, file.size(), options), options.showStderr)
             .wait(checkpoint);
@@ -197,6 +197,11 @@ FilePicture guardedPicture(const std::string& path, const LoadOptions& options, 
 
 PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     return pictureJob<PictureHeader>(path, kPictureHeader, receivePictureHeader, options, checkpoint);
+}
+
+FileDepth guardedDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                       const Checkpoint& checkpoint) {
+    return pictureJob<FileDepth>(path, kPictureDepth, receivePictureDepth, options, checkpoint, {{"channel", channel}});
 }
 
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {

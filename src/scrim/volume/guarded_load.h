@@ -64,6 +64,10 @@ FilePicture guardedPicture(const std::string& path, const LoadOptions& options, 
 /// Its header alone.
 PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
 
+/// The depths of a channel; "": of the one that must be it.
+FileDepth guardedDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                       const Checkpoint& checkpoint);
+
 /// An OBJ or PLY file. What is wrong with it is its `problem`. Throws Error as `loadFields`.
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
 

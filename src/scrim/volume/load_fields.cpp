@@ -65,6 +65,13 @@ FilePicture readPicture(const std::string& path, const LoadOptions& options, con
     return pictureModule().read(path);
 }
 
+FileDepth readDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                    const Checkpoint& checkpoint) {
+    checkPictureFile(path);
+    if (options.volumes == VolumeLoading::guarded) return guardedDepth(path, channel, options, checkpoint);
+    return pictureModule().depth(path, channel);
+}
+
 TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     const auto inThisProcess = [&] {
         void* const module = moduleFunction(kMeshModule, SCRIM_MESH_MODULE_SYMBOL, "reads meshes");

@@ -37,6 +37,10 @@ std::vector<SparseField> sourceFields(const std::string& source, const SourcePar
 /// where there is no such file, else as `loadFields`.
 FilePicture readPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});
 
+/// Depths of a channel of a picture file ("": of the one that must be it), alike.
+FileDepth readDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                    const Checkpoint& checkpoint = {});
+
 /// A mesh file. Throws Error(input) where it is missing or damaged, else as `loadFields`.
 TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint = {});
 

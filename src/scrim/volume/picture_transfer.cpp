@@ -27,6 +27,18 @@ void takeSize(const Pixels& pixels, Picture& out) {
         incompleteTransfer("its pixels have no shape");
 }
 
+struct DepthWindows {
+    std::int32_t x0 = 0, y0 = 0, width = 0, height = 0, fullWidth = 0, fullHeight = 0;
+    std::uint32_t deep = 0;
+};
+
+template <typename T>
+void takeInto(std::vector<T>& to, std::uint64_t count, TransferReader& reader) {
+    const char* values = reader.take(count, sizeof(T));
+    to.resize(count);
+    if (count > 0) std::memcpy(to.data(), values, count * sizeof(T));
+}
+
 }  // namespace
 
 void sendPicture(int fd, const FilePicture& picture) {
@@ -87,6 +99,54 @@ PictureHeader receivePictureHeader(int fd) {
     }
     if (!reader.done()) incompleteTransfer("it is longer than it says");
     if (out.problem.empty()) takeSize(pixels, out);
+    return out;
+}
+
+void sendPictureDepth(int fd, const FileDepth& depth) {
+    TransferWriter writer(fd);
+    writer.value(
+        DepthWindows{depth.x0, depth.y0, depth.width, depth.height, depth.fullWidth, depth.fullHeight, depth.deep});
+    writer.text(depth.problem);
+    writer.align();
+    writer.bytes(depth.depths.data(), depth.depths.size() * sizeof(float));
+    writer.bytes(depth.counts.data(), depth.counts.size() * sizeof(std::uint32_t));
+    writer.bytes(depth.samples.data(), depth.samples.size() * sizeof(float));
+    writer.finish({}, TransferKind::pictureDepth);
+}
+
+FileDepth receivePictureDepth(int fd) {
+    const TransferMapping mapping(fd);
+    TransferReader reader(mapping);
+    reader.header(TransferKind::pictureDepth);
+    const auto windows = reader.value<DepthWindows>();
+    FileDepth out;
+    out.problem = shortened(reader.text(), 2000);
+    if (!out.problem.empty()) return out;
+    constexpr int kFarthest = 1 << 24;  // of a window's corner: sums of such numbers are far from any limit
+    const auto isPlace = [](int v) { return v > -kFarthest && v < kFarthest; };
+    for (const int v : {windows.x0, windows.y0, windows.width, windows.height, windows.fullWidth, windows.fullHeight})
+        if (!isPlace(v)) incompleteTransfer("its picture's windows are out of range");
+    if (windows.width < 1 || windows.height < 1) incompleteTransfer("its picture has no pixels");
+    out.x0 = windows.x0;
+    out.y0 = windows.y0;
+    out.width = windows.width;
+    out.height = windows.height;
+    out.fullWidth = windows.fullWidth;
+    out.fullHeight = windows.fullHeight;
+    out.deep = windows.deep != 0;
+    const std::uint64_t pixels = static_cast<std::uint64_t>(out.width) * static_cast<std::uint64_t>(out.height);
+    if (pixels > kMostTexturePixels) incompleteTransfer("its picture has too many pixels");
+    reader.align();
+    if (out.deep) {
+        takeInto(out.counts, pixels, reader);
+        std::uint64_t samples = 0;
+        for (const std::uint32_t count : out.counts) samples += count;
+        if (samples > kMostDepthSamples) incompleteTransfer("its picture has too many samples");
+        takeInto(out.samples, 3 * samples, reader);
+    } else {
+        takeInto(out.depths, pixels, reader);
+    }
+    if (!reader.done()) incompleteTransfer("it is longer than it says");
     return out;
 }
 

@@ -15,4 +15,8 @@ FilePicture receivePicture(int fd);
 void sendPictureHeader(int fd, const PictureHeader& header);
 PictureHeader receivePictureHeader(int fd);
 
+/// The same of depths.
+void sendPictureDepth(int fd, const FileDepth& depth);
+FileDepth receivePictureDepth(int fd);
+
 }  // namespace scrim

@@ -23,6 +23,7 @@ enum class TransferKind : std::uint32_t {
     picture = 5,
     pictureHeader = 6,
     mesh = 7,
+    pictureDepth = 8,
 };
 
 /// What the file begins with; the content that `kind` means follows. An error's is its text and, of a GridError (which

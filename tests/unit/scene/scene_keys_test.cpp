@@ -87,6 +87,8 @@ const std::map<std::string, std::vector<std::string>>& places() {
         {"ambient", {kCamera + kVolume + "[ambient]\n@"}},
         {"render", {kCamera + kVolume + "[render]\n@"}},
         {"output", {kCamera + kVolume + "[output]\n@"}},
+        {"holdout",
+         {kCamera + kVolume + "[output.holdout]\n@", kCamera + kVolume + "[output.holdout]\ndepth = \"z.exr\"\n@"}},
         {"preview",
          {kCamera + kVolume + "[output.preview]\n@", kCamera + kVolume + "[output.preview]\nfile = \"a.png\"\n@"}},
         {"keys", {kCamera + "[camera.fov]\n@" + kVolume, kCamera + "[camera.fov]\nkeys = [[1, 20]]\n@" + kVolume}},

@@ -52,6 +52,12 @@ HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
     return hides;
 }
 
+// What of a sample, below 0, is something to be seen, where depth is asked for.
+template <class Quad>
+HWY_ATTR HWY_INLINE Real visible(const OutputLayout& layout, const Quad& quad, const V4& hides) {
+    return layout.seen > 0 ? -lane0(quad(layout.quadOf(layout.seen))) : lane3(hides);
+}
+
 Real opticalDepth(Real hides) {
     constexpr Real kOpaque = Real(1e-7);
     return -std::log1p(std::max(hides, kOpaque - 1));
@@ -197,8 +203,8 @@ HWY_ATTR void walkOutputs(const RayTile& rays, const SheetList& sheets, Real cut
             const auto quad = [&](int q) HWY_ATTR { return bilinear4(at + 4 * q, floats, rowStride, u, v); };
             [[maybe_unused]] const V4 hides = addSample<kFrontToBack, kColoured>(quads, quad, states + floats * k);
             if constexpr (kDepth)
-                noteDepth<kFrontToBack>(first[k], lane3(hides), rays.depth[k] + sheets.steps[s] * rays.stepDepth[k],
-                                        rays.stepDepth[k]);
+                noteDepth<kFrontToBack>(first[k], visible(sheets.layout, quad, hides),
+                                        rays.depth[k] + sheets.steps[s] * rays.stepDepth[k], rays.stepDepth[k]);
         });
 }
 
@@ -288,8 +294,8 @@ HWY_ATTR void addSamples(const RayTile& rays, const SheetSamples& sheet, Real* s
         const V4 hides = sheet.layout.coloured ? addSample<kFrontToBack, true>(quads, quad, state)
                                                : addSample<kFrontToBack, false>(quads, quad, state);
         if (first)
-            noteDepth<kFrontToBack>(first[k], lane3(hides), rays.depth[k] + sheet.at[k] * rays.stepDepth[k],
-                                    rays.stepDepth[k]);
+            noteDepth<kFrontToBack>(first[k], visible(sheet.layout, quad, hides),
+                                    rays.depth[k] + sheet.at[k] * rays.stepDepth[k], rays.stepDepth[k]);
     }
 }
 

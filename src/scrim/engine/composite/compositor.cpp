@@ -38,11 +38,13 @@ struct Compositor::TileWalk {
     RayTile rays;
     alignas(64) Real ends[kTileSize];  // N at which they end, as rays.startN, where `ended`
     bool ended = false;
-    Real startLeast, startMost;      // extremes of rays.startN
-    Real endLeast, endMost;          // of `ends`
-    int block;                       // the block's first sheet
-    int firstStep;                   // place of plane 0 among the block's sheets
-    std::array<int, kBlock> planes;  // those with active texels under the tile
+    const double* thinFrom = nullptr;  // depths at which something begins that hides a part; null: nothing does
+    Real thinFirst = 0;                // N of the first of them, as the eye has it
+    Real startLeast, startMost;        // extremes of rays.startN
+    Real endLeast, endMost;            // of `ends`
+    int block;                         // the block's first sheet
+    int firstStep;                     // place of plane 0 among the block's sheets
+    std::array<int, kBlock> planes;    // those with active texels under the tile
     int planeCount = 0;
 };
 
@@ -53,7 +55,14 @@ void Compositor::setRays(int tile, TileWalk& walk) const {
     walk.startLeast = *std::min_element(walk.rays.startN, walk.rays.startN + kTileSize);
     walk.startMost = *std::max_element(walk.rays.startN, walk.rays.startN + kTileSize);
     walk.endLeast = walk.endMost = (m_frontToBack ? 1 : -1) * std::numeric_limits<Real>::infinity();
-    const double* depths = m_ends == nullptr ? nullptr : m_ends->depths(tile);
+    if (m_ends == nullptr) return;
+    walk.thinFrom = m_ends->thinFrom(tile);
+    if (walk.thinFrom != nullptr) {
+        m_eye.planesAt(x0, y0, walk.thinFrom, reference, walk.ends);
+        const auto [least, most] = std::minmax_element(walk.ends, walk.ends + kTileSize);
+        walk.thinFirst = m_frontToBack ? *least : *most;
+    }
+    const double* depths = m_ends->depths(tile);
     if (depths == nullptr) return;
     walk.ended = true;
     m_eye.planesAt(x0, y0, depths, reference, walk.ends);
@@ -104,15 +113,16 @@ Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const 
 }
 
 // How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies between the starts and ends of the
-// rays?
+// rays? What something hides a part of counts as a part.
 Compositor::Seen Compositor::seenPart(const TileWalk& walk, int step) const {
     const Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
     const Real lowerLeast = m_frontToBack ? walk.startLeast : walk.endLeast;
     const Real lowerMost = m_frontToBack ? walk.startMost : walk.endMost;
     const Real upperLeast = m_frontToBack ? walk.endLeast : walk.startLeast;
     const Real upperMost = m_frontToBack ? walk.endMost : walk.startMost;
-    if (lowerMost <= near && upperLeast >= far) return Seen::all;
-    return lowerLeast >= far || upperMost <= near ? Seen::none : Seen::part;
+    if (lowerLeast >= far || upperMost <= near) return Seen::none;
+    const bool open = walk.thinFrom == nullptr || (m_frontToBack ? walk.thinFirst >= far : walk.thinFirst <= near);
+    return open && lowerMost <= near && upperLeast >= far ? Seen::all : Seen::part;
 }
 
 // The seen part of a slab that rays begin or end in, and the place in the middle of it.
@@ -125,6 +135,34 @@ void Compositor::cutSlab(const TileWalk& walk, int step, Real* part, Real* at) c
         far = std::clamp(upper, near, far);
         part[k] = far - near;
         at[k] = Real(0.5) * (near + far);
+    }
+}
+
+// Leaves of a sheet's samples what is seen past things that hide a part: what they show, and not what they hide. `part`
+// and `at`: as cutSlab has them.
+void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const {
+    if (walk.thinFrom == nullptr) return;
+    const OutputLayout& layout = m_tiles.layout();
+    const int floats = layout.floats(), opacities = floats - 4;
+    const int shown = layout.coloured ? opacities : floats;  // quads of opacities alone are left as they are
+    for (int k = 0; k < kTileSize; ++k) {
+        const double x = m_tiles.cornerX(tile) + k % kTileEdge + 0.5, y = m_tiles.cornerY(tile) + k / kTileEdge + 0.5;
+        const EyeView::Depths depths = m_eye.depths(x, y);
+        const double middle = depths.first + (walk.block + 0.5 + double(at[k])) * depths.step;
+        const double half = 0.5 * double(part[k]) * std::abs(depths.step);
+        if (middle + half <= walk.thinFrom[k]) continue;
+        Real* const sample = samples + floats * k;
+        if (std::all_of(sample, sample + floats, [](Real v) { return v == 0; })) continue;
+        Real share = 1;
+        for (int c = 0; c < 3; ++c) {
+            if (c == 0 || layout.coloured) {
+                constexpr double kOpaque = 1 - 1e-12;
+                const double alpha = -double(sample[opacities + (layout.coloured ? c : 3)]);
+                const double tau = -std::log1p(-std::clamp(alpha, 0.0, kOpaque)) * double(part[k]);
+                share = static_cast<Real>(m_ends->seenShare(x, y, middle - half, middle + half, tau));
+            }
+            for (int q = 0; q < shown; q += 4) sample[q + c] *= share;
+        }
     }
 }
 
@@ -165,6 +203,7 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
                 cutSlab(walk, step, part, at);
                 samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
                             m_eye.simd());
+                holdOut(tile, walk, part, at, samples);
                 if (m_deep) m_deep->add(tile, {walk.block + step, samples, nullptr, part, at, static_cast<Real>(step)});
                 compositeSamples(walk.rays, {samples, part, at, layout, m_eye.simd()}, m_frontToBack, states, first);
                 walked += kTileSize;
@@ -223,6 +262,7 @@ Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const st
         work.pixelSheets += kTileSize;
         if (!shader.shadePoints(p, points, cells, samples, work.shade)) continue;
         const Real* const seenOf = seen == Seen::part ? part : nullptr;
+        if (seenOf) holdOut(tile, walk, part, at, samples);
         if (m_deep) m_deep->add(tile, {walk.block + step, samples, nullptr, seenOf, at, static_cast<Real>(step)});
         compositeSamples(walk.rays, {samples, seenOf, at, layout, m_eye.simd()}, m_frontToBack, states, first);
     }

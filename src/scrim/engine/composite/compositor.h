@@ -18,7 +18,7 @@ namespace scrim {
 
 class Compositor {
   public:
-    /// `ends`: where rays end; null: nowhere. `deep`: keeps what every ray meets, too; or null.
+    /// `ends`: what stands in the way of rays; null: nothing. `deep`: keeps what every ray meets, too; or null.
     Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr,
                DeepRays* deep = nullptr)
         : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends), m_deep(deep) {}
@@ -56,6 +56,7 @@ class Compositor {
     enum class Seen { all, part, none };
     Seen seenPart(const TileWalk& walk, int step) const;
     void cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const;
+    void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
     void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff);

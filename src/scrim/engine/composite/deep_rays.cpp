@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,18 @@ namespace {
 // the rest is for merging what the means of all rays are.
 constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
+
+constexpr double kHeldUnits = (1 << 24) - 1, kHeldByte = (1 << 8) - 1;
+
+// Pieces that show nothing: of what is held out.
+void dropUnseen(DeepCurve& curve) {
+    std::array<float, 4> before{};
+    std::erase_if(curve, [&](const DeepPiece& piece) {
+        const bool same = piece.shown == before;
+        before = piece.shown;
+        return same;
+    });
+}
 
 float unit(Real value) {
     return static_cast<float>(std::min(std::max(Real(0), value), Real(1)));  // and a NaN is 0
@@ -60,7 +73,8 @@ void DeepRays::add(int index, const Crossing& crossing) {
                       m_frontToBack ? sheet + 1 : -sheet,
                       {},
                       {},
-                      static_cast<std::uint32_t>(k)};
+                      static_cast<std::uint32_t>(k),
+                      0};
         std::array<Real, 4 * 256> seen;
         if (crossing.part && crossing.part[k] < 1) {
             keepSeenPart(layout, crossing.part[k], values, seen.data());
@@ -71,26 +85,49 @@ void DeepRays::add(int index, const Crossing& crossing) {
             sample.end = sample.begin + 2 * half;
         }
         float most = 0;
+        Channels shows{}, hides{};
         for (int c = 0; c < 3; ++c) {
             sample.hides[c] = unit(-values[opacities + (layout.coloured ? c : 3)]);
             for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
             sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
+            hides[c] = sample.hides[c];
+            if (layout.seen > 0) shows[c] = values[4 * layout.quadOf(layout.seen) + c];
             most = std::max({most, sample.hides[c], sample.rgb[c]});
         }
+        if (layout.seen > 0) setHeld(shows, hides, sample);
         if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
     }
     m_added += tile.samples.size() - samples;
     count(before, tile.samples.capacity());
 }
 
-DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
+// Keeps which part of what the sample hides is held out, and is no alpha: of all colours one number of 24 bits, or,
+// where extinction is coloured, of each one of 8, which is as good as the half floats that a deep alpha is written in.
+void DeepRays::setHeld(const Channels& seen, const Channels& hidden, Sample& sample) const {
+    const auto part = [](double shows, double hides, double units) {
+        const double held = hides > 0 ? 1 - shows / hides : 0;
+        return static_cast<std::uint32_t>(std::lround(std::clamp(held, 0.0, 1.0) * units));
+    };
+    if (!m_pixels.layout().coloured)
+        sample.held = part(seen[0], hidden[0], kHeldUnits);
+    else
+        sample.held = part(seen[0], hidden[0], kHeldByte) | part(seen[1], hidden[1], kHeldByte) << 8 |
+                      part(seen[2], hidden[2], kHeldByte) << 16;
+}
+
+double DeepRays::seenShare(const Sample& sample, std::size_t channel) const {
+    if (!m_pixels.layout().coloured) return 1 - sample.held / kHeldUnits;
+    return 1 - (sample.held >> (8 * channel) & 0xff) / kHeldByte;
+}
+
+DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) const {
     DeepCurve curve;
     std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
     for (; first != last; ++first) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * first->rgb[c];
             // Opacity and not transmittance is added up: where a volume is thin, 1 - T would lose it.
-            hidden[c] += left[c] * first->hides[c];
+            hidden[c] += left[c] * seenShare(*first, c) * first->hides[c];
             left[c] *= 1 - double(first->hides[c]);
         }
         curve.push_back({first->begin,
@@ -102,13 +139,15 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) {
 }
 
 // The samples that a merged piece stands for, as one.
-DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) {
-    Sample sum{piece.begin, piece.end, {}, {}, sample->ray};
+DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) const {
+    Sample sum{piece.begin, piece.end, {}, {}, sample->ray, 0};
     std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
+    Channels seen{};
     for (bool more = true; more; ++sample) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * sample->rgb[c];
             hidden[c] += left[c] * sample->hides[c];
+            seen[c] += left[c] * seenShare(*sample, c) * sample->hides[c];
             left[c] *= 1 - double(sample->hides[c]);
         }
         more = sample->end < piece.end;
@@ -117,6 +156,7 @@ DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& p
         sum.rgb[c] = static_cast<float>(shown[c]);
         sum.hides[c] = unit(static_cast<Real>(hidden[c]));
     }
+    setHeld(seen, hidden, sum);
     return sum;
 }
 
@@ -202,6 +242,7 @@ DeepImage DeepRays::resolve(const EyeView& eye, int n) {
 DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<DeepImage>& groups) {
     DeepImage image{scene.region, {}};
     image.rows.resize(std::size_t(scene.region.height()));
+    const bool holds = holdsOut(scene);
     const double tolerance = (1 - kStageShare) * (scene.deep ? scene.deep->tolerance : 0);
     parallelFor(image.rows.size(), [&](std::size_t r) {
         DeepImage::Row& row = image.rows[r];
@@ -215,7 +256,8 @@ DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<D
                 const double weight = plan.eyeParts[plan.groups[g].eyePart].weight(x + 0.5, y + 0.5);
                 terms.push_back({groups[g].curve(x, y), weight, weight * plan.groups[g].primary});
             }
-            const DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
+            DeepCurve curve = tidied(merged(sumOf(terms), tolerance));
+            if (holds) dropUnseen(curve);
             row.pieces.insert(row.pieces.end(), curve.begin(), curve.end());
             row.first.push_back(static_cast<std::uint32_t>(row.pieces.size()));
         }

@@ -58,8 +58,12 @@ class DeepRays {
         float begin, end;  // sheets from the eye's side: N front to back, or else -N
         float rgb[3];
         float hides[3];
-        std::uint32_t ray;  // of the tile
+        std::uint32_t ray : 8;    // of the tile
+        std::uint32_t held : 24;  // see setHeld
     };
+    using Channels = std::array<double, 3>;
+    void setHeld(const Channels& seen, const Channels& hidden, Sample& sample) const;
+    double seenShare(const Sample& sample, std::size_t channel) const;
     static_assert(sizeof(Sample) == kSampleBytes);
     struct Tile {
         std::vector<Sample> samples;
@@ -68,8 +72,8 @@ class DeepRays {
     };
     using Firsts = std::array<std::uint32_t, kTileSize + 1>;  // of each ray's samples; and one more
     Firsts byRay(Tile& tile, std::size_t from) const;
-    static DeepCurve curveOf(const Sample* first, const Sample* last);
-    static Sample compositeOf(const Sample*& sample, const DeepPiece& piece);
+    DeepCurve curveOf(const Sample* first, const Sample* last) const;
+    Sample compositeOf(const Sample*& sample, const DeepPiece& piece) const;
     void compact(Tile& tile);
     void count(std::size_t before, std::size_t after);
 

@@ -3,32 +3,78 @@
 
 #include <scrim/base/parallel.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
-namespace scrim {
+#include <glm/geometric.hpp>
 
-EyeEnds::EyeEnds(const Solids& solids, const Camera& camera, const PixelTiles& tiles)
-    : m_depths(std::size_t(tiles.count())) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    const RayFamily rays = wsRays(camera);
+namespace scrim {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+bool holds(const Solids* solids) {
+    return solids != nullptr && solids->any(SolidRole::holdout);
+}
+
+}  // namespace
+
+bool EyeEnds::any(const ViewScene& scene) {
+    return holds(scene.solids.get()) || scene.depths;
+}
+
+EyeEnds::EyeEnds(const ViewScene& scene, const PixelTiles& tiles)
+    : m_picture(scene.depths),
+      m_rayFamily(wsRays(supersampled(scene.camera, scene.dials.antialias))),
+      m_antialias(scene.dials.antialias),
+      m_depths(std::size_t(tiles.count())),
+      m_thin(std::size_t(tiles.count())) {
+    const Solids* const solids = holds(scene.solids.get()) ? scene.solids.get() : nullptr;
+    if (solids) m_rays = std::uint64_t{kTileSize} * m_depths.size();
+    const auto keep = [](const std::vector<double>& from, std::vector<double>& to) {
+        if (*std::min_element(from.begin(), from.end()) < kInfinity) to = from;
+    };
     parallelFor(m_depths.size(), [&](std::size_t i) {
         const auto tile = static_cast<int>(i);
-        std::vector<double> depths(kTileSize, kInfinity);
-        bool any = false;
-        for (int k = 0; k < kTileSize; ++k) {
-            const double x = tiles.cornerX(tile) + k % kTileEdge + 0.5, y = tiles.cornerY(tile) + k / kTileEdge + 0.5;
+        std::vector<double> depths(kTileSize, kInfinity), thin(kTileSize, kInfinity);
+        for (std::size_t k = 0; k < kTileSize; ++k) {
+            const double x = tiles.cornerX(tile) + static_cast<int>(k) % kTileEdge + 0.5,
+                         y = tiles.cornerY(tile) + static_cast<int>(k) / kTileEdge + 0.5;
             // Directions are scaled so that the parameter is depth.
-            depths[std::size_t(k)] =
-                solids.firstHit(SolidRole::holdout, rays.origin(x, y), rays.direction(x, y), rays.near, kInfinity);
-            any = any || depths[std::size_t(k)] < kInfinity;
+            if (solids)
+                depths[k] = solids->firstHit(SolidRole::holdout, m_rayFamily.origin(x, y), m_rayFamily.direction(x, y),
+                                             m_rayFamily.near, kInfinity);
+            const DepthPicture::Pieces pieces = piecesAt(x, y);
+            if (pieces.empty()) continue;
+            depths[k] = std::min(depths[k], opaqueFrom(pieces) / unitAt(x, y));
+            if (std::isfinite(pieces.front().tau)) thin[k] = pieces.front().begin / unitAt(x, y);
         }
-        if (any) m_depths[i] = std::move(depths);
+        keep(depths, m_depths[i]);
+        keep(thin, m_thin[i]);
     });
+}
+
+// All rays of a pixel see what its one place in the picture holds.
+DepthPicture::Pieces EyeEnds::piecesAt(double x, double y) const {
+    if (!m_picture) return {};
+    return m_picture->at(static_cast<int>(std::floor(x / m_antialias)), static_cast<int>(std::floor(y / m_antialias)));
+}
+
+// What the picture counts a depth of 1 along the viewing axis as.
+double EyeEnds::unitAt(double x, double y) const {
+    return m_picture && m_picture->alongRay ? glm::length(m_rayFamily.direction(x, y)) : 1;
+}
+
+double EyeEnds::seenShare(double x, double y, double near, double far, double tau) const {
+    const double unit = unitAt(x, y);
+    return scrim::seenShare(piecesAt(x, y), near * unit, far * unit, tau);
 }
 
 std::size_t EyeEnds::bytes() const {
     std::size_t sum = 0;
-    for (const std::vector<double>& own : m_depths) sum += own.size() * sizeof(double);
+    for (const auto* tiles : {&m_depths, &m_thin})
+        for (const std::vector<double>& own : *tiles) sum += own.size() * sizeof(double);
     return sum;
 }
 

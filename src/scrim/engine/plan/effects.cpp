@@ -101,6 +101,19 @@ Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, c
     return found.effect(name, "of ", otherwise);
 }
 
+Effect heldVolumes(const ViewScene& scene) {
+    return volumesThat(scene, ".holdout",
+                       [](const ViewVolume& v) { return v.holdout ? quoted(v.name) : std::string(); })
+        .effect("volumes held out", "", "every volume is seen");
+}
+
+Effect depthPicture(const ViewScene& scene) {
+    Finder found(scene);
+    if (scene.depths)
+        found.add(scene.depths->thin ? "it is deep, and hides by parts" : "rays end there", "output.holdout");
+    return found.effect("depths of a picture", "", "[output] has no holdout");
+}
+
 std::string extent(const Light& light) {
     if (light.dome()) return light.slide ? "a dome with a picture" : "a dome";
     if (!light.area()) return fmt::format("a sun of {:.3g} degrees", std::get<Light::Distant>(light.kind).angle);
@@ -305,6 +318,8 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(ofDial(scene, "ambient light", "ambient", scene.ambient != Rgb(0),
                              scene.ambient != Rgb(0) ? "[ambient] has a color" : "[ambient] is black"));
     effects.push_back(solids(scene, SolidRole::holdout, "holdouts", "", "no mesh hides volumes"));
+    effects.push_back(depthPicture(scene));
+    effects.push_back(heldVolumes(scene));
     effects.push_back(solids(scene, SolidRole::shadow, "shadows of solids", "", "no mesh throws shadows"));
     effects.push_back(solids(scene, SolidRole::catcher, "caught shadows", ".catch", "no mesh catches shadows"));
     effects.push_back(layers(scene));

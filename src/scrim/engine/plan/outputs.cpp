@@ -41,6 +41,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     if (primary && wants(Layer::albedo)) layout.albedo = add(Layer::albedo);
     if (primary && wants(Layer::depth)) layout.depth = add(Layer::depth);
     layout.outputs = static_cast<int>(outputs.list.size()) + 1;
+    if (primary && holdsOut(scene)) layout.seen = layout.outputs++;
     layout.coloured = coloured;
     // What consists of outputs that are there anyway needs none of its own.
     const bool emits = std::any_of(scene.volumes.begin(), scene.volumes.end(),

@@ -30,6 +30,9 @@ struct OutputLayout {
     // Outputs that receive what is not a light's. 0: it goes into the beauty; -1: nowhere, nobody asks for it.
     int ambient = 0, emission = 0;
     int albedo = -1, depth = -1;
+    /// Opacity of what is seen, in each channel: the picture's alpha where that is not all that hides; else -1. It is
+    /// no layer, and the last of the outputs.
+    int seen = -1;
     int beautyParts = 1;  ///< outputs [1, beautyParts) are parts of the beauty
 
     bool beautyAlone() const { return outputs == 1 && !coloured && beauty; }

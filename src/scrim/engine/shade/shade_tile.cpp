@@ -267,12 +267,35 @@ HWY_ATTR void writeBeauty(Work& w, Real* out) {
     });
 }
 
-// Depth of the samples times their opacities.
+// What of the samples' opacities is seen: volumes are mixed evenly within a sheet.
+HWY_ATTR void fillSeen(const ShadeInput& input, const Rows& opacity, Work& w) {
+    const DF d;
+    Rows& seen = w.tauIn;  // no longer needed
+    if (input.seen[0] && input.coloured) mix(input, input.seen, seen);
+    for (int c = 0; c < 3; ++c) {
+        const Real* hides = opacity.values[input.coloured ? c : 0];
+        Real* to = outputRow(input, w, input.layout.seen, c);
+        if (!input.seen[0]) {
+            std::copy_n(hides, kTileSize, to);
+            continue;
+        }
+        const Real* shown = input.coloured ? seen.values[c] : input.seen[0];
+        const Real* all = input.coloured ? w.extinction.values[c] : input.extinction[0];
+        forSamples([&](int k) HWY_ATTR {
+            const auto some = hn::Gt(load(all, k), constant(0));
+            const auto share = hn::Min(hn::Div(load(shown, k), load(all, k)), constant(1));
+            hn::Store(hn::IfThenElseZero(some, hn::Mul(load(hides, k), share)), d, to + k);
+        });
+    }
+}
+
+// Depth of the samples times the opacity of what is seen.
 HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const DF d;
     const SampleTile& s = *input.samples;
     for (int c = 0; c < 3; ++c) {
-        const Real* hides = opacity.values[input.coloured ? c : 0];
+        const Real* hides =
+            input.layout.seen > 0 ? outputRow(input, w, input.layout.seen, c) : opacity.values[input.coloured ? c : 0];
         Real* to = outputRow(input, w, input.layout.depth, c);
         forSamples([&](int k) HWY_ATTR {
             const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
@@ -301,6 +324,7 @@ HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, Real* out) {
         forSamples([&](int k)
                        HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
     if (layout.beauty) addUp(input, w);
+    if (input.layout.seen >= 0) fillSeen(input, opacity, w);
     if (input.layout.depth >= 0) fillDepth(input, opacity, w);
     const int stride = layout.floats();
     for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {

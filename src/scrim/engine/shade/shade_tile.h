@@ -104,6 +104,8 @@ struct ShadeInput {
     /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
     /// is the sum over the extinction channels of a row times its tint, and so is tau at entry.
     const Real* extinction[3];
+    /// The same of volumes that are seen; nullptr: they all are.
+    const Real* seen[3];
     bool coloured;
     int channels;  ///< 1, where not coloured
     Real tints[3][3];

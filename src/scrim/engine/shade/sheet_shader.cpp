@@ -51,7 +51,8 @@ struct SheetShader::Rows {
         const auto perMedium = std::size_t{4};  // extinction, and what is scattered of red, green and blue
         m_medium = std::size_t(shader.m_plan.extinction.count());
         m_emission = m_medium + perMedium * shader.m_media.size();
-        m_tauIn = m_emission + shader.m_extinction.emissions().size();
+        m_seen = m_emission + shader.m_extinction.emissions().size();
+        m_tauIn = m_seen + (shader.m_holdouts ? std::size_t(shader.m_plan.extinction.count()) : 0);
         const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
         m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
         m_scattered = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
@@ -66,6 +67,8 @@ struct SheetShader::Rows {
     Real* medium(std::size_t i) const { return scratch.rows[m_medium + 4 * i].values; }
     Real* scatter(std::size_t i, int c) const { return scratch.rows[m_medium + 4 * i + 1 + std::size_t(c)].values; }
     Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
+    // Of the volumes that are seen, by extinction channel; only where there are others.
+    Real* seen(int channel) const { return scratch.rows[m_seen + std::size_t(channel)].values; }
     Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
     Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
     Real* scattered(std::size_t i, int c) const { return scratch.rows[m_scattered + 3 * i + std::size_t(c)].values; }
@@ -74,7 +77,7 @@ struct SheetShader::Rows {
     Scratch& scratch;
 
   private:
-    std::size_t m_medium, m_emission, m_tauIn, m_unblocked, m_scattered, m_outputs;
+    std::size_t m_medium, m_emission, m_seen, m_tauIn, m_unblocked, m_scattered, m_outputs;
 };
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
@@ -83,8 +86,11 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
     : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye), m_scattered(scattered) {
     for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(group.primary * scene.ambient[c]);
     m_emitting = static_cast<Real>(group.primary);
+    m_unlit.resize(scene.lights.size());
     for (std::size_t i = 0; i < extinction.volumes().size(); ++i) {
         const ViewVolume& volume = scene.volumes[extinction.volumes()[i].sceneVolume];
+        m_held.push_back(volume.holdout);
+        m_holdouts = m_holdouts || volume.holdout;
         if (const Classified* c = volume.classified.get()) {
             SheetSurface& look = m_surfaces.emplace_back();
             m_surfaceVolumes.push_back(static_cast<int>(i));
@@ -97,8 +103,11 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
             continue;
         }
         const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
-        const Rgb albedo = (grid ? Rgb(1) : volume.medium.albedo) * volume.medium.relativeTint();
-        SheetMedium look{{}, {}, volume.medium.phase, volume.medium.octaves, litOrAll(volume)};
+        // What is held out scatters nothing.
+        const Rgb own = volume.holdout ? Rgb(0) : grid ? Rgb(1) : volume.medium.albedo;
+        const Rgb albedo = own * volume.medium.relativeTint();
+        SheetMedium look{
+            {}, {}, volume.medium.phase, volume.medium.octaves, volume.holdout ? &m_unlit : litOrAll(volume)};
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
         look.ambient = !scattersFully(volume);
         m_media.push_back(look);
@@ -151,10 +160,23 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
             for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter(i, c));
-        if (!m_surfaces.empty() || !(grid || m_alone)) read(volume.extinction(), rows.medium(i));
+        if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone)) read(volume.extinction(), rows.medium(i));
     }
+    for (int i = 0; m_holdouts && i < m_plan.extinction.count(); ++i)
+        std::fill(rows.seen(i), rows.seen(i) + kTileSize, Real(0));
+    for (std::size_t i = 0; m_holdouts && i < m_media.size(); ++i)
+        addSeen(std::size_t(m_mediumVolumes[i]), rows.medium(i), rows);
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
         read(*m_extinction.emissions()[e].planes, rows.emission(e));
+}
+
+// Adds the extinction of one of m_extinction's volumes to what is seen, unless it is held out.
+void SheetShader::addSeen(std::size_t volume, const Real* extinction, Rows& rows) const {
+    if (!m_holdouts || m_held[volume]) return;
+    for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
+        Real* seen = rows.seen(share.channel);
+        for (int k = 0; k < kTileSize; ++k) seen[k] += share.weight * extinction[k];
+    }
 }
 
 void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
@@ -232,6 +254,8 @@ void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
         if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, tile, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
+        addSeen(std::size_t(m_surfaceVolumes[i]), seen.extinction, rows);
+        if (m_held[std::size_t(m_surfaceVolumes[i])]) continue;
         SheetSurface surface = m_surfaces[i];
         surface.extinction = seen.extinction;
         for (int c = 0; c < 3; ++c) {
@@ -293,6 +317,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.channels = m_plan.extinction.count();
     for (int i = 0; i < input.channels; ++i) {
         input.extinction[i] = rows.total(i);
+        input.seen[i] = m_holdouts ? rows.seen(i) : nullptr;
         for (int c = 0; c < 3; ++c) input.tints[i][c] = static_cast<Real>(m_plan.extinction.tints[i][c]);
     }
     input.media = scratch.media;

@@ -161,7 +161,7 @@ std::vector<ScatterClass> scatterClasses(const ViewScene& scene) {
     std::vector<ScatterClass> classes;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
-        if (volume.medium.scattering != Scattering::full || volume.classified) continue;
+        if (!scattersFully(volume)) continue;
         const auto same = std::find_if(classes.begin(), classes.end(), [&](const ScatterClass& c) {
             return c.phase == volume.medium.phase && c.lights == volume.lights;
         });
@@ -179,7 +179,7 @@ bool greyExtinction(const ViewScene& scene) {
 
 bool greyScattering(const ViewScene& scene) {
     return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return v.medium.scattering != Scattering::full || (v.scatter.empty() && grey(v.medium.albedo));
+               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
            });
 }
 

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+// The picture that holds volumes out: read once, and kept as long as the next frame has the same.
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/image/depth_picture.h>
+#include <scrim/scene/scene.h>
+#include <scrim/volume/load_options.h>
+
+#include <cstddef>
+
+namespace scrim {
+
+class DepthStore {
+  public:
+    /// Gives the holdout of `scene` its picture, where it names a file. A guarded load calls `checkpoint` while it
+    /// waits. Throws Error "scene.toml:12:8: holdout: ...", also where the picture is not as large as the scene's.
+    void loadInto(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint);
+
+    /// That the picture takes.
+    std::size_t bytes() const { return m_known.picture ? m_known.picture->bytes() : 0; }
+
+  private:
+    SceneHoldout m_known;
+    Int2 m_resolution{0};  // of the picture that it was read for
+};
+
+}  // namespace scrim
