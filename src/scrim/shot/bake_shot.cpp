@@ -52,6 +52,14 @@ bool isGrey(const Rgb& colour) {
     return colour.x == colour.y && colour.x == colour.z;
 }
 
+Mat3 outputFromWorking(const Scene& scene, const ColourConfig& colour) {
+    try {
+        return glm::inverse(colour.workingFrom(scene.output.colorspace));
+    } catch (const Error& error) {
+        throw Error(error.kind(), placed(scene, "output.colorspace") + error.what());
+    }
+}
+
 class GridMaker {
   public:
     GridMaker(const Scene& scene, const Mat3& outputFromWorking, std::string space, bool coloured)
@@ -187,7 +195,7 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
         const BakeWants wants{wantedLights(scene, request), request.emission};
         const std::string space = scene.output.colorspace;
-        const Mat3 outputFromWorking = glm::inverse(content.stores->colour.workingFrom(space));
+        const Mat3 toOutput = outputFromWorking(scene, content.stores->colour);
         if (request.emission) warnOfLooks(scene, options.messages);
         content.keepPromise(scene, options, ShotUse::render);
         const auto loaded = content.loadOnce(std::move(scene), options, VolumesOf::scene, ShotUse::render);
@@ -196,7 +204,7 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         const ViewScene view = loaded->view(options, 0, VolumesOf::scene);
         const std::vector<BakedVolume> baked = bakeLight(view, wants, threadCount(), options.progress);
         const std::string id = content.stores->colour.interopId(space);
-        GridMaker maker(loaded->scene, outputFromWorking, id.empty() ? space : id, extinctionChannels(view).coloured);
+        GridMaker maker(loaded->scene, toOutput, id.empty() ? space : id, extinctionChannels(view).coloured);
         for (std::size_t v = 0; v < loaded->scene.volumes.size(); ++v) {
             const std::string& name = loaded->scene.volumes[v].name;
             const auto shown = std::find_if(view.volumes.begin(), view.volumes.end(),
