@@ -12,7 +12,7 @@ namespace scrim {
 /// In the order of Layer.
 inline const std::vector<std::string>& layerNames() {
     static const std::vector<std::string> names{"light", "ambient",       "emission", "albedo",
-                                                "depth", "transmittance", "shadow"};
+                                                "depth", "transmittance", "shadow",   "volume"};
     return names;
 }
 inline const std::string& nameOf(Layer layer) {

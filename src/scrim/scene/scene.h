@@ -23,7 +23,7 @@
 namespace scrim {
 
 /// Pictures beside the beauty.
-enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow };
+enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume };
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {

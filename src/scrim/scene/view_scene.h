@@ -57,6 +57,7 @@ struct ViewVolume {
     std::vector<ViewEmission> emission = {};  ///< they add up
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
+    int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index here
 };
 
 /// A deep picture beside the flat one.
@@ -93,6 +94,7 @@ struct ViewScene {
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
     std::vector<Layer> layers;           ///< to render beside the beauty
+    std::size_t volumeCount = 0;         ///< of the scene's volumes, culled ones too; 0: those that are here
     std::optional<ViewDeep> deep;        ///< none: the flat picture alone
     std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
     /// Null: the picture is that of a moment, which is this scene. Else the mean over moments, of which this is one.
@@ -100,6 +102,12 @@ struct ViewScene {
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
 };
+
+bool wants(const ViewScene& scene, Layer layer);
+
+/// The volume of the scene's that `volumes[i]` is, of all that there are.
+int placeOf(const ViewScene& scene, std::size_t i);
+std::size_t placesOf(const ViewScene& scene);
 
 /// The fields of a volume that are not empty, each on a lattice of its own: density and emission.
 std::vector<ViewField> fieldsOf(const ViewVolume& volume);

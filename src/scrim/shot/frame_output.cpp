@@ -53,6 +53,8 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
 }
 
 std::string layerName(const Scene& scene, const FrameLayer& layer) {
+    if (layer.volume >= 0)
+        return nameOf(layer.layer) + "." + channelName(scene.volumes[std::size_t(layer.volume)].name);
     if (layer.light < 0) return nameOf(layer.layer);
     return nameOf(layer.layer) + "." + channelName(scene.lights[std::size_t(layer.light)].name);
 }

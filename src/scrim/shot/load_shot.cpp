@@ -67,19 +67,21 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
                         fmt::format("volume '{}' has no file, no source, and no grids that were set", volume.name));
 }
 
-/// Lights of which each has a layer must have channels of their own, too.
-void checkChannels(const Scene& scene) {
+/// Lights or volumes of which each has a layer must have channels of their own, too.
+template <typename Named>
+void checkChannels(const Scene& scene, Layer layer, const std::vector<Named>& all) {
     const std::vector<Layer>& layers = scene.output.layers;
-    if (std::find(layers.begin(), layers.end(), Layer::light) == layers.end()) return;
-    std::map<std::string, std::string> lights;
-    for (const Light& light : scene.lights) {
-        const auto [known, isNew] = lights.emplace(channelName(light.name), light.name);
+    if (std::find(layers.begin(), layers.end(), layer) == layers.end()) return;
+    std::map<std::string, std::string> names;
+    for (const Named& one : all) {
+        const auto [known, isNew] = names.emplace(channelName(one.name), one.name);
         if (isNew) continue;
         const std::string where = scene.lines ? scene.lines->of("output.layers") : "";
         throw Error(ErrorKind::input,
-                    fmt::format("{}lights '{}' and '{}' would both be 'light.{}' in the picture, where names have "
+                    fmt::format("{}{}s '{}' and '{}' would both be '{}.{}' in the picture, where names have "
                                 "letters, digits and underscores alone; expected different ones",
-                                where.empty() ? "" : where + ": ", known->second, light.name, known->first));
+                                where.empty() ? "" : where + ": ", nameOf(layer), known->second, one.name,
+                                nameOf(layer), known->first));
     }
 }
 
@@ -160,7 +162,8 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
     LoadedShot out;
     out.scene = std::move(scene);
     checkVolumes(out.scene, stores.fields);
-    checkChannels(out.scene);
+    checkChannels(out.scene, Layer::light, out.scene.lights);
+    checkChannels(out.scene, Layer::volume, out.scene.volumes);
     out.files = stores.fields.filesOf(out.scene);
     if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
     listenTo(stores.fields, load, options);

@@ -48,7 +48,7 @@ class MeanFrame {
         m_mean.image = emptyImage(frame.image.window);
         m_alpha.resize(frame.image.rgba.size() / 4);
         for (const FrameLayer& layer : frame.layers)
-            m_mean.layers.push_back({layer.layer, layer.light, std::vector<float>(layer.data.size())});
+            m_mean.layers.push_back({layer.layer, layer.light, std::vector<float>(layer.data.size()), layer.volume});
     }
     void addTo(std::vector<float>& sum, const std::vector<float>& values) const {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * values[i];
@@ -96,7 +96,7 @@ Bounds boundsOf(const std::vector<Vec3>& points) {
     return box;
 }
 
-Places placesOf(const ViewScene& view) {
+Places pointsOf(const ViewScene& view) {
     Places out{view.camera, {}, view.lights};
     // Whether there is a velocity at a moment or not, the corners are those of the fields where they stand.
     for (ViewVolume volume : view.volumes) {
@@ -200,7 +200,7 @@ double ShotMotion::longestPath() {
     for (int i = 0; i < kMoments; ++i) {
         const double part = static_cast<double>(i) / (kMoments - 1);
         const ViewScene view = truthAt((1 - part) * m_shutter.open + part * m_shutter.close, base);
-        places.push_back(placesOf(view));
+        places.push_back(pointsOf(view));
         if (i == 0 || i == kMoments - 1)
             for (const ViewVolume& volume : view.volumes)
                 if (volume.velocity) {

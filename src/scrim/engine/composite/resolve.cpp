@@ -8,9 +8,9 @@
 namespace scrim {
 namespace {
 
-FrameLayer* find(Frame& frame, Layer layer, int light = -1) {
+FrameLayer* find(Frame& frame, Layer layer, int light = -1, int volume = -1) {
     for (FrameLayer& l : frame.layers)
-        if (l.layer == layer && l.light == light) return &l;
+        if (l.layer == layer && l.light == light && l.volume == volume) return &l;
     return nullptr;
 }
 
@@ -25,10 +25,11 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
     std::vector<Target> targets;
     for (std::size_t i = 0; i < group.outputs.list.size(); ++i) {
         const Output& output = group.outputs.list[i];
-        // Lights have their share in them already, and so have ambient light and emission.
+        // Lights have their share in them already, and so have ambient light and emission, and what volumes make of
+        // them.
         const bool seen = output.layer == Layer::albedo || output.layer == Layer::depth;
         targets.push_back({group.outputs.layout.quadOf(static_cast<int>(i) + 1),
-                           find(frame, output.layer, output.light), seen ? group.primary : 1.0});
+                           find(frame, output.layer, output.light, output.place), seen ? group.primary : 1.0});
     }
     return targets;
 }
@@ -62,15 +63,17 @@ void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
 Frame emptyFrame(const ViewScene& scene) {
     Frame frame;
     frame.image = emptyImage(scene.region);
-    const auto add = [&](Layer layer, int light) {
-        FrameLayer& out = frame.layers.emplace_back(FrameLayer{layer, light, {}});
+    const auto add = [&](Layer layer, int light, int volume) {
+        FrameLayer& out = frame.layers.emplace_back(FrameLayer{layer, light, {}, volume});
         out.data.assign(out.channels() * scene.region.pixelCount(), 0.0f);
     };
     for (const Layer layer : scene.layers) {
         if (layer == Layer::light || layer == Layer::shadow)
-            for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i));
+            for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i), -1);
+        else if (layer == Layer::volume)
+            for (std::size_t i = 0; i < placesOf(scene); ++i) add(layer, -1, static_cast<int>(i));
         else
-            add(layer, -1);
+            add(layer, -1, -1);
     }
     return frame;
 }

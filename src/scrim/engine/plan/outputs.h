@@ -9,10 +9,11 @@
 
 namespace scrim {
 
-/// An output beside the beauty. Of Layer::light one each for every light.
+/// An output beside the beauty. Of Layer::light one each for every light, of Layer::volume for every volume.
 struct Output {
     Layer layer = Layer::light;
     int light = -1;  ///< of a light's: index into ViewScene::lights
+    int place = -1;  ///< of a volume's: index into Scene::volumes
 };
 
 /// Quads of floats, one for each output, and how much the sample hides of what lies behind it. Where extinction is grey
@@ -42,11 +43,15 @@ struct OutputLayout {
 struct SweepOutputs {
     std::vector<Output> list;  ///< output i + 1
     OutputLayout layout;
-    std::vector<int> ofLights;  ///< the output of each of the sweep's lights
+    std::vector<int> ofLights;        ///< the output of each of the sweep's lights
+    std::vector<int> ofVolumes = {};  ///< of each of ViewScene::volumes; 0: none
 };
 
 /// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns
 /// alpha, ambient light and emission. Throws Error(usage) where there are too many.
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights);
+
+/// Pictures beside the beauty that a frame of `scene` has.
+std::size_t layerCount(const ViewScene& scene);
 
 }  // namespace scrim

@@ -108,22 +108,37 @@ bool lights(const SheetLight& light, const std::vector<bool>* lit) {
     return !lit || (*lit)[light.index];
 }
 
+// Adds what a volume makes of a light to the light's rows, and where the volume has an output of its own, there, too.
+template <class Add>
+void addTo(const ShadeInput& input, const Lit& lit, int output, Work& w, const Add& add) {
+    add(lit);
+    if (output == 0) return;
+    Lit own = lit;
+    for (int c = 0; c < 3; ++c) own.to[c] = outputRow(input, w, output, c);
+    add(own);
+}
+
 // The first octave is single scattering, which surfaces know too; the others are of media that have them.
 template <bool kTinted>
 HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const Real* tauIn, const Lit& lit,
                            Work& w) {
     transmitAll(input, light, tauIn, 1, w);
     for (const SheetMedium& medium : input.media)
-        if (lights(light, medium.lit)) scatterInto<kTinted>(input, lit, medium, medium.phase, 1, w);
+        if (lights(light, medium.lit))
+            addTo(input, lit, medium.output, w,
+                  [&](const Lit& to) { scatterInto<kTinted>(input, to, medium, medium.phase, 1, w); });
     for (const SheetSurface& surface : input.surfaces)
-        if (lights(light, surface.lit)) addReflected<kTinted>(lit, surface);
+        if (lights(light, surface.lit))
+            addTo(input, lit, surface.output, w, [&](const Lit& to) { addReflected<kTinted>(to, surface); });
     for (const SheetMedium& medium : input.media) {
         if (!lights(light, medium.lit)) continue;
         const Octaves& o = medium.octaves;
         for (int n = 1; n < o.count; ++n) {
             transmitAll(input, light, tauIn, static_cast<Real>(std::pow(o.extinction, n)), w);
-            scatterInto<kTinted>(input, lit, medium, flattened(medium.phase, std::pow(o.phase, n)),
-                                 static_cast<Real>(std::pow(o.contribution, n)), w);
+            const Phase phase = flattened(medium.phase, std::pow(o.phase, n));
+            addTo(input, lit, medium.output, w, [&](const Lit& to) {
+                scatterInto<kTinted>(input, to, medium, phase, static_cast<Real>(std::pow(o.contribution, n)), w);
+            });
             w.done.octaves += kTileSize;
         }
     }
@@ -186,15 +201,24 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
     });
 }
 
+// The same to an output of the volume's own, if it has one.
+HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output, int own,
+                        Work& w) {
+    addSource(input, coefficient, color, channel, output, w);
+    if (own > 0) addSource(input, coefficient, color, channel, own, w);
+}
+
 // What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
+// `seen`: it is a part of the beauty.
 template <class SurfaceShare>
-HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, const SurfaceShare& share,
-                             Work& w) {
+HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool seen,
+                             const SurfaceShare& share, Work& w) {
     for (int c = 0; c < 3; ++c) {
         for (const SheetMedium& medium : input.media)
-            addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, w);
+            addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, seen ? medium.output : 0, w);
         for (const SheetSurface& surface : input.surfaces)
-            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, w);
+            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, seen ? surface.output : 0,
+                      w);
     }
 }
 
@@ -205,18 +229,18 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     fillThrough(input, w);
     if (ambient) {
         addEnvironment(
-            input, input.ambient, input.layout.ambient, [](const SheetSurface& s) { return s.ambient; }, w);
+            input, input.ambient, input.layout.ambient, true, [](const SheetSurface& s) { return s.ambient; }, w);
         w.done.ambients += kTileSize;
     }
     for (const SheetEmission& emission : input.emissions) {
         for (int c = 0; c < 3; ++c)
-            addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, w);
+            addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, emission.output, w);
         w.done.emissions += kTileSize;
     }
     constexpr Real kWhite[3] = {1, 1, 1};
     if (input.layout.albedo >= 0)
         addEnvironment(
-            input, kWhite, input.layout.albedo, [](const SheetSurface&) { return Real(1); }, w);
+            input, kWhite, input.layout.albedo, false, [](const SheetSurface&) { return Real(1); }, w);
 }
 
 HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {

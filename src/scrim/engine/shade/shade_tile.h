@@ -68,12 +68,14 @@ struct SheetMedium {
     Phase phase;
     Octaves octaves;
     const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
+    int output = 0;                          ///< where what it shows goes beside the beauty or its parts; 0: nowhere
 };
 
 /// A part of what a sheet sends out by itself: 256 coefficients times a colour are radiance per world unit.
 struct SheetEmission {
     const Real* coefficient;
     Real color[3];
+    int output = 0;  ///< as a medium's
 };
 
 /// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
@@ -85,6 +87,7 @@ struct SheetSurface {
     Real ambient, diffuse, specular, exponent;
     bool twoSided;
     const std::vector<bool>* lit = nullptr;  ///< as a medium's
+    int output = 0;                          ///< the same
 };
 
 /// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.

@@ -90,16 +90,23 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
             look.exponent = static_cast<Real>(c->exponent);
             look.twoSided = c->twoSided;
             look.lit = litOrAll(volume);
+            look.output = outputOf(extinction.volumes()[i].sceneVolume);
             continue;
         }
         const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
         const Rgb albedo = (grid ? Rgb(1) : volume.medium.albedo) * volume.medium.relativeTint();
         SheetMedium look{{}, {}, volume.medium.phase, volume.medium.octaves, litOrAll(volume)};
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
+        look.output = outputOf(extinction.volumes()[i].sceneVolume);
         m_media.push_back(look);
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
+}
+
+// Of a volume's own layer; 0: there is none.
+int SheetShader::outputOf(int sceneVolume) const {
+    return m_group.outputs.ofVolumes.empty() ? 0 : m_group.outputs.ofVolumes[std::size_t(sceneVolume)];
 }
 
 // Fills the rows of all media; read(planes, to) reads one row of one of them.
@@ -241,6 +248,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     for (std::size_t e = 0; e < m_extinction.emissions().size() && m_emitting > 0; ++e) {
         SheetEmission& emission = scratch.emissions.emplace_back();
         emission.coefficient = rows.emission(e);
+        emission.output = outputOf(m_extinction.emissions()[e].sceneVolume);
         for (int c = 0; c < 3; ++c)
             emission.color[c] = m_emitting * static_cast<Real>(m_extinction.emissions()[e].color[c]);
     }

@@ -31,6 +31,7 @@ class SheetShader {
 
   private:
     struct Rows;
+    int outputOf(int sceneVolume) const;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
     void passSolids(int p, const SampleTile& samples, Rows& rows) const;

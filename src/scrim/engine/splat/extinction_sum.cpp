@@ -52,11 +52,12 @@ bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene) {
+    const bool apart = wants(scene, Layer::volume);  // each is seen by itself
     std::vector<Alike> groups;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         if (scene.volumes[v].field->empty()) continue;
         const auto known = std::find_if(groups.begin(), groups.end(), [&](const Alike& group) {
-            return lookAlike(scene.volumes[group.front()], scene.volumes[v]);
+            return !apart && lookAlike(scene.volumes[group.front()], scene.volumes[v]);
         });
         if (known == groups.end())
             groups.push_back({v});
@@ -133,13 +134,13 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
             std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
         }
     }
-    for (const ViewVolume& volume : scene.volumes) {
-        if (who != For::primaryEye) break;
-        const std::vector<ViewEmission> emission = emissionOf(volume);
+    for (std::size_t v = 0; v < scene.volumes.size() && who == For::primaryEye; ++v) {
+        const std::vector<ViewEmission> emission = emissionOf(scene.volumes[v]);
         std::vector<ViewField> fields;
         for (const ViewEmission& e : emission) fields.push_back(e.field);
         const auto planes = planesOf(fields, 1);
-        for (std::size_t e = 0; e < emission.size(); ++e) m_emissions.push_back({planes[e], emission[e].color});
+        for (std::size_t e = 0; e < emission.size(); ++e)
+            m_emissions.push_back({planes[e], emission[e].color, static_cast<int>(v)});
     }
     if (!needsTotals(scene, plan, who)) return;
     for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);

@@ -53,6 +53,7 @@ class ExtinctionSum {
     struct Emission {
         const PlaneStack* planes;
         Rgb color;
+        int sceneVolume;
     };
     const std::vector<Emission>& emissions() const { return m_emissions; }
 
