@@ -161,9 +161,9 @@ TEST(VolumeLayer, OfInstancesIsOneEach) {
     const FrameLayer &left = layerOfVolume(frame, 0), &right = layerOfVolume(frame, 1);
     const std::size_t atLeft = 3 * (24 * 48 + 8), atRight = 3 * (24 * 48 + 44);
     EXPECT_GT(left.data[atLeft], 0.01);
-    EXPECT_EQ(right.data[atLeft], 0);
+    EXPECT_NEAR(right.data[atLeft], 0, 1e-6);
     EXPECT_GT(right.data[atRight], 0.01);
-    EXPECT_EQ(left.data[atRight], 0);
+    EXPECT_NEAR(left.data[atRight], 0, 1e-6);
 }
 
 // Of volumes that are culled the layers are there, and black.

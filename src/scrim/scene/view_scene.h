@@ -45,6 +45,15 @@ struct ViewVelocity {
     Bounds wsRange() const;
 };
 
+/// Where a volume goes until the next frame, for the layer `motion`.
+struct VolumeMotion {
+    Mat4 wsNextFromWs{1.0};  ///< takes it as a whole
+    /// Density times (velocity - least), of x, y and z, on the lattice of the density; none: no velocity.
+    std::vector<ViewField> flow = {};
+    Vec3 least{0}, most{0};   ///< of the grid's velocity
+    Mat3 wsPerVelocity{0.0};  ///< velocity to way in a frame, world space
+};
+
 struct ViewVolume {
     std::string name;
     std::shared_ptr<const SparseField> field;
@@ -57,6 +66,7 @@ struct ViewVolume {
     std::vector<ViewEmission> emission = {};  ///< they add up
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
+    std::shared_ptr<const VolumeMotion> motion = nullptr;    ///< null: it stands still
     int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index here
 };
 
@@ -94,6 +104,7 @@ struct ViewScene {
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
     std::vector<Layer> layers;           ///< to render beside the beauty
+    std::optional<Camera> nextCamera;    ///< a frame later, for the layer `motion`; none: it stands still
     std::size_t volumeCount = 0;         ///< of the scene's volumes, culled ones too; 0: those that are here
     std::optional<ViewDeep> deep;        ///< none: the flat picture alone
     std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter

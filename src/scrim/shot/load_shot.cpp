@@ -2,6 +2,7 @@
 #include <scrim/shot/load_shot.h>
 
 #include <scrim/base/error.h>
+#include <scrim/shot/view_motion.h>
 
 #include <scrim/scene/layer_names.h>
 
@@ -109,6 +110,7 @@ ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf v
     turned.dials.lod = lod;
     ViewScene view = assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
     view.solids = solids;
+    if (wantsMotion(turned)) addMotion(view, turned, nextAt(0), fields);
     return view;
 }
 
@@ -121,6 +123,13 @@ Scene LoadedShot::sceneAt(double t) const {
         if (at.lights[i].slide && scene.lights[i].slide) at.lights[i].slide->image = scene.lights[i].slide->image;
     for (std::size_t i = 0; i < at.meshes.size(); ++i) at.meshes[i].mesh = scene.meshes[i].mesh;
     return at;
+}
+
+Scene LoadedShot::nextAt(double t) const {
+    if (!textAt || !scene.movesOn) return scene;
+    Scene next = textAt(t + 1);
+    if (scene.plate) next.camera = scene.camera;
+    return next;
 }
 
 Fields LoadedShot::fieldsAt(double t) const {
@@ -137,6 +146,7 @@ ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod,
     ViewScene view =
         assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, moved);
     view.solids = scene.movesWithin ? solidsOf(at) : solids;
+    if (wantsMotion(at)) addMotion(view, at, nextAt(t), fields);
     return view;
 }
 

@@ -28,7 +28,9 @@ class MeanFrame {
         if (m_mean.image.rgba.empty()) start(frame);
         addTo(m_mean.image.rgba, frame.image.rgba);
         for (std::size_t i = 0; i < m_mean.layers.size(); ++i) {
-            if (m_mean.layers[i].layer == Layer::depth)
+            if (m_mean.layers[i].layer == Layer::motion)
+                addMotion(m_mean.layers[i].data, frame.layers[i].data, frame.image);
+            else if (m_mean.layers[i].layer == Layer::depth)
                 addDepth(m_mean.layers[i].data, frame.layers[i].data, frame.image);
             else
                 addTo(m_mean.layers[i].data, frame.layers[i].data);
@@ -37,6 +39,9 @@ class MeanFrame {
         m_mean.times += frame.times;
     }
     Frame take() {
+        for (FrameLayer& layer : m_mean.layers)
+            for (std::size_t i = 0; layer.layer == Layer::motion && i < layer.data.size(); ++i)
+                if (const float alpha = m_mean.image.rgba[i / 2 * 4 + 3]; alpha > 0) layer.data[i] /= alpha;
         for (FrameLayer& layer : m_mean.layers)
             for (std::size_t i = 0; layer.layer == Layer::depth && i < m_alpha.size(); ++i)
                 if (m_alpha[i] > 0) layer.data[2 * i + 1] /= m_alpha[i];
@@ -52,6 +57,10 @@ class MeanFrame {
     }
     void addTo(std::vector<float>& sum, const std::vector<float>& values) const {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * values[i];
+    }
+    // By opacity.
+    void addMotion(std::vector<float>& sum, const std::vector<float>& motion, const Image& image) const {
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * image.rgba[i / 2 * 4 + 3] * motion[i];
     }
     // Where nothing is both depths are 0.
     void addDepth(std::vector<float>& sum, const std::vector<float>& depth, const Image& image) {

@@ -31,6 +31,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     layout.beautyParts = static_cast<int>(outputs.list.size()) + 1;
     if (primary && wants(Layer::albedo)) layout.albedo = add(Layer::albedo);
     if (primary && wants(Layer::depth)) layout.depth = add(Layer::depth);
+    if (primary && wants(Layer::motion)) layout.motion = add(Layer::motion);
     for (std::size_t v = 0; wants(Layer::volume) && v < scene.volumes.size(); ++v)
         outputs.ofVolumes.push_back(add(Layer::volume, -1, placeOf(scene, v)));
     layout.outputs = static_cast<int>(outputs.list.size()) + 1;

@@ -28,7 +28,7 @@ struct OutputLayout {
     bool beauty = true;
     // Outputs that receive what is not a light's. 0: it goes into the beauty; -1: nowhere, nobody asks for it.
     int ambient = 0, emission = 0;
-    int albedo = -1, depth = -1;
+    int albedo = -1, depth = -1, motion = -1;
     int beautyParts = 1;  ///< outputs [1, beautyParts) are parts of the beauty
 
     bool beautyAlone() const { return outputs == 1 && !coloured && beauty; }

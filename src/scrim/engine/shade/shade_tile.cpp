@@ -288,6 +288,16 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     }
 }
 
+// Motion of the samples times their opacities.
+HWY_ATTR void fillMotion(const ShadeInput& input, const Rows& opacity, Work& w) {
+    const DF d;
+    for (int c = 0; c < 2; ++c) {
+        const Real* hides = opacity.values[input.coloured ? c : 0];
+        Real* to = outputRow(input, w, input.layout.motion, c);
+        forSamples([&](int k) HWY_ATTR { hn::Store(hn::Mul(load(input.motion[c], k), load(hides, k)), d, to + k); });
+    }
+}
+
 // The beauty's parts into the beauty.
 HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
     const DF d;
@@ -308,6 +318,7 @@ HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, Real* out) {
                        HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
     if (layout.beauty) addUp(input, w);
     if (input.layout.depth >= 0) fillDepth(input, opacity, w);
+    if (input.layout.motion >= 0) fillMotion(input, opacity, w);
     const int stride = layout.floats();
     for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {
         Real* quad = out + 4 * layout.quadOf(p);

@@ -88,6 +88,7 @@ struct SheetSurface {
     bool twoSided;
     const std::vector<bool>* lit = nullptr;  ///< as a medium's
     int output = 0;                          ///< the same
+    int sceneVolume = 0;
 };
 
 /// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.
@@ -108,7 +109,8 @@ struct ShadeInput {
     const Real* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
     /// 256 values a light, of what gets past solids; nullptr: there are none.
     const Real* unblocked;
-    Real ambient[3];  ///< radiance of an unshadowed environment; all 0: none
+    Real ambient[3];        ///< radiance of an unshadowed environment; all 0: none
+    const Real* motion[2];  ///< pixels a frame, to the right and up: read for the output of it
     OutputLayout layout;
     Real* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
     Simd simd;

@@ -53,7 +53,8 @@ struct SheetShader::Rows {
         m_tauIn = m_emission + shader.m_extinction.emissions().size();
         const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
         m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
-        m_outputs = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
+        m_motion = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
+        m_outputs = m_motion + (shader.m_motion ? 2 + 3 * shader.m_media.size() : 0);
         const std::size_t count = m_outputs + 3 * std::size_t(shader.m_group.outputs.layout.outputs - 1) + 1;
         if (scratch.rows.size() < count) scratch.rows.resize(count);
         if (scratch.classified.size() < shader.m_surfaces.size()) scratch.classified.resize(shader.m_surfaces.size());
@@ -66,12 +67,14 @@ struct SheetShader::Rows {
     Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
     Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
     Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
+    Real* motion(int axis) const { return scratch.rows[m_motion + std::size_t(axis)].values; }
+    Real* flow(std::size_t i, int c) const { return scratch.rows[m_motion + 2 + 3 * i + std::size_t(c)].values; }
     Real* outputs() const { return scratch.rows[m_outputs].values; }
 
     Scratch& scratch;
 
   private:
-    std::size_t m_medium, m_emission, m_tauIn, m_unblocked, m_outputs;
+    std::size_t m_medium, m_emission, m_tauIn, m_unblocked, m_motion, m_outputs;
 };
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
@@ -90,7 +93,8 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
             look.exponent = static_cast<Real>(c->exponent);
             look.twoSided = c->twoSided;
             look.lit = litOrAll(volume);
-            look.output = outputOf(extinction.volumes()[i].sceneVolume);
+            look.sceneVolume = extinction.volumes()[i].sceneVolume;
+            look.output = outputOf(look.sceneVolume);
             continue;
         }
         const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
@@ -101,6 +105,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         m_media.push_back(look);
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
+    if (group.outputs.layout.motion >= 0) m_motion.emplace(scene, group.sheets);
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
 }
 
@@ -120,7 +125,8 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
             for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter(i, c));
-        if (!m_surfaces.empty() || !(grid || m_alone)) read(volume.extinction(), rows.medium(i));
+        if (!m_surfaces.empty() || !(grid || m_alone) || m_motion) read(volume.extinction(), rows.medium(i));
+        for (int c = 0; volume.flow[0] && c < 3; ++c) read(*volume.flow[c], rows.flow(i, c));
     }
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
         read(*m_extinction.emissions()[e].planes, rows.emission(e));
@@ -234,6 +240,19 @@ void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const
     }
 }
 
+// What of all that is at the samples moves how far.
+void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const {
+    std::vector<ScreenMotion::Part> parts;
+    for (std::size_t i = 0; i < m_media.size(); ++i) {
+        const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
+        ScreenMotion::Part& part = parts.emplace_back(ScreenMotion::Part{volume.sceneVolume, rows.medium(i)});
+        for (int c = 0; volume.flow[0] && c < 3; ++c) part.flow[c] = rows.flow(i, c);
+    }
+    for (const SheetSurface& surface : rows.scratch.surfaces)
+        parts.push_back({surface.sceneVolume, surface.extinction});
+    m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion(0), rows.motion(1));
+}
+
 // All that shading reads, from the rows.
 ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
@@ -270,6 +289,10 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.tauIn = rows.tauIn(0);
     input.unblocked = m_lights.passSolids() ? rows.unblocked(0) : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
+    if (m_motion) {
+        fillMotion(p, samples, rows);
+        for (int c = 0; c < 2; ++c) input.motion[c] = rows.motion(c);
+    }
     input.layout = m_group.outputs.layout;
     input.outputs = rows.outputs();
     input.simd = m_plan.simd;

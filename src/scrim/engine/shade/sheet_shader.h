@@ -6,6 +6,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/shade/screen_motion.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
 #include <optional>
@@ -38,6 +39,7 @@ class SheetShader {
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
     void classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
     bool shows(const Rows& rows) const;
+    void fillMotion(int p, const SampleTile& samples, Rows& rows) const;
     ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
 
     const Plan& m_plan;
@@ -52,6 +54,7 @@ class SheetShader {
     std::vector<SheetMedium> m_media;
     std::vector<SheetSurface> m_surfaces;
     std::vector<int> m_mediumVolumes, m_surfaceVolumes;
+    std::optional<ScreenMotion> m_motion;  // where a layer asks for it
 };
 
 }  // namespace scrim

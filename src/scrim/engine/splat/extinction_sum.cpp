@@ -48,7 +48,7 @@ using Alike = std::vector<std::size_t>;
 
 bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
     return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
-           a.lights == b.lights;
+           a.lights == b.lights && !a.motion && !b.motion;
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene) {
@@ -65,6 +65,12 @@ std::vector<Alike> alikeVolumes(const ViewScene& scene) {
             known->push_back(v);
     }
     return groups;
+}
+
+// What the layer `motion` looks at.
+const std::vector<ViewField>& flowOf(const ViewScene& scene, const ViewVolume& volume) {
+    static const std::vector<ViewField> none;
+    return wants(scene, Layer::motion) && volume.motion ? volume.motion->flow : none;
 }
 
 // Does the sum need planes of its own?
@@ -129,9 +135,13 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         } else {
             std::vector<ViewField> fields{densityOf(volume)};
             if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
+            const auto& flow = flowOf(scene, volume);
+            if (who == For::primaryEye) fields.insert(fields.end(), flow.begin(), flow.end());
             const auto planes = planesOf(fields, volume.medium.mostExtinction());
             own.density = planes[0];
-            std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
+            std::copy_n(planes.begin() + 1, volume.scatter.size() * (who != For::light), own.scatter.begin());
+            if (who == For::primaryEye)
+                std::copy(planes.end() - std::ptrdiff_t(flow.size()), planes.end(), own.flow.begin());
         }
     }
     for (std::size_t v = 0; v < scene.volumes.size() && who == For::primaryEye; ++v) {
@@ -222,6 +232,8 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     for (const ViewVolume& volume : scene.volumes) {
         if (who != For::light)
             for (const ViewField& scatter : volume.scatter) add(scatter);
+        if (who == For::primaryEye)
+            for (const ViewField& flow : flowOf(scene, volume)) add(flow);
         if (who == For::primaryEye)
             for (const ViewEmission& emission : volume.emission) add(emission.field);
     }
