@@ -53,13 +53,14 @@ TEST_F(Bake, CallsGridsByTheirVolumesWhereThereAreSeveral) {
 
 TEST_F(Bake, IsShownAsEmission) {
     write("scene.toml", kCamera + kVolume + kLight + "intensity = 4\n");
-    runWell({"bake", "scene.toml", "-o", "light.vdb", "--emission"});
     write("shown.toml",
           kCamera +
               "[[volume]]\nfile = \"light.vdb\"\ndensity = { grid = \"density\" }\n[volume.medium]\nalbedo "
               "= [0, 0, 0]\nemission = { grid = \"emission\" }\n");
-    runWell({"render", "shown.toml", "-o", "shown.exr"});
-    runWell({"render", "scene.toml", "-o", "scene.exr"});
+    const std::string texel = "render.texel=0.3", thickness = "render.sheet_thickness=0.4";
+    runWell({"bake", "scene.toml", "-o", "light.vdb", "--emission", "--set", texel, "--set", thickness});
+    for (const std::string name : {"shown", "scene"})
+        runWell({"render", name + ".toml", "-o", name + ".exr", "--set", texel, "--set", thickness});
     const Image shown = readExr(file("shown.exr")), lit = readExr(file("scene.exr"));
     const auto mean = [](const Image& image, int x0, int y0) {
         double sum = 0;
