@@ -155,11 +155,11 @@ INSTANTIATE_TEST_SUITE_P(Each, VolumeLayers,
 TEST(VolumeLayer, OfInstancesIsOneEach) {
     ViewScene scene = plainScene();
     scene.volumes.push_back(scene.volumes.front());  // looks alike, and shares planes but for the layer
-    scene.volumes.back().wsFromIs[3] = {14, 0, 0, 1};
+    scene.volumes.back().wsFromIs[3] = {22, 0, 0, 1};
     scene.layers = {Layer::volume};
     const Frame frame = renderScene(scene);
     const FrameLayer &left = layerOfVolume(frame, 0), &right = layerOfVolume(frame, 1);
-    const std::size_t atLeft = 3 * (24 * 48 + 8), atRight = 3 * (24 * 48 + 44);
+    const std::size_t atLeft = 3 * (24 * 48 + 12), atRight = 3 * (24 * 48 + 46);
     EXPECT_GT(left.data[atLeft], 0.01);
     EXPECT_NEAR(right.data[atLeft], 0, 1e-6);
     EXPECT_GT(right.data[atRight], 0.01);
