@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an
 // exit status. The only place that catches exceptions.
+#include "bake_command.h"
 #include "console.h"
 #include "help_command.h"
 #include "info_command.h"
@@ -74,7 +75,7 @@ std::string versionText() {
 /// The command line and what it fills in.
 struct CommandLine {
     CLI::App app{"Renders OpenVDB volumes with volumetric shadows by sheet-based splatting.", "scrim"};
-    SceneOptions render, plan, study;
+    SceneOptions render, plan, study, bake;
     InfoOptions info;
     MakeOptions make;
     HelpOptions help;
@@ -85,6 +86,7 @@ struct CommandLine {
         addRender();
         addPlan();
         addStudy();
+        addBake();
         addInfo();
         addMake();
         addHelp();
@@ -105,6 +107,11 @@ struct CommandLine {
         CLI::App* command = app.add_subcommand("study", "measure what accuracy costs in time on a scene");
         addSceneOptions(*command, study);
         addStudyOptions(*command, study);
+    }
+    void addBake() {
+        CLI::App* command = app.add_subcommand("bake", "save the light at voxels as grids, for other renderers");
+        addSceneOptions(*command, bake);
+        addBakeOptions(*command, bake);
     }
     void addInfo() {
         CLI::App* command = app.add_subcommand("info", "show what .vdb files, sequences of them, and scans hold");
@@ -185,6 +192,7 @@ int runCommand(CommandLine& line) {
     if (name == "render") renderCommand(line.render);
     if (name == "plan") planCommand(line.plan);
     if (name == "study") studyCommand(line.study);
+    if (name == "bake") bakeCommand(line.bake);
     if (name == "info") infoCommand(line.info);
     if (name == "make") makeCommand(line.make);
     if (name == "help") helpCommand(line.help, line.app);

@@ -212,4 +212,14 @@ void addStudyOptions(CLI::App& command, SceneOptions& o) {
     addProgress(command, o);
 }
 
+void addBakeOptions(CLI::App& command, SceneOptions& o) {
+    addFile(command, "-o,--output", "LIGHT.vdb", "file to write: light.####.vdb", o.baked);
+    command.add_option("--light", o.bakedLights, "only this light; may be given more than once")
+        ->type_name("NAME")
+        ->allow_extra_args(false);
+    command.add_flag("--emission", o.emission,
+                     "also what media scatter of the lights, as an emission grid, and their extinction");
+    addProgress(command, o);
+}
+
 }  // namespace scrim::cli

@@ -45,6 +45,10 @@ struct SceneOptions {
     double verifyLimit = 0;  ///< seconds; 0: none
     double tolerance = 0;    ///< relative RMSE, in place of quality; 0: not given
 
+    std::string baked;                     ///< of `scrim bake`: the file to write
+    std::vector<std::string> bakedLights;  ///< empty: all
+    bool emission = false;
+
     bool json = false;  ///< of `scrim plan`
     double budget = 0;  ///< of `scrim study`: seconds; 0: none
 };
@@ -55,6 +59,8 @@ void addSceneOptions(CLI::App& command, SceneOptions& options);
 void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
 /// Of `study`.
 void addStudyOptions(CLI::App& command, SceneOptions& options);
+/// Of `bake`.
+void addBakeOptions(CLI::App& command, SceneOptions& options);
 /// -v and -q.
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
 

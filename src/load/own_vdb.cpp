@@ -5,7 +5,7 @@
 namespace scrim {
 
 const VdbModule& vdbModule() {
-    static const VdbModule module{readVdbContent, nullptr};
+    static const VdbModule module{readVdbContent, nullptr, nullptr};
     return module;
 }
 

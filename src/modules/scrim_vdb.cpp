@@ -2,7 +2,7 @@
 // The module `scrim_vdb`: what of the library needs OpenVDB.
 #include <scrim/volume/vdb_module.h>
 
-extern "C" __attribute__((visibility("default"))) const scrim::VdbModule* scrim_vdb_module_1() {
-    static const scrim::VdbModule module{scrim::readVdbContent, scrim::writeVdbContent};
+extern "C" __attribute__((visibility("default"))) const scrim::VdbModule* scrim_vdb_module_2() {
+    static const scrim::VdbModule module{scrim::readVdbContent, scrim::writeVdbContent, scrim::writeVdbGridContent};
     return &module;
 }

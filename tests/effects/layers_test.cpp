@@ -2,6 +2,8 @@
 // Pictures beside the beauty: they are parts of it, and cost it nothing.
 #include "scenes.h"
 
+#include <scrim/verify/reference.h>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -84,6 +86,115 @@ TEST_P(Layers, OfALightAreThePictureOfThatLightAlone) {
 INSTANTIATE_TEST_SUITE_P(Each, Layers,
                          testing::Combine(testing::Values("ambient", "coloured extinction", "all at once"),
                                           testing::Bool()));
+
+const FrameLayer& layerOfVolume(const Frame& frame, int volume) {
+    return *std::find_if(frame.layers.begin(), frame.layers.end(),
+                         [&](const FrameLayer& l) { return l.layer == Layer::volume && l.volume == volume; });
+}
+
+class VolumeLayers : public testing::TestWithParam<std::tuple<std::string, bool, bool>> {
+  protected:
+    ViewScene scene() const {
+        ViewScene s = sceneWith(std::get<0>(GetParam()));
+        s.ambient = {0.05, 0.1, 0.1};
+        s.dials.shade = std::get<1>(GetParam()) ? ShadeMode::pixel : ShadeMode::texel;
+        s.layers = {Layer::volume};
+        if (std::get<2>(GetParam())) s.layers = {Layer::light, Layer::ambient, Layer::emission, Layer::volume};
+        return s;
+    }
+};
+
+TEST_P(VolumeLayers, AddUpToTheBeautyAndLeaveIt) {
+    ViewScene s = scene();
+    const Frame frame = renderScene(s);
+    Image sum = frame.image;
+    for (std::size_t i = 0; i < sum.rgba.size(); ++i) {
+        if (i % 4 == 3) continue;
+        sum.rgba[i] = 0;
+        for (std::size_t v = 0; v < s.volumes.size(); ++v)
+            sum.rgba[i] += layerOfVolume(frame, static_cast<int>(v)).data[i / 4 * 3 + i % 4];
+    }
+    expectSame(sum, frame.image, 4e-6);
+    s.layers.clear();
+    expectSame(renderScene(s).image, frame.image, 4e-6);
+}
+
+// Of brute force: what the picture shows when the other volumes only take light away.
+TEST_P(VolumeLayers, AreWhatTheVolumeMakesOfLight) {
+    ViewScene s = scene();
+    s.dials.texel = s.dials.sheetThickness = 0.7;
+    const Frame frame = renderScene(s);
+    for (std::size_t v = 0; v < s.volumes.size(); ++v) {
+        ViewScene alone = s;
+        for (std::size_t w = 0; w < s.volumes.size(); ++w) {
+            if (w == v) continue;
+            alone.volumes[w].medium.albedo = Rgb(0);
+            alone.volumes[w].scatter.clear();
+            alone.volumes[w].emission.clear();
+        }
+        const Reference reference(alone);
+        const FrameLayer& layer = layerOfVolume(frame, static_cast<int>(v));
+        double square = 0, mean = 0;
+        for (int y = 10; y < 40; y += 4)
+            for (int x = 9; x < 40; x += 4) {
+                const std::array<double, 4> truth = reference.pixel(x, y);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    const double error = layer.data[frame.image.indexOf(x, y) / 4 * 3 + c] - truth[c];
+                    square += error * error / 192;
+                    mean += truth[c] / 192;
+                }
+            }
+        EXPECT_LT(std::sqrt(square), 0.02 * mean) << "volume " << v;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, VolumeLayers,
+                         testing::Combine(testing::Values("light linking", "two tints", "all at once"), testing::Bool(),
+                                          testing::Bool()));
+
+TEST(VolumeLayer, OfInstancesIsOneEach) {
+    ViewScene scene = plainScene();
+    scene.volumes.push_back(scene.volumes.front());  // looks alike, and shares planes but for the layer
+    scene.volumes.back().wsFromIs[3] = {22, 0, 0, 1};
+    scene.layers = {Layer::volume};
+    const Frame frame = renderScene(scene);
+    const FrameLayer &left = layerOfVolume(frame, 0), &right = layerOfVolume(frame, 1);
+    const std::size_t atLeft = 3 * (24 * 48 + 12), atRight = 3 * (24 * 48 + 46);
+    EXPECT_GT(left.data[atLeft], 0.01);
+    EXPECT_NEAR(right.data[atLeft], 0, 1e-6);
+    EXPECT_GT(right.data[atRight], 0.01);
+    EXPECT_NEAR(left.data[atRight], 0, 1e-6);
+}
+
+// Of volumes that are culled the layers are there, and black.
+TEST(VolumeLayer, IsThatOfItsPlaceInTheScene) {
+    ViewScene scene = plainScene();
+    scene.layers = {Layer::volume};
+    scene.volumes[0].place = 1;
+    scene.volumeCount = 3;
+    const Frame frame = renderScene(scene);
+    ASSERT_EQ(frame.layers.size(), 3u);
+    for (int v : {0, 2})
+        for (const float value : layerOfVolume(frame, v).data) ASSERT_EQ(value, 0);
+    for (std::size_t i = 0; i < layerOfVolume(frame, 1).data.size(); ++i)
+        ASSERT_NEAR(layerOfVolume(frame, 1).data[i], frame.image.rgba[i / 3 * 4 + i % 3], 1e-6);
+}
+
+TEST(VolumeLayer, OfAClassifiedVolumeIsItsSurface) {
+    ViewScene scene = sceneWith("light linking");
+    auto look = std::make_shared<Classified>();
+    look->transfer = {{0.0, Rgb(1, 0.8, 0.6), 0.0}, {1.0, Rgb(1, 0.8, 0.6), 0.5}};
+    scene.volumes[1].classified = look;
+    scene.layers = {Layer::volume};
+    const Frame frame = renderScene(scene);
+    Image sum = frame.image;
+    for (std::size_t i = 0; i < sum.rgba.size(); ++i)
+        if (i % 4 != 3)
+            sum.rgba[i] =
+                layerOfVolume(frame, 0).data[i / 4 * 3 + i % 4] + layerOfVolume(frame, 1).data[i / 4 * 3 + i % 4];
+    expectSame(sum, frame.image, 4e-6);
+    EXPECT_GT(*std::max_element(layerOfVolume(frame, 1).data.begin(), layerOfVolume(frame, 1).data.end()), 0.01);
+}
 
 TEST(TransmittanceLayer, IsWhatAlphaLeaves) {
     ViewScene scene = sceneWith("coloured extinction");

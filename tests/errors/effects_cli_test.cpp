@@ -100,6 +100,22 @@ TEST_F(CliEffects, LightsOfAnyNameHaveChannelsThatAreRead) {
         "names have letters, digits and underscores alone; expected different ones");
 }
 
+TEST_F(CliEffects, VolumesHaveChannelsOfTheirOwnAndMotionHasTwo) {
+    const std::string output = "[output]\nlayers = [\"motion\", \"volume\"]\n";
+    write("s.toml", kCamera + kVolume + "name = \"my smoke\"\n" + kVolume + "name = \"far\"\n" +
+                        "transform = { translate = [900, 0, 0] }\n" + kLight + output);
+    runWell({"render", "s.toml", "-o", "x.exr"});
+    const std::string channels = readExrAttributes(file("x.exr")).at("channels");
+    for (const char* channel : {"motion.u:float", "motion.v:float", "volume.my_smoke.G:half", "volume.far.B:half"})
+        EXPECT_NE(channels.find(channel), std::string::npos) << channel << " in " << channels;
+    EXPECT_EQ(readExrChannel(file("x.exr"), "volume.my_smoke.R"), readExrChannel(file("x.exr"), "R"));
+    write("s.toml", kCamera + kVolume + "name = \"my smoke\"\n" + kVolume + "name = \"my-smoke\"\n" + kLight + output);
+    expectFailure(
+        {"render", "s.toml", "-o", "y.exr"}, 3,
+        "s.toml:17:10: volumes 'my smoke' and 'my-smoke' would both be 'volume.my_smoke' in the picture, where names "
+        "have letters, digits and underscores alone; expected different ones");
+}
+
 TEST_F(CliEffects, LayersAreInTheFileAndAddUp) {
     write(
         "s.toml",

@@ -87,12 +87,14 @@ struct StageTimes {
 struct FrameLayer {
     Layer layer = Layer::light;
     int light = -1;  ///< of a light's or shadow's: index into ViewScene::lights
-    /// light, ambient, emission: the part of the beauty, RGB. shadow: see catchShadows, RGB. albedo: times what it
-    /// hides, RGB. transmittance: RGB. depth: along the viewing axis, world units, of where the first thing visible
-    /// begins and of the mean over what is seen; 0, 0 where nothing is.
+    /// light, ambient, emission, volume: the part of the beauty, RGB. shadow: see catchShadows, RGB. albedo: times what
+    /// it hides, RGB. transmittance: RGB. depth: along the viewing axis, world units, of where the first thing visible
+    /// begins and of the mean over what is seen; 0, 0 where nothing is. motion: the mean over what is seen, by opacity,
+    /// of the way until the next frame, in pixels to the right and up; 0, 0 where nothing is.
     std::vector<float> data;
+    int volume = -1;  ///< of a volume's: index into Scene::volumes
 
-    std::size_t channels() const { return layer == Layer::depth ? 2 : 3; }
+    std::size_t channels() const { return layer == Layer::depth || layer == Layer::motion ? 2 : 3; }
 };
 
 struct Frame {

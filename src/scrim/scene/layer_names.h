@@ -11,8 +11,8 @@ namespace scrim {
 
 /// In the order of Layer.
 inline const std::vector<std::string>& layerNames() {
-    static const std::vector<std::string> names{"light", "ambient",       "emission", "albedo",
-                                                "depth", "transmittance", "shadow"};
+    static const std::vector<std::string> names{"light",         "ambient", "emission", "albedo", "depth",
+                                                "transmittance", "shadow",  "volume",   "motion"};
     return names;
 }
 inline const std::string& nameOf(Layer layer) {

@@ -25,7 +25,7 @@ namespace scrim {
 struct DepthPicture;
 
 /// Pictures beside the beauty.
-enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow };
+enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume, motion };
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
@@ -178,6 +178,7 @@ struct Scene {
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
     bool moves = false;                   ///< does its text have keys, or a camera from frames?
+    bool movesOn = false;                 ///< may its text tell where things are a frame later?
     std::optional<Shutter> shutter = {};  ///< none: the picture is that of one moment
     bool movesWithin = false;             ///< does any of its text's keys change a value while the shutter is open?
     std::string quality = "standard";     ///< the preset that `dials` started from

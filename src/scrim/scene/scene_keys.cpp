@@ -32,7 +32,8 @@ OutputKeys::OutputKeys()
               "The EXR: premultiplied, scene-linear, its data window cropped to what is not empty. Missing folders are "
               "made."),
       layers(other("layers", "a list of layers: " + choices(layerNames()), kStrings, {},
-                   "Beside the beauty: light (one a light), ambient and emission add up to it.")
+                   "Beside the beauty: light (one a light), ambient and emission add up to it, and so does volume "
+                   "(one a volume); motion is in pixels until the next frame.")
                  .unless("[]")),
       compression(choice("compression", exrCompressions(), "Of the EXR.")) {}
 

@@ -216,6 +216,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.tolerance = render.tolerance;
     scene.dials = render.dials;
     scene.moves = hasKeys(tree) || camera.moves;
+    scene.movesOn = hasKeys(tree);
     for (const SceneMesh& mesh : scene.meshes) scene.moves = scene.moves || mesh.sequence.hasFrame();
     const auto output = section(k.output);
     scene.output = output ? readOutput(*output, context) : defaultOutput(context);

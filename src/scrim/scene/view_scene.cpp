@@ -9,6 +9,19 @@
 
 namespace scrim {
 
+bool wants(const ViewScene& scene, Layer layer) {
+    return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
+}
+
+int placeOf(const ViewScene& scene, std::size_t i) {
+    const int place = scene.volumes[i].place;
+    return place >= 0 ? place : static_cast<int>(i);
+}
+
+std::size_t placesOf(const ViewScene& scene) {
+    return std::max(scene.volumeCount, scene.volumes.size());
+}
+
 std::vector<ViewField> fieldsOf(const ViewVolume& volume) {
     std::vector<ViewField> fields{{volume.field, volume.wsFromIs}};
     for (const ViewEmission& emission : volume.emission) fields.push_back(emission.field);

@@ -46,6 +46,15 @@ struct ViewVelocity {
     Bounds wsRange() const;
 };
 
+/// Where a volume goes until the next frame, for the layer `motion`.
+struct VolumeMotion {
+    Mat4 wsNextFromWs{1.0};  ///< takes it as a whole
+    /// Density times (velocity - least), of x, y and z, on the lattice of the density; none: no velocity.
+    std::vector<ViewField> flow = {};
+    Vec3 least{0}, most{0};   ///< of the grid's velocity
+    Mat3 wsPerVelocity{0.0};  ///< velocity to way in a frame, world space
+};
+
 struct ViewVolume {
     std::string name;
     std::shared_ptr<const SparseField> field;
@@ -59,6 +68,8 @@ struct ViewVolume {
     std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
     bool holdout = false;                                    ///< hides and shadows, and adds neither colour nor alpha
+    std::shared_ptr<const VolumeMotion> motion = nullptr;    ///< null: it stands still
+    int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index here
 };
 
 /// Does the volume's medium scatter light more than once?
@@ -102,6 +113,8 @@ struct ViewScene {
     /// Volumes that are culled, and why: names and reasons, for the plan.
     std::vector<std::pair<std::string, std::string>> culled;
     std::vector<Layer> layers;           ///< to render beside the beauty
+    std::optional<Camera> nextCamera;    ///< a frame later, for the layer `motion`; none: it stands still
+    std::size_t volumeCount = 0;         ///< of the scene's volumes, culled ones too; 0: those that are here
     std::optional<ViewDeep> deep;        ///< none: the flat picture alone
     std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
     /// Null: the picture is that of a moment, which is this scene. Else the mean over moments, of which this is one.
@@ -109,6 +122,12 @@ struct ViewScene {
     std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
 };
+
+bool wants(const ViewScene& scene, Layer layer);
+
+/// The volume of the scene's that `volumes[i]` is, of all that there are.
+int placeOf(const ViewScene& scene, std::size_t i);
+std::size_t placesOf(const ViewScene& scene);
 
 /// The fields of a volume that are not empty, each on a lattice of its own: density and emission.
 std::vector<ViewField> fieldsOf(const ViewVolume& volume);

@@ -159,8 +159,10 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.lines = scene.lines;
     std::vector<std::optional<std::vector<Vec3>>> corners;
     std::vector<std::optional<ViewVolume>> volumes;
+    out.volumeCount = scene.volumes.size();
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         volumes.push_back(viewOf(scene, scene.volumes[i], fields[i], moved));
+        if (volumes[i]) volumes[i]->place = static_cast<int>(i);
         corners.push_back(volumes[i] ? wsCorners(*volumes[i], scene.dials.kernel) : std::vector<Vec3>{});
     }
     const std::vector<std::string> reasons = culledVolumes(scene, corners);

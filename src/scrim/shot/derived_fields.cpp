@@ -70,6 +70,36 @@ std::vector<Block> blocksOf(const SparseField& field) {
     return blocks;
 }
 
+// Three fields: the density times what `at` says of each of its voxels, none of it below 0.
+template <typename At>
+std::vector<FieldPointer> productFields(const SparseField& density, const At& at) {
+    const std::vector<Block> blocks = blocksOf(density);
+    std::array<std::vector<float>, 3> values;
+    for (auto& channel : values) channel.resize(blocks.size() * kBlockVoxels);
+    parallelFor(blocks.size(), [&](std::size_t b) {
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            const float value = blocks[b].values ? blocks[b].values[i] : blocks[b].constant;
+            if (value == 0) continue;
+            const Int3 within(i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge);
+            const Vec3 factor = at(blocks[b].origin + within);
+            for (std::size_t c = 0; c < 3; ++c)
+                values[c][b * kBlockVoxels + std::size_t(i)] = value * static_cast<float>(factor[static_cast<int>(c)]);
+        }
+    });
+    std::vector<FieldPointer> fields;
+    for (const std::vector<float>& channel : values) {
+        FieldPieces pieces;
+        pieces.name = density.name;
+        pieces.wsFromIs = density.wsFromIs;
+        for (const Block& block : blocks) pieces.blockOrigins.push_back(block.origin);
+        pieces.fill = [&](std::size_t i, float* to) {
+            std::copy_n(channel.data() + i * kBlockVoxels, kBlockVoxels, to);
+        };
+        fields.push_back(std::make_shared<SparseField>(buildField(std::move(pieces))));
+    }
+    return fields;
+}
+
 }  // namespace
 
 FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
@@ -94,31 +124,21 @@ FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
 std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
                                            const ColourGrid& look) {
     const AlbedoProbe probe(density, albedo, look);
-    const std::vector<Block> blocks = blocksOf(density);
-    std::array<std::vector<float>, 3> values;
-    for (auto& channel : values) channel.resize(blocks.size() * kBlockVoxels);
-    parallelFor(blocks.size(), [&](std::size_t b) {
-        for (int i = 0; i < kBlockVoxels; ++i) {
-            const float value = blocks[b].values ? blocks[b].values[i] : blocks[b].constant;
-            if (value == 0) continue;
-            const Int3 within(i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge);
-            const Rgb color = probe.at(blocks[b].origin + within);
-            for (std::size_t c = 0; c < 3; ++c)
-                values[c][b * kBlockVoxels + std::size_t(i)] = value * static_cast<float>(color[static_cast<int>(c)]);
-        }
-    });
-    std::vector<FieldPointer> fields;
-    for (const std::vector<float>& channel : values) {
-        FieldPieces pieces;
-        pieces.name = density.name;
-        pieces.wsFromIs = density.wsFromIs;
-        for (const Block& block : blocks) pieces.blockOrigins.push_back(block.origin);
-        pieces.fill = [&](std::size_t i, float* to) {
-            std::copy_n(channel.data() + i * kBlockVoxels, kBlockVoxels, to);
-        };
-        fields.push_back(std::make_shared<SparseField>(buildField(std::move(pieces))));
+    return productFields(density, [&](const Int3& voxel) { return probe.at(voxel); });
+}
+
+std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& assetFromIs,
+                                     const std::vector<FieldPointer>& velocity, const Vec3& least) {
+    std::vector<FieldProbe> probes;
+    std::vector<Mat4> toProbe;
+    for (const FieldPointer& part : velocity) {
+        probes.emplace_back(*part, Kernel::linear);
+        toProbe.push_back(glm::inverse(part->wsFromIs) * assetFromIs);
     }
-    return fields;
+    return productFields(density, [&](const Int3& voxel) {
+        const auto part = [&](int i) { return probes[i].value(transformPoint(toProbe[i], Vec3(voxel))); };
+        return glm::max(Vec3(part(0) - part(1), part(2) - part(3), part(4) - part(5)) - least, Vec3(0));
+    });
 }
 
 std::vector<EmittedField> emittedFields(const FieldPointer& field, const Emission& emission) {

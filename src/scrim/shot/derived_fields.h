@@ -24,6 +24,11 @@ FieldPointer withRamp(const SparseField& field, const std::vector<std::pair<doub
 std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
                                            const ColourGrid& look);
 
+/// Of x, y and z the density times (velocity - `least`) at each of the density's voxels, on the density's lattice.
+/// `velocity`: the parts above and below 0 of each (GridPart), in the asset's space. `assetFromIs`: of the density.
+std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& assetFromIs,
+                                     const std::vector<FieldPointer>& velocity, const Vec3& least);
+
 /// Radiance per world unit as fields times colours: one field where all of the ramp is shades of one colour, else
 /// three. They stay on the lattice of `field`.
 struct EmittedField {

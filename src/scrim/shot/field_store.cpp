@@ -2,6 +2,7 @@
 #include <scrim/shot/field_store.h>
 
 #include <scrim/base/error.h>
+#include <scrim/shot/view_motion.h>
 #include <scrim/volume/grid_choice.h>
 #include <scrim/volume/load_fields.h>
 #include <scrim/volume/vdb_bounds.h>
@@ -225,7 +226,7 @@ FieldStore::Uses FieldStore::usesOf(const Scene& scene, const std::vector<Volume
                                     const std::vector<bool>& shown) const {
     Uses uses;
     std::set<Key> used;
-    const bool blurred = isBlurred(scene);
+    const bool blurred = isBlurred(scene) || wantsMotion(scene);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         if (!shown[i]) continue;
         const Origin origin = originOf(scene.volumes[i], files[i]);
@@ -273,7 +274,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     m_ahead.clear();
 
     Fields all;
-    const bool blurred = isBlurred(scene);
+    const bool blurred = isBlurred(scene) || wantsMotion(scene);
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
         VolumeFields& fields = all.emplace_back();

@@ -53,6 +53,8 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
 }
 
 std::string layerName(const Scene& scene, const FrameLayer& layer) {
+    if (layer.volume >= 0)
+        return nameOf(layer.layer) + "." + channelName(scene.volumes[std::size_t(layer.volume)].name);
     if (layer.light < 0) return nameOf(layer.layer);
     return nameOf(layer.layer) + "." + channelName(scene.lights[std::size_t(layer.light)].name);
 }
@@ -60,6 +62,7 @@ std::string layerName(const Scene& scene, const FrameLayer& layer) {
 ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
     const std::string name = layerName(scene, layer);
     if (layer.layer == Layer::depth) return {name, {"Z", name + ".mean"}, std::move(layer.data)};
+    if (layer.layer == Layer::motion) return {name, {name + ".u", name + ".v"}, std::move(layer.data)};
     return {name, {name + ".R", name + ".G", name + ".B"}, std::move(layer.data)};
 }
 
@@ -79,10 +82,11 @@ bool isShare(Layer layer) {
     return layer == Layer::transmittance || layer == Layer::shadow;
 }
 
-/// Depth is no colour, either.
+/// Depth and motion are no colours, either.
 ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
     const ShotLayer& layer = content.layers[i];
-    if (content.kinds[i] == Layer::depth) return {layer.channels, layer.data, true};
+    if (content.kinds[i] == Layer::depth || content.kinds[i] == Layer::motion)
+        return {layer.channels, layer.data, true};
     if (isShare(content.kinds[i])) return {layer.channels, layer.data};
     return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
 }

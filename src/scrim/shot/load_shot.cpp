@@ -2,6 +2,7 @@
 #include <scrim/shot/load_shot.h>
 
 #include <scrim/base/error.h>
+#include <scrim/shot/view_motion.h>
 
 #include <scrim/scene/layer_names.h>
 
@@ -68,19 +69,21 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
                         fmt::format("volume '{}' has no file, no source, and no grids that were set", volume.name));
 }
 
-/// Lights of which each has a layer must have channels of their own, too.
-void checkChannels(const Scene& scene) {
+/// Lights or volumes of which each has a layer must have channels of their own, too.
+template <typename Named>
+void checkChannels(const Scene& scene, Layer layer, const std::vector<Named>& all) {
     const std::vector<Layer>& layers = scene.output.layers;
-    if (std::find(layers.begin(), layers.end(), Layer::light) == layers.end()) return;
-    std::map<std::string, std::string> lights;
-    for (const Light& light : scene.lights) {
-        const auto [known, isNew] = lights.emplace(channelName(light.name), light.name);
+    if (std::find(layers.begin(), layers.end(), layer) == layers.end()) return;
+    std::map<std::string, std::string> names;
+    for (const Named& one : all) {
+        const auto [known, isNew] = names.emplace(channelName(one.name), one.name);
         if (isNew) continue;
         const std::string where = scene.lines ? scene.lines->of("output.layers") : "";
         throw Error(ErrorKind::input,
-                    fmt::format("{}lights '{}' and '{}' would both be 'light.{}' in the picture, where names have "
+                    fmt::format("{}{}s '{}' and '{}' would both be '{}.{}' in the picture, where names have "
                                 "letters, digits and underscores alone; expected different ones",
-                                where.empty() ? "" : where + ": ", known->second, light.name, known->first));
+                                where.empty() ? "" : where + ": ", nameOf(layer), known->second, one.name,
+                                nameOf(layer), known->first));
     }
 }
 
@@ -108,6 +111,7 @@ ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf v
     turned.dials.lod = lod;
     ViewScene view = assemble(turned, fields, options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
     view.solids = solids;
+    if (wantsMotion(turned)) addMotion(view, turned, nextAt(0), fields);
     return view;
 }
 
@@ -121,6 +125,13 @@ Scene LoadedShot::sceneAt(double t) const {
     for (std::size_t i = 0; i < at.meshes.size(); ++i) at.meshes[i].mesh = scene.meshes[i].mesh;
     at.output.holdout = scene.output.holdout;
     return at;
+}
+
+Scene LoadedShot::nextAt(double t) const {
+    if (!textAt || !scene.movesOn) return scene;
+    Scene next = textAt(t + 1);
+    if (scene.plate) next.camera = scene.camera;
+    return next;
 }
 
 Fields LoadedShot::fieldsAt(double t) const {
@@ -137,6 +148,7 @@ ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod,
     ViewScene view =
         assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, moved);
     view.solids = scene.movesWithin ? solidsOf(at) : solids;
+    if (wantsMotion(at)) addMotion(view, at, nextAt(t), fields);
     return view;
 }
 
@@ -162,7 +174,8 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
     LoadedShot out;
     out.scene = std::move(scene);
     checkVolumes(out.scene, stores.fields);
-    checkChannels(out.scene);
+    checkChannels(out.scene, Layer::light, out.scene.lights);
+    checkChannels(out.scene, Layer::volume, out.scene.volumes);
     out.files = stores.fields.filesOf(out.scene);
     if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
     listenTo(stores.fields, load, options);

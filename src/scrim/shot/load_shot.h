@@ -38,10 +38,13 @@ struct LoadedShot {
     std::size_t slideBytes = 0;            ///< of slides, meshes and depths
     std::shared_ptr<const Solids> solids;  ///< null: there are none
 
-    std::function<Scene(double)> textAt = {};  ///< the scene's text so many frames after the frame; none: nothing moves
+    std::function<Scene(double)> textAt =
+        {};  ///< the scene's text so many frames after the frame; none: nothing moves, or nobody asks
 
     /// The scene so many frames after its frame, with what this one has loaded. Throws Error.
     Scene sceneAt(double t) const;
+    /// The same a frame later, as far as the text knows: its camera, and where volumes are.
+    Scene nextAt(double t) const;
     /// The fields with the time by which velocities move them.
     Fields fieldsAt(double t) const;
 

@@ -10,6 +10,7 @@
 #include <scrim/shot/frame_report.h>
 #include <scrim/shot/render_shot.h>
 #include <scrim/shot/shot_content.h>
+#include <scrim/shot/view_motion.h>
 #include <scrim/volume/guarded_load.h>
 #include <scrim/volume/load_fields.h>
 #include <scrim/volume/load_job.h>
@@ -116,7 +117,7 @@ std::optional<LoadedShot> Shot::Content::loadOnce(Scene scene, const RenderOptio
     };
     auto loaded = loadShot(*stores, load, std::move(scene), heard, volumesOf, use);
     said.clear();
-    if (loaded && text && loaded->scene.movesWithin)
+    if (loaded && text && (loaded->scene.movesWithin || (loaded->scene.movesOn && wantsMotion(loaded->scene))))
         loaded->textAt = [this, &options, frame = static_cast<int>(loaded->scene.frame)](double t) {
             return withOptions(text->at(frame, stores->colour, t), options, *stores);
         };
@@ -162,7 +163,7 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
 }
 
 Scene Shot::Content::byHand(Scene scene) {
-    scene.movesWithin = false;
+    scene.movesWithin = scene.movesOn = false;
     return scene;
 }
 

@@ -20,6 +20,8 @@
 namespace scrim {
 
 struct SceneFile;
+struct BakedShot;
+struct BakeRequest;
 
 /// Volumes and slides are loaded when a frame needs them, and kept as long as the next frame needs them, too.
 ///
@@ -87,6 +89,8 @@ class Shot {
     explicit Shot(std::unique_ptr<Content> content);
     friend class ShotStudy;                                                                       // study/shot_study.h
     friend std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);  // shot/shot_files.h
+    friend BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request,
+                              const RenderOptions& options);  // shot/bake_shot.h
 
     std::unique_ptr<Content> m_content;
 };

@@ -18,7 +18,8 @@ namespace scrim {
 /// A picture beside the beauty, over the same window.
 struct ShotLayer {
     std::string name;                   ///< "light.key", "ambient", "depth"
-    std::vector<std::string> channels;  ///< as in the file: "light.key.R", ...; of depth "Z" and "depth.mean"
+    std::vector<std::string> channels;  ///< as in the file: "light.key.R", ...; of depth "Z" and "depth.mean", of
+                                        ///< motion "motion.u" and "motion.v"
     std::vector<float> data;            ///< channels.size() floats a pixel, interleaved, rows from top to bottom
 };
 
@@ -82,7 +83,7 @@ class ShotFrame {
     const Image& image() const;
 
     /// The layers that the scene asks for, in its order; of lights one each: "light.key". In the working space, except
-    /// for depth (world units along the viewing axis).
+    /// for depth (world units along the viewing axis) and motion (pixels a frame, to the right and up).
     std::vector<std::string> layerNames() const;
     /// Throws Error(usage), which lists the names, where there is no such layer.
     const ShotLayer& layer(const std::string& name) const;

@@ -28,7 +28,9 @@ class MeanFrame {
         if (m_mean.image.rgba.empty()) start(frame);
         addTo(m_mean.image.rgba, frame.image.rgba);
         for (std::size_t i = 0; i < m_mean.layers.size(); ++i) {
-            if (m_mean.layers[i].layer == Layer::depth)
+            if (m_mean.layers[i].layer == Layer::motion)
+                addMotion(m_mean.layers[i].data, frame.layers[i].data, frame.image);
+            else if (m_mean.layers[i].layer == Layer::depth)
                 addDepth(m_mean.layers[i].data, frame.layers[i].data, frame.image);
             else
                 addTo(m_mean.layers[i].data, frame.layers[i].data);
@@ -37,6 +39,9 @@ class MeanFrame {
         m_mean.times += frame.times;
     }
     Frame take() {
+        for (FrameLayer& layer : m_mean.layers)
+            for (std::size_t i = 0; layer.layer == Layer::motion && i < layer.data.size(); ++i)
+                if (const float alpha = m_mean.image.rgba[i / 2 * 4 + 3]; alpha > 0) layer.data[i] /= alpha;
         for (FrameLayer& layer : m_mean.layers)
             for (std::size_t i = 0; layer.layer == Layer::depth && i < m_alpha.size(); ++i)
                 if (m_alpha[i] > 0) layer.data[2 * i + 1] /= m_alpha[i];
@@ -48,10 +53,14 @@ class MeanFrame {
         m_mean.image = emptyImage(frame.image.window);
         m_alpha.resize(frame.image.rgba.size() / 4);
         for (const FrameLayer& layer : frame.layers)
-            m_mean.layers.push_back({layer.layer, layer.light, std::vector<float>(layer.data.size())});
+            m_mean.layers.push_back({layer.layer, layer.light, std::vector<float>(layer.data.size()), layer.volume});
     }
     void addTo(std::vector<float>& sum, const std::vector<float>& values) const {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * values[i];
+    }
+    // By opacity.
+    void addMotion(std::vector<float>& sum, const std::vector<float>& motion, const Image& image) const {
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * image.rgba[i / 2 * 4 + 3] * motion[i];
     }
     // Where nothing is both depths are 0.
     void addDepth(std::vector<float>& sum, const std::vector<float>& depth, const Image& image) {
@@ -96,7 +105,7 @@ Bounds boundsOf(const std::vector<Vec3>& points) {
     return box;
 }
 
-Places placesOf(const ViewScene& view) {
+Places pointsOf(const ViewScene& view) {
     Places out{view.camera, {}, view.lights};
     // Whether there is a velocity at a moment or not, the corners are those of the fields where they stand.
     for (ViewVolume volume : view.volumes) {
@@ -200,7 +209,7 @@ double ShotMotion::longestPath() {
     for (int i = 0; i < kMoments; ++i) {
         const double part = static_cast<double>(i) / (kMoments - 1);
         const ViewScene view = truthAt((1 - part) * m_shutter.open + part * m_shutter.close, base);
-        places.push_back(placesOf(view));
+        places.push_back(pointsOf(view));
         if (i == 0 || i == kMoments - 1)
             for (const ViewVolume& volume : view.volumes)
                 if (volume.velocity) {

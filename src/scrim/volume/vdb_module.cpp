@@ -16,4 +16,9 @@ void writeVdb(const std::string& path, const std::vector<SparseField>& fields) {
     vdbModule().write(path, fields);
 }
 
+void writeVdbGrids(const std::string& path, const std::vector<VdbGrid>& grids,
+                   const std::vector<std::pair<std::string, std::string>>& metadata) {
+    vdbModule().writeGrids(path, grids, metadata);
+}
+
 }  // namespace scrim

@@ -6,9 +6,11 @@
 
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_file.h>
+#include <scrim/volume/vdb_write.h>
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -21,17 +23,21 @@ struct VdbFile::Content {
     virtual SparseField field(const GridRequest& request, const MessageSink& messages) const = 0;
 };
 
-/// Each as the function that calls it: VdbFile::open (null: for no requests, but all of the file) and writeVdb.
+/// Each as the function that calls it: VdbFile::open (null: for no requests, but all of the file), writeVdb and
+/// writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests);
 void writeVdbContent(const std::string& path, const std::vector<SparseField>& fields);
+void writeVdbGridContent(const std::string& path, const std::vector<VdbGrid>& grids,
+                         const std::vector<std::pair<std::string, std::string>>& metadata);
 
 struct VdbModule {
     decltype(&readVdbContent) read = nullptr;
     decltype(&writeVdbContent) write = nullptr;
+    decltype(&writeVdbGridContent) writeGrids = nullptr;
 };
 
 /// The one function that the module exports. Its name changes with whatever stands above.
-#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_1"
+#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_2"
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module, for good. May be called from any thread. Throws Error(render) where it cannot be loaded. In

@@ -19,15 +19,19 @@ namespace scrim {
 
 namespace {
 
+void place(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs) {
+    grid.setName(name);
+    openvdb::Mat4d m;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) m(i, j) = wsFromIs[i][j];
+    grid.setTransform(openvdb::math::Transform::createLinearTransform(m));
+}
+
 openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
     using Leaf = openvdb::FloatTree::LeafNodeType;
     openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(0.0f);
-    grid->setName(field.name);
+    place(*grid, field.name, field.wsFromIs);
     grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-    openvdb::Mat4d m;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) m(i, j) = field.wsFromIs[i][j];
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(m));
 
     openvdb::FloatTree& tree = grid->tree();
     for (const ConstantTile& tile : field.tiles) {
@@ -42,6 +46,32 @@ openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
             if (values[n] > 0) leaf->setValueOn(n, values[n]);
     }
     return grid;
+}
+
+/// `valueAt(floats of the block, voxel)`.
+template <typename Grid, typename ValueAt>
+openvdb::GridBase::Ptr gridFrom(const VdbGrid& from, std::size_t floatsABlock, const ValueAt& valueAt) {
+    typename Grid::Ptr grid = Grid::create();
+    place(*grid, from.name, from.wsFromIs);
+    if (!from.colour) grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+    for (std::size_t b = 0; b < from.blockOrigins.size(); ++b) {
+        const Int3& origin = from.blockOrigins[b];
+        auto* leaf = grid->tree().touchLeaf(openvdb::Coord(origin.x, origin.y, origin.z));
+        const float* values = from.values.data() + b * floatsABlock;
+        for (openvdb::Index n = 0; n < kBlockVoxels; ++n)
+            if (from.active[b][n]) leaf->setValueOn(n, valueAt(values, n));
+    }
+    for (const auto& [key, value] : from.metadata) grid->insertMeta(key, openvdb::StringMetadata(value));
+    return grid;
+}
+
+openvdb::GridBase::Ptr gridFrom(const VdbGrid& from) {
+    if (!from.colour)
+        return gridFrom<openvdb::FloatGrid>(from, kBlockVoxels,
+                                            [](const float* values, openvdb::Index n) { return values[n]; });
+    return gridFrom<openvdb::Vec3SGrid>(from, std::size_t{3} * kBlockVoxels, [](const float* v, openvdb::Index n) {
+        return openvdb::Vec3s(v[n], v[kBlockVoxels + n], v[2 * kBlockVoxels + n]);
+    });
 }
 
 /// Why nothing can be added to a file.
@@ -66,16 +96,17 @@ void checkWritten(const AtomicFile& file) {
     }
 }
 
-}  // namespace
-
-void writeVdbContent(const std::string& path, const std::vector<SparseField>& fields) {
+template <typename Source>
+void writeAll(const std::string& path, const std::vector<Source>& sources,
+              const std::vector<std::pair<std::string, std::string>>& more) {
     openvdb::initialize();
     AtomicFile file(path);
     try {
         openvdb::GridCPtrVec grids;
-        for (const SparseField& field : fields) grids.push_back(gridFrom(field));
+        for (const Source& source : sources) grids.push_back(gridFrom(source));
         openvdb::MetaMap metadata;
         metadata.insertMeta("creator", openvdb::StringMetadata("Scrim"));
+        for (const auto& [key, value] : more) metadata.insertMeta(key, openvdb::StringMetadata(value));
         openvdb::io::File out(file.tempPath());
         out.setCompression(
             openvdb::io::COMPRESS_ACTIVE_MASK |
@@ -89,6 +120,17 @@ void writeVdbContent(const std::string& path, const std::vector<SparseField>& fi
     }
     checkWritten(file);
     file.commit();
+}
+
+}  // namespace
+
+void writeVdbContent(const std::string& path, const std::vector<SparseField>& fields) {
+    writeAll(path, fields, {});
+}
+
+void writeVdbGridContent(const std::string& path, const std::vector<VdbGrid>& grids,
+                         const std::vector<std::pair<std::string, std::string>>& metadata) {
+    writeAll(path, grids, metadata);
 }
 
 }  // namespace scrim

@@ -198,6 +198,35 @@ TEST_F(MotionBlur, HasTheNearestDepthAndTheMeanOfTheLayers) {
     EXPECT_NEAR(frame.layer("transmittance").data[3 * pixel], 1 - alphaAt(still, 24), 0.01);
 }
 
+// Pixels until the next frame, of half a unit each: by keys, by a velocity, by both, and by the camera.
+TEST_F(MotionBlur, HasALayerOfTheWayUntilTheNextFrame) {
+    const std::string layer = "output.layers=[\"motion\"]";
+    const std::string slow = "volume.block.transform={translate={keys=[[0,[-1.5,0,0]],[2,[1.5,0,0]]]}}";
+    const auto motion = [&](std::vector<std::string> more) {
+        more.push_back(layer);
+        const ShotFrame frame = render(more);
+        const ShotLayer& out = frame.layer("motion");
+        EXPECT_EQ(out.channels, (std::vector<std::string>{"motion.u", "motion.v"}));
+        EXPECT_EQ(out.data[2 * (16 * 32 + 1)], 0) << "nothing is there";
+        const float* at = out.data.data() + 2 * (16 * 32 + 22);
+        return std::pair(std::round(at[0] * 1000) / 1000, std::round(at[1] * 1000) / 1000);
+    };
+    using Pixels = std::pair<float, float>;
+    EXPECT_EQ(Pixels(motion({})), Pixels(0, 0));
+    EXPECT_EQ(Pixels(motion({slow})), Pixels(3, 0));
+    EXPECT_EQ(Pixels(motion({kMoves})), Pixels(16, 0));
+    EXPECT_EQ(Pixels(motion({kVelocity})), Pixels(16, 0));
+    EXPECT_EQ(Pixels(motion({"volume.block.velocity={grid=[\"vx\",\"vy\",\"vz\"],scale=-3}"})), Pixels(-2, 0));
+    EXPECT_EQ(Pixels(motion({kVelocity, slow})), Pixels(19, 0));
+    EXPECT_EQ(Pixels(motion({"camera.position={keys=[[0,[0,0,40]],[2,[0,2,40]]]}",
+                             "camera.target={keys=[[0,[0,0,0]],[2,[0,2,0]]]}"})),
+              Pixels(0, -2));
+    // The mean over the shutter, of what moves evenly, is the same; of what stops meanwhile it is less.
+    const std::string on = "volume.block.transform={translate={keys=[[0,[-1.5,0,0]],[3,[3,0,0]]]}}";
+    EXPECT_EQ(Pixels(motion({on, kShutter, samples(4)})), Pixels(3, 0));
+    EXPECT_EQ(Pixels(motion({slow, kShutter, samples(4)})), Pixels(3 * (1 + 1 + 0.875f + 0.625f) / 4, 0));
+}
+
 // A render of one moment is not the mean over the shutter, and the reference, which is, tells. From 4 to 8 to 16
 // samples errors of a smooth integrand are of second order; edges of a voxel's width take some of it off.
 TEST_F(MotionBlur, IsJudgedByAReferenceThatSeesAllOfTheShutter) {

@@ -8,9 +8,12 @@
 namespace scrim {
 namespace {
 
-FrameLayer* find(Frame& frame, Layer layer, int light = -1) {
+// Of a pixel's motion, before it is divided: right and up times opacity, and the opacities that they were taken by.
+constexpr std::size_t kMotionSums = 4;
+
+FrameLayer* find(Frame& frame, Layer layer, int light = -1, int volume = -1) {
     for (FrameLayer& l : frame.layers)
-        if (l.layer == layer && l.light == light) return &l;
+        if (l.layer == layer && l.light == light && l.volume == volume) return &l;
     return nullptr;
 }
 
@@ -25,10 +28,12 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
     std::vector<Target> targets;
     for (std::size_t i = 0; i < group.outputs.list.size(); ++i) {
         const Output& output = group.outputs.list[i];
-        // Lights have their share in them already, and so have ambient light and emission.
-        const bool seen = output.layer == Layer::albedo || output.layer == Layer::depth;
+        // Lights have their share in them already, and so have ambient light and emission, and what volumes make of
+        // them.
+        const bool seen =
+            output.layer == Layer::albedo || output.layer == Layer::depth || output.layer == Layer::motion;
         targets.push_back({group.outputs.layout.quadOf(static_cast<int>(i) + 1),
-                           find(frame, output.layer, output.light), seen ? group.primary : 1.0});
+                           find(frame, output.layer, output.light, output.place), seen ? group.primary : 1.0});
     }
     return targets;
 }
@@ -62,15 +67,18 @@ void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
 Frame emptyFrame(const ViewScene& scene) {
     Frame frame;
     frame.image = emptyImage(scene.region);
-    const auto add = [&](Layer layer, int light) {
-        FrameLayer& out = frame.layers.emplace_back(FrameLayer{layer, light, {}});
-        out.data.assign(out.channels() * scene.region.pixelCount(), 0.0f);
+    const auto add = [&](Layer layer, int light, int volume) {
+        FrameLayer& out = frame.layers.emplace_back(FrameLayer{layer, light, {}, volume});
+        const std::size_t floats = layer == Layer::motion ? kMotionSums : out.channels();
+        out.data.assign(floats * scene.region.pixelCount(), 0.0f);
     };
     for (const Layer layer : scene.layers) {
         if (layer == Layer::light || layer == Layer::shadow)
-            for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i));
+            for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i), -1);
+        else if (layer == Layer::volume)
+            for (std::size_t i = 0; i < placesOf(scene); ++i) add(layer, -1, static_cast<int>(i));
         else
-            add(layer, -1);
+            add(layer, -1, -1);
     }
     return frame;
 }
@@ -112,6 +120,12 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
                     float* depth = target.layer->data.data() + at / 4 * 2;
                     if (sum.first > 0 && (depth[0] == 0 || sum.first < depth[0])) depth[0] = sum.first;
                     for (std::size_t c = 0; c < 3; ++c) depth[1] += radiance(quad + c, target.share / 3);
+                } else if (target.layer->layer == Layer::motion) {
+                    float* sums = target.layer->data.data() + at / 4 * kMotionSums;
+                    for (std::size_t c = 0; c < 2; ++c) {
+                        sums[c] += static_cast<Real>(weight * target.share) * sum.floats[quad + c];
+                        sums[2 + c] += hidden[c];
+                    }
                 } else {
                     float* rgb = target.layer->data.data() + at / 4 * 3;
                     for (std::size_t c = 0; c < 3; ++c) rgb[c] += radiance(quad + c, target.share);
@@ -125,6 +139,14 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
 
 void finishLayers(Frame& frame) {
     for (FrameLayer& layer : frame.layers) {
+        if (layer.layer == Layer::motion) {
+            const std::vector<float> sums = std::move(layer.data);
+            layer.data.assign(sums.size() / 2, 0.0f);
+            for (std::size_t i = 0; i < layer.data.size(); ++i) {
+                const float hidden = sums[i / 2 * kMotionSums + 2 + i % 2];
+                if (hidden > 0) layer.data[i] = sums[i / 2 * kMotionSums + i % 2] / hidden;
+            }
+        }
         if (layer.layer == Layer::transmittance)
             for (float& value : layer.data) value = std::clamp(1 - value, 0.0f, 1.0f);
         if (layer.layer != Layer::depth) continue;

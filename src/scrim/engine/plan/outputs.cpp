@@ -12,11 +12,9 @@ namespace scrim {
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights) {
     SweepOutputs outputs;
     OutputLayout& layout = outputs.layout;
-    const auto wants = [&](Layer layer) {
-        return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
-    };
-    const auto add = [&](Layer layer, int light = -1) {
-        outputs.list.push_back({layer, light});
+    const auto wants = [&](Layer layer) { return scrim::wants(scene, layer); };
+    const auto add = [&](Layer layer, int light = -1, int place = -1) {
+        outputs.list.push_back({layer, light, place});
         return static_cast<int>(outputs.list.size());
     };
     for (const int light : lights) {
@@ -40,6 +38,9 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     layout.beautyParts = static_cast<int>(outputs.list.size()) + 1;
     if (primary && wants(Layer::albedo)) layout.albedo = add(Layer::albedo);
     if (primary && wants(Layer::depth)) layout.depth = add(Layer::depth);
+    if (primary && wants(Layer::motion)) layout.motion = add(Layer::motion);
+    for (std::size_t v = 0; wants(Layer::volume) && v < scene.volumes.size(); ++v)
+        outputs.ofVolumes.push_back(add(Layer::volume, -1, placeOf(scene, v)));
     layout.outputs = static_cast<int>(outputs.list.size()) + 1;
     if (primary && holdsOut(scene)) layout.seen = layout.outputs++;
     layout.coloured = coloured;
@@ -55,6 +56,15 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
         throw Error(ErrorKind::usage, fmt::format("{} layers are asked for; at most {} can be rendered at once",
                                                   layout.outputs - 1, kMostOutputs - 1));
     return outputs;
+}
+
+std::size_t layerCount(const ViewScene& scene) {
+    std::size_t count = 0;
+    for (const Layer layer : scene.layers)
+        count += layer == Layer::light || layer == Layer::shadow ? scene.lights.size()
+                 : layer == Layer::volume                        ? placesOf(scene)
+                                                                 : 1;
+    return count;
 }
 
 }  // namespace scrim

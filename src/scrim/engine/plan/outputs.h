@@ -9,10 +9,11 @@
 
 namespace scrim {
 
-/// An output beside the beauty. Of Layer::light one each for every light.
+/// An output beside the beauty. Of Layer::light one each for every light, of Layer::volume for every volume.
 struct Output {
     Layer layer = Layer::light;
     int light = -1;  ///< of a light's: index into ViewScene::lights
+    int place = -1;  ///< of a volume's: index into Scene::volumes
 
     bool operator==(const Output&) const = default;
 };
@@ -29,7 +30,7 @@ struct OutputLayout {
     bool beauty = true;
     // Outputs that receive what is not a light's. 0: it goes into the beauty; -1: nowhere, nobody asks for it.
     int ambient = 0, emission = 0;
-    int albedo = -1, depth = -1;
+    int albedo = -1, depth = -1, motion = -1;
     /// Opacity of what is seen, in each channel: the picture's alpha where that is not all that hides; else -1. It is
     /// no layer, and the last of the outputs.
     int seen = -1;
@@ -47,11 +48,15 @@ struct OutputLayout {
 struct SweepOutputs {
     std::vector<Output> list;  ///< output i + 1
     OutputLayout layout;
-    std::vector<int> ofLights;  ///< the output of each of the sweep's lights
+    std::vector<int> ofLights;        ///< the output of each of the sweep's lights
+    std::vector<int> ofVolumes = {};  ///< of each of ViewScene::volumes; 0: none
 };
 
 /// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns
 /// alpha, ambient light and emission. Throws Error(usage) where there are too many.
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights);
+
+/// Pictures beside the beauty that a frame of `scene` has.
+std::size_t layerCount(const ViewScene& scene);
 
 }  // namespace scrim

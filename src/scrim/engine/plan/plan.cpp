@@ -301,13 +301,8 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups)
         floats = std::max(
             floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
-    const std::size_t layers =
-        scene.layers.size() +
-        std::size_t(std::count_if(scene.layers.begin(), scene.layers.end(),
-                                  [](Layer l) { return l == Layer::light || l == Layer::shadow; })) *
-            scene.lights.size();
-    return pixels * floats * sizeof(Real) +
-           std::size_t(scene.region.width()) * std::size_t(scene.region.height()) * (4 + 3 * layers) * sizeof(float);
+    return pixels * floats * sizeof(Real) + std::size_t(scene.region.width()) * std::size_t(scene.region.height()) *
+                                                (4 + 3 * layerCount(scene)) * sizeof(float);
 }
 
 void checkSlides(const ViewScene& scene) {

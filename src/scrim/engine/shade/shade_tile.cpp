@@ -108,22 +108,37 @@ bool lights(const SheetLight& light, const std::vector<bool>* lit) {
     return !lit || (*lit)[light.index];
 }
 
+// Adds what a volume makes of a light to the light's rows, and where the volume has an output of its own, there, too.
+template <class Add>
+void addTo(const ShadeInput& input, const Lit& lit, int output, Work& w, const Add& add) {
+    add(lit);
+    if (output == 0) return;
+    Lit own = lit;
+    for (int c = 0; c < 3; ++c) own.to[c] = outputRow(input, w, output, c);
+    add(own);
+}
+
 // The first octave is single scattering, which surfaces know too; the others are of media that have them.
 template <bool kTinted>
 HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const Real* tauIn, const Lit& lit,
                            Work& w) {
     transmitAll(input, light, tauIn, 1, w);
     for (const SheetMedium& medium : input.media)
-        if (lights(light, medium.lit)) scatterInto<kTinted>(input, lit, medium, medium.phase, 1, w);
+        if (lights(light, medium.lit))
+            addTo(input, lit, medium.output, w,
+                  [&](const Lit& to) { scatterInto<kTinted>(input, to, medium, medium.phase, 1, w); });
     for (const SheetSurface& surface : input.surfaces)
-        if (lights(light, surface.lit)) addReflected<kTinted>(lit, surface);
+        if (lights(light, surface.lit))
+            addTo(input, lit, surface.output, w, [&](const Lit& to) { addReflected<kTinted>(to, surface); });
     for (const SheetMedium& medium : input.media) {
         if (!lights(light, medium.lit)) continue;
         const Octaves& o = medium.octaves;
         for (int n = 1; n < o.count; ++n) {
             transmitAll(input, light, tauIn, static_cast<Real>(std::pow(o.extinction, n)), w);
-            scatterInto<kTinted>(input, lit, medium, flattened(medium.phase, std::pow(o.phase, n)),
-                                 static_cast<Real>(std::pow(o.contribution, n)), w);
+            const Phase phase = flattened(medium.phase, std::pow(o.phase, n));
+            addTo(input, lit, medium.output, w, [&](const Lit& to) {
+                scatterInto<kTinted>(input, to, medium, phase, static_cast<Real>(std::pow(o.contribution, n)), w);
+            });
             w.done.octaves += kTileSize;
         }
     }
@@ -186,32 +201,42 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
     });
 }
 
+// The same to an output of the volume's own, if it has one.
+HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output, int own,
+                        Work& w) {
+    addSource(input, coefficient, color, channel, output, w);
+    if (own > 0) addSource(input, coefficient, color, channel, own, w);
+}
+
 // The same of radiance that differs from sample to sample.
-HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, Work& w) {
+HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, int output, Work& w) {
     const DF d;
     const SheetMedium& medium = input.media[std::size_t(scattered.medium)];
     for (int c = 0; c < 3; ++c) {
         const auto albedo = constant(medium.albedo[c] * scattered.share);
         const Real *through = w.through.values[input.coloured ? c : 0], *scatter = medium.scatter[c],
                    *radiance = scattered.radiance[c];
-        Real* to = outputRow(input, w, scattered.output, c);
+        Real* to = outputRow(input, w, output, c);
         forSamples([&](int k) HWY_ATTR {
             const auto part = hn::Mul(hn::Mul(load(scatter, k), load(through, k)), load(radiance, k));
             hn::Store(hn::MulAdd(part, albedo, load(to, k)), d, to + k);
         });
     }
-    w.done.scattered += kTileSize;
 }
 
 // What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
+// `seen`: it is a part of the beauty.
 template <class SurfaceShare>
-HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool ambient,
+HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool seen,
                              const SurfaceShare& share, Work& w) {
     for (int c = 0; c < 3; ++c) {
         for (const SheetMedium& medium : input.media)
-            if (medium.ambient || !ambient) addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, w);
+            if (medium.ambient || !seen)
+                addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output,
+                          seen ? medium.output : 0, w);
         for (const SheetSurface& surface : input.surfaces)
-            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, w);
+            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, seen ? surface.output : 0,
+                      w);
     }
 }
 
@@ -227,10 +252,15 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     }
     for (const SheetEmission& emission : input.emissions) {
         for (int c = 0; c < 3; ++c)
-            addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, w);
+            addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, emission.output, w);
         w.done.emissions += kTileSize;
     }
-    for (const SheetScattered& scattered : input.scattered) addScatteredBefore(input, scattered, w);
+    for (const SheetScattered& scattered : input.scattered) {
+        addScatteredBefore(input, scattered, scattered.output, w);
+        if (const int own = input.media[std::size_t(scattered.medium)].output; own > 0)
+            addScatteredBefore(input, scattered, own, w);
+        w.done.scattered += kTileSize;
+    }
     constexpr Real kWhite[3] = {1, 1, 1};
     if (input.layout.albedo >= 0)
         addEnvironment(
@@ -305,6 +335,16 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     }
 }
 
+// Motion of the samples times their opacities.
+HWY_ATTR void fillMotion(const ShadeInput& input, const Rows& opacity, Work& w) {
+    const DF d;
+    for (int c = 0; c < 2; ++c) {
+        const Real* hides = opacity.values[input.coloured ? c : 0];
+        Real* to = outputRow(input, w, input.layout.motion, c);
+        forSamples([&](int k) HWY_ATTR { hn::Store(hn::Mul(load(input.motion[c], k), load(hides, k)), d, to + k); });
+    }
+}
+
 // The beauty's parts into the beauty.
 HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
     const DF d;
@@ -326,6 +366,7 @@ HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, Real* out) {
     if (layout.beauty) addUp(input, w);
     if (input.layout.seen >= 0) fillSeen(input, opacity, w);
     if (input.layout.depth >= 0) fillDepth(input, opacity, w);
+    if (input.layout.motion >= 0) fillMotion(input, opacity, w);
     const int stride = layout.floats();
     for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {
         Real* quad = out + 4 * layout.quadOf(p);

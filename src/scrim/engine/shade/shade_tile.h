@@ -69,6 +69,7 @@ struct SheetMedium {
     Octaves octaves;
     const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
     bool ambient = true;                     ///< does ambient light reach it as if nothing shadowed it?
+    int output = 0;                          ///< where what it shows goes beside the beauty or its parts; 0: nowhere
 };
 
 /// Light that scattered before, at a medium: an environment that differs from sample to sample.
@@ -83,6 +84,7 @@ struct SheetScattered {
 struct SheetEmission {
     const Real* coefficient;
     Real color[3];
+    int output = 0;  ///< as a medium's
 };
 
 /// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
@@ -94,6 +96,8 @@ struct SheetSurface {
     Real ambient, diffuse, specular, exponent;
     bool twoSided;
     const std::vector<bool>* lit = nullptr;  ///< as a medium's
+    int output = 0;                          ///< the same
+    int sceneVolume = 0;
 };
 
 /// Buffers of samples (all rows and `outputs`) must be aligned to 64 bytes.
@@ -117,7 +121,8 @@ struct ShadeInput {
     const Real* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
     /// 256 values a light, of what gets past solids; nullptr: there are none.
     const Real* unblocked;
-    Real ambient[3];  ///< radiance of an unshadowed environment; all 0: none
+    Real ambient[3];        ///< radiance of an unshadowed environment; all 0: none
+    const Real* motion[2];  ///< pixels a frame, to the right and up: read for the output of it
     OutputLayout layout;
     Real* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
     Simd simd;

@@ -56,7 +56,8 @@ struct SheetShader::Rows {
         const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
         m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
         m_scattered = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
-        m_outputs = m_scattered + 3 * shader.m_scatteredParts.size();
+        m_motion = m_scattered + 3 * shader.m_scatteredParts.size();
+        m_outputs = m_motion + (shader.m_motion ? 2 + 3 * shader.m_media.size() : 0);
         const std::size_t count = m_outputs + 3 * std::size_t(shader.m_group.outputs.layout.outputs - 1) + 1;
         if (scratch.rows.size() < count) scratch.rows.resize(count);
         if (scratch.classified.size() < shader.m_surfaces.size()) scratch.classified.resize(shader.m_surfaces.size());
@@ -72,12 +73,14 @@ struct SheetShader::Rows {
     Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
     Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
     Real* scattered(std::size_t i, int c) const { return scratch.rows[m_scattered + 3 * i + std::size_t(c)].values; }
+    Real* motion(int axis) const { return scratch.rows[m_motion + std::size_t(axis)].values; }
+    Real* flow(std::size_t i, int c) const { return scratch.rows[m_motion + 2 + 3 * i + std::size_t(c)].values; }
     Real* outputs() const { return scratch.rows[m_outputs].values; }
 
     Scratch& scratch;
 
   private:
-    std::size_t m_medium, m_emission, m_seen, m_tauIn, m_unblocked, m_scattered, m_outputs;
+    std::size_t m_medium, m_emission, m_seen, m_tauIn, m_unblocked, m_scattered, m_motion, m_outputs;
 };
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
@@ -100,6 +103,8 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
             look.exponent = static_cast<Real>(c->exponent);
             look.twoSided = c->twoSided;
             look.lit = litOrAll(volume);
+            look.sceneVolume = extinction.volumes()[i].sceneVolume;
+            look.output = outputOf(look.sceneVolume);
             continue;
         }
         const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
@@ -110,9 +115,11 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
             {}, {}, volume.medium.phase, volume.medium.octaves, volume.holdout ? &m_unlit : litOrAll(volume)};
         for (int c = 0; c < 3; ++c) look.albedo[c] = static_cast<Real>(albedo[c]);
         look.ambient = !scattersFully(volume);
+        look.output = outputOf(extinction.volumes()[i].sceneVolume);
         m_media.push_back(look);
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
+    if (group.outputs.layout.motion >= 0) m_motion.emplace(scene, group.sheets);
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
     if (m_scattered && group.primary > 0) chooseScattered();
 }
@@ -149,6 +156,11 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     }
 }
 
+// Of a volume's own layer; 0: there is none.
+int SheetShader::outputOf(int sceneVolume) const {
+    return m_group.outputs.ofVolumes.empty() ? 0 : m_group.outputs.ofVolumes[std::size_t(sceneVolume)];
+}
+
 // Fills the rows of all media; read(planes, to) reads one row of one of them.
 template <class Read>
 void SheetShader::gather(const Read& read, Rows& rows) const {
@@ -160,7 +172,9 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
             for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter(i, c));
-        if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone)) read(volume.extinction(), rows.medium(i));
+        if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone) || m_motion)
+            read(volume.extinction(), rows.medium(i));
+        for (int c = 0; volume.flow[0] && c < 3; ++c) read(*volume.flow[c], rows.flow(i, c));
     }
     for (int i = 0; m_holdouts && i < m_plan.extinction.count(); ++i)
         std::fill(rows.seen(i), rows.seen(i) + kTileSize, Real(0));
@@ -291,6 +305,19 @@ void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const
     }
 }
 
+// What of all that is at the samples moves how far.
+void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const {
+    std::vector<ScreenMotion::Part> parts;
+    for (std::size_t i = 0; i < m_media.size(); ++i) {
+        const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
+        ScreenMotion::Part& part = parts.emplace_back(ScreenMotion::Part{volume.sceneVolume, rows.medium(i)});
+        for (int c = 0; volume.flow[0] && c < 3; ++c) part.flow[c] = rows.flow(i, c);
+    }
+    for (const SheetSurface& surface : rows.scratch.surfaces)
+        parts.push_back({surface.sceneVolume, surface.extinction});
+    m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion(0), rows.motion(1));
+}
+
 // All that shading reads, from the rows.
 ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
@@ -305,6 +332,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     for (std::size_t e = 0; e < m_extinction.emissions().size() && m_emitting > 0; ++e) {
         SheetEmission& emission = scratch.emissions.emplace_back();
         emission.coefficient = rows.emission(e);
+        emission.output = outputOf(m_extinction.emissions()[e].sceneVolume);
         for (int c = 0; c < 3; ++c)
             emission.color[c] = m_emitting * static_cast<Real>(m_extinction.emissions()[e].color[c]);
     }
@@ -328,6 +356,10 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.tauIn = rows.tauIn(0);
     input.unblocked = m_lights.passSolids() ? rows.unblocked(0) : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
+    if (m_motion) {
+        fillMotion(p, samples, rows);
+        for (int c = 0; c < 2; ++c) input.motion[c] = rows.motion(c);
+    }
     input.layout = m_group.outputs.layout;
     input.outputs = rows.outputs();
     input.simd = m_plan.simd;

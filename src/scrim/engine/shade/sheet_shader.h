@@ -6,6 +6,7 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/eye_rays.h>
 #include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/shade/screen_motion.h>
 #include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/transport/scattered_light.h>
 
@@ -32,6 +33,7 @@ class SheetShader {
 
   private:
     struct Rows;
+    int outputOf(int sceneVolume) const;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
     void addSeen(std::size_t volume, const Real* extinction, Rows& rows) const;
@@ -41,6 +43,7 @@ class SheetShader {
     bool shows(const Rows& rows) const;
     void chooseScattered();
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;
+    void fillMotion(int p, const SampleTile& samples, Rows& rows) const;
     ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
 
     const Plan& m_plan;
@@ -62,6 +65,7 @@ class SheetShader {
     std::vector<SheetScattered> m_scatteredParts;
     std::vector<int> m_scatteredFields;
     std::vector<bool> m_held;  // for each of m_extinction's volumes: is it not seen?
+    std::optional<ScreenMotion> m_motion;  // where a layer asks for it
 };
 
 }  // namespace scrim

@@ -48,15 +48,16 @@ using Alike = std::vector<std::size_t>;
 
 bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
     return !a.classified && !b.classified && a.scatter.empty() && b.scatter.empty() && a.medium == b.medium &&
-           a.lights == b.lights && a.holdout == b.holdout;
+           a.lights == b.lights && a.holdout == b.holdout && !a.motion && !b.motion;
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene) {
+    const bool apart = wants(scene, Layer::volume);  // each is seen by itself
     std::vector<Alike> groups;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         if (scene.volumes[v].field->empty()) continue;
         const auto known = std::find_if(groups.begin(), groups.end(), [&](const Alike& group) {
-            return lookAlike(scene.volumes[group.front()], scene.volumes[v]);
+            return !apart && lookAlike(scene.volumes[group.front()], scene.volumes[v]);
         });
         if (known == groups.end())
             groups.push_back({v});
@@ -64,6 +65,12 @@ std::vector<Alike> alikeVolumes(const ViewScene& scene) {
             known->push_back(v);
     }
     return groups;
+}
+
+// What the layer `motion` looks at.
+const std::vector<ViewField>& flowOf(const ViewScene& scene, const ViewVolume& volume) {
+    static const std::vector<ViewField> none;
+    return wants(scene, Layer::motion) && volume.motion ? volume.motion->flow : none;
 }
 
 // Does the sum need planes of its own?
@@ -128,18 +135,22 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
         } else {
             std::vector<ViewField> fields{densityOf(volume)};
             if (who != For::light) fields.insert(fields.end(), volume.scatter.begin(), volume.scatter.end());
+            const auto& flow = flowOf(scene, volume);
+            if (who == For::primaryEye) fields.insert(fields.end(), flow.begin(), flow.end());
             const auto planes = planesOf(fields, volume.medium.mostExtinction());
             own.density = planes[0];
-            std::copy(planes.begin() + 1, planes.end(), own.scatter.begin());
+            std::copy_n(planes.begin() + 1, volume.scatter.size() * (who != For::light), own.scatter.begin());
+            if (who == For::primaryEye)
+                std::copy(planes.end() - std::ptrdiff_t(flow.size()), planes.end(), own.flow.begin());
         }
     }
-    for (const ViewVolume& volume : scene.volumes) {
-        if (who != For::primaryEye) break;
-        const std::vector<ViewEmission> emission = emissionOf(volume);
+    for (std::size_t v = 0; v < scene.volumes.size() && who == For::primaryEye; ++v) {
+        const std::vector<ViewEmission> emission = emissionOf(scene.volumes[v]);
         std::vector<ViewField> fields;
         for (const ViewEmission& e : emission) fields.push_back(e.field);
         const auto planes = planesOf(fields, 1);
-        for (std::size_t e = 0; e < emission.size(); ++e) m_emissions.push_back({planes[e], emission[e].color});
+        for (std::size_t e = 0; e < emission.size(); ++e)
+            m_emissions.push_back({planes[e], emission[e].color, static_cast<int>(v)});
     }
     if (!needsTotals(scene, plan, who)) return;
     for (int i = 0; i < m_channels.count(); ++i) m_totals.emplace_back(batchSheets, lattice.width, lattice.height, 1);
@@ -221,6 +232,8 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     for (const ViewVolume& volume : scene.volumes) {
         if (who != For::light)
             for (const ViewField& scatter : volume.scatter) add(scatter);
+        if (who == For::primaryEye)
+            for (const ViewField& flow : flowOf(scene, volume)) add(flow);
         if (who == For::primaryEye)
             for (const ViewEmission& emission : volume.emission) add(emission.field);
     }

@@ -43,7 +43,8 @@ class ExtinctionSum {
         std::unique_ptr<Surface> surface = {};  ///< of a classified volume
         const PlaneStack* density = nullptr;    ///< of a medium: its extinction
         std::array<const PlaneStack*, 3> scatter =
-            {};  ///< where the albedo is a grid: what each colour scatters; or null
+            {};                                      ///< where the albedo is a grid: what each colour scatters; or null
+        std::array<const PlaneStack*, 3> flow = {};  ///< VolumeMotion::flow, where the layer `motion` looks at it
 
         const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }
     };
@@ -53,6 +54,7 @@ class ExtinctionSum {
     struct Emission {
         const PlaneStack* planes;
         Rgb color;
+        int sceneVolume;
     };
     const std::vector<Emission>& emissions() const { return m_emissions; }
 

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/shot/bake_shot.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/base/version.h>
+#include <scrim/engine/light/baked_light.h>
+#include <scrim/engine/plan/plan.h>
+#include <scrim/scene/field_rays.h>
+#include <scrim/scene/layer_names.h>
+#include <scrim/scene/nearest_name.h>
+#include <scrim/shot/shot_content.h>
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+const char* const kIrradiance =
+    "irradiance times transmittance; a distant light of intensity 1 gives 1 where nothing is in its way";
+const char* const kScattered = "radiance per world unit, scattered evenly to all sides";
+const char* const kExtinction = "extinction per world unit";
+
+std::string placed(const Scene& scene, const std::string& key) {
+    const std::string where = scene.lines ? scene.lines->of(key) : "";
+    return where.empty() ? where : where + ": ";
+}
+
+// Which lights of the scene are asked for.
+std::vector<bool> wantedLights(const Scene& scene, const BakeRequest& request) {
+    if (scene.lights.empty())
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: there is no light to bake; expected a [[light]] in the scene", scene.file));
+    std::vector<std::string> names;
+    for (const Light& light : scene.lights) names.push_back(light.name);
+    std::vector<bool> wanted(names.size(), request.lights.empty());
+    for (const std::string& name : request.lights) {
+        const auto found = std::find(names.begin(), names.end(), name);
+        if (found == names.end())
+            throw Error(ErrorKind::usage, fmt::format("there is no light '{}' to bake{}; expected {}",
+                                                      shortened(name, 80), didYouMean(name, names), choices(names)));
+        wanted[std::size_t(found - names.begin())] = true;
+    }
+    return wanted;
+}
+
+bool isGrey(const Rgb& colour) {
+    return colour.x == colour.y && colour.x == colour.z;
+}
+
+Mat3 outputFromWorking(const Scene& scene, const ColourConfig& colour) {
+    try {
+        return glm::inverse(colour.workingFrom(scene.output.colorspace));
+    } catch (const Error& error) {
+        throw Error(error.kind(), placed(scene, "output.colorspace") + error.what());
+    }
+}
+
+class GridMaker {
+  public:
+    GridMaker(const Scene& scene, const Mat3& outputFromWorking, std::string space, bool coloured)
+        : m_scene(scene), m_outputFromWorking(outputFromWorking), m_space(std::move(space)), m_coloured(coloured) {}
+
+    // `baked`: null where the volume shows nothing: its grids are empty then.
+    void addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked, const BakeWants& wants);
+    std::vector<VdbGrid> take() { return std::move(m_grids); }
+
+  private:
+    VdbGrid& add(std::size_t volume, const std::string& name, const std::string& of, const BakedVolume* baked);
+    void setColours(VdbGrid& grid, std::vector<float> values, bool grey) const;
+    void addExtinction(std::size_t volume, const ViewVolume* view, const BakedVolume* baked);
+
+    const Scene& m_scene;
+    Mat3 m_outputFromWorking;
+    std::string m_space;
+    bool m_coloured;
+    std::vector<VdbGrid> m_grids;
+    std::map<std::string, std::string> m_names;  // and what is called so
+};
+
+VdbGrid& GridMaker::add(std::size_t volume, const std::string& name, const std::string& of, const BakedVolume* baked) {
+    const SceneVolume& own = m_scene.volumes[volume];
+    const std::string prefix = m_scene.volumes.size() > 1 ? channelName(own.name) + "." : "";
+    VdbGrid& grid = m_grids.emplace_back();
+    grid.name = prefix + channelName(name);
+    const auto [known, isNew] = m_names.emplace(grid.name, of);
+    if (!isNew)
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: {} and {} would both be the grid '{}', whose name has letters, digits and "
+                                "underscores alone; expected different names",
+                                m_scene.file, known->second, of, grid.name));
+    grid.wsFromIs = own.wsFromAsset;
+    if (!baked) return grid;
+    grid.blockOrigins = baked->blockOrigins;
+    grid.active = baked->active;
+    return grid;
+}
+
+// Grey values need no colour space.
+void GridMaker::setColours(VdbGrid& grid, std::vector<float> values, bool grey) const {
+    grid.colour = !grey;
+    if (!grey) {
+        grid.metadata.emplace_back("scrim:colorspace", m_space);
+        for (std::size_t i = 0; i < values.size();
+             i += (i % kBlockVoxels == kBlockVoxels - 1 ? 2 * kBlockVoxels : 0) + 1) {
+            const Rgb c = m_outputFromWorking *
+                          Rgb(values[i], values[i + kBlockVoxels], values[i + std::size_t{2} * kBlockVoxels]);
+            for (int k = 0; k < 3; ++k) values[i + std::size_t(k) * kBlockVoxels] = static_cast<float>(c[k]);
+        }
+        grid.values = std::move(values);
+        return;
+    }
+    grid.values.resize(values.size() / 3);
+    for (std::size_t b = 0; b < grid.blockOrigins.size(); ++b)
+        std::copy_n(values.begin() + std::ptrdiff_t(3 * b * kBlockVoxels), kBlockVoxels,
+                    grid.values.begin() + std::ptrdiff_t(b * kBlockVoxels));
+}
+
+void GridMaker::addExtinction(std::size_t volume, const ViewVolume* view, const BakedVolume* baked) {
+    const std::string of = fmt::format("the extinction of volume '{}'", m_scene.volumes[volume].name);
+    VdbGrid& grid = add(volume, "density", of, baked);
+    grid.metadata.emplace_back("scrim:unit", kExtinction);
+    const Medium& medium = m_scene.volumes[volume].medium;
+    grid.colour = !isGrey(medium.extinctionTint);
+    if (!baked) return;
+    const FieldRays field(*view->field);
+    const int channels = grid.colour ? 3 : 1;
+    grid.values.resize(std::size_t(channels) * kBlockVoxels * grid.blockOrigins.size());
+    for (std::size_t b = 0; b < grid.blockOrigins.size(); ++b)
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            if (!grid.active[b][std::size_t(i)]) continue;
+            const Vec3 is = Vec3(grid.blockOrigins[b]) + Vec3(i / 64, i / 8 % 8, i % 8);
+            const double value = view->medium.densityScale * field.value(transformPoint(view->field->wsFromIs, is));
+            for (int c = 0; c < channels; ++c)
+                grid.values[(b * std::size_t(channels) + std::size_t(c)) * kBlockVoxels + std::size_t(i)] =
+                    static_cast<float>(value * medium.extinctionTint[c]);
+        }
+}
+
+void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked,
+                          const BakeWants& wants) {
+    const SceneVolume& own = m_scene.volumes[volume];
+    const std::size_t first = m_grids.size();
+    bool greyLights = true;
+    for (std::size_t l = 0; l < m_scene.lights.size(); ++l) {
+        const Light& light = m_scene.lights[l];
+        const bool lit =
+            !own.lights || std::find(own.lights->begin(), own.lights->end(), light.name) != own.lights->end();
+        if (!wants.lights[l] || !lit) continue;
+        const bool grey = isGrey(light.intensity) && !light.slide && !m_coloured;
+        greyLights = greyLights && grey;
+        VdbGrid& grid = add(volume, light.name, fmt::format("light '{}'", light.name), baked);
+        grid.metadata = {{"scrim:light", light.name}, {"scrim:unit", kIrradiance}};
+        setColours(grid, baked ? baked->lights[l] : std::vector<float>{}, grey);
+    }
+    if (wants.scattered && !own.classified) {
+        VdbGrid& grid = add(volume, "emission", fmt::format("the emission of volume '{}'", own.name), baked);
+        grid.metadata = {{"scrim:unit", kScattered}};
+        const bool grey =
+            greyLights && isGrey(own.medium.albedo) && !own.albedoGrid && isGrey(m_scene.ambient) && !m_coloured;
+        setColours(grid, baked ? baked->scattered : std::vector<float>{}, grey);
+        addExtinction(volume, view, baked);
+    }
+    for (std::size_t g = first; g < m_grids.size(); ++g) {
+        m_grids[g].metadata.emplace_back("scrim:volume", own.name);
+        if (view) m_grids[g].wsFromIs = view->wsFromIs;
+    }
+}
+
+void warnOfLooks(const Scene& scene, const MessageSink& messages) {
+    for (const SceneVolume& volume : scene.volumes) {
+        const std::string key = "volume." + volume.name;
+        if (volume.classified)
+            notify(messages, Severity::warning,
+                   fmt::format("{}volume '{}' is classified: what it reflects depends on where the eye is, so it has "
+                               "no emission grid",
+                               placed(scene, key), volume.name));
+        else if (!volume.medium.phase.isotropic())
+            notify(messages, Severity::warning,
+                   fmt::format("{}volume '{}' does not scatter evenly; its emission grid is that of a medium that does",
+                               placed(scene, key + ".medium.phase"), volume.name));
+    }
+}
+
+}  // namespace
+
+BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, const RenderOptions& options) {
+    Shot::Content& content = *shot.m_content;
+    BakedShot out;
+    TaskArena(options.threads).run([&] {
+        Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
+        const BakeWants wants{wantedLights(scene, request), request.emission};
+        const std::string space = scene.output.colorspace;
+        const Mat3 toOutput = outputFromWorking(scene, content.stores->colour);
+        if (request.emission) warnOfLooks(scene, options.messages);
+        content.keepPromise(scene, options, ShotUse::render);
+        const auto loaded = content.loadOnce(std::move(scene), options, VolumesOf::scene, ShotUse::render);
+        out.skipped = !loaded;
+        if (!loaded) return;
+        const ViewScene view = loaded->view(options, 0, VolumesOf::scene);
+        const std::vector<BakedVolume> baked = bakeLight(view, wants, threadCount(), options.progress);
+        const std::string id = content.stores->colour.interopId(space);
+        GridMaker maker(loaded->scene, toOutput, id.empty() ? space : id, extinctionChannels(view).coloured);
+        for (std::size_t v = 0; v < loaded->scene.volumes.size(); ++v) {
+            const std::string& name = loaded->scene.volumes[v].name;
+            const auto shown = std::find_if(view.volumes.begin(), view.volumes.end(),
+                                            [&](const ViewVolume& volume) { return volume.name == name; });
+            const bool isThere = shown != view.volumes.end() && !shown->field->empty();
+            if (!isThere)
+                notify(options.messages, Severity::warning,
+                       fmt::format("frame {}: volume '{}' has no density; its grids are empty", frame, name));
+            maker.addVolume(v, isThere ? &*shown : nullptr,
+                            isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wants);
+        }
+        out.grids = maker.take();
+        out.metadata = {{"scrim:version", scrimVersion()},
+                        {"scrim:frame", fmt::format("{}", frame)},
+                        {"scrim:scene", content.text ? content.text->toml({}) : std::string()}};
+    });
+    return out;
+}
+
+}  // namespace scrim

@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: Apache-2.0
+// Baked light: what arrives at voxels, against closed forms and brute force; and as emission it is the picture.
+#include "scenes.h"
+
+#include <scrim/engine/light/baked_light.h>
+#include <scrim/verify/reference.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+BakeWants everything(const ViewScene& scene) {
+    return {std::vector<bool>(scene.lights.size(), true), true};
+}
+
+struct Voxel {
+    Vec3 is;
+    std::size_t block;
+    int offset;
+};
+
+std::vector<Voxel> voxelsOf(const BakedVolume& baked) {
+    std::vector<Voxel> voxels;
+    for (std::size_t b = 0; b < baked.blockOrigins.size(); ++b)
+        for (int i = 0; i < kBlockVoxels; ++i)
+            if (baked.active[b][std::size_t(i)])
+                voxels.push_back({Vec3(baked.blockOrigins[b]) + Vec3(i / 64, i / 8 % 8, i % 8), b, i});
+    return voxels;
+}
+
+Rgb at(const std::vector<float>& values, const Voxel& voxel) {
+    const float* own = values.data() + voxel.block * 3 * kBlockVoxels + voxel.offset;
+    return {own[0], own[kBlockVoxels], own[2 * kBlockVoxels]};
+}
+
+// A slab of 20 voxels, lit from above: its top voxel at z = 9 has half a voxel of smoke before it, by its tent.
+TEST(BakedLight, OfASlabIsBeersLaw) {
+    Medium medium;
+    medium.densityScale = 0.2;
+    medium.extinctionTint = {1, 0.5, 0};
+    for (const double slant : {0.0, 0.75}) {
+        ViewScene scene = orthographicScene(boxField({-60, -60, -10}, {59, 59, 9}), medium, 20, 9);
+        scene.lights = {distantLight(glm::normalize(Vec3(slant, 0, -1)), 3)};
+        const BakedVolume baked = bakeLight(scene, everything(scene), 2).at(0);
+        const double path = std::sqrt(1 + slant * slant);
+        int looked = 0;
+        for (const Voxel& voxel : voxelsOf(baked)) {
+            if (std::max(std::abs(voxel.is.x), std::abs(voxel.is.y)) > 30) continue;  // no light from the sides
+            const double tau = 0.2 * path * (9.5 - voxel.is.z);
+            for (int c = 0; c < 3; ++c) {
+                const double expected = 3 * std::exp(-tau * medium.extinctionTint[c]);
+                ASSERT_NEAR(at(baked.lights.at(0), voxel)[c], expected, 0.02 * expected) << voxel.is.z << " " << c;
+            }
+            ++looked;
+        }
+        EXPECT_EQ(looked, 61 * 61 * 20);
+    }
+}
+
+TEST(BakedLight, OfALampFallsOffWithTheSquareOfDistance) {
+    Medium medium;
+    medium.densityScale = 1e-6;
+    ViewScene scene = orthographicScene(boxField(Int3(-10), Int3(10)), medium, 20, 9);
+    for (const Vec3& place : {Vec3(3, 14, 30), Vec3(0.3, 0.2, 0.4)}) {  // the second stands within
+        scene.lights = {lamp(place, 100, 0.5)};
+        const BakedVolume baked = bakeLight(scene, everything(scene), 2).at(0);
+        for (const Voxel& voxel : voxelsOf(baked)) {
+            const double distance = glm::distance(voxel.is, place);
+            if (distance < 1) continue;
+            const double expected = 100 / (distance * distance);
+            ASSERT_NEAR(at(baked.lights.at(0), voxel).x, expected, 2e-3 * expected) << voxel.is.x << " " << voxel.is.y;
+        }
+    }
+}
+
+ViewScene sceneOf(const std::string& name) {
+    if (name == "lamp within" || name == "sphere" || name == "sun with an angle") {
+        ViewScene scene = plainScene();
+        scene.lights.resize(1);
+        if (name == "lamp within") {
+            scene.lights.push_back(lamp({2, 5, -3}, 300, 1));
+            scene.lights.back().name = "lamp";
+        } else {
+            Light& light = scene.lights[0];
+            light.samples = 64;
+            light.intensity = Rgb(2, 1, 0.5);
+            if (name == "sphere") {
+                light.kind = Light::Area{AreaShape::sphere, 1, 1, 12};
+                light.wsPosition = {40, 30, 20};
+            } else {
+                light.kind = Light::Distant(20);
+            }
+        }
+        return scene;
+    }
+    ViewScene scene = sceneWith(name);
+    for (ViewVolume& volume : scene.volumes) volume.medium.phase = {};
+    return scene;
+}
+
+class Baked : public testing::TestWithParam<std::string> {};
+
+// What the reference makes of a voxel is all of its sources; light by light it is what arrives.
+TEST_P(Baked, AgreesWithBruteForce) {
+    ViewScene scene = sceneOf(GetParam());
+    for (ViewVolume& volume : scene.volumes) volume.emission.clear();
+    scene.dials.texel = scene.dials.sheetThickness = 0.7;
+    const std::vector<BakedVolume> baked = bakeLight(scene, everything(scene), 2);
+    std::mt19937 random(7);
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        // One volume scatters, all of them shadow.
+        ViewScene alone = scene;
+        for (std::size_t w = 0; w < scene.volumes.size(); ++w)
+            if (w != v) {
+                alone.volumes[w].medium.albedo = Rgb(0);
+                alone.volumes[w].scatter.clear();
+            }
+        const std::vector<Voxel> voxels = voxelsOf(baked[v]);
+        for (std::size_t l = 0; l <= scene.lights.size(); ++l) {
+            const bool all = l == scene.lights.size();
+            ViewScene truth = alone;
+            if (!all) {
+                for (std::size_t other = 0; other < scene.lights.size(); ++other)
+                    if (other != l) truth.lights[other].intensity = Rgb(0);
+                truth.ambient = Rgb(0);
+                truth.volumes[v].medium.octaves = {};
+                truth.volumes[v].medium.albedo = Rgb(1);
+                truth.volumes[v].scatter.clear();
+            }
+            const std::vector<float>& values = all ? baked[v].scattered : baked[v].lights[l];
+            const ViewVolume& volume = scene.volumes[v];
+            EXPECT_EQ(values.empty(), !all && !volume.lights.empty() && !volume.lights[l]);
+            if (values.empty()) continue;
+            const Reference reference(truth);
+            double square = 0, mean = 0;
+            for (int i = 0; i < 60; ++i) {
+                const Voxel& voxel = voxels[random() % voxels.size()];
+                const Vec3 ws = transformPoint(volume.wsFromIs, voxel.is);
+                const Reference::Sample sample = reference.sample(ws, {0, 0, -1});
+                Rgb expected = sample.source;
+                const double own =
+                    volume.medium.densityScale * FieldProbe(*volume.field, Kernel::linear).voxel(Int3(voxel.is));
+                if (!all) expected *= 4 * kPi / (own * glm::max(volume.medium.extinctionTint, 1e-9));
+                const Rgb error = at(values, voxel) - expected;
+                square += glm::dot(error, error) / 3 / 60;
+                mean += (expected.x + expected.y + expected.z) / 3 / 60;
+            }
+            std::printf("%s, volume %zu, %s: %.2f %%\n", GetParam().c_str(), v,
+                        all ? "scattered" : scene.lights[l].name.c_str(), 100 * std::sqrt(square) / mean);
+            EXPECT_LT(std::sqrt(square), 0.02 * mean) << "volume " << v << ", light " << l;
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Each, Baked,
+                         testing::Values("ambient", "coloured extinction", "two tints", "albedo grid", "octaves",
+                                         "light linking", "lamp within", "sphere", "sun with an angle"));
+
+// A renderer that shows the baked light as emission, with the same extinction and without any light, shows the picture.
+TEST(BakedLight, AsEmissionIsThePicture) {
+    for (const char* name : {"ambient", "coloured extinction", "albedo grid", "octaves", "light linking"}) {
+        ViewScene scene = sceneOf(name);
+        scene.dials.texel = scene.dials.sheetThickness = 0.7;
+        const Frame picture = renderScene(scene);
+        const std::vector<BakedVolume> baked = bakeLight(scene, everything(scene), 2);
+        ViewScene shown = scene;
+        shown.lights.clear();
+        shown.ambient = Rgb(0);
+        for (std::size_t v = 0; v < baked.size(); ++v) {
+            ViewVolume& volume = shown.volumes[v];
+            volume.lights.clear();
+            volume.scatter.clear();
+            volume.medium.albedo = Rgb(0);
+            for (int c = 0; c < 3; ++c) {
+                auto field = std::make_shared<SparseField>(*volume.field);
+                auto values = std::shared_ptr<float[]>(new float[baked[v].blockOrigins.size() * kBlockVoxels]);
+                field->blockOrigins = baked[v].blockOrigins;
+                for (std::size_t b = 0; b < field->blockCount(); ++b)
+                    std::copy_n(baked[v].scattered.data() + (3 * b + std::size_t(c)) * kBlockVoxels, kBlockVoxels,
+                                values.get() + b * kBlockVoxels);
+                field->blockValues = std::shared_ptr<const float>(values, values.get());
+                Rgb colour(0);
+                colour[c] = 1;
+                volume.emission.push_back({{field, volume.wsFromIs}, colour});
+            }
+        }
+        const Frame again = renderScene(shown);
+        const PixelWindow& window = picture.image.window;
+        double square = 0, mean = 0, count = 0;
+        for (int y = window.y0; y + 8 <= window.y1; y += 8)
+            for (int x = window.x0; x + 8 <= window.x1; x += 8)
+                for (int c = 0; c < 3; ++c) {
+                    double a = 0, b = 0;
+                    for (int j = 0; j < 8; ++j)
+                        for (int i = 0; i < 8; ++i) {
+                            a += pixelOf(picture, x + i, y + j)[std::size_t(c)] / 64;
+                            b += pixelOf(again, x + i, y + j)[std::size_t(c)] / 64;
+                        }
+                    square += (a - b) * (a - b);
+                    mean += a;
+                    ++count;
+                }
+        const double error = std::sqrt(square / count) / (mean / count);
+        std::printf("%s: %.2f %%\n", name, 100 * error);
+        EXPECT_LT(error, 0.02) << name;
+    }
+}
+
+TEST(BakedLight, ThatIsNotWantedIsNotThere) {
+    const ViewScene scene = plainScene();
+    const BakedVolume baked = bakeLight(scene, {{false, true}, false}, 2).at(0);
+    EXPECT_TRUE(baked.lights.at(0).empty());
+    EXPECT_FALSE(baked.lights.at(1).empty());
+    EXPECT_TRUE(baked.scattered.empty());
+}
+
+TEST(BakedLight, IsCutFromTiles) {
+    Medium medium;
+    ViewScene scene = plainScene();
+    auto field = std::make_shared<SparseField>();
+    field->tiles = {{{0, 0, 0}, 16, 0.05f}};
+    field->activeVoxels = 16 * 16 * 16;
+    field->maxValue = 0.05f;
+    scene.volumes[0].field = field;
+    scene.volumes[0].medium = medium;
+    scene.lights = {distantLight({0, 0, -1}, 1)};
+    const BakedVolume baked = bakeLight(scene, everything(scene), 2).at(0);
+    ASSERT_EQ(baked.blockOrigins.size(), 8u);
+    for (const Voxel& voxel : voxelsOf(baked)) {
+        if (std::min(voxel.is.x, voxel.is.y) < 2 || std::max(voxel.is.x, voxel.is.y) > 13) continue;
+        const double expected = std::exp(-0.05 * (15.5 - voxel.is.z));
+        ASSERT_NEAR(at(baked.lights[0], voxel).x, expected, 0.01 * expected);
+    }
+}
+
+}  // namespace
+}  // namespace scrim::test
