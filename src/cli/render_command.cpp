@@ -113,6 +113,11 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
 }
 
 void RenderRun::keepMissed(const ShotReport& report) {
+    if (report.scattering && !report.scattering->converged)
+        m_missed.push_back(
+            fmt::format("frame {}: written, but a further sweep would have changed the light that scatters more than "
+                        "once by {:.2g}, more than render.scatter_error = {:.2g}",
+                        report.frame, report.scattering->change, report.scattering->wanted));
     if (!report.tolerance || report.tolerance->met) return;
     m_missed.push_back(
         fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}", report.frame,

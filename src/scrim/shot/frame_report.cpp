@@ -30,13 +30,17 @@ Json workJson(const RenderWork& w) {
             {"caught_rays", w.caughtRays},
             {"deep_samples", w.deepSamples},
             {"sheets", w.sheets},
+            {"scatter_sweeps", w.scatterSweeps},
+            {"scatter_cell_directions", w.scatterDirections},
+            {"scattered_samples", w.shade.scattered},
             {"buffer_bytes", w.bytes.total()},
             {"bytes",
              {{"fields", w.bytes.fields},
               {"shadows", w.bytes.shadows},
               {"shaded", w.bytes.shaded},
               {"picture", w.bytes.picture},
-              {"deep", w.bytes.deep}}}};
+              {"deep", w.bytes.deep},
+              {"scattered", w.bytes.scattered}}}};
 }
 
 Json verificationJson(const VerificationReport& v) {
@@ -59,6 +63,7 @@ Json secondsJson(const ShotTimes& s) {
 
 Json stagesJson(const ShotTimes& s) {
     return {{"prepare", s.prepare},
+            {"scatter", s.scatter},
             {"splat", s.splat},
             {"attenuate", s.attenuate},
             {"shade", s.shade},
@@ -117,6 +122,8 @@ std::string reportAsJson(const ShotReport& r) {
                             {"texel", t->texel},   {"sheet_thickness", t->sheetThickness},
                             {"bound", t->bound},   {"attempts", t->attempts},
                             {"met", t->met}};
+    if (const auto& s = r.scattering)
+        out["scattering"] = {{"wanted", s->wanted}, {"change", s->change}, {"converged", s->converged}};
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 

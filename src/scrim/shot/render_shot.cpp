@@ -190,7 +190,10 @@ Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotRep
     warnOfEmpty(shot, options.messages);
     Frame frame = FrameRender(shot, options, report, begins).run();
     report.workJson = workAsJson(frame.work);
+    if (frame.work.scatterSweeps > 0)
+        report.scattering = {shot.scene.dials.scatterError, frame.scatterChange, frame.scatterConverged};
     report.seconds.prepare = frame.times.prepare;
+    report.seconds.scatter = frame.times.scatter;
     report.seconds.splat = frame.times.splat;
     report.seconds.attenuate = frame.times.attenuate;
     report.seconds.shade = frame.times.shade;

@@ -27,7 +27,7 @@ struct ShotLayer {
 struct ShotTimes {
     double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< plan: with a tolerance's pilots
     /// Of `render`.
-    double prepare = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
+    double prepare = 0, scatter = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
 
     double total() const { return load + plan + render + verify + write; }
 };
@@ -56,6 +56,13 @@ struct ToleranceReport {
     bool met = false;
 };
 
+/// How light that scatters more than once was solved for.
+struct ScatteringReport {
+    double wanted = 0;      ///< the dial scatter_error
+    double change = 0;      ///< what one more sweep would have changed of it, relative
+    bool converged = true;  ///< is that as little as was wanted?
+};
+
 struct ShotReport {
     std::string input;  ///< the shot's path
     std::string file;   ///< where the picture goes: the last one written, or else as the scene says
@@ -68,6 +75,7 @@ struct ShotReport {
     std::size_t peakBytes = 0;  ///< memory of the process at its most so far
     std::optional<VerificationReport> verification;
     std::optional<ToleranceReport> tolerance;
+    std::optional<ScatteringReport> scattering;  ///< none where light scatters but once
 };
 
 /// `report` as one JSON object.

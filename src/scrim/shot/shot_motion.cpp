@@ -37,6 +37,8 @@ class MeanFrame {
         }
         m_mean.work += frame.work;
         m_mean.times += frame.times;
+        m_mean.scatterChange = std::max(m_mean.scatterChange, frame.scatterChange);
+        m_mean.scatterConverged = m_mean.scatterConverged && frame.scatterConverged;
     }
     Frame take() {
         for (FrameLayer& layer : m_mean.layers)

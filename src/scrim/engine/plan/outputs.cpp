@@ -9,7 +9,8 @@
 
 namespace scrim {
 
-SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights) {
+SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
+                           const std::vector<int>& scattered) {
     SweepOutputs outputs;
     OutputLayout& layout = outputs.layout;
     const auto wants = [&](Layer layer) { return scrim::wants(scene, layer); };
@@ -26,12 +27,10 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
                                                         : static_cast<int>(known - outputs.list.begin()) + 1);
     }
     // What of a light has scattered before the sweeps show that own alpha.
-    const bool scatters = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
-    if (primary && scatters && wants(Layer::light))
-        for (std::size_t i = 0; i < scene.lights.size(); ++i)
-            if (std::find(outputs.list.begin(), outputs.list.end(), Output{Layer::light, static_cast<int>(i)}) ==
-                outputs.list.end())
-                add(Layer::light, static_cast<int>(i));
+    for (const int light : scattered)
+        if (primary && wants(Layer::light) &&
+            std::find(outputs.list.begin(), outputs.list.end(), Output{Layer::light, light}) == outputs.list.end())
+            add(Layer::light, light);
     const bool lit = scene.ambient != Rgb(0);
     if (primary && wants(Layer::ambient) && lit) layout.ambient = add(Layer::ambient);
     if (primary && wants(Layer::emission)) layout.emission = add(Layer::emission);
@@ -49,7 +48,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
                                    [](const ViewVolume& volume) { return !volume.emission.empty(); });
     const bool ambientLeft = primary && lit && layout.ambient == 0;
     const bool emissionLeft = primary && emits && layout.emission == 0;
-    const bool lightsLeft = (!lights.empty() || (primary && scatters)) && !wants(Layer::light);
+    const bool lightsLeft = (!lights.empty() || (primary && !scattered.empty())) && !wants(Layer::light);
     layout.beauty = layout.beautyParts == 1 || ambientLeft || emissionLeft || lightsLeft;
     constexpr int kMostOutputs = 250;
     if (layout.outputs > kMostOutputs)

@@ -53,8 +53,10 @@ struct SweepOutputs {
 };
 
 /// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns
-/// alpha, ambient light and emission. Throws Error(usage) where there are too many.
-SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights);
+/// alpha, ambient light, emission, and what has scattered before of the lights `scattered`. Throws Error(usage) where there
+/// are too many.
+SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
+                           const std::vector<int>& scattered = {});
 
 /// Pictures beside the beauty that a frame of `scene` has.
 std::size_t layerCount(const ViewScene& scene);

@@ -90,6 +90,13 @@ double occupied(const ViewScene& scene, double margin) {
 
 }  // namespace
 
+std::vector<int> lightsOf(const TransportPlan& plan) {
+    std::vector<int> lights;
+    for (const ScatterTarget& target : plan.targets)
+        lights.insert(lights.end(), target.lights.begin(), target.lights.end());
+    return lights;
+}
+
 bool skiesFromBorder(const ViewScene& scene) {
     const bool caught = scene.solids && asksFor(scene, Layer::shadow);
     return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),

@@ -30,6 +30,9 @@ struct TransportPlan {
     bool any() const { return !targets.empty(); }
 };
 
+/// Of all targets: indices into ViewScene::lights.
+std::vector<int> lightsOf(const TransportPlan& plan);
+
 /// Do skies shine into all that they light through the border of the cells, so that no sub-lights stand for them?
 bool skiesFromBorder(const ViewScene& scene);
 

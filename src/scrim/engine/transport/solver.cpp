@@ -5,6 +5,7 @@
 #include <scrim/engine/transport/mix_ordinates.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <utility>
@@ -67,6 +68,31 @@ std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<doubl
         b[i] = std::abs(a[i][i]) > 0 ? b[i] / a[i][i] : 0;
     }
     return b;
+}
+
+// Adds to x what the coarser rows around finer cell `cell` of a block have in its middle: of two neighbours along each
+// axis the nearer one counts three quarters. Those that are not there do not count.
+void addInterpolated(const Real* const* near, int around, const Int3& cell, std::size_t values, Real* x) {
+    std::array<std::pair<const Real*, Real>, 8> parts;
+    std::size_t count = 0;
+    Real sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Int3 at;
+        Real weight = 1;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool farther = (corner >> axis & 1) != 0, upper = (cell[axis] & 1) != 0;
+            at[axis] = cell[axis] / 2 + 1 + (farther ? (upper ? 1 : -1) : 0);
+            weight *= farther ? Real(0.25) : Real(0.75);
+        }
+        const Real* row = near[(at.z * around + at.y) * around + at.x];
+        if (!row) continue;
+        sum += weight;
+        parts[count++] = {row, weight};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const Real weight = parts[i].second / sum;
+        for (std::size_t m = 0; m < values; ++m) x[m] += weight * parts[i].first[m];
+    }
 }
 
 }  // namespace
@@ -289,32 +315,28 @@ void TransportSolver::restrict(const Level& fine, Level& coarse, bool residual) 
 void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const {
     const std::size_t values = valuesPerRow();
     const CellGrid &from = coarse.cells().grid, &to = fine.cells().grid;
-    const Vec3 shift = from.csFromWs(to.wsFromCs(Vec3(0)));
-    forChunks(fine.rowCount, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) {
-            Real* x = fine.x.data() + row * values;
+    const Int3 shift(glm::round(from.csFromWs(to.wsFromCs(Vec3(0)))));
+    parallelFor(to.storedBlocks().size(), [&](std::size_t block) {
+        // The coarser rows in and around the block.
+        constexpr int kAround = kCellEdge / 2 + 2;
+        std::array<const Real*, std::size_t(kAround) * kAround * kAround> near;
+        const Int3 first = shift + to.storedBlocks()[block] * (kCellEdge / 2) - 1;
+        for (std::size_t i = 0; i < near.size(); ++i) {
+            const auto n = static_cast<int>(i);
+            const std::ptrdiff_t cell = from.index(first + Int3(n % kAround, n / kAround % kAround, n / (kAround * kAround)));
+            const std::int32_t row = cell < 0 ? -1 : coarse.rows[std::size_t(cell)];
+            near[i] = row < 0 ? nullptr : coarse.x.data() + std::size_t(row) * values;
+        }
+        for (int i = 0; i < kBlockCells; ++i) {
+            const std::int32_t row = fine.rows[block * kBlockCells + std::size_t(i)];
+            if (row < 0) continue;
+            Real* x = fine.x.data() + std::size_t(row) * values;
             if (add)
-                std::copy_n(fine.next.data() + row * values, values, x);
+                std::copy_n(fine.next.data() + std::size_t(row) * values, values, x);
             else
                 std::fill_n(x, values, Real(0));
-            const Vec3 at = shift + 0.5 * (Vec3(to.place(fine.cellOf[row])) + 0.5) - 0.5;
-            const Vec3 low = glm::floor(at), fraction = at - low;
-            double sum = 0;
-            std::pair<const Real*, double> parts[8];
-            int count = 0;
-            for (int corner = 0; corner < 8; ++corner) {
-                const Int3 side(corner & 1, corner >> 1 & 1, corner >> 2);
-                const std::ptrdiff_t cell = from.index(Int3(low) + side);
-                if (cell < 0 || coarse.rows[std::size_t(cell)] < 0) continue;
-                double weight = 1;
-                for (int axis = 0; axis < 3; ++axis) weight *= side[axis] ? fraction[axis] : 1 - fraction[axis];
-                sum += weight;
-                parts[count++] = {coarse.x.data() + std::size_t(coarse.rows[std::size_t(cell)]) * values, weight};
-            }
-            for (int i = 0; i < count; ++i) {
-                const Real weight = static_cast<Real>(parts[i].second / sum);
-                for (std::size_t m = 0; m < values; ++m) x[m] += weight * parts[i].first[m];
-            }
+            addInterpolated(near.data(), kAround, {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)},
+                            values, x);
         }
     });
 }
