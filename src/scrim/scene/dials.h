@@ -45,15 +45,15 @@ struct Dials {
     /// Degrees around perpendicular in which a light is served from both sides; nothing: kCrossFade where the scene
     /// moves, 0 where it stands still.
     std::optional<double> crossFade;
-    double opacityCutoff = 1e-3;        ///< transmittance below which a pixel counts as opaque
-    double lightError = 0.005;          ///< relative, that sub-lights may leave of lights that are larger than a point
-    double lod = 0;                     ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
-    int antialias = 1;                  ///< n x n rays a pixel
-    double scatterCell = 2;      ///< voxels: edge of the cells that light is carried through which scatters more than once
-    int scatterDirections = 64;  ///< that it is carried along
-    double scatterError = 0.002;  ///< relative change by a sweep of them that is small enough
-    std::optional<int> shutterSamples;  ///< renders that motion blur is the mean of; nothing: chosen by the motion
-    std::string simd = "auto";          ///< instruction set: auto, or the most one may use
+    double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
+    double lightError = 0.005;    ///< relative, that sub-lights may leave of lights that are larger than a point
+    double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
+    int antialias = 1;            ///< n x n rays a pixel
+    double scatterCell = 2;  ///< voxels: edge of the cells that light is carried through which scatters more than once
+    std::optional<int> scatterDirections;  ///< that it is carried along; nothing: by the phase functions
+    double scatterError = 0.002;           ///< relative change by a sweep of them that is small enough
+    std::optional<int> shutterSamples;     ///< renders that motion blur is the mean of; nothing: chosen by the motion
+    std::string simd = "auto";             ///< instruction set: auto, or the most one may use
 };
 
 }  // namespace scrim

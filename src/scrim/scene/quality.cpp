@@ -114,6 +114,22 @@ Dial shutterSamples() {
     return d;
 }
 
+Dial scatterDirections() {
+    Dial d;
+    d.words = {"auto"};
+    d.info = {
+        "scatter_directions", "directions", "", "'auto', 64, 128 or 256",
+        "that such light is carried along; auto: 64, or 128 where a phase function is narrower than g = 0.5, or 256 "
+        "above 0.8"};
+    d.allows = [](double v) { return v == 64 || v == 128 || v == 256; };
+    d.setNumber = [](Dials& dials, double v) { dials.scatterDirections = static_cast<int>(v); };
+    d.setWord = [](Dials& dials, std::size_t) { dials.scatterDirections.reset(); };
+    d.get = [](const Dials& dials) {
+        return dials.scatterDirections ? std::to_string(*dials.scatterDirections) : std::string("auto");
+    };
+    return d;
+}
+
 std::vector<Dial> makeDials() {
     std::vector<Dial> all;
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
@@ -153,10 +169,7 @@ std::vector<Dial> makeDials() {
     all.push_back(number("scatter_cell", "voxels", 0.25, 64, &Dials::scatterCell,
                          "edge of the cells that light is carried through where scattering = 'full'; error of first "
                          "order, time and memory of third"));
-    all.push_back(integer(
-        "scatter_directions", "directions", "64, 128 or 256",
-        [](double v) { return v == 64 || v == 128 || v == 256; }, &Dials::scatterDirections,
-        "that such light is carried along: narrow phase functions want more"));
+    all.push_back(scatterDirections());
     all.push_back(number("scatter_error", "relative change", 1e-6, 0.1, &Dials::scatterError,
                          "what a further sweep may still change of such light"));
     all.push_back(shutterSamples());

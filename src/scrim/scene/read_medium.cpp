@@ -66,8 +66,8 @@ void readScattering(TomlTable& table, const MediumKeys& k, Medium& medium) {
                                   : Scattering::single;
     if (octaves) {
         if (medium.scattering != Scattering::octaves)
-            octaves->fail(fmt::format("{} has {} = \"{}\" and {}; expected one of them", table.description(), k.scattering,
-                                      k.scattering.words[std::size_t(medium.scattering)], k.octaves));
+            octaves->fail(fmt::format("{} has {} = \"{}\" and {}; expected one of them", table.description(),
+                                      k.scattering, k.scattering.words[std::size_t(medium.scattering)], k.octaves));
         medium.octaves = readOctaves(octaves->table(fmt::format("'{}' of {}", octaves->name(), table.description())));
     } else if (medium.scattering == Scattering::octaves) {
         medium.octaves.count = static_cast<int>(*keysOf<OctavesKeys>().count.value);

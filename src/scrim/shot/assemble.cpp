@@ -183,8 +183,8 @@ std::vector<std::string> culledVolumes(const Scene& scene,
     for (std::size_t i = 0; i < scene.volumes.size(); ++i)
         boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});
     std::vector<std::string> reasons = culledVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
-    // Where light scatters on its way, a volume in view may get it from, or be shadowed by, any other: so that a crop is
-    // a part of the whole.
+    // Where light scatters on its way, a volume in view may get it from, or be shadowed by, any other: so that a crop
+    // is a part of the whole.
     bool couples = false;
     for (std::size_t i = 0; i < reasons.size(); ++i)
         couples = couples || (reasons[i].empty() && scene.volumes[i].medium.scattering == Scattering::full);

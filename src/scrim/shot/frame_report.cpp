@@ -62,12 +62,8 @@ Json secondsJson(const ShotTimes& s) {
 }
 
 Json stagesJson(const ShotTimes& s) {
-    return {{"prepare", s.prepare},
-            {"scatter", s.scatter},
-            {"splat", s.splat},
-            {"attenuate", s.attenuate},
-            {"shade", s.shade},
-            {"composite", s.composite}};
+    return {{"prepare", s.prepare},     {"scatter", s.scatter}, {"splat", s.splat},
+            {"attenuate", s.attenuate}, {"shade", s.shade},     {"composite", s.composite}};
 }
 
 void eraseThreads(Json& json) {

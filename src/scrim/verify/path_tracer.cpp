@@ -18,8 +18,8 @@ namespace scrim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kBoxes = 64;           // of majorants, along the longest axis
-constexpr double kRoulette = 0.1;    // a path of less weight than this goes on by lot
+constexpr int kBoxes = 64;         // of majorants, along the longest axis
+constexpr double kRoulette = 0.1;  // a path of less weight than this goes on by lot
 constexpr int kMostScatterings = 100000;
 
 double most(const Rgb& v) {
@@ -65,7 +65,8 @@ PathTracer::PathTracer(const ViewScene& scene) : m_scene(scene) {
         m_extents.push_back(light.extended() ? std::optional<LightRays>(std::in_place, light) : std::nullopt);
     }
     const auto probe = [&](const ViewField& field) {
-        return Probe{std::make_shared<const FieldProbe>(*field.field, scene.dials.kernel), glm::inverse(field.wsFromIs)};
+        return Probe{std::make_shared<const FieldProbe>(*field.field, scene.dials.kernel),
+                     glm::inverse(field.wsFromIs)};
     };
     for (const ViewVolume& volume : scene.volumes) {
         Volume& v = m_volumes.emplace_back();
@@ -157,8 +158,7 @@ PathTracer::Matter PathTracer::matterAt(const Vec3& ws) const {
 
 // visit(begin, end, majorant) for the boxes along a ray, until it returns false.
 template <class Visit>
-void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double from, double length,
-                          const Visit& visit) const {
+void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double from, double length, const Visit& visit) const {
     const auto [begin, end] = m_wsBounds.clip(ws, direction, from, length);
     if (!(begin < end)) return;
     const Vec3 origin = (ws - m_wsBounds.lower) / m_edge;
@@ -276,8 +276,7 @@ Rgb PathTracer::lit(const Volume& v, const Vec3& ws, const Vec3& direction, Rand
     return sum;
 }
 
-Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held,
-                     Random& random) const {
+Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held, Random& random) const {
     const Vec3 eye = ws;
     Rgb weight(1), sum(0);
     for (int scattered = 0; scattered < kMostScatterings; ++scattered) {

@@ -53,8 +53,8 @@ struct SweepOutputs {
 };
 
 /// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns
-/// alpha, ambient light, emission, and what has scattered before of the lights `scattered`. Throws Error(usage) where there
-/// are too many.
+/// alpha, ambient light, emission, and what has scattered before of the lights `scattered`. Throws Error(usage) where
+/// there are too many.
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
                            const std::vector<int>& scattered = {});
 

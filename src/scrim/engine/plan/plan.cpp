@@ -134,8 +134,8 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
         checkpoint();
         g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
     }
-    g.outputs = chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g),
-                              lightsOf(plan.transport));
+    g.outputs =
+        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), lightsOf(plan.transport));
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
@@ -166,9 +166,8 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             rest.primary = 0;
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
-                half->outputs =
-                    chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half),
-                                  lightsOf(plan.transport));
+                half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half),
+                                              lightsOf(plan.transport));
                 open.push_back(std::move(*half));
             }
         }
@@ -359,6 +358,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const std::vector<std::string> culled = culledLights(scene);
     plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights.size());
+    nameSkiesFromBorder(given, plan.culledLights);
 
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);

@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/plan/sub_lights.h>
 
-#include <scrim/engine/plan/transport_plan.h>
-
 #include <scrim/engine/plan/picture_cells.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/geometry/bounds.h>
 
 #include <algorithm>
@@ -162,7 +161,7 @@ SubLights subLights(const ViewScene& scene) {
         else if (light.dome() && !skiesFromBorder(scene))
             addSky(light, count, all.lights);
         else if (light.dome())
-            continue;
+            all.lights.push_back(sunFrom(light, light.wsUp, Rgb(0)));  // which is culled: it has none of the light
         else if (light.extended())
             addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
         else

@@ -57,8 +57,8 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
 // Is what scatters, and what it scatters, of one colour?
 bool oneColour(const ViewScene& scene) {
     const auto mediumIsGrey = [&](const ViewVolume& v) {
-        return v.classified || (grey(v.medium.extinctionTint) &&
-                                (!scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo))));
+        return v.classified ||
+               (grey(v.medium.extinctionTint) && (!scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo))));
     };
     if (!std::all_of(scene.volumes.begin(), scene.volumes.end(), mediumIsGrey)) return false;
     Rgb colour(0);  // of the first light
@@ -72,6 +72,18 @@ bool oneColour(const ViewScene& scene) {
         for (const ViewEmission& e : v.emission)
             if (!same(e.color)) return false;
     return same(scene.ambient);
+}
+
+// How narrow the narrowest phase function is decides: of smoke with g = 0.75, lit from behind, 64 ordinates left 11 %,
+// 128 left 4 % and 256 2.5 %; of media without direction 64 leave less than cells do.
+int ordinatesFor(const ViewScene& scene) {
+    double narrowest = 0;
+    for (const ViewVolume& v : scene.volumes) {
+        if (!scattersFully(v) || v.medium.phase.type == PhaseType::rayleigh) continue;
+        narrowest = std::max(narrowest, std::abs(v.medium.phase.g));
+        if (v.medium.phase.type == PhaseType::twoLobe) narrowest = std::max(narrowest, std::abs(v.medium.phase.g2));
+    }
+    return narrowest <= 0.5 ? 64 : narrowest <= 0.8 ? 128 : 256;
 }
 
 // World volume of all blocks of fields, those of several fields counted for each.
@@ -98,9 +110,17 @@ std::vector<int> lightsOf(const TransportPlan& plan) {
 }
 
 bool skiesFromBorder(const ViewScene& scene) {
+    if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return false;
     const bool caught = scene.solids && asksFor(scene, Layer::shadow);
     return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),
                                   [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
+}
+
+void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reasons) {
+    if (!skiesFromBorder(scene)) return;
+    for (std::size_t i = 0; i < reasons.size(); ++i)
+        if (scene.lights[i].dome() && !black(scene.lights[i].intensity))
+            reasons[i] = "no sweep, since it shines through the border of the cells that scatter its light";
 }
 
 TransportPlan planTransport(const ViewScene& scene) {
@@ -108,10 +128,9 @@ TransportPlan planTransport(const ViewScene& scene) {
     if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return plan;
     plan.targets = targetsOf(scene);
     plan.edge = scene.dials.scatterCell * voxelUnit(scene);
-    plan.ordinates = scene.dials.scatterDirections;
-    plan.isotropic = std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-        return !scattersFully(v) || v.medium.phase.isotropic();
-    });
+    plan.ordinates = scene.dials.scatterDirections.value_or(ordinatesFor(scene));
+    plan.isotropic = std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                                 [](const ViewVolume& v) { return !scattersFully(v) || v.medium.phase.isotropic(); });
     plan.colours = oneColour(scene) ? 1 : 3;
     // Blocks of cells at the border of voxels' blocks are not full of them: about as much again.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
@@ -120,10 +139,11 @@ TransportPlan planTransport(const ViewScene& scene) {
     const double bytes = 1.15 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)
-        throw Error(ErrorKind::memory,
-                    fmt::format("light that scatters more than once takes about {} with cells of {:.4g} voxels, and the "
-                                "memory limit is {}; a larger scatter_cell takes less",
-                                bytesText(plan.bytes), scene.dials.scatterCell, bytesText(scene.memoryLimit)));
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("light that scatters more than once takes about {} with cells of {:.4g} voxels, and the "
+                        "memory limit is {}; a larger scatter_cell takes less",
+                        bytesText(plan.bytes), scene.dials.scatterCell, bytesText(scene.memoryLimit)));
     return plan;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace scrim {
@@ -35,6 +36,9 @@ std::vector<int> lightsOf(const TransportPlan& plan);
 
 /// Do skies shine into all that they light through the border of the cells, so that no sub-lights stand for them?
 bool skiesFromBorder(const ViewScene& scene);
+
+/// Gives those of `reasons` why lights are culled, one a light of the scene, that are of such skies.
+void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reasons);
 
 /// Throws Error(memory) where cells of the dial's size are too many for the memory limit, or to be numbered.
 TransportPlan planTransport(const ViewScene& scene);

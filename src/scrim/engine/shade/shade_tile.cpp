@@ -232,8 +232,8 @@ HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int 
     for (int c = 0; c < 3; ++c) {
         for (const SheetMedium& medium : input.media)
             if (medium.ambient || !seen)
-                addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output,
-                          seen ? medium.output : 0, w);
+                addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, seen ? medium.output : 0,
+                          w);
         for (const SheetSurface& surface : input.surfaces)
             addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, seen ? surface.output : 0,
                       w);

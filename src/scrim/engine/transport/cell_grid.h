@@ -13,7 +13,7 @@
 
 namespace scrim {
 
-inline constexpr int kCellEdge = 8;                            ///< cells along a block's edge
+inline constexpr int kCellEdge = 8;                                    ///< cells along a block's edge
 inline constexpr int kBlockCells = kCellEdge * kCellEdge * kCellEdge;  ///< 512
 
 /// Cells of a block lie x fastest.

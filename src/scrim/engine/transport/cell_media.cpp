@@ -78,7 +78,8 @@ class BoxDeposit {
         }
     };
     static Span spanOf(double center, double half) {
-        const int first = static_cast<int>(std::floor(center - half)), last = static_cast<int>(std::floor(center + half));
+        const int first = static_cast<int>(std::floor(center - half)),
+                  last = static_cast<int>(std::floor(center + half));
         return {first, last - first + 1, center - half, 2 * half};
     }
 

@@ -106,7 +106,8 @@ class Bundle {
                     const VL extinction = hn::Set(d, m_sweep.extinction[cell]), sent = source(cell);
                     const VL fromY = lanes(intoY), fromZ = lanes(intoZ);
                     // Balance, with outflow = 2 in - inflow and slope = 2 |cosine| / edge.
-                    const VL entered = hn::MulAdd(slopeX, x, hn::MulAdd(slopeY, fromY, hn::MulAdd(slopeZ, fromZ, sent)));
+                    const VL entered =
+                        hn::MulAdd(slopeX, x, hn::MulAdd(slopeY, fromY, hn::MulAdd(slopeZ, fromZ, sent)));
                     const VL in = hn::Div(entered, hn::Add(extinction, slopes));
                     Passed out{in, hn::Sub(hn::Add(in, in), x), hn::Sub(hn::Add(in, in), fromY),
                                hn::Sub(hn::Add(in, in), fromZ)};
@@ -140,8 +141,7 @@ class Bundle {
             const auto into = [&](VL slope, VL keep, VL inflow)
                                   HWY_ATTR { return hn::Mul(hn::Mul(half, slope), hn::MulAdd(keep, inflow, inflow)); };
             const VL entered = hn::Add(hn::Add(into(a, keepX, x), into(b, keepY, y)), hn::Add(into(c, keepZ, z), sent));
-            const VL leaves =
-                hn::MulAdd(a, keepX, hn::MulAdd(b, keepY, hn::MulAdd(c, keepZ, extinction)));
+            const VL leaves = hn::MulAdd(a, keepX, hn::MulAdd(b, keepY, hn::MulAdd(c, keepZ, extinction)));
             // Where all faces are closed and nothing is extinct, nothing has come in.
             out.in = hn::Div(hn::Max(entered, zero), hn::Max(leaves, hn::Set(d, Real(1e-30))));
             out.x = hn::Mul(keepX, hn::Sub(hn::Add(out.in, out.in), x));
@@ -206,7 +206,8 @@ HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, const
     const DL d;
     const VL weight = bundle.weight();
     bundle.pass([&](std::size_t cell) HWY_ATTR { return hn::Set(d, source[cell]); },
-                [&](std::size_t cell, VL in) HWY_ATTR { sum[cell] = hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, in))); });
+                [&](std::size_t cell, VL in)
+                    HWY_ATTR { sum[cell] = hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, in))); });
 }
 
 HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, const std::int32_t* slots,
@@ -214,7 +215,9 @@ HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, con
     Bundle bundle(sweep, octant, first);
     const DL d;
     const auto count = std::size_t(sweep.ordinates->count());
-    const auto at = [&](std::size_t cell) { return radiance + std::size_t(slots[cell]) * count + bundle.firstOrdinate(); };
+    const auto at = [&](std::size_t cell) {
+        return radiance + std::size_t(slots[cell]) * count + bundle.firstOrdinate();
+    };
     bundle.pass([&](std::size_t cell) HWY_ATTR { return slots[cell] < 0 ? hn::Zero(d) : lanes(at(cell)); },
                 [&](std::size_t cell, VL in) HWY_ATTR {
                     if (slots[cell] >= 0) hn::StoreU(in, d, at(cell));
@@ -239,9 +242,8 @@ template <class Task>
 void forBundles(const CellSweep& sweep, const Task& task) {
     const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
     const int each = sweep.ordinates->perOctant / lanes;
-    parallelFor(std::size_t(8 * each), [&](std::size_t i) {
-        task(i, static_cast<int>(i) / each, static_cast<int>(i) % each * lanes);
-    });
+    parallelFor(std::size_t(8 * each),
+                [&](std::size_t i) { task(i, static_cast<int>(i) / each, static_cast<int>(i) % each * lanes); });
 }
 
 }  // namespace

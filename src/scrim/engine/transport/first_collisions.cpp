@@ -43,8 +43,8 @@ Arriving FirstCollisions::unattenuated(const Vec3& ws) const {
         if (const Light::Spot* spot = m_light.spot()) {
             const double half = 0.5 * glm::radians(spot->coneAngle);
             const double outer = std::cos(half), inner = std::cos(half * (1 - spot->blend));
-            const double t = inner > outer ? std::clamp((along - outer) / (inner - outer), 0.0, 1.0)
-                                           : (along > outer ? 1.0 : 0.0);
+            const double t =
+                inner > outer ? std::clamp((along - outer) / (inner - outer), 0.0, 1.0) : (along > outer ? 1.0 : 0.0);
             out.irradiance *= t * t * (3 - 2 * t);
         }
         if (m_light.element()) out.irradiance *= std::max(along, 0.0);

@@ -60,7 +60,8 @@ HWY_ATTR Real fillRow(const Ordinates& ordinates, const Phase& phase, const Vec3
     const auto x = hn::Set(d, static_cast<Real>(travel.x)), y = hn::Set(d, static_cast<Real>(travel.y));
     const auto z = hn::Set(d, static_cast<Real>(travel.z));
     const auto g = static_cast<Real>(phase.g), g2 = static_cast<Real>(phase.g2);
-    const auto blend = hn::Set(d, static_cast<Real>(phase.blend)), strength = hn::Set(d, static_cast<Real>(phase.strength));
+    const auto blend = hn::Set(d, static_cast<Real>(phase.blend)),
+               strength = hn::Set(d, static_cast<Real>(phase.strength));
     auto sum = hn::Zero(d);
     for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d)) {
         const auto cosine = hn::MulAdd(x, hn::LoadU(d, ordinates.axes[0].data() + m),

@@ -125,8 +125,8 @@ std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phas
     std::vector<Real> out(count * count);
     for (std::size_t n = 0; n < count; ++n)
         for (std::size_t m = 0; m < count; ++m)
-            out[n * count + m] = static_cast<Real>(
-                m == n ? straight[n] : ordinates.weights[n] * scale[n] * scale[m] * p[n * count + m]);
+            out[n * count + m] =
+                static_cast<Real>(m == n ? straight[n] : ordinates.weights[n] * scale[n] * scale[m] * p[n * count + m]);
     return out;
 }
 

@@ -56,8 +56,7 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                            const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint) {
     const Ordinates directions = ordinates(plan.ordinates);
-    TransportSolver solver(media, classes,
-                           {directions, scene.dials.scatterError, 60, true, simd, checkpoint});
+    TransportSolver solver(media, classes, {directions, scene.dials.scatterError, 60, true, simd, checkpoint});
     m_bytes += solver.bytes();
     for (std::size_t t = 0; t < m_targets.size(); ++t) {
         const Rgb shared = colourOf(scene, m_targets[t]);
@@ -107,8 +106,7 @@ void ScatteredLight::fillBorders(const TransportSolver& solver, Field& field) co
         const std::ptrdiff_t cell = m_grid.index(place);
         if (cell < 0 || solver.rowOf(std::size_t(cell)) < 0) return nullptr;
         const auto i = std::size_t(cell) % kBlockCells, block = std::size_t(cell) / kBlockCells;
-        const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1,
-                          z = i / (kCellEdge * kCellEdge) + 1;
+        const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
         return field.data() + (block * kPaddedCells + (z * kPadded + y) * kPadded + x) * kFour;
     };
     parallelFor(m_grid.storedBlocks().size(), [&](std::size_t block) {
@@ -169,11 +167,9 @@ void ScatteredLight::lookUp(int field, const SamplePlane& plane, const Real* u, 
         const Vec3 fraction = at - low;
         const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
                    fz = static_cast<Real>(fraction.z);
-        const Real* corner =
-            values.data() +
-            (std::size_t(stored) * kPaddedCells +
-             std::size_t((inside.z * kPadded + inside.y) * kPadded + inside.x)) *
-                kFour;
+        const Real* corner = values.data() + (std::size_t(stored) * kPaddedCells +
+                                              std::size_t((inside.z * kPadded + inside.y) * kPadded + inside.x)) *
+                                                 kFour;
         constexpr std::size_t kX = kFour, kY = kPadded * kFour, kZ = std::size_t(kPadded) * kPadded * kFour;
         for (std::size_t c = 0; c < 3; ++c) {
             const Real* p = corner + c;

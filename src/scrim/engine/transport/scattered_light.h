@@ -55,7 +55,7 @@ class ScatteredLight {
 
     CellGrid m_grid;
     std::vector<ScatterTarget> m_targets;
-    std::vector<int> m_classOf;   // of each volume of the scene; -1: none
+    std::vector<int> m_classOf;  // of each volume of the scene; -1: none
     std::size_t m_classes = 0;
     std::vector<Field> m_fields;  // [target][class]
     Solved m_solved;

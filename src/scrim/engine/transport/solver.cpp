@@ -109,7 +109,8 @@ Solved& Solved::operator+=(const Solved& o) {
 class TransportSolver::Anderson {
   public:
     // x becomes the next iterate; `next` = G(x). `weights`: of the squares, one a row.
-    void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights, std::size_t values) {
+    void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights,
+              std::size_t values) {
         std::vector<Real> residual(x.size());
         for (std::size_t i = 0; i < x.size(); ++i) residual[i] = next[i] - x[i];
         if (!m_x.empty()) {
@@ -144,8 +145,7 @@ class TransportSolver::Anderson {
         const std::vector<double> part = solved(matrix, right);
         x = next;
         for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < x.size(); ++k)
-                x[k] -= static_cast<Real>(part[i]) * m_differences[i].next[k];
+            for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_differences[i].next[k];
     }
 
   private:
@@ -239,8 +239,8 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
                 level.next[i] = last ? std::max(sent, Real(0)) : sent;
             }
     });
-    const CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(),
-                          inflow,              last,                  m_settings.simd};
+    const CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(), inflow, last,
+                          m_settings.simd};
     if (m_isotropic) {
         std::vector<Real> mean;
         sweepIsotropic(cells, level.next, mean);
@@ -273,8 +273,8 @@ double TransportSolver::changeOf(const Level& level) const {
     const double change = sumOf(level.rowCount, [&](std::size_t row) {
         return total(row, [&](std::size_t i) { return level.next[i] - level.x[i]; });
     });
-    const double all =
-        sumOf(level.rowCount, [&](std::size_t row) { return total(row, [&](std::size_t i) { return level.next[i]; }); });
+    const double all = sumOf(level.rowCount,
+                             [&](std::size_t row) { return total(row, [&](std::size_t i) { return level.next[i]; }); });
     return all > 0 ? change / all : 0;
 }
 
@@ -323,7 +323,8 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
         const Int3 first = shift + to.storedBlocks()[block] * (kCellEdge / 2) - 1;
         for (std::size_t i = 0; i < near.size(); ++i) {
             const auto n = static_cast<int>(i);
-            const std::ptrdiff_t cell = from.index(first + Int3(n % kAround, n / kAround % kAround, n / (kAround * kAround)));
+            const std::ptrdiff_t cell =
+                from.index(first + Int3(n % kAround, n / kAround % kAround, n / (kAround * kAround)));
             const std::int32_t row = cell < 0 ? -1 : coarse.rows[std::size_t(cell)];
             near[i] = row < 0 ? nullptr : coarse.x.data() + std::size_t(row) * values;
         }
@@ -335,8 +336,8 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
                 std::copy_n(fine.next.data() + std::size_t(row) * values, values, x);
             else
                 std::fill_n(x, values, Real(0));
-            addInterpolated(near.data(), kAround, {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)},
-                            values, x);
+            addInterpolated(near.data(), kAround,
+                            {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)}, values, x);
         }
     });
 }

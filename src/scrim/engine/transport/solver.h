@@ -6,8 +6,8 @@
 // I_m is the radiance along ordinate m, Q_m what scatters for the first time, or glows. The unknown is X, what a unit
 // of scattering coefficient sends out: one number a cell where all phase functions are isotropic, else one an ordinate.
 // X = G(X), one sweep, is a contraction; alone it needs a sweep for every time that light scatters. So what a sweep
-// leaves to do is solved for on cells twice as large, where it costs an eighth, down to a few cells, which are solved by
-// Anderson's acceleration (multigrid: A. Brandt, Math. Comp. 31, 1977; D. G. Anderson, J. ACM 12, 1965).
+// leaves to do is solved for on cells twice as large, where it costs an eighth, down to a few cells, which are solved
+// by Anderson's acceleration (multigrid: A. Brandt, Math. Comp. 31, 1977; D. G. Anderson, J. ACM 12, 1965).
 #pragma once
 
 #include <scrim/base/real.h>

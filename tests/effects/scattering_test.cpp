@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: Apache-2.0
+// Light that scatters more than once: the path tracer against closed forms, the solver against closed forms and the
+// path tracer, which share no code.
+#include "scenes.h"
+#include "support/verified.h"
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/engine/transport/light_sources.h>
+#include <scrim/engine/transport/ordinates.h>
+#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/verify/path_tracer.h>
+#include <scrim/verify/reference.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+Medium scatteringMedium(double sigma, double albedo, double g = 0) {
+    Medium medium;
+    medium.densityScale = sigma;
+    medium.albedo = Rgb(albedo);
+    medium.phase.g = g;
+    medium.scattering = Scattering::full;
+    return medium;
+}
+
+ViewScene smoke(double sigma, double albedo, double g, const Vec3& direction) {
+    ViewScene scene = orthographicScene(smokeField(20), scatteringMedium(sigma, albedo, g), 44, 48);
+    scene.lights = {distantLight(glm::normalize(direction))};
+    scene.dials.texel = 0.5;
+    scene.dials.sheetThickness = 0.5;
+    return scene;
+}
+
+// Of the light that scattered twice or more, which is what a render with scattering has beyond one without, as means
+// over blocks of 8 x 8 pixels: RMS over the blocks of what they differ from the path tracer's by, relative to the mean
+// of all light. The tracer's own noise is taken out.
+struct BlockError {
+    double error = 0, noise = 0, share = 0;
+};
+BlockError blockError(const ViewScene& scene, int paths) {
+    constexpr int kBlock = 8;
+    ViewScene once = scene;
+    for (ViewVolume& volume : once.volumes) volume.medium.scattering = Scattering::single;
+    once.ambient = Rgb(0);
+    const Frame full = renderScene(scene), single = renderScene(once);
+    const PathTracer tracer(scene);
+    const int size = scene.camera.resolution.x;
+    std::vector<Estimate> pixels(std::size_t(size) * std::size_t(size));
+    parallelFor(pixels.size(), [&](std::size_t i) {
+        pixels[i] = tracer.pixel(static_cast<int>(i) % size, static_cast<int>(i) / size, paths);
+    });
+    double square = 0, variance = 0, all = 0, multiple = 0, blocks = 0;
+    for (int y = 0; y < size; y += kBlock)
+        for (int x = 0; x < size; x += kBlock, ++blocks) {
+            double difference = 0, noise = 0;
+            for (int i = 0; i < kBlock * kBlock; ++i) {
+                const int px = x + i % kBlock, py = y + i / kBlock;
+                const Estimate& truth = pixels[std::size_t(py) * std::size_t(size) + std::size_t(px)];
+                const double rendered = pixelOf(full, px, py)[1], before = pixelOf(single, px, py)[1];
+                difference += (rendered - before - truth.mean.y) / (kBlock * kBlock);
+                noise += truth.variance.y / std::pow(kBlock * kBlock, 2);
+                all += rendered / (kBlock * kBlock);
+                multiple += truth.mean.y / (kBlock * kBlock);
+            }
+            square += difference * difference - noise;
+            variance += noise;
+        }
+    return {std::sqrt(std::max(square, 0.0) / blocks) / (all / blocks), std::sqrt(variance / blocks) / (all / blocks),
+            multiple / all};
+}
+
+// Chandrasekhar's H-function of isotropic scattering, by iteration of his integral equation (Radiative Transfer, 1950,
+// chapter V), in the form that converges also near albedo 1.
+double chandrasekharH(double albedo, double mu) {
+    constexpr int kNodes = 400;
+    std::vector<double> h(kNodes, 1.0);
+    const auto at = [](int i) { return (i + 0.5) / kNodes; };
+    const auto next = [&](double m) {
+        double sum = 0;
+        for (int j = 0; j < kNodes; ++j) sum += 0.5 * albedo * at(j) * h[std::size_t(j)] / (m + at(j)) / kNodes;
+        return 1 / (std::sqrt(1 - albedo) + sum);
+    };
+    for (int step = 0; step < 200; ++step) {
+        std::vector<double> better(kNodes);
+        for (int i = 0; i < kNodes; ++i) better[std::size_t(i)] = next(at(i));
+        h = better;
+    }
+    return next(mu);
+}
+
+TEST(Ordinates, IntegrateLowPolynomialsExactly) {
+    for (const int count : kOrdinateCounts) {
+        const Ordinates set = ordinates(count);
+        ASSERT_EQ(set.count(), count);
+        double sum = 0;
+        Mat3 moments(0);
+        for (int m = 0; m < count; ++m) {
+            const Vec3& d = set.directions[std::size_t(m)];
+            EXPECT_NEAR(glm::length(d), 1, 1e-12);
+            for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(d[axis] < 0, (m / set.perOctant >> axis & 1) != 0);
+            sum += set.weights[std::size_t(m)];
+            moments += set.weights[std::size_t(m)] * glm::outerProduct(d, d);
+        }
+        EXPECT_NEAR(sum, 4 * kPi, 1e-12);
+        for (int i = 0; i < 3; ++i)
+            for (int j = 0; j < 3; ++j) EXPECT_NEAR(moments[i][j], i == j ? 4 * kPi / 3 : 0, 1e-12) << count;
+    }
+    EXPECT_THROW(ordinates(65), Error);
+}
+
+TEST(Ordinates, ScatterWithoutLossAndWithThePhaseFunctionsMeanCosine) {
+    for (const double g : {-0.5, 0.0, 0.3, 0.75, 0.9}) {
+        const Ordinates set = ordinates(64);
+        Phase phase;
+        phase.g = g;
+        const std::vector<Real> matrix = scatteringMatrix(set, phase);
+        for (int n = 0; n < 64; ++n) {
+            double row = 0, column = 0, cosine = 0;
+            for (int m = 0; m < 64; ++m) {
+                const auto weights = set.weights[std::size_t(m)] / set.weights[std::size_t(n)];
+                const double into = double(matrix[std::size_t(n * 64 + m)]) * weights;  // of n's light
+                EXPECT_GE(into, 0);
+                column += into;
+                cosine += into * glm::dot(set.directions[std::size_t(n)], set.directions[std::size_t(m)]);
+                row += double(matrix[std::size_t(m * 64 + n)]);
+            }
+            EXPECT_NEAR(row, 1, 1e-5) << g;
+            EXPECT_NEAR(column, 1, 1e-5) << g;
+            EXPECT_NEAR(cosine, g, 0.03) << g;
+        }
+    }
+}
+
+// Where the same light comes from everywhere and nothing is absorbed, the same light is everywhere.
+TEST(MultipleScattering, OfAnEvenGlowIsAlphaTimesTheGlow) {
+    for (const double g : {0.0, 0.75}) {
+        ViewScene scene = smoke(0.4, 1, g, {0, 0, -1});
+        scene.lights.clear();
+        scene.ambient = {1, 0.5, 0.25};
+        scene.dials.scatterError = 1e-5;
+        const Frame frame = renderScene(scene);
+        EXPECT_TRUE(frame.scatterConverged);
+        const PathTracer tracer(scene);
+        double worst = 0;
+        for (int y = 4; y < 48; y += 8)
+            for (int x = 4; x < 48; x += 8) {
+                const auto pixel = pixelOf(frame, x, y);
+                for (std::size_t c = 0; c < 3; ++c)
+                    worst = std::max(worst, std::abs(pixel[c] - scene.ambient[int(c)] * pixel[3]));
+                // Every path ends in the glow, if it began in the smoke at all: so its light is alpha.
+                const Estimate truth = tracer.pixel(x, y, 4000);
+                EXPECT_NEAR(truth.mean.x, pixel[3], 5 * std::sqrt(truth.variance.x) + 0.004);
+            }
+        EXPECT_LT(worst, 1e-3) << g;
+    }
+}
+
+// A thick slab, wide enough for its middle to know of no border.
+TEST(MultipleScattering, OfAHalfSpaceIsChandrasekhars) {
+    const double albedo = 0.9, sigma = 0.25;
+    ViewScene scene = orthographicScene(boxField({-60, -60, -40}, {59, 59, -1}), scatteringMedium(sigma, albedo), 4, 4);
+    scene.camera.wsPosition = {0, 0, 100};
+    scene.dials.texel = 0.5;
+    scene.dials.sheetThickness = 0.5;
+    for (const double mu0 : {1.0, 0.5}) {
+        scene.lights = {distantLight({std::sqrt(1 - mu0 * mu0), 0, -mu0})};
+        // Radiance for irradiance 1 across the beam, towards mu = 1; that of single scattering is that with H = 1.
+        const double once = albedo / (4 * kPi) * mu0 / (1 + mu0);
+        const double exact = once * chandrasekharH(albedo, 1) * chandrasekharH(albedo, mu0);
+        const Estimate truth = PathTracer(scene).pixel(2, 2, 60000);
+        // Kernels make a soft edge of a voxel, which is a quarter of a mean free path here.
+        EXPECT_NEAR(truth.mean.y + once, exact, 0.01 * exact + 3 * std::sqrt(truth.variance.y)) << mu0;
+        scene.dials.scatterCell = 1;
+        // Of first order in the cells: 2.2 % where they are a quarter of a mean free path thick, 4 % where a half.
+        EXPECT_NEAR(pixelOf(renderScene(scene), 2, 2)[1], exact, 0.025 * exact) << mu0;
+    }
+}
+
+TEST(MultipleScattering, AgreesWithThePathTracer) {
+    struct Case {
+        double sigma, albedo, g;
+        Vec3 light;
+        int paths;
+        double most;
+    };
+    for (const Case& c :
+         {Case{0.3, 0.9, 0, {0.3, -0.2, -1}, 128, 0.02}, Case{0.3, 0.99, 0, {1, -1, 0}, 128, 0.02},
+          Case{0.1, 0.99, 0, {-0.3, -0.2, 1}, 128, 0.02}, Case{1.2, 0.999, 0, {1, -1, 0.2}, 256, 0.03},
+          Case{0.3, 0.99, 0.75, {1, -1, 0}, 256, 0.04}, Case{0.3, 0.99, 0.75, {0.2, 0.2, 1}, 256, 0.04}}) {
+        ViewScene scene = smoke(c.sigma, c.albedo, c.g, c.light);
+        if (c.sigma > 1) scene.dials.scatterCell = 1;  // a cell of two voxels is 2.4 mean free paths thick
+        const BlockError e = blockError(scene, c.paths);
+        RecordProperty(std::to_string(c.sigma) + "_" + std::to_string(c.g), std::to_string(e.error));
+        EXPECT_LT(e.error, c.most + e.noise)
+            << "sigma " << c.sigma << " albedo " << c.albedo << " g " << c.g << ", noise " << e.noise;
+        EXPECT_GT(e.share, 0.1);  // without it the picture would be wrong by more than is allowed
+    }
+}
+
+TEST(MultipleScattering, ConvergesWithTheCells) {
+    std::vector<double> errors;
+    for (const double cell : {8.0, 2.0}) {
+        ViewScene scene = smoke(0.5, 0.99, 0, {1, -1, 0});
+        scene.dials.scatterCell = cell;
+        errors.push_back(blockError(scene, 256).error);
+    }
+    EXPECT_LT(errors[1], 0.5 * errors[0]) << errors[0] << " " << errors[1];
+}
+
+// Cells twice as large do most of the work.
+TEST(MultipleScattering, TakesFewSweepsHoweverOftenLightScatters) {
+    const ViewScene scene = smoke(1, 0.999, 0, {1, -1, 0});
+    const std::vector<ScatterClass> classes = scatterClasses(scene);
+    const CellMedia media = cellMedia(scene, classes, 2);
+    const auto solve = [&](bool accelerate, int most) {
+        const Ordinates set = ordinates(64);
+        TransportSolver solver(media, classes, {set, 1e-3, most, accelerate, {}, {}});
+        const TransportPlan plan = planTransport(scene);
+        fillSource(scene, media, classes, plan.targets.front(), 0, set, {}, solver);
+        return solver.solve(0, {});
+    };
+    const Solved fast = solve(true, 60), slow = solve(false, 400), stopped = solve(false, 3);
+    EXPECT_TRUE(fast.converged);
+    EXPECT_LE(fast.sweeps, 10);
+    EXPECT_GE(slow.sweeps, 4 * fast.sweeps);
+    EXPECT_FALSE(stopped.converged);
+    EXPECT_GT(stopped.change, 1e-3);
+}
+
+TEST(MultipleScattering, IsNowhereBelowZero) {
+    ViewScene scene = smoke(3, 0.9, 0.6, {1, 0, 0});
+    const ScatteredLight light(scene, planTransport(scene), {}, {});
+    std::array<Real, kTileSize> u{}, v{}, rows[3];
+    Real* const rgb[3] = {rows[0].data(), rows[1].data(), rows[2].data()};
+    for (int i = 0; i < kTileSize; ++i) {
+        u[std::size_t(i)] = static_cast<Real>(i % 16 * 3 - 24);
+        v[std::size_t(i)] = static_cast<Real>(i / 16 * 3 - 24);
+    }
+    double most = 0;
+    for (double z = -22; z < 22; z += 0.7) {
+        light.lookUp(0, {{0, 0, z}, {1, 0, 0}, {0, 1, 0}}, u.data(), v.data(), rgb);
+        for (const Real value : rows[0]) {
+            EXPECT_GE(value, 0);
+            most = std::max(most, double(value));
+        }
+    }
+    EXPECT_GT(most, 0.01);
+}
+
+TEST(MultipleScattering, LayersAddUpToTheBeauty) {
+    ViewScene scene = smoke(0.3, 0.95, 0.3, {1, -1, 0});
+    scene.lights.push_back(lamp({0, 30, 10}, 500));
+    scene.lights.back().intensity = {500, 200, 100};
+    scene.ambient = {0.02, 0.03, 0.05};
+    scene.volumes[0].emission = {{flameField(), {0.2, 0.1, 0.05}}};
+    const Frame plain = renderScene(scene);
+    scene.layers = {Layer::light, Layer::ambient, Layer::emission};
+    const Frame layered = renderScene(scene);
+    ASSERT_EQ(layered.layers.size(), 4u);
+    double most = 0, worst = 0, apart = 0;
+    for (std::size_t i = 0; i < plain.image.rgba.size() / 4; ++i)
+        for (std::size_t c = 0; c < 3; ++c) {
+            double sum = 0;
+            for (const FrameLayer& layer : layered.layers) sum += double(layer.data[3 * i + c]);
+            most = std::max(most, double(plain.image.rgba[4 * i + c]));
+            worst = std::max(worst, std::abs(sum - double(layered.image.rgba[4 * i + c])));
+            apart = std::max(apart, std::abs(sum - double(plain.image.rgba[4 * i + c])));
+        }
+    EXPECT_LT(worst, 1e-5 * most);
+    EXPECT_LT(apart, 0.005 * most);  // solved one by one each stops at its own scatter_error
+}
+
+// What glows lights the smoke around it, and the sky is shadowed by it.
+TEST(MultipleScattering, OfFireAndSkyAgreesWithThePathTracer) {
+    for (const bool sky : {false, true}) {
+        ViewScene scene = smoke(0.3, 0.9, 0, {0, -1, 0});
+        scene.lights.clear();
+        if (sky)
+            scene.ambient = Rgb(1);
+        else
+            scene.volumes[0].emission = {{flameField(), {1, 0.5, 0.2}}};
+        const BlockError e = blockError(scene, 128);
+        EXPECT_LT(e.error, 0.02 + e.noise) << sky;
+        EXPECT_GT(e.share, sky ? 0.9 : 0.1) << sky;
+    }
+}
+
+// A dome through the border of the cells is the dome of the reference, where nothing scatters twice.
+TEST(MultipleScattering, OfADomeIsTheDomeWhereLightScattersOnce) {
+    ViewScene scene = smoke(0.3, 1e-3, 0, {0, -1, 0});
+    Light dome;
+    dome.kind = Light::Dome{};
+    dome.intensity = Rgb(1);
+    scene.lights = {dome};
+    scene.dials.lightError = 0.002;
+    scene.dials.scatterCell = 1;
+    const Frame frame = renderScene(scene);
+    EXPECT_EQ(frame.work.lightSamples, 0u);
+    std::vector<VerifiedPixel> pixels;
+    for (int i = 0; i < 64; ++i) pixels.push_back({6 + i % 8 * 5, 6 + i / 8 * 5, {}, {}, {}});
+    evaluateReferences(scene, pixels);
+    double difference = 0, sum = 0;
+    for (VerifiedPixel& p : pixels) {
+        difference += pixelOf(frame, p.x, p.y)[1] - p.reference[1];
+        sum += p.reference[1];
+    }
+    EXPECT_LT(std::abs(difference), 0.005 * sum) << difference / sum;
+}
+
+TEST(MultipleScattering, CostsNothingWhereNobodyAsksForIt) {
+    const Frame frame = renderScene(plainScene());
+    EXPECT_EQ(frame.work.scatterSweeps, 0u);
+    EXPECT_EQ(frame.work.scatterDirections, 0u);
+    EXPECT_EQ(frame.work.shade.scattered, 0u);
+    EXPECT_EQ(frame.work.bytes.scattered, 0u);
+}
+
+TEST(MultipleScattering, OfACropIsThatOfTheWhole) {
+    ViewScene scene = smoke(0.3, 0.95, 0.3, {1, -1, 0});
+    const Frame whole = renderScene(scene);
+    scene.region = {10, 12, 30, 26};
+    const Frame crop = renderScene(scene);
+    for (int y = 12; y < 26; ++y)
+        for (int x = 10; x < 30; ++x) {
+            const float* p = crop.image.rgba.data() + crop.image.indexOf(x, y);
+            for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(p[c], pixelOf(whole, x, y)[c], 2e-4);
+        }
+}
+
+TEST(MultipleScattering, OfTooManyCellsIsRefused) {
+    ViewScene scene = smoke(0.3, 0.95, 0, {1, -1, 0});
+    scene.memoryLimit = 1 << 20;
+    try {
+        planTransport(scene);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("a larger scatter_cell takes less"), std::string::npos)
+            << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace scrim::test
