@@ -44,7 +44,7 @@ TEST(SceneMedium, HasDefaults) {
 TEST(SceneMedium, RefusesUnknownKeys) {
     EXPECT_EQ(errorIn("emision = { grid = \"flame\" }"),
               "scene.toml:7:1: 'emision' is not known here ([volume.medium] of [[volume]] 'volume1'); did you mean "
-              "'emission'?; allowed: 'albedo', 'extinction_tint', 'phase', 'octaves', 'emission' or 'blackbody'");
+              "'emission'?; allowed: 'albedo', 'extinction_tint', 'phase', 'scattering', 'octaves', 'emission' or 'blackbody'");
 }
 
 // ---- phase

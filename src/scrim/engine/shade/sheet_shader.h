@@ -52,9 +52,9 @@ class SheetShader {
     const LightSweep& m_lights;
     const EyeView& m_eye;
     const ScatteredLight* m_scattered;  // null: light scatters but once
-    bool m_alone;               // one medium has all the extinction there is
-    bool m_holdouts = false;    // are there volumes that are not seen?
-    std::vector<bool> m_unlit;  // for each light, that it lights none of those
+    bool m_alone;                       // one medium has all the extinction there is
+    bool m_holdouts = false;            // are there volumes that are not seen?
+    std::vector<bool> m_unlit;          // for each light, that it lights none of those
     Real m_ambient[3];
     Real m_emitting;  // the group's share of emission
     // What volumes look like, without what differs from sample to sample; and which of m_extinction's they are.
@@ -64,7 +64,7 @@ class SheetShader {
     // What of m_scattered the group shows, and which fields of it that are.
     std::vector<SheetScattered> m_scatteredParts;
     std::vector<int> m_scatteredFields;
-    std::vector<bool> m_held;  // for each of m_extinction's volumes: is it not seen?
+    std::vector<bool> m_held;              // for each of m_extinction's volumes: is it not seen?
     std::optional<ScreenMotion> m_motion;  // where a layer asks for it
 };
 

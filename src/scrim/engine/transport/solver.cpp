@@ -17,7 +17,6 @@ namespace {
 
 // Cells below which a grid is not made coarser: by then a sweep costs next to nothing.
 constexpr std::size_t kFewestCells = 4 * kBlockCells;
-// Levels below the finest: past it the coarsest cell is 64 times as large.
 constexpr std::size_t kMostLevels = 6;
 // What of a residual the coarser cells leave: they are no more like the finer than that.
 constexpr double kCoarseTolerance = 0.05;
@@ -47,15 +46,10 @@ double sumOf(std::size_t count, const Term& term) {
     return sum;
 }
 
-// Least squares by the normal equations, by Gauss' elimination with pivots; what is singular counts as 0.
+// Least squares by the normal equations, which need no pivots; what is singular counts as 0.
 std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
     const std::size_t n = b.size();
     for (std::size_t i = 0; i < n; ++i) {
-        std::size_t pivot = i;
-        for (std::size_t j = i + 1; j < n; ++j)
-            if (std::abs(a[j][i]) > std::abs(a[pivot][i])) pivot = j;
-        std::swap(a[i], a[pivot]);
-        std::swap(b[i], b[pivot]);
         if (!(std::abs(a[i][i]) > 0)) continue;
         for (std::size_t j = i + 1; j < n; ++j) {
             const double factor = a[j][i] / a[i][i];
@@ -281,32 +275,28 @@ double TransportSolver::changeOf(const Level& level) const {
 // The source of the coarser cells: that of the finer ones, or what a sweep of these has left to be scattered.
 void TransportSolver::restrict(const Level& fine, Level& coarse, bool residual) const {
     const std::size_t values = valuesPerRow();
-    const CellGrid &from = fine.cells().grid, &to = coarse.cells().grid;
+    const CellGrid &grid = fine.cells().grid, &to = coarse.cells().grid;
     std::fill(coarse.source.begin(), coarse.source.end(), Real(0));
     // A block of the coarser grid holds whole blocks of the finer one, and no other task writes to it.
-    const Int3 shift(glm::round(to.csFromWs(from.wsFromCs(Vec3(0)))));
+    const Int3 shift(glm::round(to.csFromWs(grid.wsFromCs(Vec3(0)))));
     std::vector<std::vector<std::size_t>> inside(to.storedBlocks().size());
-    for (std::size_t b = 0; b < from.storedBlocks().size(); ++b)
-        inside[std::size_t(to.index(shift + from.storedBlocks()[b] * (kCellEdge / 2))) / kBlockCells].push_back(b);
+    for (std::size_t b = 0; b < grid.storedBlocks().size(); ++b)
+        inside[std::size_t(to.index(shift + grid.storedBlocks()[b] * (kCellEdge / 2))) / kBlockCells].push_back(b);
     parallelFor(inside.size(), [&](std::size_t task) {
         for (const std::size_t block : inside[task])
             for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
                 const std::int32_t row = fine.rows[cell];
                 if (row < 0) continue;
-                const Int3 place = from.place(cell);
+                const Int3 place = grid.place(cell);
                 const std::ptrdiff_t at = to.index(shift + Int3(place.x >> 1, place.y >> 1, place.z >> 1));
                 const std::int32_t into = coarse.rows[std::size_t(at)];
                 if (into < 0) continue;
-                const Real* source = fine.source.data() + std::size_t(row) * values;
-                const Real *next = fine.next.data() + std::size_t(row) * values,
-                           *x = fine.x.data() + std::size_t(row) * values;
+                const std::size_t from = std::size_t(row) * values;
+                const Real *source = &fine.source[from], *next = &fine.next[from], *x = &fine.x[from];
                 Real* sum = coarse.source.data() + std::size_t(into) * values;
                 const Real part = residual ? fine.scattering[std::size_t(row)] / 8 : Real(1) / 8;
                 if (part == 0) continue;
-                if (residual)
-                    for (std::size_t m = 0; m < values; ++m) sum[m] += part * (next[m] - x[m]);
-                else
-                    for (std::size_t m = 0; m < values; ++m) sum[m] += part * source[m];
+                for (std::size_t m = 0; m < values; ++m) sum[m] += part * (residual ? next[m] - x[m] : source[m]);
             }
     });
 }

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal, compiled once for each instruction set (Highway's way): what a tile's samples send to the eye that is not
+// light straight from a light: emission, ambient light, and light that scattered before.
+#if defined(SCRIM_SHADE_SOURCES_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCRIM_SHADE_SOURCES_INL_H_
+#undef SCRIM_SHADE_SOURCES_INL_H_
+#else
+#define SCRIM_SHADE_SOURCES_INL_H_
+#endif
+
+#include <scrim/engine/shade/shade_tile-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Where extinction is grey the three rows of a quantity are one and the same: the first.
+struct Rows {
+    alignas(64) Real values[3][kTileSize];
+};
+
+struct Work {
+    alignas(64) Real slantEye[kTileSize];
+    alignas(64) Real pathEye[kTileSize];
+    Rows extinction, tauIn;  // coloured only
+    Rows tauEye, light, through;
+    Rows beauty;
+    Incidence in;
+    ShadeWork done;
+};
+
+// Sum over the input's rows of a row times its tint.
+HWY_ATTR void mix(const ShadeInput& input, const Real* const* rows, Rows& out) {
+    const DF d;
+    for (int c = 0; c < 3; ++c)
+        forSamples([&](int k) HWY_ATTR {
+            auto sum = hn::Mul(load(rows[0], k), constant(input.tints[0][c]));
+            for (int r = 1; r < input.channels; ++r)
+                sum = hn::MulAdd(load(rows[r], k), constant(input.tints[r][c]), sum);
+            hn::Store(sum, d, out.values[c] + k);
+        });
+}
+
+Real* outputRow(const ShadeInput& input, Work& w, int output, int channel) {
+    if (output == 0) return w.beauty.values[channel];
+    return input.outputs + ((output - 1) * 3 + channel) * kTileSize;
+}
+
+// What part of radiance per world unit leaves the sheet towards the eye: its mean transmittance times the path.
+HWY_ATTR void fillThrough(const ShadeInput& input, Work& w) {
+    const DF d;
+    const int channels = input.coloured ? 3 : 1;
+    for (int c = 0; c < channels; ++c)
+        forSamples([&](int k) HWY_ATTR {
+            hn::Store(hn::Mul(load(w.pathEye, k), psi(load(w.tauEye.values[c], k))), d, w.through.values[c] + k);
+        });
+    w.done.exponentials += static_cast<std::uint64_t>(channels * kTileSize);
+}
+
+HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output,
+                        Work& w) {
+    const DF d;
+    if (color == 0) return;
+    const Real* through = w.through.values[input.coloured ? channel : 0];
+    Real* to = outputRow(input, w, output, channel);
+    forSamples([&](int k) HWY_ATTR {
+        const auto part = hn::Mul(load(coefficient, k), load(through, k));
+        hn::Store(hn::MulAdd(part, constant(color), load(to, k)), d, to + k);
+    });
+}
+
+// The same to an output of the volume's own, if it has one.
+HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output, int own,
+                        Work& w) {
+    addSource(input, coefficient, color, channel, output, w);
+    if (own > 0) addSource(input, coefficient, color, channel, own, w);
+}
+
+// The same of radiance that differs from sample to sample.
+HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, int output, Work& w) {
+    const DF d;
+    const SheetMedium& medium = input.media[std::size_t(scattered.medium)];
+    for (int c = 0; c < 3; ++c) {
+        const auto albedo = constant(medium.albedo[c] * scattered.share);
+        const Real *through = w.through.values[input.coloured ? c : 0], *scatter = medium.scatter[c],
+                   *radiance = scattered.radiance[c];
+        Real* to = outputRow(input, w, output, c);
+        forSamples([&](int k) HWY_ATTR {
+            const auto part = hn::Mul(hn::Mul(load(scatter, k), load(through, k)), load(radiance, k));
+            hn::Store(hn::MulAdd(part, albedo, load(to, k)), d, to + k);
+        });
+    }
+}
+
+// What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
+// `seen`: it is a part of the beauty.
+template <class SurfaceShare>
+HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool seen,
+                             const SurfaceShare& share, Work& w) {
+    for (int c = 0; c < 3; ++c) {
+        for (const SheetMedium& medium : input.media)
+            if (medium.ambient || !seen)
+                addSource(input, medium.scatter[c], radiance[c] * medium.albedo[c], c, output, seen ? medium.output : 0,
+                          w);
+        for (const SheetSurface& surface : input.surfaces)
+            addSource(input, surface.emission[c], radiance[c] * share(surface), c, output, seen ? surface.output : 0,
+                      w);
+    }
+}
+
+// All that is not a light's.
+HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
+    const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
+    if (!ambient && input.emissions.empty() && input.scattered.empty() && input.layout.albedo < 0) return;
+    fillThrough(input, w);
+    if (ambient) {
+        addEnvironment(
+            input, input.ambient, input.layout.ambient, true, [](const SheetSurface& s) { return s.ambient; }, w);
+        w.done.ambients += kTileSize;
+    }
+    for (const SheetEmission& emission : input.emissions) {
+        for (int c = 0; c < 3; ++c)
+            addSource(input, emission.coefficient, emission.color[c], c, input.layout.emission, emission.output, w);
+        w.done.emissions += kTileSize;
+    }
+    for (const SheetScattered& scattered : input.scattered) {
+        addScatteredBefore(input, scattered, scattered.output, w);
+        if (const int own = input.media[std::size_t(scattered.medium)].output; own > 0)
+            addScatteredBefore(input, scattered, own, w);
+        w.done.scattered += kTileSize;
+    }
+    constexpr Real kWhite[3] = {1, 1, 1};
+    if (input.layout.albedo >= 0)
+        addEnvironment(
+            input, kWhite, input.layout.albedo, false, [](const SheetSurface&) { return Real(1); }, w);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard
