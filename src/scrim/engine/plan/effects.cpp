@@ -187,10 +187,10 @@ Effect emission(const ViewScene& scene) {
 }
 
 Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
-    Effect effect =
-        ofMedia(scene, ".medium.scattering",
-                [](const ViewVolume& v) { return scattersFully(v) ? quoted(v.name) : std::string(); },
-                "multiple scattering", "in ", "no medium has scattering = \"full\": light scatters once");
+    Effect effect = ofMedia(
+        scene, ".medium.scattering",
+        [](const ViewVolume& v) { return scattersFully(v) ? quoted(v.name) : std::string(); }, "multiple scattering",
+        "in ", "no medium has scattering = \"full\": light scatters once");
     const TransportPlan& t = plan.transport;
     const int solves = static_cast<int>(t.targets.size()) * t.colours;
     if (effect.on)
