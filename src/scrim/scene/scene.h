@@ -69,7 +69,7 @@ struct Shutter {
     double open = 0, close = 0;  ///< open < close
 };
 
-/// Light that a medium sends out by itself. It does not light the volume: nothing scatters it.
+/// Light that a medium sends out by itself. It lights only volumes in which light scatters more than once.
 struct Emission {
     std::string grid;
     /// Grid value to radiance per world unit, ascending and linear between; constant outside, but 0 where the grid is.

@@ -111,8 +111,8 @@ struct OctavesKeys : Section {
 struct EmissionKeys : Section {
     EmissionKeys()
         : Section("emission", "emission = { ... } of [volume.medium]",
-                  "Radiance per world unit = ramp(grid value) * scale, whatever the density. It does not light the "
-                  "volume.") {}
+                  "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
+                  "scattering = \"full\".") {}
     const Key& grid = text("grid", "the name of a grid", "What glows.").required();
     const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Times this.").keyed();
     const Key& ramp =
@@ -125,8 +125,8 @@ struct BlackbodyKeys : Section {
     BlackbodyKeys()
         : Section("blackbody", "blackbody = { ... } of [volume.medium]",
                   "Fire: light of a black body of the grid's temperature (Planck's law through the CIE's observer). It "
-                  "does not light the volume. Nothing glows below about 700 K. Caches of Houdini, Blender and EmberGen "
-                  "hold about 0 to 1 and not Kelvin: say with 'kelvin' what that is.") {
+                  "lights volumes whose scattering = \"full\". Nothing glows below about 700 K. Caches of Houdini, "
+                  "Blender and EmberGen hold about 0 to 1 and not Kelvin: say with 'kelvin' what that is.") {
         exclude({&kelvin}, {&scale, &offset});
     }
     const Key& grid = text("grid", "the name of a grid", "The temperature.").required();

@@ -174,11 +174,12 @@ std::string phaseName(const Phase& phase) {
 
 Effect emission(const ViewScene& scene) {
     Finder found(scene);
+    const bool lights = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.emission.empty()) continue;
         const std::string medium = "volume." + volume.name + ".medium.";
-        found.add(fmt::format("{}: {} field{}, which light nothing else", quoted(volume.name), volume.emission.size(),
-                              volume.emission.size() > 1 ? "s" : ""),
+        found.add(fmt::format("{}: {} field{}{}", quoted(volume.name), volume.emission.size(),
+                              volume.emission.size() > 1 ? "s" : "", lights ? "" : ", which light nothing else"),
                   medium + "emission");
         found.addPlace(medium + "blackbody");
     }
