@@ -21,23 +21,13 @@ bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
     return false;
 }
 
-// Light that scatters more than once, with the noise of it.
-void addScattered(const PathTracer& paths, VerifiedPixel& pixel) {
-    if (!paths.any()) return;
-    const Estimate scattered = paths.pixel(pixel.x, pixel.y, kPaths);
-    for (int c = 0; c < 3; ++c) {
-        pixel.reference[std::size_t(c)] += scattered.mean[c];
-        pixel.variance[std::size_t(c)] = scattered.variance[c];
-    }
-}
-
 }  // namespace
 
 MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth) {
     if (!truth.moments) {
         Moment& still = m_levels.emplace_back().emplace_back();
         still.reference = std::make_unique<const Reference>(truth);
-        m_paths = std::make_unique<const PathTracer>(truth);
+        still.paths = std::make_unique<const PathTracer>(truth);
         return;
     }
     // Nothing goes further than about two pixels between two moments of the first level, if there is a limit to that.
@@ -62,6 +52,7 @@ const std::vector<MomentsReference::Moment>& MomentsReference::momentsOf(std::si
             const double t = moments.open + (double(i) + 0.5 + side) * length;
             moment.scene = std::make_unique<const ViewScene>(moments.at(t));
             moment.reference = std::make_unique<const Reference>(*moment.scene, ReferenceOptions{}, &m_probes);
+            if (level == 0) moment.paths = std::make_unique<const PathTracer>(*moment.scene);
         }
     return made;
 }
@@ -82,10 +73,8 @@ std::vector<Rgba> MomentsReference::meansOver(std::span<const VerifiedPixel> pix
 void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
     if (!m_truth.moments) {
         const Reference& still = *m_levels[0][0].reference;
-        parallelFor(pixels.size(), [&](std::size_t i) {
-            pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y);
-            addScattered(*m_paths, pixels[i]);
-        });
+        parallelFor(pixels.size(), [&](std::size_t i) { pixels[i].reference = still.pixel(pixels[i].x, pixels[i].y); });
+        addScattered(pixels);
         return;
     }
     std::vector<VerifiedPixel> open(pixels.begin(), pixels.end());
@@ -111,6 +100,24 @@ void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
         places = std::move(stillAt);
         before = std::move(kept);
     }
+    addScattered(pixels);
+}
+
+// Noise hides what is between the moments of the first level.
+void MomentsReference::addScattered(std::span<VerifiedPixel> pixels) const {
+    const std::vector<Moment>& moments = m_levels.front();
+    const int paths = std::max(kPaths / static_cast<int>(moments.size()), 16);
+    parallelFor(pixels.size(), [&](std::size_t i) {
+        for (std::size_t m = 0; m < moments.size(); ++m) {
+            if (!moments[m].paths->any()) return;
+            const Estimate scattered = moments[m].paths->pixel(pixels[i].x, pixels[i].y, paths, m + 1);
+            const double part = 1.0 / double(moments.size());
+            for (int c = 0; c < 3; ++c) {
+                pixels[i].reference[std::size_t(c)] += part * scattered.mean[c];
+                pixels[i].variance[std::size_t(c)] += part * part * scattered.variance[c];
+            }
+        }
+    });
 }
 
 }  // namespace scrim

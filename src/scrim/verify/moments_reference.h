@@ -30,14 +30,15 @@ class MomentsReference {
     struct Moment {
         std::unique_ptr<const ViewScene> scene;
         std::unique_ptr<const Reference> reference;
+        std::unique_ptr<const PathTracer> paths;  // of the first level
     };
     /// The moments of `2^level` times as many intervals as there are first.
     const std::vector<Moment>& momentsOf(std::size_t level);
+    void addScattered(std::span<VerifiedPixel> pixels) const;
     std::vector<std::array<double, 4>> meansOver(std::span<const VerifiedPixel> pixels, std::size_t level);
 
     const ViewScene& m_truth;
     FieldProbes m_probes;
-    std::unique_ptr<const PathTracer> m_paths;  // of a single moment
     std::size_t m_intervals = 1;                // of the first level
     std::vector<std::vector<Moment>> m_levels;  // made when they are needed
     std::array<double, 4> m_brightest{};        // of all means so far

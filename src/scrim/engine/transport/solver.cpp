@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
+#include <limits>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -15,17 +15,14 @@
 namespace scrim {
 namespace {
 
-// Cells below which a grid is not made coarser: by then a sweep costs next to nothing.
-constexpr std::size_t kFewestCells = 4 * kBlockCells;
+constexpr std::size_t kFewestCells = 4 * kBlockCells;  // of a grid that is not made coarser
 constexpr std::size_t kMostLevels = 6;
-// What of a residual the coarser cells leave: they are no more like the finer than that.
-constexpr double kCoarseTolerance = 0.05;
-constexpr int kCoarseSweeps = 30;
+constexpr double kCoarseTolerance = 0.05;  // of a residual: coarser cells are no more like the finer
+// Sweeps of coarser cells for one of finer ones, and of the coarsest: few, since every level asks the next one anew.
+constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
+constexpr int kIdleSweeps = 6;  // in a row that take less than a tenth off the change: no further one will
 constexpr int kHistory = 6;
-
 constexpr std::size_t kChunk = 2048;  // rows of a task
-
-// task(begin, end) for chunks of [0, count).
 template <class Task>
 void forChunks(std::size_t count, const Task& task) {
     parallelFor((count + kChunk - 1) / kChunk,
@@ -249,9 +246,8 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
 
 // From the radiance along each ordinate to what a unit of scattering coefficient sends out along each.
 void TransportSolver::scatter(Level& level) const {
-    const std::size_t values = valuesPerRow();
     forChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
-        mixOrdinates(m_matrices, level.shares, begin, end, values, level.next.data(), m_settings.simd);
+        mixOrdinates(m_matrices, level.shares, begin, end, valuesPerRow(), level.next.data(), m_settings.simd);
     });
 }
 
@@ -342,7 +338,7 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
     Level& coarse = m_levels[level + 1];
     restrict(here, coarse, false);
     start(level + 1, inflow);
-    iterate(level + 1, inflow, kCoarseTolerance, kCoarseSweeps);
+    iterate(level + 1, inflow, kCoarseTolerance, 2 * kCoarseSweeps);
     prolong(coarse, here, false);
 }
 
@@ -352,11 +348,14 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
     Level& here = m_levels[level];
     const bool coarsest = level + 1 == m_levels.size();
     Anderson anderson;
-    double change = 0;
-    for (int i = 0; i < mostSweeps; ++i) {
+    double change = 0, least = std::numeric_limits<double>::infinity();
+    if (coarsest && level > 0) mostSweeps = std::max(mostSweeps, kCoarsestSweeps);
+    for (int i = 0, idle = 0; i < mostSweeps && idle < kIdleSweeps; ++i) {
         sweep(here, inflow, false);
         change = changeOf(here);
         if (change <= tolerance) break;
+        idle = change < 0.9 * least || !m_settings.accelerate ? 0 : idle + 1;
+        least = std::min(least, change);
         if (!m_settings.accelerate) {
             here.x = here.next;
         } else if (coarsest) {
