@@ -209,5 +209,17 @@ TEST_F(CliEffects, TellsOfTheScenesOwnTextOnceAndNotForEveryFrame) {
     EXPECT_EQ(result.err.find("'normalize' of the black body", first + 1), std::string::npos) << result.err;
 }
 
+// The picture is there, and says what was reached.
+TEST_F(CliEffects, ScatteringThatDoesNotSettleIsWrittenAndHasAStatusOfItsOwn) {
+    write("s.toml", kCamera + kFire + "albedo = [0.9999, 0.9999, 0.9999]\nscattering = \"full\"\n" + kLight +
+                        "[render]\nscatter_error = 1e-6\n");
+    const ProgramResult result =
+        run({"render", "s.toml", "-o", "x.exr", "--set", "volume.fire.density.scale=10000", "-v"});
+    EXPECT_EQ(result.status, 5) << result.err;
+    EXPECT_NE(result.err.find("scatter"), std::string::npos) << result.err;
+    EXPECT_TRUE(exists("x.exr"));
+    runWell({"render", "s.toml", "-o", "x.exr", "--set", "render.scatter_error=0.002"});
+}
+
 }  // namespace
 }  // namespace scrim::test

@@ -119,8 +119,8 @@ Dial scatterDirections() {
     d.words = {"auto"};
     d.info = {
         "scatter_directions", "directions", "", "'auto', 64, 128 or 256",
-        "that such light is carried along; auto: 64, or 128 where a phase function is narrower than g = 0.5, or 256 "
-        "above 0.8"};
+        "that such light is carried along; auto: 64, or 128 where a phase function is narrower than g = 0.75, or 256 "
+        "above 0.85"};
     d.allows = [](double v) { return v == 64 || v == 128 || v == 256; };
     d.setNumber = [](Dials& dials, double v) { dials.scatterDirections = static_cast<int>(v); };
     d.setWord = [](Dials& dials, std::size_t) { dials.scatterDirections.reset(); };
@@ -211,14 +211,15 @@ struct Preset {
     double sheetThickness, texel;
     int footprintSteps;
     double error, classifiedError;
+    double scatterCell;
     double lightError() const { return 0.5 * error; }
 };
 
 const std::vector<Preset>& presets() {
-    static const std::vector<Preset> all{{"draft", 3, 1, 4, 0.03, 0.05},
-                                         {"standard", 1.5, 0.7, 8, 0.01, 0.02},
-                                         {"high", 1, 0.5, 8, 0.003, 0.01},
-                                         {"ultra", 0.5, 0.3, 16, 0.001, 0.005}};
+    static const std::vector<Preset> all{{"draft", 3, 1, 4, 0.03, 0.05, 4},
+                                         {"standard", 1.5, 0.7, 8, 0.01, 0.02, 2},
+                                         {"high", 1, 0.5, 8, 0.003, 0.01, 1.5},
+                                         {"ultra", 0.5, 0.3, 16, 0.001, 0.005, 1}};
     return all;
 }
 
@@ -275,6 +276,7 @@ std::optional<Dials> presetDials(const std::string& name) {
             dials.texel = preset.texel;
             dials.footprintSteps = preset.footprintSteps;
             dials.lightError = preset.lightError();
+            dials.scatterCell = preset.scatterCell;
             return dials;
         }
     return std::nullopt;

@@ -44,7 +44,8 @@ TEST(SceneMedium, HasDefaults) {
 TEST(SceneMedium, RefusesUnknownKeys) {
     EXPECT_EQ(errorIn("emision = { grid = \"flame\" }"),
               "scene.toml:7:1: 'emision' is not known here ([volume.medium] of [[volume]] 'volume1'); did you mean "
-              "'emission'?; allowed: 'albedo', 'extinction_tint', 'phase', 'scattering', 'octaves', 'emission' or 'blackbody'");
+              "'emission'?; allowed: 'albedo', 'extinction_tint', 'phase', 'scattering', 'octaves', 'emission' or "
+              "'blackbody'");
 }
 
 // ---- phase
@@ -118,6 +119,10 @@ TEST(SceneOctaves, AreRead) {
 }
 
 TEST(SceneOctaves, AreChecked) {
+    EXPECT_EQ(
+        errorIn("scattering = \"full\"\noctaves = {}"),
+        "scene.toml:8:11: [volume.medium] of [[volume]] 'volume1' has 'scattering' = \"full\" and 'octaves'; expected "
+        "one of them");
     EXPECT_EQ(errorIn("octaves = { count = 0 }"),
               "scene.toml:7:21: 'count' is 0; expected a whole number from 1 to 16");
     EXPECT_EQ(errorIn("octaves = { count = 17 }"),

@@ -158,7 +158,32 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<CellMedia
 
 }  // namespace
 
-std::vector<ScatterClass> scatterClasses(const ViewScene& scene) {
+namespace {
+
+// Takes what scatters straight on out of extinction and scattering.
+void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
+    if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.split.straight() == 0; }))
+        return;
+    for (std::size_t c = 0; c < std::max(media.extinction.size(), media.scattering.front().size()); ++c) {
+        CellMedia::Row& straight = media.straight.emplace_back(media.grid.cells(), Real(0));
+        for (std::size_t k = 0; k < classes.size(); ++k) {
+            const auto part = static_cast<Real>(classes[k].split.straight());
+            const CellMedia::Row& scattering = media.scatteringOf(k, c);
+            for (std::size_t cell = 0; cell < straight.size(); ++cell) straight[cell] += part * scattering[cell];
+        }
+    }
+    media.extinction.resize(media.straight.size(), media.extinction.front());
+    for (std::size_t c = 0; c < media.straight.size(); ++c)
+        for (std::size_t cell = 0; cell < media.grid.cells(); ++cell)
+            media.extinction[c][cell] = std::max(media.extinction[c][cell] - media.straight[c][cell], Real(0));
+    for (std::size_t k = 0; k < classes.size(); ++k)
+        for (CellMedia::Row& row : media.scattering[k])
+            for (Real& value : row) value *= static_cast<Real>(1 - classes[k].split.straight());
+}
+
+}  // namespace
+
+std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) {
     std::vector<ScatterClass> classes;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
@@ -166,8 +191,10 @@ std::vector<ScatterClass> scatterClasses(const ViewScene& scene) {
         const auto same = std::find_if(classes.begin(), classes.end(), [&](const ScatterClass& c) {
             return c.phase == volume.medium.phase && c.lights == volume.lights;
         });
-        ScatterClass& cls =
-            same != classes.end() ? *same : classes.emplace_back(ScatterClass{volume.medium.phase, volume.lights, {}});
+        ScatterClass& cls = same != classes.end()
+                                ? *same
+                                : classes.emplace_back(ScatterClass{
+                                      volume.medium.phase, {volume.medium.phase, ordinates}, volume.lights, {}});
         cls.volumes.push_back(static_cast<int>(v));
     }
     return classes;
@@ -185,7 +212,7 @@ bool greyScattering(const ViewScene& scene) {
 }
 
 std::size_t CellMedia::bytes() const {
-    std::size_t rows = extinction.size() + emission.size();
+    std::size_t rows = extinction.size() + straight.size() + emission.size();
     for (const std::vector<Row>& cls : scattering) rows += cls.size();
     return grid.bytes() + rows * grid.cells() * sizeof(Real);
 }
@@ -228,6 +255,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
             add(media.grid, glow);
         }
     }
+    goStraight(media, classes);
     return media;
 }
 

@@ -4,6 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/transport/cell_grid.h>
+#include <scrim/engine/transport/split_phase.h>
 #include <scrim/scene/view_scene.h>
 
 #include <vector>
@@ -13,25 +14,28 @@ namespace scrim {
 /// Volumes that scatter light the same way, and that the same lights shine on.
 struct ScatterClass {
     Phase phase;
+    SplitPhase split;          ///< of `phase`
     std::vector<bool> lights;  ///< for each light of the scene, does it light these volumes? Empty: all do
     std::vector<int> volumes;  ///< indices into ViewScene::volumes
 
     bool litBy(std::size_t light) const { return lights.empty() || lights[light]; }
 };
 
-/// Of the volumes whose medium scatters more than once.
-std::vector<ScatterClass> scatterClasses(const ViewScene& scene);
+/// Of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
+std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 
 /// Is extinction the same in all colours? And what is scattered of it?
 bool greyExtinction(const ViewScene& scene);
 bool greyScattering(const ViewScene& scene);
 
-/// One row of values a quantity, one value a cell of `grid`, per world unit.
+/// One row of values a quantity, one value a cell of `grid`, per world unit. Light that scatters straight on counts as
+/// not scattered: extinction and scattering are less by it.
 struct CellMedia {
     using Row = std::vector<Real>;
 
     CellGrid grid;
     std::vector<Row> extinction;               ///< of one colour that stands for all, or of three
+    std::vector<Row> straight;                 ///< what of extinction scatters straight on; none: nothing does
     std::vector<std::vector<Row>> scattering;  ///< [class][colour]
     std::vector<Row> emission;                 ///< radiance per world unit, of three colours; none: nothing glows
 

@@ -32,7 +32,7 @@ FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media,
 
 // Before anything takes some of it.
 Arriving FirstCollisions::unattenuated(const Vec3& ws) const {
-    Arriving out{m_light.intensity, m_light.wsDirection, kInfinity};
+    Arriving out{m_light.intensity, Rgb(0), m_light.wsDirection, kInfinity};
     if (!m_light.distant()) {
         const Light::Point& point = m_light.point();
         const Vec3 way = ws - m_light.wsPosition;
@@ -55,7 +55,7 @@ Arriving FirstCollisions::unattenuated(const Vec3& ws) const {
 
 // From cell to cell, and past blocks in which nothing is at a time (J. Amanatides and A. Woo, A Fast Voxel Traversal
 // Algorithm for Ray Tracing, 1987).
-Rgb FirstCollisions::opticalDepth(const Vec3& ws, const Vec3& direction, double distance) const {
+FirstCollisions::Depths FirstCollisions::opticalDepths(const Vec3& ws, const Vec3& direction, double distance) const {
     const CellGrid& grid = m_media.grid;
     const Vec3 origin = grid.csFromWs(ws);
     const double length = distance / grid.edge();  // directions are unit in cells, too
@@ -68,8 +68,9 @@ Rgb FirstCollisions::opticalDepth(const Vec3& ws, const Vec3& direction, double 
         each[axis] = 1 / std::abs(direction[axis]);
         next[axis] = (cell[axis] + (step[axis] > 0 ? 1 : 0) - origin[axis]) / direction[axis];
     }
-    const bool grey = m_media.extinction.size() == 1;
-    Rgb tau(0);
+    const bool grey = m_media.extinction.size() == 1, straight = !m_media.straight.empty();
+    Depths out;
+    Rgb& tau = out.tau;
     double t = 0;
     while (t < length) {
         const std::ptrdiff_t index = grid.index(cell);
@@ -82,6 +83,8 @@ Rgb FirstCollisions::opticalDepth(const Vec3& ws, const Vec3& direction, double 
                 tau.y += way * m_media.extinction[1][std::size_t(index)];
                 tau.z += way * m_media.extinction[2][std::size_t(index)];
             }
+            for (std::size_t c = 0; straight && c < m_media.straight.size(); ++c)
+                out.straight[int(c)] += way * m_media.straight[c][std::size_t(index)];
             if (std::min({tau.x, grey ? kInfinity : tau.y, grey ? kInfinity : tau.z}) > kMostTau) break;
         }
         t = next[axis];
@@ -89,7 +92,7 @@ Rgb FirstCollisions::opticalDepth(const Vec3& ws, const Vec3& direction, double 
         next[axis] += each[axis];
         if (cell[axis] < 0 || cell[axis] >= size[axis]) break;
     }
-    return grey ? Rgb(tau.x) : tau;
+    return grey ? Depths{Rgb(tau.x), Rgb(out.straight.x)} : out;
 }
 
 Arriving FirstCollisions::at(std::size_t cell) const {
@@ -101,11 +104,13 @@ Arriving FirstCollisions::at(std::size_t cell) const {
         out.irradiance = Rgb(0);
         return out;
     }
-    const Rgb tau = opticalDepth(ws, toLight, out.distance);
+    const Depths depths = opticalDepths(ws, toLight, out.distance);
     // A cube's mean chord along a direction is its volume over its shadow.
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
     for (int c = 0; c < 3; ++c)
-        out.irradiance[c] *= std::exp(-tau[c]) * meanOverCell(chord * m_media.extinctionOf(std::size_t(c))[cell]);
+        out.irradiance[c] *=
+            std::exp(-depths.tau[c]) * meanOverCell(chord * m_media.extinctionOf(std::size_t(c))[cell]);
+    out.straightDepth = depths.straight;
     return out;
 }
 

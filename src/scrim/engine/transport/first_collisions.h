@@ -15,7 +15,8 @@ namespace scrim {
 
 /// Light at a point: irradiance on a surface that faces it, and the way it travels.
 struct Arriving {
-    Rgb irradiance{0};
+    Rgb irradiance{0};      ///< light that scattered straight on is part of it
+    Rgb straightDepth{0};   ///< optical depth of that scattering, up to here
     Vec3 travel{0, 0, -1};  ///< unit
     double distance = 0;    ///< to the light; infinity where it is distant
 };
@@ -31,7 +32,10 @@ class FirstCollisions {
 
   private:
     Arriving unattenuated(const Vec3& ws) const;
-    Rgb opticalDepth(const Vec3& ws, const Vec3& direction, double distance) const;
+    struct Depths {
+        Rgb tau{0}, straight{0};  // without what scatters straight on, and of that
+    };
+    Depths opticalDepths(const Vec3& ws, const Vec3& direction, double distance) const;
 
     const ViewScene& m_scene;
     const CellMedia& m_media;

@@ -67,19 +67,21 @@ struct Collisions {
     Simd simd;
 
     // Of all classes that the light shines on, per unit of irradiance: one number, or one for each ordinate.
-    void addTo(const TransportSolver& solver, const Light& light, std::vector<Real>& source) const {
+    void addTo(const TransportSolver& solver, const Light& light, std::vector<Real>& source,
+               StraightLight& straight) const {
         const FirstCollisions rays(scene, media, light);
         const std::size_t values = solver.valuesPerRow();
         std::vector<std::vector<Real>> even;  // where the light comes from one direction
         if (!solver.isotropic() && light.distant())
             for (const ScatterClass& cls : classes)
-                scatteringRow(ordinates, cls.phase, light.wsDirection, even.emplace_back(values).data(), simd);
+                scatteringRow(ordinates, cls.split.spread(), light.wsDirection, even.emplace_back(values).data(), simd);
         parallelFor(media.grid.storedBlocks().size(), [&](std::size_t block) {
             std::vector<Real> row(values);
             for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
-                if (solver.rowOf(cell) < 0 || !scatters(cell)) continue;
+                if (solver.rowOf(cell) < 0 || (straight.empty() && !scatters(cell))) continue;
                 const Arriving arriving = rays.at(cell);
                 if (!(arriving.irradiance[colour] > 0)) continue;
+                addStraight(arriving, cell, std::size_t(solver.rowOf(cell)), straight);
                 for (std::size_t k = 0; k < classes.size(); ++k) {
                     const double scattered = scatteringOf(k, cell) * arriving.irradiance[colour];
                     if (scattered == 0) continue;
@@ -90,7 +92,7 @@ struct Collisions {
                     }
                     const Real* into = row.data();
                     if (even.empty())
-                        scatteringRow(ordinates, classes[k].phase, arriving.travel, row.data(), simd);
+                        scatteringRow(ordinates, classes[k].split.spread(), arriving.travel, row.data(), simd);
                     else
                         into = even[k].data();
                     for (std::size_t m = 0; m < values; ++m) to[m] += static_cast<Real>(scattered) * into[m];
@@ -100,6 +102,16 @@ struct Collisions {
     }
 
   private:
+    // Where phase functions are mixed, each class sees the beam as if its own had spread it.
+    void addStraight(const Arriving& arriving, std::size_t cell, std::size_t row, StraightLight& straight) const {
+        if (straight.empty() || arriving.straightDepth[colour] == 0) return;
+        const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));
+        for (std::size_t k = 0; k < classes.size(); ++k) {
+            if (!classes[k].litBy(owner)) continue;
+            const double part = classes[k].split.scatteredAgain(arriving.straightDepth[colour], cosine);
+            straight[k][row] += static_cast<Real>(arriving.irradiance[colour] * part);
+        }
+    }
     double scatteringOf(std::size_t k, std::size_t cell) const {
         return classes[k].litBy(owner) ? media.scatteringOf(k, std::size_t(colour))[cell] : 0;
     }
@@ -111,6 +123,13 @@ struct Collisions {
 };
 
 }  // namespace
+
+Vec3 travelToEye(const Camera& camera, const Vec3& ws) {
+    if (camera.type == CameraType::orthographic) return -viewingAxis(camera);
+    const Vec3 way = camera.wsPosition - ws;
+    const double length = glm::length(way);
+    return length > 0 ? way / length : -viewingAxis(camera);
+}
 
 std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates,
                            int colour) {
@@ -124,21 +143,24 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
     return {radiance.begin(), radiance.end()};
 }
 
-void fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
-                const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
-                TransportSolver& solver) {
+StraightLight fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
+                         const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
+                         TransportSolver& solver) {
     std::vector<Real>& source = solver.clearedSource();
+    StraightLight straight;
+    if (!media.straight.empty()) straight.assign(classes.size(), std::vector<Real>(solver.rows(), Real(0)));
     for (const int light : target.lights) {
         const auto owner = std::size_t(light);
         if (scene.lights[owner].dome()) continue;
         for (const Light& point : pointsOf(scene, scene.lights[owner]))
-            Collisions{scene, media, classes, owner, colour, ordinates, simd}.addTo(solver, point, source);
+            Collisions{scene, media, classes, owner, colour, ordinates, simd}.addTo(solver, point, source, straight);
     }
-    if (!target.emission || media.emission.empty()) return;
+    if (!target.emission || media.emission.empty()) return straight;
     const std::size_t values = solver.valuesPerRow();
     for (std::size_t cell = 0; cell < media.grid.cells(); ++cell)
         if (const Real glow = media.emission[std::size_t(colour)][cell]; glow > 0 && solver.rowOf(cell) >= 0)
             for (std::size_t m = 0; m < values; ++m) source[std::size_t(solver.rowOf(cell)) * values + m] += glow;
+    return straight;
 }
 
 }  // namespace scrim

@@ -17,14 +17,6 @@ namespace {
 
 constexpr std::size_t kFour = 4;  // values a cell, of which the last is not used
 
-// The way that light travels which reaches the eye from `ws`.
-Vec3 towardsEye(const Camera& camera, const Vec3& ws) {
-    if (camera.type == CameraType::orthographic) return -viewingAxis(camera);
-    const Vec3 way = camera.wsPosition - ws;
-    const double length = glm::length(way);
-    return length > 0 ? way / length : -viewingAxis(camera);
-}
-
 // What the target's light is of, where all of it is of one colour.
 Rgb colourOf(const ViewScene& scene, const ScatterTarget& target) {
     for (const int light : target.lights) return scene.lights[std::size_t(light)].intensity;
@@ -40,7 +32,7 @@ Rgb colourOf(const ViewScene& scene, const ScatterTarget& target) {
 ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                const std::function<void()>& checkpoint)
     : m_targets(plan.targets) {
-    const std::vector<ScatterClass> classes = scatterClasses(scene);
+    const std::vector<ScatterClass> classes = scatterClasses(scene, plan.ordinates);
     m_classes = classes.size();
     m_classOf.assign(scene.volumes.size(), -1);
     for (std::size_t k = 0; k < classes.size(); ++k)
@@ -63,13 +55,15 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
         const int brightest = shared.x >= shared.y && shared.x >= shared.z ? 0 : shared.y >= shared.z ? 1 : 2;
         for (int c = 0; c < plan.colours; ++c) {
             const int colour = plan.colours == 1 ? brightest : c;
-            fillSource(scene, media, classes, m_targets[t], colour, directions, simd, solver);
+            const StraightLight straight =
+                fillSource(scene, media, classes, m_targets[t], colour, directions, simd, solver);
             m_solved += solver.solve(std::size_t(colour), inflowOf(scene, m_targets[t], directions, colour));
             Rgb colours(0);
             colours[colour] = 1;
             if (plan.colours == 1) colours = shared / shared[brightest];
             for (std::size_t k = 0; k < m_classes; ++k)
-                keep(scene, solver, classes[k].phase, directions, simd, colours, m_fields[t * m_classes + k]);
+                keep(scene, solver, classes[k].phase, straight.empty() ? nullptr : straight[k].data(), directions, simd,
+                     colours, m_fields[t * m_classes + k]);
         }
         for (std::size_t k = 0; k < m_classes; ++k) fillBorders(solver, m_fields[t * m_classes + k]);
     }
@@ -77,7 +71,8 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
 
 // Adds what the eye sees of a solve to a field, of the cells that blocks have themselves.
 void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase,
-                          const Ordinates& directions, Simd simd, const Rgb& colours, Field& field) const {
+                          const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
+                          Field& field) const {
     const std::size_t values = solver.valuesPerRow();
     parallelFor(m_grid.storedBlocks().size(), [&](std::size_t block) {
         std::vector<Real> row(values);
@@ -88,9 +83,10 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
             const Real* radiance = solver.radiance().data() + std::size_t(at) * values;
             double seen = double(*radiance);
             if (!solver.isotropic()) {
-                scatteringRow(directions, phase, towardsEye(scene.camera, m_grid.wsCenter(cell)), row.data(), simd);
+                scatteringRow(directions, phase, travelToEye(scene.camera, m_grid.wsCenter(cell)), row.data(), simd);
                 seen = double(gathered(directions, row.data(), radiance, simd));
             }
+            if (straight) seen = std::max(seen + double(straight[at]), 0.0);
             const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1,
                               z = i / (kCellEdge * kCellEdge) + 1;
             Real* to = field.data() + (block * kPaddedCells + (z * kPadded + y) * kPadded + x) * kFour;

@@ -49,8 +49,8 @@ class ScatteredLight {
 
     void solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
-    void keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase, const Ordinates& ordinates,
-              Simd simd, const Rgb& colours, Field& field) const;
+    void keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase, const Real* straight,
+              const Ordinates& ordinates, Simd simd, const Rgb& colours, Field& field) const;
     void fillBorders(const TransportSolver& solver, Field& field) const;
 
     CellGrid m_grid;

@@ -152,7 +152,8 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
     m_isotropic =
         std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.phase.isotropic(); });
     if (!m_isotropic)
-        for (const ScatterClass& cls : classes) m_matrices.push_back(scatteringMatrix(m_settings.ordinates, cls.phase));
+        for (const ScatterClass& cls : classes)
+            m_matrices.push_back(scatteringMatrix(m_settings.ordinates, cls.split.spread()));
     m_levels.emplace_back().own = &media;
     while (m_settings.accelerate && m_levels.size() < kMostLevels &&
            m_levels.back().cells().grid.cells() > kFewestCells) {
