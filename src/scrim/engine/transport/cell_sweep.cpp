@@ -248,19 +248,22 @@ void forBundles(const CellSweep& sweep, const Task& task) {
 
 }  // namespace
 
-void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean) {
+void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean,
+                    std::vector<Real>& scratch) {
     const std::size_t cells = sweep.grid->cells();
     const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
     const auto bundles = std::size_t(sweep.ordinates->count() / lanes);
     // Sums are formed in one order, whichever thread is through first.
-    std::vector<std::vector<Real>> sums(bundles, std::vector<Real>(cells));
+    scratch.resize(std::max(scratch.size(), bundles * cells));
+    std::fill_n(scratch.begin(), bundles * cells, Real(0));
     forBundles(sweep, [&](std::size_t i, int octant, int first) {
-        SCRIM_ON_TARGET(sweep.simd, passIsotropic)(sweep, octant, first, source.data(), sums[i].data());
+        SCRIM_ON_TARGET(sweep.simd, passIsotropic)(sweep, octant, first, source.data(), scratch.data() + i * cells);
     });
     mean.assign(cells, Real(0));
     parallelFor(sweep.grid->storedBlocks().size(), [&](std::size_t block) {
-        for (const std::vector<Real>& sum : sums)
-            for (std::size_t c = block * kBlockCells; c < (block + 1) * kBlockCells; ++c) mean[c] += sum[c];
+        for (std::size_t i = 0; i < bundles; ++i)
+            for (std::size_t c = block * kBlockCells; c < (block + 1) * kBlockCells; ++c)
+                mean[c] += scratch[i * cells + c];
     });
 }
 

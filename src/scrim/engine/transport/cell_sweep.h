@@ -32,8 +32,9 @@ struct CellSweep {
 };
 
 /// Where all cells send the same into all directions: `source` is that, one value a cell, radiance per world unit;
-/// `mean` becomes the mean radiance over all directions, one value a cell.
-void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean);
+/// `mean` becomes the mean radiance over all directions, one value a cell. `scratch` is memory to be used again.
+void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean,
+                    std::vector<Real>& scratch);
 
 /// With a source that differs from direction to direction. `slots` has one value a cell: which of `radiance`'s rows of
 /// ordinates is its own; -1 where it sends nothing, and nobody wants to know. On entry `radiance` holds what the cells

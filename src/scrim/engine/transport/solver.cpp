@@ -2,6 +2,7 @@
 #include <scrim/engine/transport/solver.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/transport/cell_levels.h>
 #include <scrim/engine/transport/mix_ordinates.h>
 
 #include <algorithm>
@@ -17,10 +18,11 @@ namespace {
 
 constexpr std::size_t kFewestCells = 4 * kBlockCells;  // of a grid that is not made coarser
 constexpr std::size_t kMostLevels = 6;
-constexpr double kCoarseTolerance = 0.05;  // of a residual: coarser cells are no more like the finer
+constexpr double kCoarseTolerance = 0.2;  // of a residual: coarser cells are no more like the finer
 // Sweeps of coarser cells for one of finer ones, and of the coarsest: few, since every level asks the next one anew.
 constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
 constexpr int kIdleSweeps = 6;  // in a row that take less than a tenth off the change: no further one will
+constexpr double kFall = 0.25;  // of the change from sweep to sweep of the finest cells, at first
 constexpr int kHistory = 6;
 constexpr std::size_t kChunk = 2048;  // rows of a task
 template <class Task>
@@ -59,31 +61,6 @@ std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<doubl
         b[i] = std::abs(a[i][i]) > 0 ? b[i] / a[i][i] : 0;
     }
     return b;
-}
-
-// Adds to x what the coarser rows around finer cell `cell` of a block have in its middle: of two neighbours along each
-// axis the nearer one counts three quarters. Those that are not there do not count.
-void addInterpolated(const Real* const* near, int around, const Int3& cell, std::size_t values, Real* x) {
-    std::array<std::pair<const Real*, Real>, 8> parts;
-    std::size_t count = 0;
-    Real sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        Int3 at;
-        Real weight = 1;
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool farther = (corner >> axis & 1) != 0, upper = (cell[axis] & 1) != 0;
-            at[axis] = cell[axis] / 2 + 1 + (farther ? (upper ? 1 : -1) : 0);
-            weight *= farther ? Real(0.25) : Real(0.75);
-        }
-        const Real* row = near[(at.z * around + at.y) * around + at.x];
-        if (!row) continue;
-        sum += weight;
-        parts[count++] = {row, weight};
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        const Real weight = parts[i].second / sum;
-        for (std::size_t m = 0; m < values; ++m) x[m] += weight * parts[i].first[m];
-    }
 }
 
 }  // namespace
@@ -234,9 +211,8 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
     const CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(), inflow, last,
                           m_settings.simd};
     if (m_isotropic) {
-        std::vector<Real> mean;
-        sweepIsotropic(cells, level.next, mean);
-        level.next.swap(mean);
+        sweepIsotropic(cells, level.next, m_mean, m_scratch);
+        level.next.swap(m_mean);
     } else {
         sweepDirectional(cells, level.rows, level.next);
         if (!last) scatter(level);
@@ -298,35 +274,14 @@ void TransportSolver::restrict(const Level& fine, Level& coarse, bool residual) 
     });
 }
 
-// fine.x = (add ? fine.next : 0) + what the coarser cells have there, linear between their middles.
+// fine.x = (add ? fine.next : 0) + what the coarser cells have there.
 void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const {
-    const std::size_t values = valuesPerRow();
-    const CellGrid &from = coarse.cells().grid, &to = fine.cells().grid;
-    const Int3 shift(glm::round(from.csFromWs(to.wsFromCs(Vec3(0)))));
-    parallelFor(to.storedBlocks().size(), [&](std::size_t block) {
-        // The coarser rows in and around the block.
-        constexpr int kAround = kCellEdge / 2 + 2;
-        std::array<const Real*, std::size_t(kAround) * kAround * kAround> near;
-        const Int3 first = shift + to.storedBlocks()[block] * (kCellEdge / 2) - 1;
-        for (std::size_t i = 0; i < near.size(); ++i) {
-            const auto n = static_cast<int>(i);
-            const std::ptrdiff_t cell =
-                from.index(first + Int3(n % kAround, n / kAround % kAround, n / (kAround * kAround)));
-            const std::int32_t row = cell < 0 ? -1 : coarse.rows[std::size_t(cell)];
-            near[i] = row < 0 ? nullptr : coarse.x.data() + std::size_t(row) * values;
-        }
-        for (int i = 0; i < kBlockCells; ++i) {
-            const std::int32_t row = fine.rows[block * kBlockCells + std::size_t(i)];
-            if (row < 0) continue;
-            Real* x = fine.x.data() + std::size_t(row) * values;
-            if (add)
-                std::copy_n(fine.next.data() + std::size_t(row) * values, values, x);
-            else
-                std::fill_n(x, values, Real(0));
-            addInterpolated(near.data(), kAround,
-                            {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)}, values, x);
-        }
-    });
+    if (add)
+        fine.x = fine.next;
+    else
+        std::fill(fine.x.begin(), fine.x.end(), Real(0));
+    addInterpolated({&coarse.cells().grid, &coarse.rows}, coarse.x, {&fine.cells().grid, &fine.rows}, valuesPerRow(),
+                    fine.x);
 }
 
 // A first x, from the coarser cells.
@@ -339,13 +294,14 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
     Level& coarse = m_levels[level + 1];
     restrict(here, coarse, false);
     start(level + 1, inflow);
-    iterate(level + 1, inflow, kCoarseTolerance, 2 * kCoarseSweeps);
+    iterate(level + 1, inflow, kCoarseTolerance, 2 * kCoarseSweeps, nullptr);
     prolong(coarse, here, false);
 }
 
 // Until a sweep changes x by no more than `tolerance`, which is then what it is; returns the change. On return x is the
-// last iterate.
-double TransportSolver::iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps) {
+// last iterate. `ahead`: if given, ends where the next sweep is expected to change no more, and becomes
+// false where that was not the end.
+double TransportSolver::iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead) {
     Level& here = m_levels[level];
     const bool coarsest = level + 1 == m_levels.size();
     Anderson anderson;
@@ -355,6 +311,8 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
         sweep(here, inflow, false);
         change = changeOf(here);
         if (change <= tolerance) break;
+        // From one sweep to the next the change falls by about as much as before.
+        const bool enough = ahead && 2 * change * (i > 0 ? change / least : kFall) <= tolerance;
         idle = change < 0.9 * least || !m_settings.accelerate ? 0 : idle + 1;
         least = std::min(least, change);
         if (!m_settings.accelerate) {
@@ -366,10 +324,12 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
             Level& coarse = m_levels[level + 1];
             restrict(here, coarse, true);
             std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
-            iterate(level + 1, nullptr, kCoarseTolerance, kCoarseSweeps);
+            iterate(level + 1, nullptr, kCoarseTolerance, kCoarseSweeps, nullptr);
             prolong(coarse, here, true);
         }
+        if (enough) return change;
     }
+    if (ahead) *ahead = false;
     if (change <= tolerance) here.x = here.next;
     return change;
 }
@@ -379,14 +339,23 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     for (Level& level : m_levels) chooseColour(level, colour);
     const Real* from = inflow.empty() ? nullptr : inflow.data();
     start(0, from);
-    m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps);
+    // The sweep whose result is seen is also one that tells how much there was left to do. It may not be, where much
+    // falls below zero.
+    Level& finest = m_levels.front();
+    bool ahead = m_settings.accelerate;
+    m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps, ahead ? &ahead : nullptr);
+    sweep(finest, from, true);
+    if (ahead) m_solved.change = changeOf(finest);
+    if (ahead && m_solved.change > m_settings.tolerance) {
+        m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps, nullptr);
+        sweep(finest, from, true);
+    }
     m_solved.converged = m_solved.change <= m_settings.tolerance;
-    sweep(m_levels.front(), from, true);
     return m_solved;
 }
 
 std::size_t TransportSolver::bytes() const {
-    std::size_t bytes = 0;
+    std::size_t bytes = (m_mean.capacity() + m_scratch.capacity()) * sizeof(Real);
     for (const Level& level : m_levels) {
         bytes += (level.x.size() + level.next.size() + level.source.size() + level.extinction.size() +
                   level.scattering.size() * (1 + level.shares.size())) *

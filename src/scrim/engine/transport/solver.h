@@ -84,7 +84,7 @@ class TransportSolver {
     void scatter(Level& level) const;
     double changeOf(const Level& level) const;
     void start(std::size_t level, const Real* inflow);
-    double iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps);
+    double iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead);
     void restrict(const Level& fine, Level& coarse, bool residual) const;
     void prolong(const Level& coarse, Level& fine, bool add) const;
 
@@ -93,6 +93,7 @@ class TransportSolver {
     bool m_isotropic;
     std::vector<std::vector<Real>> m_matrices;  // of each class, see scatteringMatrix
     std::vector<Level> m_levels;                // from the finest
+    std::vector<Real> m_mean, m_scratch;        // of sweeps, kept since fresh memory is dear
     Solved m_solved;
 };
 
