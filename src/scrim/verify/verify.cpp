@@ -53,6 +53,9 @@ class RelativeError {
     /// Ends of the interval of `confidence`, where deviations are `scale` times as large as of pixels that are few
     /// among many.
     std::array<double, 2> interval(double confidence, double scale) const;
+    /// The same where the reference's own noise was taken out of the squares: much of what they differ by is noise, and
+    /// their sum may even be below zero.
+    std::array<double, 2> noisyInterval(double confidence, double scale) const;
 
   private:
     struct Value {
@@ -113,6 +116,28 @@ std::array<double, 2> RelativeError::interval(double confidence, double scale) c
             own.error * std::exp(std::max(-step * at(tail), 0.0))};
 }
 
+// Bootstrap of the mean square (Efron and Tibshirani, ch. 13), which knows no sign.
+std::array<double, 2> RelativeError::noisyInterval(double confidence, double scale) const {
+    const auto n = m_terms.size();
+    double square = 0, mean = 0;
+    for (const Term& t : m_terms) {
+        square += t.square / double(n);
+        mean += t.mean / double(n);
+    }
+    if (!(mean > 0) || !std::isfinite(square) || scale == 0 || n < 2) return interval(confidence, scale);
+    constexpr int kCount = 1000;
+    std::mt19937_64 random(1);
+    std::vector<double> drawn(kCount, 0.0);
+    for (double& sum : drawn)
+        for (std::size_t i = 0; i < n; ++i) sum += m_terms[random() % n].square / double(n);
+    std::sort(drawn.begin(), drawn.end());
+    const double tail = 0.5 * (1 - confidence);
+    const auto farFrom = [&](double part) { return scale * (drawn[std::size_t(part * (kCount - 1))] - square); };
+    // Squares have long tails: to either side what resamples or their reflection reach.
+    const double away = std::max(farFrom(1 - tail), -farFrom(tail));
+    return {std::sqrt(std::max(square - away, 0.0)) / mean, std::sqrt(std::max(square, 0.0) + away) / mean};
+}
+
 Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidates, double confidence) {
     Verification v;
     v.looked = pixels.size();
@@ -120,8 +145,10 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
     const double brightest = brightestOf(pixels);
     std::vector<Term> colour, alpha;
     double signedSum = 0, mean = 0;
+    bool noisy = false;
     for (const VerifiedPixel& p : pixels) {
         if (!counts(p, brightest)) continue;
+        noisy = noisy || p.variance != std::array<double, 3>{};
         Term c, a;
         for (std::size_t k = 0; k < 3; ++k) {
             const double e = p.rendered[k] - p.reference[k];
@@ -152,8 +179,10 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
     const RelativeError ofColour(std::move(colour)), ofAlpha(std::move(alpha));
     v.error = ofColour.value();
     v.alphaError = ofAlpha.value();
-    std::array<double, 2> ends = ofColour.interval(confidence, std::sqrt(left));
-    const std::array<double, 2> alphaEnds = ofAlpha.interval(confidence, std::sqrt(left));
+    const double scale = std::sqrt(left);
+    std::array<double, 2> ends =
+        noisy ? ofColour.noisyInterval(confidence, scale) : ofColour.interval(confidence, scale);
+    const std::array<double, 2> alphaEnds = ofAlpha.interval(confidence, scale);
     v.alphaUpper = alphaEnds[1];
     if (brightest == 0 && v.alphaError > v.error) {
         v.error = v.alphaError;

@@ -32,7 +32,8 @@ struct Verification {
     std::size_t looked = 0;  ///< pixels whose reference was evaluated
     bool complete = false;   ///< no pixel that may show something was left out: the error is known exactly
     double error = 0;        ///< 0 where no pixel counted
-    double lower = 0;        ///< confidence interval of it: bootstrap-t over the pixels, of the logarithm
+    double lower = 0;        ///< confidence interval of it: bootstrap-t over the pixels, of the logarithm;
+                             ///< where the reference is noisy, bootstrap of the square
     double upper = 0;
     double alphaError = 0, alphaUpper = 0;
     double mean = 0;   ///< of the reference over R, G and B: what the error of colour is relative to

@@ -293,5 +293,33 @@ TEST(SamplePixels, StopsWhenAskedTo) {
     EXPECT_LT(parts[0], parts[1]);
 }
 
+// Noise of the reference, as that of a path tracer, is no error of the picture; but it hides one.
+TEST(Verify, IntervalHoldsTheErrorBehindANoisyReference) {
+    constexpr double kError = 0.02;
+    for (const double noise : {0.005, 0.02, 0.3}) {
+        int inside = 0;
+        double widest = 0;
+        constexpr int kTimes = 200;
+        for (unsigned seed = 0; seed < kTimes; ++seed) {
+            std::mt19937 random(seed);
+            std::normal_distribution<double> normal;
+            std::vector<VerifiedPixel> pixels(150, pixelWith(1, 0));
+            for (VerifiedPixel& p : pixels)
+                for (std::size_t c = 0; c < 3; ++c) {
+                    p.rendered[c] += kError * normal(random);
+                    p.reference[c] += noise * normal(random);
+                    p.variance[c] = noise * noise;
+                }
+            const Verification v = summarise(pixels);
+            inside += v.lower <= kError && kError <= v.upper ? 1 : 0;
+            EXPECT_LE(v.lower, v.error);
+            EXPECT_GE(v.upper, v.error);
+            widest = std::max(widest, v.upper);
+        }
+        EXPECT_GE(inside, kTimes * 85 / 100) << noise;  // of 95 that are claimed: few pixels, long tails
+        EXPECT_LT(widest, kError + noise) << noise;
+    }
+}
+
 }  // namespace
 }  // namespace scrim::test
