@@ -30,9 +30,8 @@ struct Field {
 
 /// A shot is used from one thread at a time. `busy` says by what.
 struct ShotState {
-    explicit ShotState(Shot opened, const LoadOptions& loading) : shot(std::move(opened)), load(loading) {}
+    explicit ShotState(Shot opened) : shot(std::move(opened)) {}
     Shot shot;
-    LoadOptions load;
     std::mutex mutex;
     std::string busy;
 };

@@ -26,6 +26,14 @@ namespace {
 using ShotPointer = std::shared_ptr<ShotState>;
 using Window = std::tuple<int, int, int, int>;
 
+/// What Python holds. Not the pointer itself: those that nanobind makes own an object of Python, whose lock the thread
+/// that drops them would need.
+struct ShotObject {
+    ShotPointer state;
+
+    const Shot& shot() const { return state->shot; }
+};
+
 /// A render under way. The shot is busy with it until it ends.
 struct Job {
     std::shared_ptr<std::optional<ShotFrame>> made = std::make_shared<std::optional<ShotFrame>>();
@@ -110,15 +118,15 @@ std::vector<std::string> assignmentsOf(nb::handle overrides) {
 }
 
 template <typename Open>
-ShotPointer opened(const OpenOptions& options, const Open& open) {
-    ShotPointer shot;
-    doAndWait([&](Work&) { shot = std::make_shared<ShotState>(open(), options.load); });
-    return shot;
+ShotObject opened(const Open& open) {
+    ShotObject object;
+    doAndWait([&](Work&) { object.state = std::make_shared<ShotState>(open()); });
+    return object;
 }
 
-std::shared_ptr<Job> start(const ShotPointer& shot, int frame, RenderOptions options) {
+std::shared_ptr<Job> start(const ShotObject& object, int frame, RenderOptions options) {
     auto job = std::make_shared<Job>();
-    auto busy = std::make_shared<Busy>(shot, "frame " + std::to_string(frame));
+    auto busy = std::make_shared<Busy>(object.state, "frame " + std::to_string(frame));
     job->work = std::make_unique<Work>([made = job->made, busy, frame, options](Work& work) mutable {
         listen(options, work);
         const auto held = std::exchange(busy, nullptr);  // let go as soon as this ends
@@ -134,8 +142,8 @@ nb::object resultOf(Job& job, nb::handle progress) {
     return job.frame;
 }
 
-Plan planOf(const ShotPointer& shot, int frame, RenderOptions options) {
-    const auto busy = std::make_shared<Busy>(shot, "a plan");
+Plan planOf(const ShotObject& object, int frame, RenderOptions options) {
+    const auto busy = std::make_shared<Busy>(object.state, "a plan");
     Plan plan;
     doAndWait([&](Work& work) {
         listen(options, work);
@@ -144,8 +152,8 @@ Plan planOf(const ShotPointer& shot, int frame, RenderOptions options) {
     return plan;
 }
 
-std::string tomlOf(const ShotPointer& shot, nb::handle overrides) {
-    const Busy busy(shot, "its text");
+std::string tomlOf(const ShotObject& object, nb::handle overrides) {
+    const Busy busy(object.state, "its text");
     const std::vector<std::string> more = assignmentsOf(overrides);
     std::string text;
     doAndWait([&](Work& work) {
@@ -156,12 +164,12 @@ std::string tomlOf(const ShotPointer& shot, nb::handle overrides) {
     return text;
 }
 
-void setVolume(const ShotPointer& shot, const std::string& name, nb::handle grids) {
+void setVolume(const ShotObject& object, const std::string& name, nb::handle grids) {
     const nb::object fields = nb::module_::import_("scrim._grids").attr("fields_of")(grids);
     std::vector<SparseField> all;
     for (const nb::handle field : fields)
         for (const SparseField& grid : nb::cast<const Field&>(field).grids) all.push_back(grid);
-    const Busy busy(shot, "its volumes");
+    const Busy busy(object.state, "its volumes");
     std::vector<std::string> names;
     for (const SceneVolume& volume : busy.shot().opened().volumes) names.push_back(volume.name);
     if (std::find(names.begin(), names.end(), name) == names.end())
@@ -183,9 +191,9 @@ void writeStudy(const std::string& folder, const Study& study, const std::string
     write("index.html", studyAsHtml(study, name, shot.colour()));
 }
 
-nb::object studyOf(const ShotPointer& shot, int frame, nb::handle folder, double budget, int threads,
+nb::object studyOf(const ShotObject& object, int frame, nb::handle folder, double budget, int threads,
                    nb::handle progress) {
-    const Busy busy(shot, "a study");
+    const Busy busy(object.state, "a study");
     const std::string path = folder.is_none() ? "" : pathText(folder);
     if (threads < 0) throw Error(ErrorKind::usage, "threads: expected 0 (all), or how many");
     std::string json;
@@ -263,7 +271,7 @@ constexpr const char* kRenderText = R"(
 
 /// Hands the keywords of a render to `call` as options.
 template <typename Call, typename... More>
-auto bindRender(nb::class_<ShotState>& type, const char* name, const std::string& signature, const std::string& text,
+auto bindRender(nb::class_<ShotObject>& type, const char* name, const std::string& signature, const std::string& text,
                 const Call& call, const More&... more) {
     type.def(name, call, nb::arg("frame") = 1, more..., nb::arg("crop") = nb::none(), nb::arg("threads") = 0,
              nb::arg("memory") = 0, nb::arg("missing") = "error", nb::arg("verify") = 0, nb::arg("verify_limit") = 0.0,
@@ -271,7 +279,7 @@ auto bindRender(nb::class_<ShotState>& type, const char* name, const std::string
              nb::sig((signature).c_str()), (text + kRenderText).c_str());
 }
 
-void bindRenders(nb::class_<ShotState>& type) {
+void bindRenders(nb::class_<ShotObject>& type) {
     static const std::string signatures[] = {
         std::string(
             "def render(self, frame: int = 1, progress: collections.abc.Callable[[float], object] | None = None, *, ") +
@@ -282,21 +290,21 @@ void bindRenders(nb::class_<ShotState>& type) {
         "Renders a frame; None where it is skipped. `progress` hears the finished part, 0 to 1, in this thread; what "
         "it "
         "raises cancels the render and is raised again, and so does Ctrl-C. Other threads of Python go on.",
-        [](const ShotPointer& shot, int frame, nb::handle progress, const std::optional<Window>& crop, int threads,
+        [](const ShotObject& object, int frame, nb::handle progress, const std::optional<Window>& crop, int threads,
            std::size_t memory, const std::string& missing, nb::handle verify, double verifyLimit,
            std::optional<double> tolerance, std::optional<int> next, double exposure) {
             const auto job =
-                start(shot, frame,
+                start(object, frame,
                       optionsFrom(crop, threads, memory, missing, verify, verifyLimit, tolerance, next, exposure));
             return resultOf(*job, progress);
         },
         nb::arg("progress") = nb::none(), nb::kw_only());
     bindRender(
         type, "start", signatures[1], "Starts to render a frame, and returns at once.",
-        [](const ShotPointer& shot, int frame, const std::optional<Window>& crop, int threads, std::size_t memory,
+        [](const ShotObject& object, int frame, const std::optional<Window>& crop, int threads, std::size_t memory,
            const std::string& missing, nb::handle verify, double verifyLimit, std::optional<double> tolerance,
            std::optional<int> next, double exposure) {
-            return start(shot, frame,
+            return start(object, frame,
                          optionsFrom(crop, threads, memory, missing, verify, verifyLimit, tolerance, next, exposure));
         },
         nb::kw_only());
@@ -312,7 +320,7 @@ void bindOpening(nb::module_& module) {
                 openOptionsFrom(pathText(ocio), resolution, up, turntable, guarded, checkedFrame);
             const std::string file = pathText(path);
             const std::vector<std::string> given = assignmentsOf(overrides);
-            return opened(options, [&] { return Shot::open(file, given, options); });
+            return opened([&] { return Shot::open(file, given, options); });
         },
         nb::arg("path"), nb::arg("overrides") = nb::none(), nb::kw_only(), nb::arg("ocio") = "",
         nb::arg("resolution") = nb::none(), nb::arg("up") = nb::none(), nb::arg("turntable") = 0,
@@ -339,7 +347,7 @@ void bindOpening(nb::module_& module) {
             const std::string text = nb::cast<std::string>(nb::module_::import_("scrim._toml").attr("document")(scene));
             const std::string base = pathText(folder);
             const std::vector<std::string> given = assignmentsOf(overrides);
-            return opened(options, [&] { return Shot::parse(text, name, base, given, options); });
+            return opened([&] { return Shot::parse(text, name, base, given, options); });
         },
         nb::arg("scene"), nb::arg("overrides") = nb::none(), nb::kw_only(), nb::arg("folder") = "",
         nb::arg("name") = "scene", nb::arg("ocio") = "", nb::arg("resolution") = nb::none(), nb::arg("turntable") = 0,
@@ -361,22 +369,23 @@ void bindOpening(nb::module_& module) {
 void bindShots(nb::module_& module) {
     bindPlans(module);
     bindJobs(module);
-    nb::class_<ShotState> type(module, "Shot", R"(A scene or an asset, with all that its frames need: `scrim.open`.
+    nb::class_<ShotObject> type(module, "Shot", R"(A scene or an asset, with all that its frames need: `scrim.open`.
 
 Volumes and pictures are loaded when a frame needs them, and kept as long as the next one needs them, too. A shot does
 one thing at a time; different shots are independent.)");
     type.def_prop_ro(
-            "path", [](const ShotState& s) { return s.shot.path(); }, "As it was opened, or its name.")
+            "path", [](const ShotObject& s) { return s.shot().path(); }, "As it was opened, or its name.")
         .def_prop_ro(
-            "is_asset", [](const ShotState& s) { return s.shot.isAsset(); }, "Whether it is an asset that was framed.")
+            "is_asset", [](const ShotObject& s) { return s.shot().isAsset(); },
+            "Whether it is an asset that was framed.")
         .def_prop_ro(
-            "frames", [](const ShotState& s) { return s.shot.frames(); },
+            "frames", [](const ShotObject& s) { return s.shot().frames(); },
             "The frames for which its sequences have files, ascending; [1] without sequences.")
         .def_prop_ro(
             "volumes",
-            [](const ShotState& s) {
+            [](const ShotObject& s) {
                 std::vector<std::string> names;
-                for (const SceneVolume& volume : s.shot.opened().volumes) names.push_back(volume.name);
+                for (const SceneVolume& volume : s.shot().opened().volumes) names.push_back(volume.name);
                 return names;
             },
             "Names of its volumes.")
@@ -394,8 +403,8 @@ one thing at a time; different shots are independent.)");
              "their names.")
         .def(
             "plan",
-            [](const ShotPointer& shot, int frame, std::size_t memory, const std::string& missing, int threads) {
-                return planOf(shot, frame, optionsFrom({}, threads, memory, missing, nb::int_(0), 0, {}, {}, 0));
+            [](const ShotObject& object, int frame, std::size_t memory, const std::string& missing, int threads) {
+                return planOf(object, frame, optionsFrom({}, threads, memory, missing, nb::int_(0), 0, {}, {}, 0));
             },
             nb::arg("frame") = 1, nb::kw_only(), nb::arg("memory") = 0, nb::arg("missing") = "error",
             nb::arg("threads") = 0, "What rendering the frame would do. `memory`: bytes that there are, 0 for any.")
@@ -409,7 +418,7 @@ one thing at a time; different shots are independent.)");
             "Accuracy against time: settings of the dials rendered, timed and compared with brute force.\n\n`folder`: "
             "where "
             "study.csv, study.json and index.html go; None: nowhere. `budget`: seconds, 0 for as many as it takes.")
-        .def("__repr__", [](const ShotState& s) { return "<scrim.Shot '" + s.shot.path() + "'>"; });
+        .def("__repr__", [](const ShotObject& s) { return "<scrim.Shot '" + s.shot().path() + "'>"; });
     bindRenders(type);
     bindOpening(module);
 }

@@ -105,7 +105,7 @@ def test_two_renders_in_two_threads_are_what_they_are_alone(smoke):
 
 def test_other_threads_of_python_go_on_during_a_render(smoke):
     shot = scrim.open(smoke, LONG)
-    thread = threading.Thread(target=lambda: shot.render(verify=1500))
+    thread = threading.Thread(target=lambda: shot.render(verify=300))
     thread.start()
     turns = 0
     while thread.is_alive():
