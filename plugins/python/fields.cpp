@@ -110,6 +110,7 @@ SparseField gridOf(const Array& array, std::size_t component, const std::string&
     FieldPieces pieces{name, wsFromIs, blocksOf(array), {}, {}};
     pieces.fill = [&](std::size_t i, float* values) {
         const Int3 origin = pieces.blockOrigins[i], end = glm::min(size - origin, Int3(kBlockEdge));
+        std::fill_n(values, kBlockVoxels, 0.0f);
         for (int x = 0; x < end.x; ++x)
             for (int y = 0; y < end.y; ++y)
                 for (int z = 0; z < end.z; ++z)

@@ -152,9 +152,9 @@ def test_a_handler_of_the_programs_own_is_called_during_a_render(smoke, python_p
         def handle(number, frame):
             raise Mine
         signal.signal(signal.SIGTERM, handle)
-        job = shot.start(verify="all")
-        print("on", flush=True)
         try:
+            job = shot.start(verify="all")
+            print("on", flush=True)
             job.result()
         except Mine:
             print("mine", job.done, flush=True)
