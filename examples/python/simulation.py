@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A small simulation, rendered from its arrays as it goes: no file in between.
 
-    python simulation.py 'plume.####.exr' 40
+    python simulation.py 'plume.####.exr' 60
 
 Warm smoke rises from a disc: semi-Lagrangian advection, buoyancy, and a pressure solve in Fourier space (Stam, *A Simple
 Fluid Solver based on the FFT*, 2001) in a periodic box.
@@ -24,13 +24,13 @@ SCENE = {
             "medium": {
                 "albedo": [0.9, 0.9, 0.9],
                 "phase": {"type": "hg", "g": 0.3},
-                "blackbody": {"grid": "heat", "kelvin": [300, 1500], "intensity": 0.6},
+                "blackbody": {"grid": "heat", "kelvin": [300, 1900], "intensity": 12},
             },
         }
     ],
     "light": [
-        {"name": "key", "type": "distant", "direction": [-0.8, -0.6, -0.3], "intensity": 6.0},
-        {"name": "rim", "type": "distant", "direction": [0.9, 0.1, 0.4], "color": [0.4, 0.6, 1.0], "intensity": 3.0},
+        {"name": "key", "type": "distant", "direction": [-0.8, -0.6, -0.3], "intensity": 16.0},
+        {"name": "rim", "type": "distant", "direction": [0.9, 0.1, 0.4], "color": [0.4, 0.6, 1.0], "intensity": 10.0},
     ],
     "output": {"layers": ["light", "emission"]},
 }
@@ -60,7 +60,7 @@ class Plume:
 
     def step(self) -> None:
         self.density[self.source] = self.heat[self.source] = 1
-        self.velocity[1] += 0.12 * self.heat - 0.01 * self.density
+        self.velocity[1] += 0.3 * self.heat - 0.02 * self.density
         # What stays free of divergence is the part of each wave across its direction.
         spectrum = numpy.fft.fftn(self.velocity, axes=(1, 2, 3))
         length = numpy.maximum((self.waves**2).sum(0), 1e-12)
@@ -72,7 +72,7 @@ class Plume:
         self.heat = 0.96 * sampled(self.heat, came_from)
 
 
-def main(out: str, frames: str = "40", n: str = "40", width: str = "360") -> None:
+def main(out: str, frames: str = "60", n: str = "40", width: str = "360") -> None:
     size = int(n)
     plume = Plume(size)
     shot = scrim.loads(SCENE, {"camera.resolution": [int(width), int(width) * 4 // 3]})

@@ -25,7 +25,7 @@ echo "== building"
     ${SCRIM_WHEEL_LAUNCHER:+--config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=$SCRIM_WHEEL_LAUNCHER} "$root"
 
 echo "== taking in libraries"
-PATH="$work/tools/bin:$PATH" "$work/tools/bin/auditwheel" repair --strip --plat "$platform" --wheel-dir "$work/repaired" \
+PATH="$work/tools/bin:$PATH" "$work/tools/bin/auditwheel" repair --strip --only-plat --plat "$platform" --wheel-dir "$work/repaired" \
     "$work"/raw/*.whl >"$work/log" 2>&1 || { cat "$work/log" >&2; fail "auditwheel failed"; }
 "$work/tools/bin/wheel" unpack -d "$work/tree" "$work"/repaired/*.whl >/dev/null
 tree="$(echo "$work"/tree/*)"
@@ -35,7 +35,7 @@ licences="$(echo "$tree"/*.dist-info)/licenses/third-party"
 mkdir -p "$licences"
 while read -r library; do
     # libopenvdb-0123abcd.so.10.0.1 was libopenvdb.so.10.0.1
-    name="$(basename "$library" | sed -E 's/-[0-9a-f]{8}(\.so)/\1/')"
+    name="$(basename "$library" | sed -E 's/-[0-9a-f]{8}\./\./')"
     path="$(find /usr/lib /lib -name "$name" -print -quit)"
     package="$(dpkg -S "$path" 2>/dev/null || dpkg -S "${path#/usr}")"
     package="${package%%:*}"
@@ -54,8 +54,8 @@ echo "== rendering with it"
 /usr/bin/python3 -m venv "$work/empty"
 "$work/empty/bin/pip" install --quiet --disable-pip-version-check "$wheel"
 strays="$(find "$work/empty" -path '*scrim*' \( -name '*.so*' -o -name scrim -type f -o -name scrim-load \) -exec sh -c '
-    ldd "$1" | grep "=> /" | grep -vE "=> ('"$work"'|/lib/x86_64-linux-gnu/(libc|libm|libstdc\+\+|libgcc_s|libpthread|libdl|librt)\.)"' _ {} \; || true)"
-[ -z "$strays" ] || fail "it needs more than the C and C++ libraries: $strays"
+    ldd "$1" | grep "=> /" | grep -vE "=> ('"$work"'|/lib/x86_64-linux-gnu/(libc|libm|libz|libexpat|libstdc\+\+|libgcc_s|libpthread|libdl|librt)\.)"' _ {} \; || true)"
+[ -z "$strays" ] || fail "it needs more than what every system has: $strays"
 cd "$work"
 "$work/empty/bin/python" -m scrim make noise resolution=32 -q -o smoke.vdb
 printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\nabcdefgh' >scan.nrrd
