@@ -36,6 +36,14 @@ struct ShotState {
     std::string busy;
 };
 
+/// What Python holds. Not the pointer itself: those that nanobind makes own an object of Python, whose lock the thread
+/// that drops them would need.
+struct ShotObject {
+    std::shared_ptr<ShotState> state;
+
+    const Shot& shot() const { return state->shot; }
+};
+
 /// Whoever uses a shot holds one. Throws Error(usage) where another does.
 class Busy {
   public:
@@ -67,9 +75,13 @@ std::string pathText(nb::handle path);
 /// The items of a sequence of exactly `count` numbers. Throws Error(usage), which says `what` was expected.
 std::vector<double> numbers(nb::handle it, std::size_t count, const char* what);
 
+/// "key.path=value" for each of the overrides of Python.
+std::vector<std::string> assignmentsOf(nb::handle overrides);
+
 void bindFields(nb::module_& module);
 void bindFrames(nb::module_& module);
 void bindShots(nb::module_& module);
+void bindOpening(nb::module_& module);
 
 /// A frame as an object of Python, which takes it over; None where it was skipped.
 nb::object toPython(ShotFrame frame);

@@ -148,6 +148,7 @@ NB_MODULE(_scrim, module) {
     bindFields(module);
     bindFrames(module);
     bindShots(module);
+    bindOpening(module);
     nb::module_::import_("atexit").attr("register")(nb::cpp_function([] {
         const nb::gil_scoped_release release;
         Work::endAll();
