@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Balances lights after the render: a picture has a layer for each light, and light adds up.
 
-    python relight.py examples/scenes/layers.toml relit.npy key=1,0.5,0.2 rim=0.3
+python relight.py examples/scenes/layers.toml relit.npy key=1,0.5,0.2 rim=0.3
 """
 
 import sys

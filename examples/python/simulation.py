@@ -4,8 +4,8 @@
 
     python simulation.py 'plume.####.exr' 60
 
-Warm smoke rises from a disc: semi-Lagrangian advection, buoyancy, and a pressure solve in Fourier space (Stam, *A Simple
-Fluid Solver based on the FFT*, 2001) in a periodic box.
+Warm smoke rises from a disc: semi-Lagrangian advection, buoyancy, and a pressure solve in Fourier space (Stam, *A
+Simple Fluid Solver based on the FFT*, 2001) in a periodic box.
 """
 
 import sys

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Turns the camera once around an asset, several renders at a time.
 
-    python turntable.py smoke.vdb 'turn.####.exr' 24
+python turntable.py smoke.vdb 'turn.####.exr' 24
 """
 
 import os

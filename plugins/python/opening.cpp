@@ -97,7 +97,8 @@ void bindOpening(nb::module_& module) {
                 "bool = True, checked_frame: int = 1) -> Shot"),
         R"(A shot of a scene in memory: TOML text, or the same as a dict, {'camera': {...}, 'volume': [{...}], ...}.
 
-`folder`: what its paths are relative to; '': the current folder.  `name`: how messages call it. Otherwise as `open`.)");
+`folder`: what its paths are relative to; '': the current folder.  `name`: how messages call it. Otherwise
+as `open`.)");
 }
 
 }  // namespace scrim::python

@@ -223,9 +223,11 @@ constexpr const char* kRenderSignature =
 constexpr const char* kRenderText = R"(
 
 `crop`: x0, y0, x1, y1, the pixels to render.  `threads`: 0 for all; pixels do not depend on it.
-`memory`: bytes for volumes, slides and buffers, 0 for any.  `missing`: 'error', 'black' or 'skip' where a volume has no file.
+`memory`: bytes for volumes, slides and buffers, 0 for any.  `missing`: 'error', 'black' or 'skip' where a volume has no
+file.
 `verify`: compares so many random pixels (or 'all') with brute force, for `verify_limit` seconds at most.
-`tolerance`: relative RMSE in place of the scene's.  `next`: the frame that is rendered next: its files are read meanwhile.
+`tolerance`: relative RMSE in place of the scene's.
+`next`: the frame that is rendered next: its files are read meanwhile.
 `preview_exposure`: stops by which previews are brighter.)";
 
 /// Hands the keywords of a render to `call` as options.

@@ -5,7 +5,7 @@
 #
 # Its libraries are Debian's, renamed, so that they do not meet others of the same name. The module that reads and writes
 # pictures by OpenImageIO is not in it: with that come x264 and x265, which are under the GPL. So slides, pictures of domes,
-# depth pictures, plates and previews are not there.
+# depth pictures, plates, previews and the pages of studies are not there.
 # SCRIM_WHEEL_BUILD: a build folder to use (default: build/python-wheel).
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"

@@ -44,7 +44,13 @@ layers = ["light", "depth"]
 
 # A slab of 16 units seen and lit from the front: closed forms are known of it.
 SLAB = {
-    "camera": {"type": "orthographic", "position": [0, 0, 50], "target": [0, 0, 0], "height": 24, "resolution": [32, 32]},
+    "camera": {
+        "type": "orthographic",
+        "position": [0, 0, 50],
+        "target": [0, 0, 0],
+        "height": 24,
+        "resolution": [32, 32],
+    },
     "volume": [{"name": "fog", "density": {"scale": 0.1}, "medium": {"albedo": [0.9, 0.9, 0.9]}}],
     "light": [{"name": "key", "type": "distant", "direction": [0, 0, -1]}],
 }

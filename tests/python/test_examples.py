@@ -17,8 +17,13 @@ EXAMPLES = ROOT / "examples" / "python"
 @pytest.fixture
 def example(python_path, tmp_path):
     def run(name, *arguments):
-        return subprocess.run([sys.executable, EXAMPLES / name, *map(str, arguments)], env=python_path, cwd=tmp_path,
-                              capture_output=True, text=True)
+        return subprocess.run(
+            [sys.executable, EXAMPLES / name, *map(str, arguments)],
+            env=python_path,
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+        )
 
     return run
 

@@ -56,8 +56,16 @@ def test_strides_and_types_do_not_matter():
     apart[::2, 1::2, ::2] = numbers
     backwards = numbers[::-1, ::-1, ::-1].copy()[::-1, ::-1, ::-1]
     swapped = numbers.astype(numbers.dtype.newbyteorder())
-    for same in [fortran, apart[::2, 1::2, ::2], backwards, swapped, numbers.astype(numpy.float16),
-                 numbers.astype(numpy.uint8), numbers.astype(numpy.int64), numbers.tolist()]:
+    for same in [
+        fortran,
+        apart[::2, 1::2, ::2],
+        backwards,
+        swapped,
+        numbers.astype(numpy.float16),
+        numbers.astype(numpy.uint8),
+        numbers.astype(numpy.int64),
+        numbers.tolist(),
+    ]:
         field = scrim.Field(same)
         assert field.active_voxels == numpy.count_nonzero(numbers) and field.max == 8
         assert numpy.array_equal(rendered(field), whole)
@@ -138,10 +146,16 @@ def test_grids_of_openvdbs_own_module_are_volumes():
 @pytest.mark.parametrize(
     "arguments, text",
     [
-        ([numpy.ones((2, 2))], r"grid 'density': the array is of shape \(2, 2\); expected \(nx, ny, nz\), or \(nx, ny, nz, 3\)"),
+        (
+            [numpy.ones((2, 2))],
+            r"grid 'density': the array is of shape \(2, 2\); expected \(nx, ny, nz\), or \(nx, ny, nz, 3\)",
+        ),
         ([numpy.ones((2, 2, 2, 2))], r"the array is of shape \(2, 2, 2, 2\)"),
         ([numpy.ones((2, 0, 2))], r"the array is of shape \(2, 0, 2\)"),
-        ([numpy.ones((2, 2, 2), complex)], "grid 'density': the array holds complex128; expected floats or whole numbers"),
+        (
+            [numpy.ones((2, 2, 2), complex)],
+            "grid 'density': the array holds complex128; expected floats or whole numbers",
+        ),
         ([[["a"]]], "the array holds <U1"),
         ([ONES, 0], "^voxel_size: expected world units above 0$"),
         ([ONES, (1, -1, 1)], "^voxel_size: expected world units above 0$"),
@@ -158,8 +172,14 @@ def test_arrays_that_are_no_volume_say_why(arguments, text):
     [
         ({"origin": (1, 2)}, r"^\(1, 2\): expected an origin: three numbers$"),
         ({"transform": numpy.eye(3)}, "expected a matrix of 4 x 4 numbers, row by row"),
-        ({"transform": numpy.ones((4, 4))}, "^transform: expected a matrix of 4 x 4 numbers, row by row, whose last row is 0, 0, 0, 1$"),
-        ({"transform": numpy.eye(4), "origin": (0, 0, 0)}, "^transform: it says where voxels lie; expected neither voxel_size nor origin"),
+        (
+            {"transform": numpy.ones((4, 4))},
+            "^transform: expected a matrix of 4 x 4 numbers, row by row, whose last row is 0, 0, 0, 1$",
+        ),
+        (
+            {"transform": numpy.eye(4), "origin": (0, 0, 0)},
+            "^transform: it says where voxels lie; expected neither voxel_size nor origin",
+        ),
         ({"transform": numpy.diag([1, 1, 0, 1])}, "density"),
     ],
 )
@@ -172,11 +192,15 @@ def test_volumes_that_are_not_there_say_which_are():
     shot = scrim.loads(SLAB)
     with pytest.raises(scrim.UsageError, match="^scene: there is no volume 'smoke'; there is 'fog'$"):
         shot.set_volume("smoke", scrim.Field(ONES))
-    with pytest.raises(scrim.UsageError, match="^a volume's grid is of type int; expected a scrim.Field, an OpenVDB grid, the path"):
+    with pytest.raises(
+        scrim.UsageError, match="^a volume's grid is of type int; expected a scrim.Field, an OpenVDB grid, the path"
+    ):
         shot.set_volume("fog", 3)
     with pytest.raises(scrim.UsageError, match="^volume 'fog': expected at least one grid$"):
         shot.set_volume("fog", [])
-    with pytest.raises(scrim.UsageError, match=r"^scene:\d+:\d+: volume 'fog' has no file, no source, and no grids that were set$"):
+    with pytest.raises(
+        scrim.UsageError, match=r"^scene:\d+:\d+: volume 'fog' has no file, no source, and no grids that were set$"
+    ):
         shot.render()
     shot.set_volume("fog", scrim.Field(ONES, name="heat"))
     with pytest.raises(scrim.InputError, match="volume 'fog' has no grid 'density'; there is 'heat'"):

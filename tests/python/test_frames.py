@@ -98,7 +98,9 @@ def test_verification_gives_an_error_and_its_interval(smoke):
 def test_a_tolerance_that_is_not_reached_is_said(smoke):
     frame = scrim.open(smoke, {"camera.resolution": [24, 18]}).render(tolerance=1e-5, verify=20)
     assert not frame.stats["tolerance"]["met"]
-    with pytest.raises(scrim.AccuracyError, match=r"^frame 1: its error may be [0-9.e-]+, more than the tolerance of 1e-05$"):
+    with pytest.raises(
+        scrim.AccuracyError, match=r"^frame 1: its error may be [0-9.e-]+, more than the tolerance of 1e-05$"
+    ):
         frame.require_accuracy()
     scrim.open(smoke).render().require_accuracy()
 

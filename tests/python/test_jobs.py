@@ -20,7 +20,9 @@ LONG = {"camera.resolution": [800, 600], "volume.smoke.parameters.resolution": 9
 
 def test_progress_is_heard_in_the_thread_that_waits(smoke):
     heard = []
-    frame = scrim.open(smoke, LONG).render(progress=lambda part: heard.append((part, threading.get_ident())), verify=400)
+    frame = scrim.open(smoke, LONG).render(
+        progress=lambda part: heard.append((part, threading.get_ident())), verify=400
+    )
     assert frame.error > 0 and len(heard) >= 2
     assert {thread for _, thread in heard} == {threading.get_ident()}
     assert all(0 <= part <= 1 for part, _ in heard)
@@ -70,7 +72,9 @@ def test_a_job_that_is_forgotten_ends(smoke):
 def test_a_shot_does_one_thing_at_a_time(smoke):
     shot = scrim.open(smoke, LONG)
     job = shot.start(3, verify="all")
-    with pytest.raises(scrim.UsageError, match="the shot is at work on frame 3; wait for it, or open the shot once more"):
+    with pytest.raises(
+        scrim.UsageError, match="the shot is at work on frame 3; wait for it, or open the shot once more"
+    ):
         shot.render(4)
     job.cancel()
     job.wait()
@@ -117,12 +121,20 @@ def test_other_threads_of_python_go_on_during_a_render(smoke):
 def child(smoke, python_path, text):
     """Runs `text` in a process of its own, in which `shot` is the long scene."""
     start = f"import os, signal, sys, time, scrim\nshot = scrim.open({str(smoke)!r}, {LONG!r})\n"
-    return subprocess.Popen([sys.executable, "-c", start + textwrap.dedent(text)], env=python_path, text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    return subprocess.Popen(
+        [sys.executable, "-c", start + textwrap.dedent(text)],
+        env=python_path,
+        text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
 
 
 def test_control_c_cancels_and_python_hears_of_it_afterwards_as_before(smoke, python_path):
-    run = child(smoke, python_path, """\
+    run = child(
+        smoke,
+        python_path,
+        """\
         before = signal.getsignal(signal.SIGINT)
         try:
             shot.render(verify="all", progress=lambda part: print("on", flush=True))
@@ -135,7 +147,8 @@ def test_control_c_cancels_and_python_hears_of_it_afterwards_as_before(smoke, py
         except KeyboardInterrupt:
             print("again", flush=True)
         print(shot.render(crop=(0, 0, 8, 8)).image.shape, flush=True)
-        """)
+        """,
+    )
     assert run.stdout.readline() == "on\n"
     started = time.monotonic()
     run.send_signal(signal.SIGINT)
@@ -146,7 +159,10 @@ def test_control_c_cancels_and_python_hears_of_it_afterwards_as_before(smoke, py
 
 
 def test_a_handler_of_the_programs_own_is_called_during_a_render(smoke, python_path):
-    run = child(smoke, python_path, """\
+    run = child(
+        smoke,
+        python_path,
+        """\
         class Mine(Exception):
             pass
         def handle(number, frame):
@@ -157,7 +173,8 @@ def test_a_handler_of_the_programs_own_is_called_during_a_render(smoke, python_p
             job.result(progress=lambda part: print("on", flush=True))
         except Mine:
             print("mine", job.done, flush=True)
-        """)
+        """,
+    )
     assert run.stdout.readline() == "on\n"
     run.send_signal(signal.SIGTERM)
     rest, errors = run.communicate(timeout=60)
@@ -165,12 +182,16 @@ def test_a_handler_of_the_programs_own_is_called_during_a_render(smoke, python_p
 
 
 def test_python_ends_while_a_job_runs(smoke, python_path):
-    run = child(smoke, python_path, """\
+    run = child(
+        smoke,
+        python_path,
+        """\
         job = shot.start(verify="all")
         time.sleep(0.3)
         keep = [job]
         keep.append(keep)  # nobody frees it
-        """)
+        """,
+    )
     _, errors = run.communicate(timeout=60)
     assert run.returncode == 0, errors
     assert "leaked" not in errors, errors

@@ -14,7 +14,9 @@ def test_the_version_is_the_programs(program):
 
 def test_the_program_runs_as_a_module(smoke, tmp_path, python_path):
     def run(*arguments):
-        return subprocess.run([sys.executable, "-m", "scrim", *map(str, arguments)], env=python_path, capture_output=True, text=True)
+        return subprocess.run(
+            [sys.executable, "-m", "scrim", *map(str, arguments)], env=python_path, capture_output=True, text=True
+        )
 
     done = run("render", smoke, "-o", tmp_path / "out.exr", "--res", "16x12", "-q")
     assert done.returncode == 0 and (tmp_path / "out.exr").exists(), done.stderr

@@ -20,7 +20,7 @@ def test_overrides_are_values_of_python(smoke):
         "light.key.shadows": False,
         "light.key.intensity": numpy.float32(2.5),
         "volume.smoke.transform": {"translate": [0.5, 0, 0], "scale": 2.0},
-        "output.file": Path("a \"b\"\\c.exr"),
+        "output.file": Path('a "b"\\c.exr'),
     }
     scene = tomllib.loads(scrim.open(smoke, overrides).toml())
     assert scene["camera"]["fov"] == 20 and scene["camera"]["position"] == [0, 0.5, 6.5]
@@ -34,7 +34,11 @@ def test_overrides_are_values_of_python(smoke):
 def test_a_dict_is_a_scene(smoke, tmp_path):
     parsed = tomllib.loads(SMOKE)
     assert tomllib.loads(_toml.document(parsed)) == parsed
-    odd = {"a": {"b c": "\n\t\x01é\"", "deep": {"x": {"y": [1, [2.5, True]]}}}, "list": [{"k": [{"m": 1}, {"m": 2}]}], "e": []}
+    odd = {
+        "a": {"b c": '\n\t\x01é"', "deep": {"x": {"y": [1, [2.5, True]]}}},
+        "list": [{"k": [{"m": 1}, {"m": 2}]}],
+        "e": [],
+    }
     assert tomllib.loads(_toml.document(odd)) == odd
     own = scrim.loads(parsed).render().image
     assert numpy.array_equal(own, scrim.open(smoke).render().image)
@@ -66,7 +70,9 @@ def test_errors_say_where_and_what_is_allowed(smoke, tmp_path):
 
 
 def test_values_that_toml_does_not_have_are_refused(smoke):
-    with pytest.raises(scrim.UsageError, match=r"^'camera.position\[1\]' is of type object; expected a bool, a number, a string"):
+    with pytest.raises(
+        scrim.UsageError, match=r"^'camera.position\[1\]' is of type object; expected a bool, a number, a string"
+    ):
         scrim.open(smoke, {"camera.position": [0, object(), 1]})
     with pytest.raises(scrim.UsageError, match=r"^overrides: expected a dict such as"):
         scrim.open(smoke, "camera.fov=20")
@@ -100,8 +106,15 @@ def test_arguments_out_of_range_are_refused(smoke):
 
 
 def test_every_kind_of_error_is_an_error_of_scrim():
-    kinds = [scrim.RenderError, scrim.UsageError, scrim.InputError, scrim.OutputError, scrim.OutOfMemoryError,
-             scrim.Cancelled, scrim.AccuracyError]
+    kinds = [
+        scrim.RenderError,
+        scrim.UsageError,
+        scrim.InputError,
+        scrim.OutputError,
+        scrim.OutOfMemoryError,
+        scrim.Cancelled,
+        scrim.AccuracyError,
+    ]
     assert all(issubclass(kind, scrim.Error) for kind in kinds) and len(set(kinds)) == 7
     assert issubclass(scrim.UsageError, ValueError)
 
