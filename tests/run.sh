@@ -20,7 +20,7 @@ stage() {
 }
 
 stage packages
-bash "$root/src/cmake/install_packages.sh" libgtest-dev libbenchmark-dev
+bash "$root/src/cmake/install_packages.sh" libgtest-dev libbenchmark-dev python3-dev python3-venv
 cd "$root"
 # Whole programs at a time: a process for every test (as ctest has it) takes longer to start than to run. Sanitizers slow
 # brute force down most and learn least from it, since the same code runs in quicker tests (and the
@@ -37,7 +37,9 @@ else
     programs="error analytic paper stability fuzz unit engine shot plugin effect invariance thread"
     targets="" # all of them
     filter='*'
-    options="-DSCRIM_BUILD_TESTS=ON -DSCRIM_BUILD_BENCHMARKS=ON"
+    options="-DSCRIM_BUILD_TESTS=ON -DSCRIM_BUILD_BENCHMARKS=ON -DSCRIM_BUILD_PYTHON=ON -DPython_EXECUTABLE=$build/python-venv/bin/python"
+    mkdir -p "$build"
+    bash plugins/python/venv.sh "$build/python-venv" # the one thing that comes from PyPI
 fi
 stage configuring
 # shellcheck disable=SC2086 # several words are meant
@@ -70,6 +72,8 @@ fi
 if [ "$preset" = "release" ] && [ "$failed" -eq 0 ]; then
     stage "the installed package"
     tests/install/check.sh "$build" || failed=1
+    stage python
+    tests/python/run.sh "$build" || failed=1
 fi
 stage done
 [ "$failed" -eq 0 ] || [ "$broken" -gt 0 ] || broken=1

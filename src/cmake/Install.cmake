@@ -3,10 +3,14 @@
 # built on stays behind its shared object: a consumer needs GLM and nothing else.
 include(CMakePackageConfigHelpers)
 
-install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(TARGETS scrim_images scrim_meshes scrim_vdb LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/scrim)
-install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim)
-install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# The component `runtime` is what renders, `pictures` reads slides and writes previews (and brings 260 libraries along); the
+# rest is for who builds on it.
+install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT runtime
+                                                  NAMELINK_COMPONENT development)
+install(TARGETS scrim_meshes scrim_vdb LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/scrim COMPONENT runtime)
+install(TARGETS scrim_images LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/scrim COMPONENT pictures)
+install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT runtime)
+install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT runtime)
 # Headers that users of the library need, and no others. They include only one another.
 foreach(
     header

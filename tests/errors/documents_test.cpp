@@ -20,6 +20,8 @@ namespace fs = std::filesystem;
 const std::vector<std::pair<std::string, std::string>> kRunElsewhere = {
     {"examples/quickstart.sh", "by tests/bare/run.sh, which runs the front page's first two commands"},
     {"tests/run.sh", "by tests/bare/run.sh"},
+    {"src/cmake/install_packages.sh python3-venv python3-dev", "by tests/run.sh, with more packages"},
+    {"/usr/bin/python3 -m venv venv", "by hand: it compiles all of Scrim once more"},
 };
 
 /// What makes a command small enough, or names a file that is there.

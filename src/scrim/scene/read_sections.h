@@ -24,6 +24,7 @@ struct ReadContext {
     std::string folder;                    ///< of the scene
     VariableLookup variables;              ///< [variables], then the environment
     std::vector<std::string> lights = {};  ///< names of all [[light]]
+    bool gridsFromCode = false;            ///< volumes may name neither file nor source
     int version = 1;                       ///< `scene_version`: the defaults that its author knew
     std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();
 

@@ -107,8 +107,13 @@ TomlTable inner(const TomlValue& value, const TomlTable& table) {
 /// What the volume is made of: a file, or a source with its parameters.
 void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume) {
     const auto file = table.find(k.file), source = table.find(k.source);
-    if (!file && !source) table.require(k.file);
+    if (!file && !source && !context.gridsFromCode) table.require(k.file);
     volume.frame = context.fileFrame();
+    if (!file && !source) {
+        table.describe(table.description() + " with grids of its own");
+        volume.where = table.where();
+        return;
+    }
     if (source) {
         table.describe(table.description() + " with a source");
         volume.where = source->where();

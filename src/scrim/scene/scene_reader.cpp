@@ -183,6 +183,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     };
 
     ReadContext context{frame + within, frame, colour, text.folder, lookupIn({})};
+    context.gridsFromCode = text.gridsFromCode;
     if (const auto variables = section(k.variables)) context.variables = lookupIn(readVariables(*variables));
     context.version = root.integer(k.sceneVersion);
 

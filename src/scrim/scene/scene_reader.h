@@ -13,9 +13,10 @@
 namespace scrim {
 
 struct SceneText {
-    std::string file;    ///< how messages call the scene
-    std::string folder;  ///< what its paths are relative to; "": the current folder
-    std::string text;    ///< TOML
+    std::string file;            ///< how messages call the scene
+    std::string folder;          ///< what its paths are relative to; "": the current folder
+    std::string text;            ///< TOML
+    bool gridsFromCode = false;  ///< volumes may name neither file nor source
 };
 
 /// Reads a file of up to 16 MB; `folder` becomes the file's. Throws Error(input) where it is missing or too

@@ -66,7 +66,8 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
     for (const SceneVolume& volume : scene.volumes)
         if (volume.file.empty() && volume.source.empty() && !store.hasGrids(volume.name))
             throw Error(ErrorKind::usage,
-                        fmt::format("volume '{}' has no file, no source, and no grids that were set", volume.name));
+                        fmt::format("{}volume '{}' has no file, no source, and no grids that were set",
+                                    volume.where.empty() ? "" : volume.where + ": ", volume.name));
 }
 
 /// Lights or volumes of which each has a layer must have channels of their own, too.

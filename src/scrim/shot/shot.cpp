@@ -230,18 +230,33 @@ Shot::~Shot() = default;
 
 Shot Shot::open(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options) {
     Shot shot(std::make_unique<Content>());
-    Content& content = *shot.m_content;
     if (isAssetFile(path)) warmLoaderOf(options.load);
+    Content& content = *shot.m_content;
     content.stores = storesFor(options.shareWith ? options.shareWith->m_content->stores : nullptr, options);
-    content.path = path;
-    content.load = options.load;
     content.text.emplace(path, overrides, options);
+    shot.begin(options);
+    return shot;
+}
+
+Shot Shot::parse(const std::string& toml, const std::string& name, const std::string& folder,
+                 const std::vector<std::string>& overrides, const OpenOptions& options) {
+    Shot shot(std::make_unique<Content>());
+    Content& content = *shot.m_content;
+    content.stores = storesFor(options.shareWith ? options.shareWith->m_content->stores : nullptr, options);
+    content.text.emplace(SceneText{name, folder, toml}, overrides, options);
+    shot.begin(options);
+    return shot;
+}
+
+void Shot::begin(const OpenOptions& options) {
+    Content& content = *m_content;
+    content.path = content.text->path();
+    content.load = options.load;
     content.opened = content.text->at(options.checkedFrame, content.stores->colour);
     for (const SceneVolume& volume : content.opened.volumes)
-        if (volume.source.empty() || !fileIn(volume.parameters).empty()) warmLoaderOf(options.load);
+        if (!volume.file.empty() || !fileIn(volume.parameters).empty()) warmLoaderOf(options.load);
     for (const Light& light : content.opened.lights)
         if (light.slide && !light.slide->file.empty()) warmLoaderOf(options.load, LoadedFiles::pictures);
-    return shot;
 }
 
 Shot Shot::make(Scene scene, const OpenOptions& options) {

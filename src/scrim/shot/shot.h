@@ -37,11 +37,16 @@ class Shot {
     static Shot open(const std::string& path, const std::vector<std::string>& overrides = {},
                      const OpenOptions& options = {});
 
+    /// A scene whose text is in memory. Messages call it `name`; its paths are relative to `folder` ("": the current
+    /// one). Throws as `open`.
+    static Shot parse(const std::string& toml, const std::string& name, const std::string& folder,
+                      const std::vector<std::string>& overrides = {}, const OpenOptions& options = {});
+
     /// A shot of a scene that was built in code; its values are not checked as those of a file are. `resolution` and
     /// `checkedFrame` of the options do not count.
     static Shot make(Scene scene, const OpenOptions& options = {});
 
-    /// As it was opened, or Scene::file.
+    /// As it was opened, or its name, or Scene::file.
     const std::string& path() const;
     bool isAsset() const;
 
@@ -87,6 +92,8 @@ class Shot {
   private:
     struct Content;
     explicit Shot(std::unique_ptr<Content> content);
+    /// Reads the text that it holds.
+    void begin(const OpenOptions& options);
     friend class ShotStudy;                                                                       // study/shot_study.h
     friend std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);  // shot/shot_files.h
     friend BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request,

@@ -25,6 +25,7 @@ struct OpenOptions {
     int turntable = 0;               ///< in frames 1 to this the camera goes once around its target; 0: it does not
     LoadOptions load;                ///< how volume files are read
     int checkedFrame = 1;            ///< the scene is checked at this frame when it is opened
+    bool gridsFromCode = false;      ///< a [[volume]] may name neither file nor source: Shot::setVolume gives its grids
     /// The new shot shares the colour config, the volumes and the slides of this one, if it is given: what both show is
     /// loaded once. Then the two are not independent; use them from one thread.
     const Shot* shareWith = nullptr;

@@ -11,6 +11,7 @@
 
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 namespace scrim {
 namespace {
@@ -46,11 +47,23 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
         m_assetPattern = assetPattern(path);
         m_text = {path + " (framed)", "", unframedText(m_assetPattern, m_asAsset)};
     } else {
+        m_text = loadSceneText(path);
+    }
+    give(overrides, options);
+}
+
+ShotText::ShotText(SceneText text, const std::vector<std::string>& overrides, const OpenOptions& options)
+    : m_path(text.file), m_turntable(options.turntable), m_text(std::move(text)) {
+    give(overrides, options);
+}
+
+void ShotText::give(const std::vector<std::string>& overrides, const OpenOptions& options) {
+    if (!m_asset) {
         if (options.wsUp)
             throw Error(ErrorKind::usage,
                         fmt::format("{}: --up is for assets; a scene says itself what is up: --set camera.up=[0,0,1]",
-                                    shortened(path)));
-        m_text = loadSceneText(path);
+                                    shortened(m_path)));
+        m_text.gridsFromCode = options.gridsFromCode;
         if (const auto& resolution = options.resolution)
             m_given.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
     }

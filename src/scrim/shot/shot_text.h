@@ -19,6 +19,8 @@ class ShotText {
   public:
     /// Reads a scene file. Of an asset only the path is looked at. Throws Error: usage, input.
     ShotText(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options);
+    /// A scene in memory. Throws Error: usage, input.
+    ShotText(SceneText text, const std::vector<std::string>& overrides, const OpenOptions& options);
 
     const std::string& path() const { return m_path; }
     bool isAsset() const { return m_asset; }
@@ -34,6 +36,7 @@ class ShotText {
     std::string toml(const std::vector<std::string>& more) const;
 
   private:
+    void give(const std::vector<std::string>& overrides, const OpenOptions& options);
     void applyTurntable();
 
     std::string m_path;

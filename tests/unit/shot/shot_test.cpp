@@ -253,6 +253,26 @@ TEST_F(ShotTest, RendersScenesThatAreChangedByHand) {
               open({"light.key.intensity=6", "volume.smoke.density.scale=0.5"}).render(2).image().rgba);
 }
 
+TEST_F(ShotTest, ReadsASceneInMemoryWhoseVolumeIsMadeInCode) {
+    const std::string text =
+        "[camera]\nposition = [0, 0, 50]\ntarget = [0, 0, 0]\nresolution = [8, 8]\n[[volume]]\nname = 'fog'\n"
+        "[[light]]\nname = 'key'\ntype = 'distant'\ndirection = [0, 0, -1]\n";
+    EXPECT_EQ(errorOf(ErrorKind::input, [&] { Shot::parse(text, "mine", "", {"camera.fov=20"}); }).substr(0, 9),
+              "mine:5:1:");
+    OpenOptions options;
+    options.gridsFromCode = true;
+    Shot shot = Shot::parse(text, "mine", "/somewhere", {"camera.fov=20"}, options);
+    EXPECT_EQ(shot.path(), "mine");
+    EXPECT_EQ(shot.frames(), std::vector<int>{1});
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { shot.render(1); }),
+              "mine:5:1: volume 'fog' has no file, no source, and no grids that were set");
+    FieldBuilder builder("density", Mat4(1.0));
+    builder.addBlock(Int3(0), std::vector<float>(kBlockVoxels, 1.0f).data());
+    shot.setVolume("fog", {builder.finish()});
+    EXPECT_GT(shot.render(1).image().rgba[3 + 4 * (3 * 8 + 4)], 0.0f);
+    EXPECT_NE(shot.toml().find("fov = 20"), std::string::npos);
+}
+
 TEST_F(ShotTest, RendersGridsThatAreMadeInCode) {
     FieldBuilder builder("density", Mat4(1.0));
     const std::vector<float> ones(kBlockVoxels, 1.0f);

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scrim renders OpenVDB volumes with volumetric shadows.
+
+    import scrim
+
+    shot = scrim.open("shot.toml", {"camera.fov": 20})
+    frame = shot.render(7, progress=print)
+    frame["light.key"]                   # float32 (height, width, channels)
+    frame.write("plume.####.exr")
+
+Pictures are premultiplied and scene-linear, rows from top to bottom. Lengths are world units, angles degrees. Warnings
+and notes go to `logging.getLogger("scrim")`.
+"""
+
+from ._errors import (
+    AccuracyError,
+    Cancelled,
+    Error,
+    InputError,
+    OutOfMemoryError,
+    OutputError,
+    RenderError,
+    UsageError,
+)
+from ._scrim import Field, Frame, Job, Plan, Shot, __version__, loads, open, read_vdb
+
+__all__ = [
+    "AccuracyError",
+    "Cancelled",
+    "Error",
+    "Field",
+    "Frame",
+    "InputError",
+    "Job",
+    "OutOfMemoryError",
+    "OutputError",
+    "Plan",
+    "RenderError",
+    "Shot",
+    "UsageError",
+    "__version__",
+    "loads",
+    "open",
+    "read_vdb",
+]

@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`python -m scrim ARGUMENTS`: the program `scrim` that this package holds."""
+
+import os
+import sys
+
+
+def program() -> str:
+    """The path of the program."""
+    return os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "scrim")
+
+
+def main() -> None:
+    # It takes the place of this process: signals and the exit status are the program's own.
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os.execv(program(), ["scrim", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    main()

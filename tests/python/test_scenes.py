@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Opening scenes: files, text, dicts, overrides; plans and studies."""
+
+import tomllib
+from pathlib import Path
+
+import numpy
+import pytest
+from conftest import SLAB, SMOKE
+
+import scrim
+from scrim import _toml
+
+
+def test_overrides_are_values_of_python(smoke):
+    overrides = {
+        "camera.fov": 20,
+        "camera.position": (0, 0.5, 6.5),
+        "camera.resolution": numpy.array([32, 24]),
+        "light.key.shadows": False,
+        "light.key.intensity": numpy.float32(2.5),
+        "volume.smoke.transform": {"translate": [0.5, 0, 0], "scale": 2.0},
+        "output.file": Path('a "b"\\c.exr'),
+    }
+    scene = tomllib.loads(scrim.open(smoke, overrides).toml())
+    assert scene["camera"]["fov"] == 20 and scene["camera"]["position"] == [0, 0.5, 6.5]
+    assert scene["camera"]["resolution"] == [32, 24]
+    assert scene["light"][0]["shadows"] is False and scene["light"][0]["intensity"] == 2.5
+    assert scene["volume"][0]["transform"] == {"translate": [0.5, 0, 0], "scale": 2.0}
+    assert scene["output"]["file"] == 'a "b"\\c.exr'
+    assert scrim.open(smoke, ["camera.resolution=[16, 12]"]).render().image.shape == (12, 16, 4)
+
+
+def test_a_dict_is_a_scene(smoke, tmp_path):
+    parsed = tomllib.loads(SMOKE)
+    assert tomllib.loads(_toml.document(parsed)) == parsed
+    odd = {
+        "a": {"b c": '\n\t\x01é"', "deep": {"x": {"y": [1, [2.5, True]]}}},
+        "list": [{"k": [{"m": 1}, {"m": 2}]}],
+        "e": [],
+    }
+    assert tomllib.loads(_toml.document(odd)) == odd
+    own = scrim.loads(parsed).render().image
+    assert numpy.array_equal(own, scrim.open(smoke).render().image)
+    assert numpy.array_equal(own, scrim.loads(SMOKE).render().image)
+
+
+def test_paths_of_a_text_are_relative_to_its_folder(tmp_path, program):
+    assert program("make", "noise", "resolution=16", "-q", "-o", tmp_path / "s.vdb").returncode == 0
+    scene = {**SLAB, "volume": [{"name": "s", "file": "s.vdb", "density": {"scale": 5}}], "output": {"file": "out.exr"}}
+    shot = scrim.loads(scene, {"camera.resolution": [8, 8]}, folder=tmp_path)
+    assert shot.render().write() == str(tmp_path / "out.exr")
+    assert (tmp_path / "out.exr").exists()
+
+
+def test_errors_say_where_and_what_is_allowed(smoke, tmp_path):
+    smoke.write_text(SMOKE.replace("fov = 36", "fow = 36"))
+    with pytest.raises(scrim.InputError, match=r"smoke.toml:4:1: .*'fow'.*fov"):
+        scrim.open(smoke)
+    with pytest.raises(scrim.InputError, match=r"^scene:4:1: .*'fow'"):
+        scrim.loads(smoke.read_text())
+    with pytest.raises(scrim.InputError, match=r"^mine:1:\d+: "):
+        scrim.loads("camera = 3", name="mine")
+    with pytest.raises(scrim.InputError, match=r"^--set camera.fov: .*200"):
+        scrim.loads(SMOKE, {"camera.fov": 200})
+    with pytest.raises(scrim.InputError, match="absent.toml"):
+        scrim.open(tmp_path / "absent.toml")
+    with pytest.raises(scrim.UsageError, match="expected a scene"):
+        scrim.open(tmp_path / "picture.jpg")
+
+
+def test_values_that_toml_does_not_have_are_refused(smoke):
+    with pytest.raises(
+        scrim.UsageError, match=r"^'camera.position\[1\]' is of type object; expected a bool, a number, a string"
+    ):
+        scrim.open(smoke, {"camera.position": [0, object(), 1]})
+    with pytest.raises(scrim.UsageError, match=r"^overrides: expected a dict such as"):
+        scrim.open(smoke, "camera.fov=20")
+    with pytest.raises(scrim.UsageError, match=r"^an override is called 3, expected a string such as 'camera.fov'$"):
+        scrim.open(smoke, {3: 4})
+    with pytest.raises(scrim.UsageError, match=r"^a key of a scene is 3, expected a string$"):
+        scrim.loads({"camera": {3: 4}})
+    with pytest.raises(scrim.UsageError, match=r"^a scene is of type list; expected TOML text or a dict$"):
+        scrim.loads([])
+
+
+def test_arguments_out_of_range_are_refused(smoke):
+    shot = scrim.open(smoke)
+    for keywords, text in [
+        ({"threads": -1}, r"^threads: expected 0 \(all\), or how many$"),
+        ({"crop": (4, 4, 4, 8)}, "^crop: expected x0, y0, x1, y1 in pixels with x0 < x1 and y0 < y1$"),
+        ({"tolerance": 2.0}, "^tolerance: expected a relative error between 0 and 1, such as 0.005$"),
+        ({"verify": -1}, "^-1: expected how many pixels to verify, or 'all'$"),
+        ({"verify": "some"}, "^'some': expected how many pixels to verify, or 'all'$"),
+    ]:
+        with pytest.raises(scrim.UsageError, match=text):
+            shot.render(**keywords)
+    with pytest.raises(scrim.UsageError, match="^resolution: expected width and height in pixels$"):
+        scrim.open(smoke, resolution=(0, 4))
+    with pytest.raises(scrim.UsageError, match=r"^turntable: expected 0 \(none\), or how many frames$"):
+        scrim.open(smoke, turntable=-1)
+    with pytest.raises(scrim.UsageError, match=r"^\(1, 0\): expected an axis such as \(0, 0, 1\)$"):
+        scrim.open(smoke, up=(1, 0))
+    with pytest.raises(scrim.UsageError, match=r"^threads: expected"):
+        shot.study(threads=-1)
+
+
+def test_every_kind_of_error_is_an_error_of_scrim():
+    kinds = [
+        scrim.RenderError,
+        scrim.UsageError,
+        scrim.InputError,
+        scrim.OutputError,
+        scrim.OutOfMemoryError,
+        scrim.Cancelled,
+        scrim.AccuracyError,
+    ]
+    assert all(issubclass(kind, scrim.Error) for kind in kinds) and len(set(kinds)) == 7
+    assert issubclass(scrim.UsageError, ValueError)
+
+
+def test_frames_are_those_of_the_files(tmp_path, program):
+    for frame in (3, 5):
+        assert program("make", "noise", "resolution=8", "-q", "-o", tmp_path / f"s.{frame:04}.vdb").returncode == 0
+    scene = {**SLAB, "volume": [{"name": "s", "file": "s.####.vdb", "density": {"scale": 5}}]}
+    shot = scrim.loads(scene, folder=tmp_path)
+    assert shot.frames == [3, 5] and shot.volumes == ["s"] and shot.path == "scene" and not shot.is_asset
+    assert scrim.loads(SLAB).frames == [1]
+
+
+def test_a_plan_says_what_a_render_would_do(smoke):
+    shot = scrim.open(smoke)
+    plan = shot.plan()
+    assert not plan.skipped and plan.field_bytes > 1000 and "sheets" in str(plan)
+    assert plan.data == shot.render().stats["plan"]
+
+
+def test_a_study_is_data_and_a_page(tmp_path):
+    shot = scrim.loads(SMOKE, {"camera.resolution": [24, 18], "volume.smoke.parameters.resolution": 12})
+    heard = []
+    study = shot.study(folder=tmp_path / "study", budget=4, progress=heard.append)
+    assert study["trials"] and heard
+    assert sorted(p.name for p in (tmp_path / "study").iterdir()) == ["index.html", "study.csv", "study.json"]
+
+
+def test_an_asset_is_framed_and_lit(tmp_path, program):
+    assert program("make", "noise", "resolution=24", "-q", "-o", tmp_path / "a.vdb").returncode == 0
+    shot = scrim.open(tmp_path / "a.vdb", resolution=(40, 30))
+    assert shot.is_asset and shot.render().image[:, :, 3].max() > 0.1
+    assert tomllib.loads(shot.toml())["camera"]["resolution"] == [40, 30]
