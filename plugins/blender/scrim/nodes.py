@@ -23,7 +23,7 @@ class Value:
 
     @property
     def number(self):
-        return sum(self.color) / 3
+        return self.color[0] if len(set(self.color)) == 1 else sum(self.color) / 3
 
     def times(self, other):
         if self.grid and other.grid:
