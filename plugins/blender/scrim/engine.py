@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 # The render engine: depsgraph -> scene -> the program -> passes.
+import json
 import os
 import shlex
 import shutil
@@ -191,7 +192,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
             self.update_progress(part)
             self.update_stats("", f"Scrim: {100 * part:.0f} %")
 
-        status, told = child.run(arguments, progress, self.test_break)
+        status, told = child.run(arguments, progress, self.cancelled)
         for text in child.warnings(told):
             self.warn(text)
         if status not in (0, child.WRITTEN_BUT_MISSED):
@@ -202,9 +203,10 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         last_run["text"] = summary.partition(", ")[2]
         self.update_stats("", f"Scrim: {last_run['text']}")
 
-    def memory(self, stats):
-        import json
+    def cancelled(self):
+        return self.test_break()
 
+    def memory(self, stats):
         with open(stats, encoding="utf-8") as file:
             peak = json.load(file)[0]["peak_memory_bytes"] / 2**20
         self.update_memory_stats(memory_used=peak, memory_peak=peak)
