@@ -257,7 +257,13 @@ def main():
     for name, (build, samples) in CASES.items():
         if args.k not in name:
             continue
-        error, noise, ours, theirs, pictures = one(name, build, samples)
+        try:
+            error, noise, ours, theirs, pictures = one(name, build, samples)
+        except Exception as what:
+            print(f"{name}: {what}", flush=True)
+            failed.append(name)
+            rows.append(f"| {name} | {what} |")
+            continue
         rows.append(f"| {name} | {100 * error:.2f} % | {100 * noise:.2f} % | {ours:.1f} s | {theirs:.0f} s |")
         print(rows[-1], "ratio", pictures[0].mean((0, 1)) / np.maximum(pictures[1].mean((0, 1)), 1e-9), flush=True)
         if not (error <= LIMIT and noise <= MOST_NOISE) or pictures[1].max() <= 0:
