@@ -14,24 +14,30 @@ import numpy as np
 import scenes as s
 
 WORK = tempfile.mkdtemp(prefix="scrim-compare-")
-SMOKE = os.path.join(WORK, "smoke.vdb")
+SMOKE, BALL = os.path.join(WORK, "smoke.vdb"), os.path.join(WORK, "ball.vdb")
 LIMIT = 0.015
 MOST_NOISE = 0.006  # of a mean over two seeds, measured by their difference
 SCRIM = os.environ["SCRIM"]
 
 
-def make(*parameters, path=SMOKE):
-    subprocess.run([SCRIM, "make", "noise", *parameters, "-o", path, "-q"], check=True, timeout=120)
+def make(source, *parameters, path):
+    subprocess.run([SCRIM, "make", source, *parameters, "-o", path, "-q"], check=True, timeout=120)
 
 
-def smoke(**inputs):
+def smoke(path=SMOKE, **inputs):
     inputs = {"Density": 4.0, "Color": (0.8, 0.8, 0.8), **inputs}
-    return s.volume(SMOKE, **inputs)
+    return s.volume(path, **inputs)
 
 
 def soft():
     """Sub-lights for 1 % and not for 0.5 %: a quarter of the time."""
     s.bpy.context.scene.scrim.overrides = "render.light_error=0.01"
+
+
+def glowing(path=SMOKE, **inputs):
+    """Black smoke: what glows is a light for Cycles, also without bounces."""
+    key()
+    return smoke(path, Color=(0.0, 0.0, 0.0), **inputs)
 
 
 def key():
@@ -117,11 +123,14 @@ def sky_picture():
 
 
 def blackbody():
-    smoke(Temperature=1800.0, Temperature_Attribute="density", Blackbody_Intensity=5.0, Density=1.0)
+    """A ball of one temperature, since the programs differ in what comes first: Scrim turns temperatures of voxels into
+    light and goes between these, Cycles goes between temperatures. So hot that no colour is beyond Rec.709, where Cycles
+    has negative light and Scrim none."""
+    glowing(BALL, Temperature=2800.0, Temperature_Attribute="density", Blackbody_Intensity=2.0, Density=1.0)
 
 
 def emission():
-    thing = smoke(Emission_Color=(1.0, 0.5, 0.2))
+    thing = glowing(Emission_Color=(1.0, 0.5, 0.2))
     tree = thing.data.materials[0].node_tree
     grid, scale = tree.nodes.new("ShaderNodeAttribute"), tree.nodes.new("ShaderNodeMath")
     grid.attribute_name, scale.operation, scale.inputs[1].default_value = "density", "MULTIPLY", 3.0
@@ -131,8 +140,8 @@ def emission():
 
 
 def object_space():
-    """Coefficients count lengths of the object, which is scaled unevenly, turned and emits, too."""
-    thing = smoke(Temperature=1800.0, Temperature_Attribute="density", Blackbody_Intensity=5.0)
+    """Coefficients count lengths of the object, which is scaled unevenly and turned."""
+    thing = smoke()
     thing.data.render.space = "OBJECT"
     turn = s.Matrix.Rotation(0.6, 4, "X") @ s.Matrix.Rotation(0.5, 4, "Z")
     thing.matrix_world = s.Matrix.Translation((0.2, 0.1, -0.1)) @ turn @ s.Matrix.Diagonal((0.8, 0.6, 1.1, 1))
@@ -215,13 +224,13 @@ CASES = {
     "area not normalised, exposure; sun of 3500 K": (light_values, 96),
     "world of one colour": (sky, 96),
     "world with a turned picture": (sky_picture, 144),
-    "black body": (blackbody, 48),
-    "emission by a grid": (emission, 48),
+    "black body": (blackbody, 8),
+    "emission by a grid": (emission, 16),
     "object space, uneven scale": (object_space, 72),
     "Volume Scatter + Absorption, g = -0.3": (scatter_and_absorb, 72),
     "lens: shift, pixel aspect, fit": (lens, 48),
     "orthographic": (orthographic, 48),
-    "motion blur of the camera": (motion_blur, 96),
+    "motion blur of the camera": (motion_blur, 288),
     "a solid, held out": (solid, 72),
 }
 
@@ -252,7 +261,8 @@ def main():
     parser.add_argument("--table", help="a file for the figures, in Markdown")
     parser.add_argument("--pictures", help="a folder for arrays of the pictures")
     args = parser.parse_args()
-    make("resolution=48", "shape=ball", "softness=0.6")
+    make("noise", "resolution=48", "shape=ball", "softness=0.6", path=SMOKE)
+    make("primitives", "resolution=160", path=BALL)
     rows, failed = [], []
     for name, (build, samples) in CASES.items():
         if args.k not in name:

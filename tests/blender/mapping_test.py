@@ -255,6 +255,13 @@ def test_other_pictures_are_refused(tmp_path, content, text):
         exr.read(str(tmp_path / "a.exr"))
 
 
+def test_pictures_that_are_written_are_read(tmp_path):
+    rgb = np.arange(18, dtype=np.float32).reshape(2, 3, 3)
+    exr.write(tmp_path / "a.exr", rgb)
+    picture = exr.read(tmp_path / "a.exr")
+    assert np.array_equal(np.stack([picture.region(c, 0, 0, 3, 2) for c in "RGB"], axis=-1), rgb)
+
+
 def test_meshes_are_ply(tmp_path):
     meshes.write_ply(tmp_path / "a.ply", np.arange(9).reshape(3, 3), np.array([[0, 1, 2]]))
     data = (tmp_path / "a.ply").read_bytes()

@@ -14,20 +14,19 @@ fail() {
     exit 1
 }
 [ -x "$SCRIM" ] || fail "there is no $SCRIM; build first"
-packages="$build/blender-${bpy//[^0-9.]/}venv"
+packages="$build/bpy-${bpy%.\*}"
 if [ ! -f "$packages/complete" ]; then
     rm -rf "$packages"
-    # Blender's libraries want these even where there is no window.
-    if ! ldconfig -p | grep -q libXrender && [ "$(id -u)" -eq 0 ] && command -v apt-get >/dev/null; then
-        apt-get update -qq
-        DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends python3 python3-venv libxrender1 \
-            libxxf86vm1 libxfixes3 libxi6 libxkbcommon0 libsm6 libgl1 libegl1 libgomp1 >/dev/null
-    fi
+    # Blender's libraries want those of a window even where there is none.
+    bash "$here/../../src/cmake/install_packages.sh" python3 python3-venv libx11-6 libxrender1 libxfixes3 libxi6 \
+        libxkbcommon0 libsm6 libgl1
+    # Those of the system know more than pip's own.
+    [ ! -r /etc/ssl/certs/ca-certificates.crt ] || export PIP_CERT="${PIP_CERT:-/etc/ssl/certs/ca-certificates.crt}"
     /usr/bin/python3 -m venv "$packages" || fail "cannot make a virtual environment with /usr/bin/python3"
     "$packages/bin/pip" install -q "bpy==$bpy" pytest || fail "cannot install bpy $bpy: it wants Python 3.11"
     touch "$packages/complete"
 fi
-# An older Blender wants other paths written, and nothing may come from the user's.
+# Nothing of the user's settings may count.
 BLENDER_USER_RESOURCES="$(mktemp -d)"
 export BLENDER_USER_RESOURCES
 trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT

@@ -5,7 +5,9 @@ import os
 import re
 import shutil
 
-from . import child, formulae, meshes, motion, nodes
+import numpy as np
+
+from . import child, exr, formulae, meshes, motion, nodes
 
 FRAME = 1  # of the scene: files are those of Blender's frame, and keys are about this one
 _SOLIDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
@@ -268,8 +270,13 @@ class Exporter:
         if image.source == "FILE" and not image.packed_file and os.path.isfile(path):
             path = self.linked(path, "sky")
         else:
-            path = os.path.join(self.folder, "sky.exr" if image.is_float else "sky.png")
-            image.save(filepath=path, save_copy=True)
+            # Packed, painted or generated: its values as they are, in its own space.
+            path = os.path.join(self.folder, "sky.exr")
+            width, height = image.size
+            pixels = np.empty(width * height * image.channels, np.float32)
+            image.pixels.foreach_get(pixels)
+            pixels = pixels.reshape(height, width, -1)[::-1]
+            exr.write(path, pixels[:, :, :3] if image.channels >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2))
         return {"file": path, "colorspace": image.colorspace_settings.name}
 
     # Solids

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Reads the EXR that Scrim writes for us: one part, scan lines, no compression. Blender's own reader gives no access to the
-# pixels of pictures with layers, and loads render results only by names of Blender's. This one is exact, and takes no library
-# but NumPy, which Blender brings along.
+# Reads the EXR that Scrim writes for us, and writes one that it reads: one part, scan lines, no compression. Blender's own
+# reader gives no access to the pixels of pictures with layers, and loads render results only by names of Blender's. This
+# one is exact, and takes no library but NumPy, which Blender brings along.
 import struct
 
 import numpy as np
@@ -81,3 +81,31 @@ def read(path):
             out[name][y - window[1]] = np.frombuffer(data, dtype, width, begin)
             begin += width * dtype.itemsize
     return Picture(out, window, display)
+
+
+def _attribute(name, kind, content):
+    return name + b"\0" + kind + b"\0" + struct.pack("<i", len(content)) + content
+
+
+def write(path, rgb):
+    """`rgb`: height x width x 3, rows from the top."""
+    height, width = rgb.shape[:2]
+    names = [(b"B", 2), (b"G", 1), (b"R", 0)]  # channels are sorted in files
+    window = struct.pack("<iiii", 0, 0, width - 1, height - 1)
+    head = b"\x76\x2f\x31\x01" + struct.pack("<i", 2)
+    channels = b"".join(name + b"\0" + struct.pack("<iiii", 2, 0, 1, 1) for name, _ in names) + b"\0"
+    head += _attribute(b"channels", b"chlist", channels)
+    head += _attribute(b"compression", b"compression", b"\0")
+    head += _attribute(b"dataWindow", b"box2i", window) + _attribute(b"displayWindow", b"box2i", window)
+    head += _attribute(b"lineOrder", b"lineOrder", b"\0")
+    head += _attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
+    head += _attribute(b"screenWindowCenter", b"v2f", struct.pack("<ff", 0, 0))
+    head += _attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
+    size = 12 * width
+    first = len(head) + 8 * height
+    offsets = [first + y * (8 + size) for y in range(height)]
+    with open(path, "wb") as file:
+        file.write(head + struct.pack(f"<{height}Q", *offsets))
+        for y in range(height):
+            line = np.stack([rgb[y, :, c] for _, c in names]).astype("<f4")
+            file.write(struct.pack("<ii", y, size) + line.tobytes())
