@@ -3,6 +3,7 @@
 import math
 import os
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -261,3 +262,11 @@ def test_registers_twice():
     assert not hasattr(bpy.types.Scene, "scrim")
     addon.register()
     assert bpy.context.scene.scrim.quality == "STANDARD"
+
+
+def test_the_manifest_is_what_blender_wants():
+    """By the program of Blender's own that `blender --command extension validate` runs."""
+    tool = os.path.join(bpy.utils.resource_path("LOCAL"), "scripts", "addons_core", "bl_pkg", "cli", "blender_ext.py")
+    folder = os.path.dirname(addon.__file__)
+    done = subprocess.run([sys.executable, tool, "validate", folder], capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout + done.stderr

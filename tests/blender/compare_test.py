@@ -66,7 +66,7 @@ def point():
 
 
 def point_radius():
-    soft()
+    s.bpy.context.scene.scrim.overrides = "light.key.samples=60"
     smoke(), s.light("POINT", (1.5, -1.8, 1.8), energy=120.0, shadow_soft_size=0.4, use_soft_falloff=False)
 
 
@@ -262,7 +262,7 @@ def main():
     parser.add_argument("--pictures", help="a folder for arrays of the pictures")
     args = parser.parse_args()
     make("noise", "resolution=48", "shape=ball", "softness=0.6", path=SMOKE)
-    make("primitives", "resolution=160", path=BALL)
+    make("primitives", "resolution=224", path=BALL)
     rows, failed = [], []
     for name, (build, samples) in CASES.items():
         if args.k not in name:

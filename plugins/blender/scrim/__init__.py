@@ -3,7 +3,7 @@
 # and write scenes can be used and tested without it.
 bl_info = {
     "name": "Scrim",
-    "description": "Renders volumes with shadows, without noise, by the program scrim",
+    "description": "Renders volumes with shadows and without noise",
     "author": "The Scrim authors",
     "version": (0, 1, 0),
     "blender": (4, 2, 0),
