@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Scrim's pictures of Blender's scenes beside Cycles' of the same: each law of light, medium and camera on its own. What is
-# compared are means over 8 x 8 pixels; Cycles' noise in them is measured with a second seed, and has to be small.
+# Scrim's pictures of Blender's scenes beside Cycles' of the same: each law of light, medium and camera on its own.
+# What is compared are means over 8 x 8 pixels; Cycles' noise in them is measured with a second seed, and has to be
+# small.
 #   python compare_test.py [-k CASE] [--table TABLE.md] [--pictures FOLDER]
 import argparse
 import math
@@ -153,7 +154,8 @@ def scatter_and_absorb():
     thing = smoke()
     tree = thing.data.materials[0].node_tree
     tree.nodes.clear()
-    nodes = {n: tree.nodes.new(f"ShaderNode{n}") for n in ("Attribute", "VolumeScatter", "VolumeAbsorption", "AddShader")}
+    kinds = ("Attribute", "VolumeScatter", "VolumeAbsorption", "AddShader")
+    nodes = {kind: tree.nodes.new(f"ShaderNode{kind}") for kind in kinds}
     output = tree.nodes.new("ShaderNodeOutputMaterial")
     nodes["Attribute"].attribute_name = "density"
     for i, (name, color, factor) in enumerate(
@@ -219,8 +221,8 @@ CASES = {
     "point": (point, 72),
     "sphere, radius 0.4": (point_radius, 72),
     "spot, blend 0.5": (spot, 72),
-    "area, rectangle": (area_rectangle, 72),
-    "area, disk": (area_disk, 72),
+    "area, rectangle": (area_rectangle, 160),
+    "area, disk": (area_disk, 160),
     "area not normalised, exposure; sun of 3500 K": (light_values, 96),
     "world of one colour": (sky, 96),
     "world with a turned picture": (sky_picture, 144),

@@ -11,7 +11,7 @@ import time
 import numpy as np
 import scenes as s
 
-SIDE = 320
+SIDE = 256
 
 
 def build(path):

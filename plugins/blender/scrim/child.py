@@ -31,21 +31,26 @@ class Cancelled(Exception):
 
 def find_program(preference=""):
     """The path of the program: the preference, else $SCRIM, else what PATH holds."""
-    for where, named in (("the add-on's preferences", preference), ("$SCRIM", os.environ.get("SCRIM", ""))):
+    for where, named in (
+        ("the add-on's preferences name", preference),
+        ("$SCRIM names", os.environ.get("SCRIM", "")),
+    ):
         if named:
             found = shutil.which(os.path.expanduser(named))
             if not found:
-                raise Failure(f"{where} names '{named}' as the program scrim, which cannot be run")
+                raise Failure(f"{where} '{named}' as the program scrim, which cannot be run")
             return found
     found = shutil.which("scrim")
     if not found:
-        raise Failure("the program scrim was not found: name it in the add-on's preferences, in $SCRIM, or add it to PATH")
+        raise Failure(
+            "the program scrim was not found: name it in the add-on's preferences, in $SCRIM, or add it to PATH"
+        )
     return found
 
 
 def _die_with(parent):
-    """For the child, before it becomes the program: it ends when the thread that waits for it does. Blender ends at once
-    on SIGTERM, and would leave it behind."""
+    """For the child, before it becomes the program: it ends when the thread that waits for it does. Blender ends at
+    once on SIGTERM, and would leave it behind."""
 
     def prepare():
         if _prctl is not None:

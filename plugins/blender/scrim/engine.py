@@ -42,7 +42,10 @@ def arguments_for(scene):
     """Options of the program that the scene's settings make."""
     settings = scene.scrim
     out = ["--ocio", config_file(), "--frames", str(export.FRAME)]
-    out += ["--tolerance", str(settings.tolerance)] if settings.tolerance > 0 else ["--quality", settings.quality.lower()]
+    if settings.tolerance > 0:
+        out += ["--tolerance", str(settings.tolerance)]
+    else:
+        out += ["--quality", settings.quality.lower()]
     if settings.verify > 0:
         out += ["--verify", str(settings.verify)]
     try:

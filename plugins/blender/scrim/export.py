@@ -98,7 +98,8 @@ class Exporter:
         horizontal, sensor, aspect = formulae.camera_window(
             width, height, pixel_aspect, data.sensor_fit, data.sensor_width, data.sensor_height
         )
-        out = {"matrix": self.moves.keyed("camera", rows), "resolution": [width, height], "near": float(data.clip_start)}
+        out = {"matrix": self.moves.keyed("camera", rows), "resolution": [width, height]}
+        out["near"] = float(data.clip_start)
         shift = (float(shift_x), float(data.shift_y))
         out.update(formulae.camera_lens(data.type, horizontal, sensor, aspect, data.lens, data.ortho_scale, shift))
         if abs(pixel_aspect - 1) > 1e-6:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Reads the EXR that Scrim writes for us, and writes one that it reads: one part, scan lines, no compression. Blender's own
-# reader gives no access to the pixels of pictures with layers, and loads render results only by names of Blender's. This
-# one is exact, and takes no library but NumPy, which Blender brings along.
+# Reads the EXR that Scrim writes for us, and writes one that it reads: one part, scan lines, no compression. Blender's
+# own reader gives no access to the pixels of pictures with layers, and loads render results only by names of
+# Blender's. This one is exact, and takes no library but NumPy, which Blender brings along.
 import struct
 
 import numpy as np

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# What Cycles' numbers are in Scrim's units. Plain numbers in, tables of a scene out, nothing of Blender: each law stands
-# here once, with the place in Cycles' source text that it was read from.
+# What Cycles' numbers are in Scrim's units. Plain numbers in, tables of a scene out, nothing of Blender: each law
+# stands here once, with the place in Cycles' source text that it was read from.
 import math
 
 _LEAST = 1e-12
@@ -45,8 +45,8 @@ def point(strength, radius, normalize=True):
     return {"type": "area", "shape": "sphere", **shining(strength, radiance), "radius": radius}
 
 
-# kernel/light/spot.h: smoothstep of (cos - cos(size / 2)) / ((1 - cos(size / 2)) * blend). Scrim's fades by the same law,
-# from the cone's border to the angle at which that is 1.
+# kernel/light/spot.h: smoothstep of (cos - cos(size / 2)) / ((1 - cos(size / 2)) * blend). Scrim's fades by the same
+# law, from the cone's border to the angle at which that is 1.
 def spot(strength, size, blend, radius=0.0, normalize=True):
     half = 0.5 * size
     outer = math.cos(half)
@@ -62,7 +62,8 @@ def spot(strength, size, blend, radius=0.0, normalize=True):
     }
 
 
-# scene/light.cpp: radiance 1 / (pi area), or 1 / pi if not normalised; one-sided, and even where the spread is 180 degrees.
+# scene/light.cpp: radiance 1 / (pi area), or 1 / pi if not normalised; one-sided, and even where the spread is 180
+# degrees.
 def area(strength, width, height, ellipse, normalize=True):
     size = width * height * (0.25 * math.pi if ellipse else 1.0)
     radiance = 1 / (math.pi * size) if normalize else 1 / math.pi

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-# Where things are while the shutter is open: the matrices of all instances at a few times, and keys of a scene where they
-# differ.
+# Where things are while the shutter is open: the matrices of all instances at a few times, and keys of a scene where
+# they differ.
 import math
 
 
@@ -22,8 +22,8 @@ def _near(a, b):
 
 class Moves:
     def __init__(self, now, frame, samples=(), shutter=None):
-        """`now`: matrices of the frame. `samples`: [time about the frame, matrices] in order; `shutter`: [opens, closes]
-        or None."""
+        """`now`: matrices of the frame. `samples`: [time about the frame, matrices] in order; `shutter`:
+        [opens, closes] or None."""
         self.now, self.frame, self.samples, self.shutter = now, frame, samples, shutter
 
     def matrix(self, key):

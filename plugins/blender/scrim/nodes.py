@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
-# Reads the volume of a material: nodes in, coefficients out. What cannot be mapped raises NotMapped where it decides what
-# the medium is, or is noted where it only changes it a little. Nodes are used by their names alone, so that tests need no
-# Blender.
+# Reads the volume of a material: nodes in, coefficients out. What cannot be mapped raises NotMapped where it decides
+# what the medium is, or is noted where it only changes it a little. Nodes are used by their names alone, so that tests
+# need no Blender.
 import math
 from dataclasses import dataclass, field
 

@@ -50,7 +50,7 @@ class Preview:
         folder = os.path.join(self.folder, str(self.number))
         os.mkdir(folder)
         program = child.find_program(engine.preference())
-        # The scene's camera stands in for the viewport's in all but what `viewport_camera` says.
+        # What is not mapped is said by renders; here it would be said at every turn of the view.
         moves = motion.Moves(motion.matrices(depsgraph, Matrix()), export.FRAME)
         exporter = export.Exporter(folder, depsgraph.scene.scrim, lambda text: None, engine.abspath)
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
@@ -117,7 +117,7 @@ def viewport_camera(context):
 
 
 def camera_of_window(projection, matrix, width, height):
-    """`projection`: OpenGL's. Its first rows hold one over half the width and height, and how far the window is moved."""
+    """`projection`: OpenGL's. Its first rows hold one over half the width and height, and how far the window moves."""
     out = {"matrix": export.rows(matrix), "resolution": [width, height]}
     side = -1 if projection[3][3] == 0 else 1
     if side < 0:
