@@ -125,8 +125,8 @@ def sky_picture():
 
 def blackbody():
     """A ball of one temperature, since the programs differ in what comes first: Scrim turns temperatures of voxels into
-    light and goes between these, Cycles goes between temperatures. So hot that no colour is beyond Rec.709, where Cycles
-    has negative light and Scrim none."""
+    light and goes between these, Cycles goes between temperatures. So hot that no colour is beyond Rec.709, where
+    Cycles has negative light and Scrim none."""
     glowing(BALL, Temperature=2800.0, Temperature_Attribute="density", Blackbody_Intensity=2.0, Density=1.0)
 
 

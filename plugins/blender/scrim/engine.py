@@ -202,7 +202,8 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
             raise child.Failure(child.reason(status, told))
         if status == child.WRITTEN_BUT_MISSED:
             self.warn(child.reason(status, told))
-        summary = next((line for line in told if line.startswith("frame ")), "")
+        # The last one: a long verification tells of itself before.
+        summary = next((line for line in reversed(told) if line.startswith("frame ")), "")
         last_run["text"] = summary.partition(", ")[2]
         self.update_stats("", f"Scrim: {last_run['text']}")
 
