@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 import scenes as s
-from scrim import addon, engine
+from scrim import addon, colour, engine
 
 bpy = s.bpy
 SCRIM = os.environ["SCRIM"]
@@ -255,6 +255,33 @@ def test_viewport_cameras_see_what_blenders_do():
     projection = camera.calc_matrix_camera(bpy.context.evaluated_depsgraph_get(), x=80, y=60)
     got = preview.camera_of_window(projection, camera.matrix_world, 80, 60)
     assert got["height"] == pytest.approx(3) and got["shift"] == pytest.approx([0.1, -0.2], abs=1e-6)
+
+
+@pytest.mark.parametrize("working", colour.SPACES)
+def test_the_small_config_has_the_working_space(tmp_path, working):
+    """White stays white, and a colour that the scene gives in Rec.709 comes back as the working space has it."""
+    (tmp_path / "config.ocio").write_text(colour.config_text(working))
+    (tmp_path / "a.toml").write_text(
+        'scene_version = 2\ncamera = { position = [0, 0, 4], target = [0, 0, 0], resolution = [32, 32] }\n'
+        '[[volume]]\nsource = "noise"\nparameters = { resolution = 16 }\n'
+        '[[light]]\ntype = "distant"\ndirection = [-1, -1, -1]\n'
+        'color = { rgb = [0.5, 0.25, 1.0], colorspace = "Linear Rec.709" }\n'
+        '[output]\ntype = "float"\ncompression = "none"\n'
+    )
+    got = {}
+    for space in ("Linear Rec.709", working):
+        picture = tmp_path / "a.exr"
+        words = [SCRIM, "render", str(tmp_path / "a.toml"), "-o", str(picture), "-q"]
+        words += ["--ocio", str(tmp_path / "config.ocio"), "--set", f'output.colorspace="{space}"']
+        done = subprocess.run(words, capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        read = s.exr.read(str(picture))
+        got[space] = np.array([read.channels[c].sum() for c in "RGB"])
+    assert got["Linear Rec.709"] / got["Linear Rec.709"][2] == pytest.approx([0.5, 0.25, 1], rel=1e-4)
+    matrix = np.array(colour._MATRICES[working])
+    expected = np.linalg.solve(matrix, np.array(colour._MATRICES["Linear Rec.709"]) @ got["Linear Rec.709"])
+    assert got[working] == pytest.approx(expected, rel=1e-4)
+    assert matrix.sum(1) == pytest.approx([1, 1, 1], abs=2e-6)
 
 
 def test_registers_twice():

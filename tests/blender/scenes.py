@@ -77,6 +77,8 @@ def light(kind, eye, target=(0, 0, 0), name="key", **values):
 def render(path):
     """Renders into a multi-layer EXR and gives its channels, "Combined.R" and so on, rows from the top."""
     settings = bpy.context.scene.render
+    if hasattr(settings.image_settings, "media_type"):  # from Blender 5.0 on
+        settings.image_settings.media_type = "MULTI_LAYER_IMAGE"
     settings.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.image_settings.color_depth = "32"
     settings.image_settings.exr_codec = "NONE"

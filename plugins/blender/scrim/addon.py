@@ -8,7 +8,7 @@ import tempfile
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from . import child, engine, export, motion
+from . import child, colour, engine, export, motion
 
 PLAN_SECONDS = 60
 
@@ -84,7 +84,7 @@ def plan_text(context):
         moves = motion.Moves(motion.matrices(depsgraph, camera.matrix_world), export.FRAME)
         said = []
         content, _ = engine.export_scene(folder, depsgraph, said.append, (camera, camera.data.shift_x), moves)
-        arguments = [program, "plan", engine.write_scene(folder, content), "--ocio", engine.config_file()]
+        arguments = [program, "plan", engine.write_scene(folder, content), "--ocio", colour.config_file(bpy, folder)]
         done = subprocess.run(arguments, capture_output=True, text=True, timeout=PLAN_SECONDS)
         if done.returncode != 0:
             raise child.Failure(child.reason(done.returncode, done.stderr.splitlines()))

@@ -10,7 +10,7 @@ import traceback
 import bpy
 import numpy as np
 
-from . import child, exr, export, formulae, motion, preview, scene_text
+from . import child, colour, exr, export, formulae, motion, preview, scene_text
 
 SHUTTER_TIMES = 5
 FAR = 1e10  # what Blender writes as the depth of nothing
@@ -23,12 +23,6 @@ EXTRA = (
 last_run = {"text": ""}
 
 
-def config_file():
-    """Blender's colour config, so that both know the same spaces, and its scene-linear space is our working space."""
-    named = os.environ.get("BLENDER_OCIO") or os.environ.get("OCIO")
-    return named or os.path.join(bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio")
-
-
 def light_pass(name):
     return f"Light {name}"[:60]
 
@@ -38,10 +32,10 @@ def preference():
     return addon.preferences.program if addon and addon.preferences else ""
 
 
-def arguments_for(scene):
+def arguments_for(scene, folder):
     """Options of the program that the scene's settings make."""
     settings = scene.scrim
-    out = ["--ocio", config_file(), "--frames", str(export.FRAME)]
+    out = ["--ocio", colour.config_file(bpy, folder), "--frames", str(export.FRAME)]
     if settings.tolerance > 0:
         out += ["--tolerance", str(settings.tolerance)]
     else:
@@ -152,7 +146,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         picture = os.path.join(folder, "picture.exr")
         stats = os.path.join(folder, "stats.json")
         arguments = [program, "render", write_scene(folder, content), "-o", picture, "--stats", stats]
-        arguments += arguments_for(scene) + ["--progress", "json"]
+        arguments += arguments_for(scene, folder) + ["--progress", "json"]
         top = height - y0 - high
         if (wide, high) != (width, height):
             arguments += ["--crop", f"{x0},{top},{x0 + wide},{top + high}"]

@@ -11,7 +11,7 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix
 
-from . import child, exr, export, motion
+from . import child, colour, exr, export, motion
 
 PIXELS = 0.5  # of the region's, along each side
 POLL_SECONDS = 0.05
@@ -57,7 +57,7 @@ class Preview:
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
         arguments = [program, "render", engine.write_scene(folder, content), "-o", self.picture, "-q"]
-        self.process = child.start(arguments + ["--quality", "draft", "--ocio", engine.config_file()])
+        self.process = child.start(arguments + ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)])
         bpy.app.timers.register(self.poll, first_interval=POLL_SECONDS)
 
     def poll(self):
