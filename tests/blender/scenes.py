@@ -79,6 +79,7 @@ def render(path):
     settings = bpy.context.scene.render
     if hasattr(settings.image_settings, "media_type"):  # from Blender 5.0 on
         settings.image_settings.media_type = "MULTI_LAYER_IMAGE"
+        settings.image_settings.use_exr_interleave = True  # one part
     settings.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     settings.image_settings.color_depth = "32"
     settings.image_settings.exr_codec = "NONE"
