@@ -17,7 +17,7 @@ import scenes as s
 WORK = tempfile.mkdtemp(prefix="scrim-compare-")
 SMOKE, BALL = os.path.join(WORK, "smoke.vdb"), os.path.join(WORK, "ball.vdb")
 LIMIT = 0.015
-MOST_NOISE = 0.006  # of a mean over two seeds, measured by their difference
+MOST_NOISE = 0.007  # of a mean over two seeds, measured by their difference
 SCRIM = os.environ["SCRIM"]
 
 
