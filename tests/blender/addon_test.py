@@ -44,7 +44,7 @@ def scene_with(smoke, **inputs):
 def test_light_passes_add_up_to_the_picture(smoke, tmp_path):
     scene = scene_with(smoke)
     s.light("POINT", (-1, -1, 1), name="Fill 2", energy=30.0)
-    scene.world.color = (0.05, 0.1, 0.2)
+    s.sky((0.05, 0.1, 0.2))
     scene.scrim.pass_lights, scene.scrim.overrides = True, "light.World.samples=20"
     got = s.render(tmp_path / "a.exr")
     total = sum(s.rgb(got, name) for name in ("Light key", "Light Fill 2", "Light World"))

@@ -95,7 +95,7 @@ def light_values():
 def sky():
     soft()
     smoke()
-    s.bpy.context.scene.world.color = (0.2, 0.4, 0.8)
+    s.sky((0.2, 0.4, 0.8))
 
 
 def sky_picture():

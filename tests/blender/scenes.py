@@ -22,8 +22,7 @@ def fresh(resolution=(64, 64)):
     scene = bpy.context.scene
     if scene.world is None:
         scene.world = bpy.data.worlds.new("World")
-    scene.world.use_nodes = False
-    scene.world.color = (0, 0, 0)
+    sky((0, 0, 0))
     scene.render.engine = "SCRIM"
     scene.render.resolution_x, scene.render.resolution_y = resolution
     scene.render.film_transparent = True
@@ -32,6 +31,16 @@ def fresh(resolution=(64, 64)):
     data.lens, data.sensor_width = 50, 36
     scene.camera = place("camera", data, looking((0, -4, 0.5), (0, 0, 0)))
     return scene
+
+
+def sky(color):
+    """The world shines with one colour."""
+    world = bpy.context.scene.world
+    world.use_nodes = False
+    world.color = color
+    if world.use_nodes:  # from Blender 5.0 on there is no other way
+        node = next(n for n in world.node_tree.nodes if n.bl_idname == "ShaderNodeBackground")
+        node.inputs["Color"].default_value = (*color, 1)
 
 
 def place(name, data, matrix=Matrix()):
@@ -97,7 +106,9 @@ def rgb(channels, name="Combined"):
 
 def cycles_shift(data):
     """What Cycles of Blender 4.5 adds to places of grids: half a voxel along each axis. It takes a voxel's index for
-    a corner of the voxel, where OpenVDB means its middle."""
+    a corner of the voxel, where OpenVDB means its middle. From 5.0 on it does not."""
+    if bpy.app.version >= (5, 0):
+        return Vector((0, 0, 0))
     data.grids.load()
     return data.grids[0].matrix_object.to_3x3() @ Vector((0.5, 0.5, 0.5))
 
@@ -115,6 +126,8 @@ def cycles(samples, seed=0):
     settings.use_adaptive_sampling = settings.use_denoising = False
     settings.volume_bounces = settings.max_bounces = 0
     settings.volume_step_rate, settings.volume_max_steps = 0.2, 65536
+    if hasattr(settings, "volume_biased"):  # from Blender 5.0 on: march by steps, as before
+        settings.volume_biased = True
     settings.sample_clamp_direct = settings.sample_clamp_indirect = 0
     settings.light_sampling_threshold = 0
     settings.pixel_filter_type, settings.filter_width = "GAUSSIAN", 0.01
