@@ -1,0 +1,317 @@
+# SPDX-License-Identifier: Apache-2.0
+# A depsgraph of Blender as a scene of Scrim: tables, and files in a folder of their own. What cannot be mapped is said
+# once, by name, through `warn`; what cannot be rendered at all raises child.Failure.
+import os
+import re
+import shutil
+
+import numpy as np
+
+from . import child, exr, formulae, meshes, motion, nodes
+
+FRAME = 1  # of the scene: files are those of Blender's frame, and keys are about this one
+_SOLIDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
+_LEAST = 1e-5
+
+
+def rows(matrix):
+    return [[float(v) for v in row] for row in matrix]
+
+
+def column(matrix, i):
+    return [float(matrix[row][i]) for row in range(3)]
+
+
+def length(v):
+    return sum(c * c for c in v) ** 0.5
+
+
+class Names:
+    """Names for a scene: letters, digits and underscores, each once."""
+
+    def __init__(self):
+        self.taken = set()
+
+    def of(self, name):
+        plain = re.sub(r"[^A-Za-z0-9_]", "_", name) or "_"
+        out, n = plain, 1
+        while out in self.taken:
+            n += 1
+            out = f"{plain}_{n}"
+        self.taken.add(out)
+        return out
+
+
+class Exporter:
+    def __init__(self, folder, settings, warn, abspath):
+        """`settings`: of the scene, see addon.py. `abspath(path, library)` as bpy.path.abspath."""
+        self.folder, self.settings, self.abspath = folder, settings, abspath
+        self.names = Names()
+        self.said = set()
+        self.warn_user = warn
+        self.light_passes = {}  # name in the scene -> name in Blender
+        self.files = {}
+
+    def warn(self, text):
+        if text not in self.said:
+            self.said.add(text)
+            self.warn_user(text)
+
+    def scene(self, depsgraph, camera_pose, moves):
+        """`camera_pose`: (camera object, its shift along x). `moves`: motion.Moves, which knows all matrices."""
+        self.moves = moves
+        return self.scene_of_view(depsgraph, self.camera(depsgraph.scene, *camera_pose), moves)
+
+    def scene_of_view(self, depsgraph, camera, moves):
+        """The same, with the table of its camera."""
+        self.moves = moves
+        scene = depsgraph.scene
+        out = {"camera": camera}
+        volumes, lights, solids = [], [], []
+        for instance in depsgraph.object_instances:
+            thing, shown = instance.object, instance.show_self
+            key = motion.key_of(instance)
+            if thing.type == "VOLUME" and shown:
+                volumes += self.volume(depsgraph, thing, key)
+            elif thing.type == "LIGHT" and shown:
+                lights += self.light(thing, key)
+            elif thing.type in _SOLIDS and shown:
+                solids += self.solid(thing, key)
+        lights += self.world(scene.world)
+        if not volumes:
+            raise child.Failure("there is no Volume object that Scrim can render in this view layer")
+        out["volume"] = volumes
+        if solids:
+            out["mesh"] = solids
+        if lights:
+            out["light"] = lights
+        return out
+
+    # Camera
+
+    def camera(self, scene, thing, shift_x):
+        data, render = thing.data, scene.render
+        if thing.type != "CAMERA" or data.type not in ("PERSP", "ORTHO"):
+            raise child.Failure(f"the camera '{thing.name}' is neither perspective nor orthographic")
+        width, height = resolution(render)
+        pixel_aspect = render.pixel_aspect_x / render.pixel_aspect_y
+        horizontal, sensor, aspect = formulae.camera_window(
+            width, height, pixel_aspect, data.sensor_fit, data.sensor_width, data.sensor_height
+        )
+        out = {"matrix": self.moves.keyed("camera", rows), "resolution": [width, height]}
+        out["near"] = float(data.clip_start)
+        shift = (float(shift_x), float(data.shift_y))
+        out.update(formulae.camera_lens(data.type, horizontal, sensor, aspect, data.lens, data.ortho_scale, shift))
+        if abs(pixel_aspect - 1) > 1e-6:
+            out["pixel_aspect"] = float(pixel_aspect)
+        if data.dof.use_dof:
+            self.warn(f"camera '{thing.name}': depth of field is not rendered")
+        if self.moves.shutter:
+            out["shutter"] = self.moves.shutter
+        return out
+
+    # Volumes
+
+    def volume(self, depsgraph, thing, key):
+        data = thing.data
+        name = f"volume '{thing.name}'"
+        data.grids.load()
+        if data.grids.error_message:
+            raise child.Failure(f"{name}: {data.grids.error_message}")
+        grids = [grid.name for grid in data.grids]
+        if not grids:
+            return []  # such as a sequence beyond its end, which other engines show nothing of, too
+        material = next((slot.material for slot in thing.material_slots if slot.material), None)
+        try:
+            if material is None or not material.use_nodes:
+                medium = nodes.default_medium(grids)
+            else:
+                medium = nodes.medium_of(material.node_tree, grids)
+        except nodes.NotMapped as what:
+            self.warn(f"{name} is not rendered: Scrim does not know {what}")
+            return []
+        for note in medium.notes:
+            self.warn(f"{name}: Scrim does not know {note}")
+        matrix = self.moves.matrix(key)
+        in_object = data.render.space == "OBJECT"
+        density, keys = medium.keys(formulae.object_density(matrix) if in_object else 1.0)
+        keys["scattering"] = self.settings.scattering.lower()
+        out = {"name": self.names.of(thing.name), "file": self.volume_file(thing)}
+        out.update(transform=self.moves.transform(key, self.warn, name), density=density, medium=keys)
+        if self.moves.shutter and data.velocity_grid:
+            out.update(self.velocity(data, grids, name))
+        if thing.is_holdout or thing.holdout_get(view_layer=depsgraph.view_layer_eval):
+            out["holdout"] = True
+        if not thing.visible_shadow:
+            self.warn(f"{name}: throws its shadow, though it should not")
+        return [out]
+
+    def velocity(self, data, grids, name):
+        triple = [data.velocity_x_grid, data.velocity_y_grid, data.velocity_z_grid]
+        if data.velocity_grid in grids:
+            grid = data.velocity_grid
+        elif all(triple) and set(triple) <= set(grids):
+            grid = triple
+        else:
+            return {}
+        unit = "second" if data.velocity_unit == "SECOND" else "frame"
+        return {"velocity": {"grid": grid, "scale": float(data.velocity_scale), "unit": unit}}
+
+    def volume_file(self, thing):
+        """The frame's file, or a file of what only memory holds: geometry nodes, modifiers."""
+        data = thing.data
+        path = data.grids.frame_filepath or ""
+        path = self.abspath(path, data.library) if path else ""
+        if os.path.isfile(path) and not len(thing.modifiers):
+            return self.linked(path, "volume")
+        saved = os.path.join(self.folder, f"volume{len(self.files)}.vdb")
+        memory = ("memory", data.session_uid if hasattr(data, "session_uid") else data.name)
+        if memory not in self.files:
+            if not data.grids.save(filepath=saved):
+                raise child.Failure(f"volume '{thing.name}': cannot write its grids: {data.grids.error_message}")
+            self.files[memory] = saved
+        return self.files[memory]
+
+    def linked(self, path, kind):
+        """A path to it whose name means nothing to a scene, as that of a sequence would."""
+        path = os.path.abspath(path)
+        if path not in self.files:
+            link = os.path.join(self.folder, f"{kind}{len(self.files)}{os.path.splitext(path)[1]}")
+            try:
+                os.symlink(path, link)
+            except OSError:
+                shutil.copyfile(path, link)
+            self.files[path] = link
+        return self.files[path]
+
+    # Lights
+
+    def light(self, thing, key):
+        data = thing.data
+        name = f"light '{thing.name}'"
+        if not thing.visible_volume_scatter:
+            return []
+        try:
+            emitted = nodes.light_emission(data)
+        except nodes.NotMapped as what:
+            self.warn(f"{name}: Scrim does not know {what} (taken for white of strength 1)")
+            emitted = nodes.WHITE
+        warmth = data.temperature_color if getattr(data, "use_temperature", False) else (1, 1, 1)
+        strength = formulae.light_strength(data.color, data.energy, getattr(data, "exposure", 0.0), warmth)
+        strength = [s * e for s, e in zip(strength, emitted)]
+        if max(strength) <= 0:
+            return []
+        if self.linked_to_some(thing):
+            self.warn(f"{name}: light linking is not rendered; it lights and is shadowed by all")
+        matrix = self.moves.matrix(key)
+        if data.type == "AREA":
+            keys = self.area(data, matrix, strength, name)
+        else:
+            keys = self.lamp(data, strength, name)
+        out = {"name": self.names.of(thing.name), **keys}
+        self.light_passes[out["name"]] = thing.name
+        if data.type != "SUN":
+            out["position"] = self.moves.keyed(key, lambda m: column(m, 3))
+        if data.type != "POINT":
+            out["direction"] = self.moves.keyed(key, lambda m: [-c for c in column(m, 2)])
+        if keys.get("shape") == "rectangle":
+            out["up"] = self.moves.keyed(key, lambda m: column(m, 1))
+        if not data.use_shadow:
+            out["shadows"] = False
+        return [out]
+
+    @staticmethod
+    def linked_to_some(thing):
+        linking = getattr(thing, "light_linking", None)
+        return linking is not None and bool(linking.receiver_collection or linking.blocker_collection)
+
+    def lamp(self, data, strength, name):
+        normalize = getattr(data, "normalize", True)
+        if data.type == "SUN":
+            return formulae.sun(strength, data.angle, normalize)
+        radius = data.shadow_soft_size
+        if data.type == "POINT":
+            return formulae.point(strength, radius, normalize)
+        if radius > 0:
+            self.warn(f"{name}: the radius of a spot is not rendered; its shadows are sharp")
+        if data.use_square:
+            self.warn(f"{name}: a square spot is rendered as a round one")
+        return formulae.spot(strength, data.spot_size, data.spot_blend, radius, normalize)
+
+    def area(self, data, matrix, strength, name):
+        width = data.size * length(column(matrix, 0))
+        tall = data.shape in ("RECTANGLE", "ELLIPSE")
+        height = (data.size_y if tall else data.size) * length(column(matrix, 1))
+        ellipse = data.shape in ("DISK", "ELLIPSE")
+        if ellipse and abs(width - height) > 1e-3 * max(width, height):
+            self.warn(f"{name}: an ellipse is rendered as a disk of its mean radius")
+        if data.spread < 3.1415:
+            self.warn(f"{name}: its spread is not rendered; it shines to all of one side")
+        return formulae.area(strength, width, height, ellipse, getattr(data, "normalize", True))
+
+    def world(self, world):
+        if world is None:
+            return []
+        try:
+            sky = nodes.sky_of(world)
+        except nodes.NotMapped as what:
+            self.warn(f"world '{world.name}' is not rendered: Scrim does not know {what}")
+            return []
+        if sky is None:
+            return []
+        out = {"name": self.names.of("World"), "type": "dome", **formulae.shining(sky.color, 1.0)}
+        self.light_passes[out["name"]] = "World"
+        if sky.image is not None:
+            # Cycles' pictures of skies have +x in their middle and z up; the turn that takes Scrim's y up to z has -y.
+            out.update(up=[0.0, 0.0, 1.0], rotation=90.0 + sky.turn, texture=self.texture(sky.image))
+        return [out]
+
+    def texture(self, image):
+        path = self.abspath(image.filepath, image.library) if image.filepath else ""
+        if image.source == "FILE" and not image.packed_file and os.path.isfile(path):
+            path = self.linked(path, "sky")
+        else:
+            # Packed, painted or generated: its values as they are, in its own space.
+            path = os.path.join(self.folder, "sky.exr")
+            width, height = image.size
+            pixels = np.empty(width * height * image.channels, np.float32)
+            image.pixels.foreach_get(pixels)
+            pixels = pixels.reshape(height, width, -1)[::-1]
+            exr.write(path, pixels[:, :, :3] if image.channels >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2))
+        return {"file": path, "colorspace": image.colorspace_settings.name}
+
+    # Solids
+
+    def solid(self, thing, key):
+        holdout, shadows = self.settings.solids != "NONE", thing.visible_shadow
+        if not holdout:
+            return []
+        if any(m.type == "FLUID" and m.fluid_type == "DOMAIN" for m in thing.modifiers):
+            self.warn(f"'{thing.name}': simulations are rendered from files alone; export its cache as OpenVDB")
+            return []
+        materials = [slot.material for slot in thing.material_slots if slot.material and slot.material.use_nodes]
+        if any(nodes.volume_of(m.node_tree) and not nodes.has_surface(m.node_tree) for m in materials):
+            self.warn(f"'{thing.name}': a volume within a mesh is not rendered; use a Volume object")
+            return []
+        mesh = thing.to_mesh()
+        try:
+            points, corners = meshes.triangles_of(mesh)
+        finally:
+            thing.to_mesh_clear()
+        if not len(corners):
+            return []
+        path = os.path.join(self.folder, f"mesh{len(self.files)}.ply")
+        self.files[path] = path
+        meshes.write_ply(path, points, corners)
+        name = f"'{thing.name}'"
+        out = {"name": self.names.of(thing.name), "file": path}
+        out["transform"] = self.moves.transform(key, self.warn, name)
+        seen = thing.visible_camera
+        out.update(holdout=bool(seen and self.settings.solids == "HOLDOUT"), shadows=bool(shadows))
+        return [out] if out["holdout"] or out["shadows"] else []
+
+
+def resolution(render):
+    """As Blender has it: percent of both sides, cut to whole pixels."""
+    part = render.resolution_percentage
+    return render.resolution_x * part // 100, render.resolution_y * part // 100

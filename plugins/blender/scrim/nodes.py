@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: Apache-2.0
+# Reads the volume of a material: nodes in, coefficients out. What cannot be mapped raises NotMapped where it decides
+# what the medium is, or is noted where it only changes it a little. Nodes are used by their names alone, so that tests
+# need no Blender.
+import math
+from dataclasses import dataclass, field
+
+from . import formulae
+
+BLACK, WHITE = [0.0] * 3, [1.0] * 3
+
+
+class NotMapped(Exception):
+    pass
+
+
+@dataclass
+class Value:
+    """`color` times the grid of that name; a number where there is none."""
+
+    color: list
+    grid: str = ""
+
+    @property
+    def number(self):
+        return self.color[0] if len(set(self.color)) == 1 else sum(self.color) / 3
+
+    def times(self, other):
+        if self.grid and other.grid:
+            raise NotMapped(f"the product of the grids '{self.grid}' and '{other.grid}'")
+        return Value([a * b for a, b in zip(self.color, other.color)], self.grid or other.grid)
+
+
+@dataclass
+class Medium:
+    """Coefficients at grid value 1. `emission` and `blackbody` are keys of a scene, without object density."""
+
+    grid: str
+    scattering: list
+    extinction: list
+    albedo_grid: str = ""
+    albedo_scale: float = 1.0
+    phase: dict = field(default_factory=lambda: {"type": "isotropic"})
+    emission: dict = None
+    blackbody: dict = None
+    notes: list = field(default_factory=list)
+
+    def keys(self, object_density=1.0):
+        """(`density`, `medium`) of a [[volume]]."""
+        scale, keys = formulae.medium(self.scattering, self.extinction)
+        if self.albedo_grid:
+            keys = {"albedo": {"grid": self.albedo_grid, "scale": self.albedo_scale}}
+        keys["phase"] = self.phase
+        if self.emission:
+            keys["emission"] = {**self.emission, "scale": self.emission["scale"] * object_density}
+        if self.blackbody:
+            keys["blackbody"] = {**self.blackbody, "intensity": self.blackbody["intensity"] * object_density}
+        return {"grid": self.grid, "scale": scale * object_density}, keys
+
+
+def volume_of(tree):
+    """The node that the active output's volume comes from, or None."""
+    outputs = [n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]
+    fit = [n for n in outputs if getattr(n, "target", "ALL") in ("ALL", "CYCLES")]
+    active = next((n for n in fit if n.is_active_output), fit[0] if fit else None)
+    return _source(active.inputs["Volume"])[0] if active is not None else None
+
+
+def has_surface(tree):
+    for node in tree.nodes:
+        if node.bl_idname == "ShaderNodeOutputMaterial" and node.inputs["Surface"].links:
+            return True
+    return False
+
+
+def _source(socket):
+    """(node, name of its output) that feeds the socket, past reroutes."""
+    while socket.links:
+        link = socket.links[0]
+        node = link.from_node
+        if node.bl_idname != "NodeReroute":
+            return node, link.from_socket.name
+        socket = node.inputs[0]
+    return None, ""
+
+
+def _constant(socket):
+    value = socket.default_value
+    return [float(v) for v in list(value)[:3]] if hasattr(value, "__len__") else [float(value)] * 3
+
+
+_INFO_GRIDS = {"Density": "density", "Flame": "flame", "Temperature": "temperature", "Color": "color"}
+
+
+def value_of(socket):
+    node, output = _source(socket)
+    if node is None:
+        return Value(_constant(socket))
+    kind = node.bl_idname
+    if kind == "ShaderNodeValue":
+        return Value([float(node.outputs[0].default_value)] * 3)
+    if kind == "ShaderNodeRGB":
+        return Value([float(v) for v in list(node.outputs[0].default_value)[:3]])
+    if kind == "ShaderNodeAttribute" and node.attribute_type == "GEOMETRY" and output in ("Fac", "Factor", "Color"):
+        return Value(WHITE, node.attribute_name)
+    if kind == "ShaderNodeVolumeInfo":
+        return Value(WHITE, _INFO_GRIDS[output])
+    if kind == "ShaderNodeMath" and not node.use_clamp and node.operation in ("MULTIPLY", "DIVIDE"):
+        a, b = value_of(node.inputs[0]), value_of(node.inputs[1])
+        if node.operation == "MULTIPLY":
+            return a.times(b)
+        if not b.grid and b.number != 0:
+            return a.times(Value([1 / b.number] * 3))
+    raise NotMapped(f"node '{node.name}' at '{socket.name}'")
+
+
+def _or_noted(socket, notes):
+    """Where a value only shapes the look: what the socket says without its link."""
+    try:
+        value = value_of(socket)
+        if not value.grid:
+            return value
+        notes.append(f"the grid '{value.grid}' at '{socket.name}'")
+    except NotMapped as what:
+        notes.append(str(what))
+    return Value(_constant(socket) if hasattr(socket, "default_value") else WHITE)
+
+
+@dataclass
+class _Part:
+    """What one shader adds."""
+
+    scattering: Value = None
+    extinction: Value = None
+    phase: dict = None
+
+
+class _Sum:
+    def __init__(self, grids):
+        self.grids = grids
+        self.parts = []
+        self.medium = Medium("", BLACK, BLACK)
+
+    def add(self, node):
+        kind = node.bl_idname
+        if kind == "ShaderNodeAddShader":
+            for socket in node.inputs:
+                source, _ = _source(socket)
+                if source is not None:
+                    self.add(source)
+        elif kind == "ShaderNodeVolumePrincipled":
+            self.principled(node)
+        elif kind == "ShaderNodeVolumeScatter":
+            self.scatter(node)
+        elif kind == "ShaderNodeVolumeAbsorption":
+            density = self.density(node.inputs["Density"])
+            color = _or_noted(node.inputs["Color"], self.medium.notes).color
+            self.parts.append(_Part(extinction=density.times(Value([1 - c for c in color]))))
+        elif kind == "ShaderNodeEmission":
+            self.emit(node.inputs["Strength"], node.inputs["Color"])
+        else:
+            raise NotMapped(f"node '{node.name}'")
+
+    def density(self, socket):
+        value = value_of(socket)
+        return Value([max(c, 0.0) for c in value.color], value.grid)
+
+    def scatter(self, node):
+        density = self.density(node.inputs["Density"])
+        color = _or_noted(node.inputs["Color"], self.medium.notes).color
+        kind = getattr(node, "phase", "HENYEY_GREENSTEIN")
+        if kind not in ("HENYEY_GREENSTEIN", "RAYLEIGH"):
+            self.medium.notes.append(f"the phase function {kind} of node '{node.name}' (taken for Henyey-Greenstein)")
+        g = _or_noted(node.inputs["Anisotropy"], self.medium.notes).number
+        lit = density.times(Value(color))
+        self.parts.append(_Part(lit, lit, formulae.phase(kind, g)))
+
+    def principled(self, node):
+        notes = self.medium.notes
+        density = self.density(node.inputs["Density"])
+        name = node.inputs["Density Attribute"].default_value
+        if name in self.grids:
+            density = density.times(Value(WHITE, name))
+        color = value_of(node.inputs["Color"])
+        grid = color.grid
+        name = node.inputs["Color Attribute"].default_value
+        if name in self.grids:
+            if grid:
+                raise NotMapped(f"the product of the grids '{grid}' and '{name}'")
+            grid = name
+        absorption = _or_noted(node.inputs["Absorption Color"], notes).color
+        rgb = [max(c, 0.0) for c in color.color]
+        if grid:
+            self.colored_by(grid, rgb, absorption)
+        g = _or_noted(node.inputs["Anisotropy"], notes).number
+        extinction = WHITE if grid else formulae.principled_extinction(rgb, absorption)
+        self.parts.append(
+            _Part(density.times(Value(rgb)), density.times(Value(extinction)), formulae.phase("HENYEY_GREENSTEIN", g))
+        )
+        self.emit(node.inputs["Emission Strength"], node.inputs["Emission Color"])
+        self.glow(node)
+
+    def colored_by(self, grid, rgb, absorption):
+        """sigma_s = colour * grid * density; with black for the absorption sigma_t is the density."""
+        if max(absorption) > 0:
+            self.medium.notes.append("'Absorption Color' beside a grid of colours (taken for black)")
+        if max(rgb) - min(rgb) > 1e-4 * max(rgb):
+            self.medium.notes.append("a 'Color' beside a grid of colours that is not grey (taken for its mean)")
+        self.medium.albedo_grid = grid
+        self.medium.albedo_scale = sum(rgb) / 3
+
+    def emit(self, strength_socket, color_socket):
+        strength = value_of(strength_socket)
+        if max(strength.color) <= 0:
+            return
+        value = strength.times(value_of(color_socket))
+        if max(value.color) <= 0:
+            return
+        if not value.grid:
+            self.medium.notes.append("emission of one strength everywhere; link a grid to it")
+            return
+        if self.medium.emission:
+            raise NotMapped("a second emission")
+        most = max(value.color)
+        emission = {"grid": value.grid, "scale": most}
+        if min(value.color) < most:
+            # A ramp is constant beyond its end; emission is not.
+            far = 1e4
+            emission["ramp"] = [[0.0, BLACK], [far, [far * max(c, 0.0) / most for c in value.color]]]
+        self.medium.emission = emission
+
+    # svm/closure.h: radiance 5.67e-8 * 1e-6 / pi * mix(1, T^4, intensity), and 1 is nothing beside T^4.
+    def glow(self, node):
+        notes = self.medium.notes
+        intensity = _or_noted(node.inputs["Blackbody Intensity"], notes).number
+        if intensity <= 0:
+            return
+        tint = _or_noted(node.inputs["Blackbody Tint"], notes).color
+        if max(tint) - min(tint) > 1e-4 * max(tint):
+            notes.append("a 'Blackbody Tint' that is not grey (taken for its mean)")
+        temperature = value_of(node.inputs["Temperature"])
+        name = node.inputs["Temperature Attribute"].default_value
+        if name in self.grids:
+            temperature = temperature.times(Value(WHITE, name))
+        if not temperature.grid:
+            notes.append(f"a black body of one temperature everywhere; there is no grid '{name}'")
+        elif temperature.number > 0:
+            self.medium.blackbody = {
+                "grid": temperature.grid,
+                "scale": temperature.number,
+                "intensity": intensity * sum(tint) / 3,
+                "normalize": False,
+            }
+
+    def result(self):
+        medium = self.medium
+        parts = [p for p in self.parts if p.extinction is not None and max(p.extinction.color) > 0]
+        names = {p.extinction.grid for p in parts}
+        if "" in names:
+            raise NotMapped("a density that is the same everywhere; link a grid to it")
+        if len(names) > 1:
+            raise NotMapped(f"densities of several grids ({', '.join(sorted(names))})")
+        # What only glows has a density of 0, of any grid.
+        glowing = (medium.emission or medium.blackbody or {}).get("grid", "")
+        medium.grid = names.pop() if names else glowing
+        if not medium.grid:
+            raise NotMapped("nothing that scatters, absorbs or glows by a grid")
+        medium.extinction = [sum(p.extinction.color[i] for p in parts) for i in range(3)]
+        lit = [p for p in parts if p.scattering is not None and max(p.scattering.color) > 0]
+        medium.scattering = [sum(p.scattering.color[i] for p in lit) for i in range(3)]
+        if medium.albedo_grid and len(parts) > 1:
+            raise NotMapped("a grid of colours beside another shader")
+        if lit:
+            medium.phase = self.phase_of(lit)
+        return medium
+
+    def phase_of(self, lit):
+        weights = {}
+        for part in lit:
+            key = tuple(part.phase.items())
+            weights[key] = weights.get(key, 0.0) + sum(part.scattering.color)
+        phases = [dict(key) for key in weights]
+        if len(phases) == 1:
+            return phases[0]
+        if len(phases) > 2 or any(p["type"] == "rayleigh" for p in phases):
+            raise NotMapped("a sum of phase functions other than two Henyey-Greensteins")
+        share = list(weights.values())
+        return {
+            "type": "two-lobe",
+            "g1": phases[0].get("g", 0.0),
+            "g2": phases[1].get("g", 0.0),
+            "blend": share[1] / sum(share),
+        }
+
+
+def medium_of(tree, grids):
+    """The Medium of a material's node tree for a volume that holds `grids`. Raises NotMapped."""
+    node = volume_of(tree)
+    if node is None:
+        raise NotMapped("a material without a volume shader")
+    total = _Sum(grids)
+    total.add(node)
+    medium = total.result()
+    used = [medium.grid, medium.albedo_grid]
+    used += [keys["grid"] for keys in (medium.emission, medium.blackbody) if keys]
+    missing = sorted({name for name in used if name and name not in grids})
+    if missing:
+        has = ", ".join(grids) or "none"
+        raise NotMapped(f"the grid{'s' if len(missing) > 1 else ''} {', '.join(missing)}: the volume has {has}")
+    return medium
+
+
+# Blender without a material shows a volume's density by a Principled Volume with its defaults.
+def default_medium(grids):
+    if "density" not in grids:
+        raise NotMapped("no material, and no grid 'density'")
+    return Medium("density", [0.5] * 3, WHITE)
+
+
+def light_emission(light):
+    """Colour * strength of a light's nodes: white where it has none. Raises NotMapped."""
+    if not light.use_nodes or light.node_tree is None:
+        return WHITE
+    return _surface_emission(light.node_tree, "ShaderNodeOutputLight", "ShaderNodeEmission")
+
+
+def _surface_emission(tree, output, kind):
+    end = next((n for n in tree.nodes if n.bl_idname == output and n.is_active_output), None)
+    node, _ = _source(end.inputs["Surface"]) if end is not None else (None, "")
+    if node is None:
+        return BLACK
+    if node.bl_idname != kind:
+        raise NotMapped(f"node '{node.name}'")
+    value = value_of(node.inputs["Strength"]).times(value_of(node.inputs["Color"]))
+    if value.grid:
+        raise NotMapped(f"the attribute '{value.grid}'")
+    return value.color
+
+
+@dataclass
+class Sky:
+    color: list
+    image: object = None
+    turn: float = 0.0  # degrees about z, counterclockwise from above
+
+
+def sky_of(world):
+    """What the world shines with, or None. Raises NotMapped."""
+    if not world.use_nodes or world.node_tree is None:
+        color = [float(c) for c in world.color]
+        return Sky(color) if max(color) > 0 else None
+    tree = world.node_tree
+    end = next((n for n in tree.nodes if n.bl_idname == "ShaderNodeOutputWorld" and n.is_active_output), None)
+    node, _ = _source(end.inputs["Surface"]) if end is not None else (None, "")
+    if node is None:
+        return None
+    if node.bl_idname not in ("ShaderNodeBackground", "ShaderNodeEmission"):
+        raise NotMapped(f"node '{node.name}'")
+    strength = value_of(node.inputs["Strength"])
+    source, _ = _source(node.inputs["Color"])
+    if source is None or source.bl_idname != "ShaderNodeTexEnvironment":
+        color = strength.times(value_of(node.inputs["Color"])).color
+        return Sky(color) if max(color) > 0 else None
+    if source.projection != "EQUIRECTANGULAR":
+        raise NotMapped(f"the projection {source.projection} of node '{source.name}'")
+    if source.image is None or max(strength.color) <= 0:
+        return None
+    return Sky(strength.color, source.image, _turn(source))
+
+
+def _turn(texture):
+    mapping, _ = _source(texture.inputs["Vector"])
+    if mapping is None or mapping.bl_idname == "ShaderNodeTexCoord":
+        return 0.0
+    if mapping.bl_idname != "ShaderNodeMapping":
+        raise NotMapped(f"node '{mapping.name}'")
+    source, output = _source(mapping.inputs["Vector"])
+    if source is not None and (source.bl_idname != "ShaderNodeTexCoord" or output != "Generated"):
+        raise NotMapped(f"node '{source.name}'")
+    x, y, z = (float(v) for v in mapping.inputs["Rotation"].default_value)
+    if max(abs(x), abs(y)) > 1e-6:
+        raise NotMapped(f"a turn about x or y by node '{mapping.name}'")
+    # A point is turned before it is looked up, so the picture turns the other way.
+    return math.degrees(z) * (1 if mapping.vector_type == "TEXTURE" else -1)

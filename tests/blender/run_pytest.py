@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: Apache-2.0
+# pytest, and then the end at once: bpy may hang where Python takes it apart.
+import os
+import sys
+
+import pytest
+
+status = pytest.main(sys.argv[1:])
+sys.stdout.flush()
+sys.stderr.flush()
+os._exit(status)
