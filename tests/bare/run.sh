@@ -62,6 +62,23 @@ for file in proc dev; do
     if [ "$file" = proc ]; then mount -t proc proc "$root/proc"; else mount --rbind /dev "$root/dev" && mount --make-rslave "$root/dev"; fi
     mounted=("$root/$file" "${mounted[@]}")
 done
+# And the machine's own way to PyPI.
+setting() { # KEY: of pip, from the environment or its files
+    local variable="PIP_$(tr 'a-z-' 'A-Z_' <<<"$1")"
+    printf '%s' "${!variable:-$(python3 -m pip config get "global.$1" 2>/dev/null || true)}"
+}
+{
+    echo "[global]"
+    certificates="$(setting cert)"
+    if [ -r "$certificates" ]; then
+        cp -L "$certificates" "$root/etc/certificates-of-pip.pem"
+        echo "cert = /etc/certificates-of-pip.pem"
+    fi
+    for key in index-url extra-index-url trusted-host proxy timeout; do
+        value="$(setting "$key")"
+        [ -z "$value" ] || echo "$key = $value"
+    done
+} >"$root/etc/pip.conf"
 chroot "$root" id artist >/dev/null 2>&1 || chroot "$root" useradd --create-home artist
 
 work=/work
