@@ -24,16 +24,6 @@ namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-// Haze of one density, 40 wide and 20 deep, from z = -10.5 to 9.5, seen along -z by an orthographic eye.
-ViewScene haze(double sigma) {
-    Medium medium;
-    medium.densityScale = sigma;
-    medium.albedo = Rgb(1);
-    ViewScene scene = orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 20);
-    scene.dials.sheetThickness = 1.3;  // so that faces of voxels lie anywhere in a sheet
-    return scene;
-}
-
 /// A flat depth for every pixel of the scene.
 FileDepth flatDepth(const ViewScene& scene, const std::function<double(int, int)>& depth) {
     FileDepth file;

@@ -133,4 +133,13 @@ ViewScene sceneWith(const std::string& effect) {
     throw std::logic_error("no effect case '" + effect + "'");
 }
 
+ViewScene haze(double sigma) {
+    Medium medium;
+    medium.densityScale = sigma;
+    medium.albedo = Rgb(1);
+    ViewScene scene = orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 20);
+    scene.dials.sheetThickness = 1.3;
+    return scene;
+}
+
 }  // namespace scrim::test

@@ -14,6 +14,10 @@ namespace scrim::test {
 /// Smoke with a shadowed key light from the side and a fill behind it: what every scene has.
 ViewScene plainScene();
 
+/// A box of 80 x 80 x 20 voxels that scatters all that it takes, seen from in front. Faces of its voxels lie anywhere in
+/// a sheet.
+ViewScene haze(double sigma);
+
 /// The same field with other values: flames in the middle of the smoke, or colours that change from place to place.
 ViewField flameField();
 std::vector<ViewField> colouredScatter(const ViewVolume& volume);

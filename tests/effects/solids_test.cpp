@@ -21,16 +21,6 @@ namespace {
 const double kPi = std::acos(-1.0);
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Haze of one density, 40 wide and 20 deep, seen along -z by an orthographic eye.
-ViewScene haze(double sigma) {
-    Medium medium;
-    medium.densityScale = sigma;
-    medium.albedo = Rgb(1);
-    ViewScene scene = orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 20);
-    scene.dials.sheetThickness = 1.3;  // so that faces of voxels lie anywhere in a sheet
-    return scene;
-}
-
 TEST(Solids, AreHitWhereTheyAre) {
     const auto ball = oneSolid(ballMesh({100000, 2, 3}, 5, 256));
     // Corners lie on the ball, so its faces lie inside of it by r (1 - cos) of a step's angle.

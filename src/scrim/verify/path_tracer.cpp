@@ -2,6 +2,7 @@
 #include <scrim/verify/path_tracer.h>
 
 #include <scrim/verify/held_ray.h>
+#include <scrim/verify/split_mix.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,25 +49,24 @@ struct PathTracer::Random {
     std::uint64_t state;
 
     double next() {
-        state += 0x9e3779b97f4a7c15;
-        std::uint64_t v = state;
-        v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9;
-        v = (v ^ v >> 27) * 0x94d049bb133111eb;
-        return static_cast<double>((v ^ v >> 31) >> 11) * 0x1p-53;
+        const std::uint64_t bits = splitMix(state);
+        state += kSplitMixStep;
+        return static_cast<double>(bits >> 11) * 0x1p-53;
     }
     double free() { return -std::log(1 - next()); }  // a length, in mean free paths
 };
 
-PathTracer::PathTracer(const ViewScene& scene) : m_scene(scene) {
+PathTracer::PathTracer(const ViewScene& scene, FieldProbes* shared) : m_scene(scene) {
     m_any = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
     if (!m_any) return;
     for (const Light& light : scene.lights) {
         m_slides.push_back(light.slide && !light.extended() ? std::optional(slideMap(light)) : std::nullopt);
         m_extents.push_back(light.extended() ? std::optional<LightRays>(std::in_place, light) : std::nullopt);
     }
+    FieldProbes own;
+    FieldProbes& probes = shared ? *shared : own;
     const auto probe = [&](const ViewField& field) {
-        return Probe{std::make_shared<const FieldProbe>(*field.field, scene.dials.kernel),
-                     glm::inverse(field.wsFromIs)};
+        return Probe{probeOf(*field.field, scene.dials.kernel, probes), glm::inverse(field.wsFromIs)};
     };
     for (const ViewVolume& volume : scene.volumes) {
         Volume& v = m_volumes.emplace_back();

@@ -8,6 +8,7 @@
 #include <scrim/engine/light/slide_map.h>
 #include <scrim/engine/splat/kernel.h>
 #include <scrim/scene/view_scene.h>
+#include <scrim/verify/field_probes.h>
 #include <scrim/verify/light_rays.h>
 
 #include <cstdint>
@@ -26,8 +27,8 @@ struct Estimate {
 
 class PathTracer {
   public:
-    /// `scene` must outlive this.
-    explicit PathTracer(const ViewScene& scene);
+    /// `scene` must outlive this. `probes`: as for a Reference.
+    explicit PathTracer(const ViewScene& scene, FieldProbes* probes = nullptr);
 
     /// Does anything scatter light more than once?
     bool any() const { return m_any; }

@@ -26,24 +26,49 @@ constexpr double kMostDepth = 7;              // optical depth at which a ray en
 constexpr int kMostSteps = 400;               // of a ray
 constexpr double kFar = 1e300;
 constexpr std::size_t kMostLights = 3;
+constexpr double kFourPi = 4 * glm::pi<double>();
 
-// One volume's extinction at points of the world.
+// What a volume is at a point of the world, per world unit. Light is measured in irradiances that are scattered evenly.
+struct Stuff {
+    double extinction = 0, glow = 0;
+
+    void add(const Stuff& o, double weight) {
+        extinction += weight * o.extinction;
+        glow += weight * o.glow;
+    }
+};
+
 class PilotVolume {
   public:
     explicit PilotVolume(const ViewVolume& volume)
-        : m_volume(volume), m_field(*volume.field), m_isFromWs(glm::inverse(volume.wsFromIs)) {}
+        : m_volume(volume), m_field(*volume.field), m_isFromWs(glm::inverse(volume.wsFromIs)) {
+        for (const ViewEmission& emission : volume.emission)
+            if (!emission.field.field->empty())
+                m_glow.push_back({LinearProbe(*emission.field.field), glm::inverse(emission.field.wsFromIs),
+                                  kFourPi * glm::dot(emission.color, Rgb(1.0 / 3))});
+    }
 
-    double extinction(const Vec3& ws) const {
+    Stuff at(const Vec3& ws) const {
+        Stuff out;
         const double value = m_field.value(transformPoint(m_isFromWs, ws));
-        if (value == 0) return 0;
-        if (m_volume.classified) return classify(*m_volume.classified, value).extinction;
-        return value * m_volume.medium.mostExtinction();
+        if (value != 0)
+            out.extinction = m_volume.classified ? classify(*m_volume.classified, value).extinction
+                                                 : value * m_volume.medium.mostExtinction();
+        for (const Glow& glow : m_glow)
+            out.glow += glow.scale * std::max(glow.field.value(transformPoint(glow.isFromWs, ws)), 0.0);
+        return out;
     }
 
   private:
+    struct Glow {
+        LinearProbe field;
+        Mat4 isFromWs;
+        double scale;
+    };
     const ViewVolume& m_volume;
     LinearProbe m_field;
     Mat4 m_isFromWs;
+    std::vector<Glow> m_glow;
 };
 
 struct PilotLight {
@@ -57,7 +82,7 @@ class PilotScene {
     explicit PilotScene(const ViewScene& scene) {
         std::vector<Bounds> bounds;
         for (const ViewVolume& volume : scene.volumes) {
-            if (volume.field->empty()) continue;
+            if (volume.field->empty() && volume.emission.empty()) continue;
             m_volumes.emplace_back(volume);
             Bounds& own = bounds.emplace_back();
             for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.include(corner);
@@ -69,6 +94,11 @@ class PilotScene {
         std::stable_sort(m_lights.begin(), m_lights.end(),
                          [](const PilotLight& a, const PilotLight& b) { return a.power > b.power; });
         if (m_lights.size() > kMostLights) m_lights.resize(kMostLights);
+        m_ambient = kFourPi * glm::dot(scene.ambient, Rgb(1.0 / 3));
+        const bool glows = std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                       [](const ViewVolume& volume) { return !volume.emission.empty(); });
+        // In the dark what covers is what is seen.
+        if (m_ambient == 0 && !glows && (m_lights.empty() || m_lights.front().power == 0)) m_ambient = 1;
         // Sheets lie half-way between eye and light; any two axes along them do.
         Vec3 axis = viewingAxis(scene.camera);
         if (!m_lights.empty()) {
@@ -92,14 +122,15 @@ class PilotScene {
         double through[2] = {1, 1}, radiance[2] = {0, 0};
         for (double t = first + jitter * step; t < last; t += step) {
             const Vec3 at = origin + t * direction;
-            const double sigma[2] = {extinction(at), texelExtinction(at)};
-            if (sigma[0] + sigma[1] <= 0) continue;
-            double light[2] = {0, 0};
-            if (through[0] * sigma[0] * step > kLeastShare)
+            const Stuff stuff[2] = {stuffAt(at), texelsAt(at)};
+            if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) continue;
+            double light[2] = {m_ambient, m_ambient};
+            if (through[0] * stuff[0].extinction * step > kLeastShare)
                 for (const PilotLight& l : m_lights) addLight(l, at, jitter, light);
             for (int i = 0; i < 2; ++i) {
-                const double left = std::exp(-sigma[i] * step);
-                radiance[i] += through[i] * (1 - left) * light[i];
+                const double tau = stuff[i].extinction * step, left = std::exp(-tau);
+                const double sent = tau > 1e-6 ? (1 - left) / tau : 1;  // of what glows in the step
+                radiance[i] += through[i] * ((1 - left) * light[i] + sent * stuff[i].glow * step);
                 through[i] *= left;
             }
             if (std::max(through[0], through[1]) < std::exp(-kMostDepth)) break;
@@ -111,12 +142,12 @@ class PilotScene {
     static Vec3 toLight(const Light& light, const Vec3& from) {
         return light.distant() ? -light.wsDirection : glm::normalize(light.wsPosition - from);
     }
-    double extinction(const Vec3& ws) const {
-        double sum = 0;
+    Stuff stuffAt(const Vec3& ws) const {
+        Stuff sum;
         if (!m_cells)
-            for (const PilotVolume& volume : m_volumes) sum += volume.extinction(ws);
+            for (const PilotVolume& volume : m_volumes) sum.add(volume.at(ws), 1);
         else if (m_bounds.contains(ws))
-            for (const std::uint32_t v : (*m_cells)[cellOf(ws)]) sum += m_volumes[v].extinction(ws);
+            for (const std::uint32_t v : (*m_cells)[cellOf(ws)]) sum.add(m_volumes[v].at(ws), 1);
         return sum;
     }
     // Of thousands of instances a point lies in a few: which, is known for each cell of a grid.
@@ -148,19 +179,19 @@ class PilotScene {
     }
     // Between the four prefiltered texels around: f - 1/12 (second differences), from which what a bilinear look-up
     // adds on average is missing. Texels at -1 and 2 of a row or column count through that alone.
-    double texelExtinction(const Vec3& ws) const {
+    Stuff texelsAt(const Vec3& ws) const {
         const double u = glm::dot(ws, m_u) / m_voxel, v = glm::dot(ws, m_v) / m_voxel;
         const double fu = u - std::floor(u), fv = v - std::floor(v);
         const double wu[4] = {0, 1 - fu, fu, 0}, wv[4] = {0, 1 - fv, fv, 0};
-        double sum = 0;
+        Stuff sum;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) {
                 const auto at = [](const double* w, int k) { return k < 0 || k > 3 ? 0.0 : w[k]; };
                 const double around = wv[j] * (at(wu, i - 1) + at(wu, i + 1)) + wu[i] * (at(wv, j - 1) + at(wv, j + 1));
                 const double weight = wu[i] * wv[j] * (1 + 4.0 / 12) - around / 12;
-                if (weight != 0) sum += weight * extinction(ws + m_voxel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v));
+                if (weight != 0) sum.add(stuffAt(ws + m_voxel * ((i - 1 - fu) * m_u + (j - 1 - fv) * m_v)), weight);
             }
-        return std::max(sum, 0.0);
+        return {std::max(sum.extinction, 0.0), std::max(sum.glow, 0.0)};
     }
     void addLight(const PilotLight& l, const Vec3& at, double jitter, double* light) const {
         const Vec3 way = toLight(*l.light, at);
@@ -179,8 +210,8 @@ class PilotScene {
             const double last = m_bounds.clip(at, way, 0, most).second;
             const double step = std::max(kShadowStep * m_voxel, last / kMostSteps);
             for (double t = jitter * step; t < last && std::min(tau[0], tau[1]) < kMostDepth; t += step) {
-                tau[0] += extinction(at + t * way) * step;
-                tau[1] += texelExtinction(at + t * way) * step;
+                tau[0] += stuffAt(at + t * way).extinction * step;
+                tau[1] += texelsAt(at + t * way).extinction * step;
             }
         }
         for (int i = 0; i < 2; ++i) light[i] += power * std::exp(-tau[i]);
@@ -189,6 +220,7 @@ class PilotScene {
     std::vector<PilotVolume> m_volumes;
     std::shared_ptr<const Cells> m_cells;  // null: there are few volumes
     std::vector<PilotLight> m_lights;
+    double m_ambient = 0;
     Bounds m_bounds;
     double m_voxel = 1;
     Vec3 m_u, m_v;
@@ -219,7 +251,7 @@ double pilotError(const ViewScene& given, int rays) {
             const double x = place(i, 0.7548776662466927) * size.x, y = place(i, 0.5698402909980532) * size.y;
             const auto seen =
                 pilots.look(family.origin(x, y), glm::normalize(family.direction(x, y)), place(i, 0.618034));
-            if (seen.alpha < 1e-3) continue;
+            if (seen.alpha < 1e-3 && seen.exact <= 0) continue;
             own.squares += (seen.texels - seen.exact) * (seen.texels - seen.exact);
             own.values += seen.exact;
             ++own.count;

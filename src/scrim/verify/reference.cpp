@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/held_ray.h>
 #include <scrim/verify/reference.h>
+#include <scrim/verify/split_mix.h>
 
 #include <algorithm>
 #include <bit>
@@ -37,14 +38,8 @@ double least(const Rgb& v) {
 
 // Two numbers in [0, 1) by lot: the same for the same place and light, and no others' doing.
 Vec2 lotOf(const Vec3& ws, std::size_t light) {
-    std::uint64_t state = 0x9e3779b97f4a7c15 * (light + 1);
-    const auto mix = [&state](std::uint64_t bits) {  // SplitMix64
-        state += bits + 0x9e3779b97f4a7c15;
-        state = (state ^ (state >> 30)) * 0xbf58476d1ce4e5b9;
-        state = (state ^ (state >> 27)) * 0x94d049bb133111eb;
-        state ^= state >> 31;
-    };
-    for (int axis = 0; axis < 3; ++axis) mix(std::bit_cast<std::uint64_t>(ws[axis]));
+    std::uint64_t state = kSplitMixStep * (light + 1);
+    for (int axis = 0; axis < 3; ++axis) state = splitMix(state + std::bit_cast<std::uint64_t>(ws[axis]));
     const auto number = [](std::uint32_t bits) { return bits * 0x1p-32; };
     return {number(static_cast<std::uint32_t>(state)), number(static_cast<std::uint32_t>(state >> 32))};
 }
@@ -117,9 +112,7 @@ Reference::Probe Reference::probeOf(const ViewField& field, Kernel kernel, Field
     const Mat4 isFromWs = glm::inverse(field.wsFromIs);
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
-    std::shared_ptr<const FieldProbe>& probe = probes[field.field.get()];
-    if (!probe || probe->kernel() != kernel) probe = std::make_shared<const FieldProbe>(*field.field, kernel);
-    return {probe, isFromWs, longest * std::sqrt(3.0), nullptr};
+    return {scrim::probeOf(*field.field, kernel, probes), isFromWs, longest * std::sqrt(3.0), nullptr};
 }
 
 // The part of a step that the pixels of slides allow: light that varies within a step would be missed.

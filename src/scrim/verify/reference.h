@@ -6,6 +6,7 @@
 #include <scrim/engine/light/slide_map.h>
 #include <scrim/scene/view_scene.h>
 #include <scrim/engine/splat/kernel.h>
+#include <scrim/verify/field_probes.h>
 #include <scrim/verify/light_rays.h>
 
 #include <array>
@@ -28,9 +29,6 @@ struct ReferenceOptions {
     /// scene's light_error calls for.
     int lightRays = 0;
 };
-
-/// Fields made ready to be sampled: references of moments of one scene share them.
-using FieldProbes = std::map<const SparseField*, std::shared_ptr<const FieldProbe>>;
 
 class Reference {
   public:

@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/splat/kernel.h>
+#include <scrim/verify/split_mix.h>
 
 #include <algorithm>
 #include <bit>
@@ -71,21 +72,13 @@ std::uint64_t spread(std::uint32_t x) {
     return (v | v << 1) & 0x5555555555555555;
 }
 
-// S. Vigna's splitmix64.
-std::uint64_t hashed(std::uint64_t v) {
-    v += 0x9e3779b97f4a7c15;
-    v = (v ^ v >> 30) * 0xbf58476d1ce4e5b9;
-    v = (v ^ v >> 27) * 0x94d049bb133111eb;
-    return v ^ v >> 31;
-}
-
 // The i-th point of a scrambled van der Corput sequence, in steps of 2^-bits. A permutation of [0, 2^bits).
 std::uint64_t scrambledPoint(std::uint64_t i, int bits, std::uint64_t seed) {
     std::uint64_t point = 0;
     for (int b = 0; b < bits; ++b) {
         // Every node of the tree of halvings swaps its halves or does not.
         const std::uint64_t node = std::uint64_t{1} << b | point;
-        point = point << 1 | ((i >> b & 1) ^ (hashed(hashed(seed) ^ node) & 1));
+        point = point << 1 | ((i >> b & 1) ^ (splitMix(splitMix(seed) ^ node) & 1));
     }
     return point;
 }

@@ -114,5 +114,25 @@ TEST(Presets, KeepTheirPromisesInThinAndDenseCoarseAndFineSmoke) {
         }
 }
 
+// No light shines, and yet there is something to be seen: fire, the sky's glow, or only what covers.
+TEST(Presets, KeepTheirPromisesWithoutALight) {
+    enum { fire, glowOnly, ambient, dark };
+    for (const int what : {fire, glowOnly, ambient, dark})
+        for (const double density : {0.05, 0.6}) {
+            ViewScene scene = smoke(10, density, 48);
+            scene.lights.clear();
+            if (what == fire || what == glowOnly)
+                scene.volumes[0].emission = {{{scene.volumes[0].field, scene.volumes[0].wsFromIs}, {1, 0.4, 0.1}}};
+            if (what == glowOnly) scene.volumes[0].medium.densityScale = 0;
+            if (what == ambient) scene.ambient = {0.2, 0.3, 0.5};
+            for (const char* preset : {"draft", "standard", "high"}) {
+                const PromisedDials chosen = promisedDials(scene, preset);
+                EXPECT_LT(errorOf(scene, chosen.dials), 2 * chosen.promised)
+                    << preset << ", what " << what << ", density " << density << ": texel " << chosen.dials.texel
+                    << ", sheets " << chosen.dials.sheetThickness;
+            }
+        }
+}
+
 }  // namespace
 }  // namespace scrim::test

@@ -56,11 +56,7 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
 
 // Is what scatters, and what it scatters, of one colour?
 bool oneColour(const ViewScene& scene) {
-    const auto mediumIsGrey = [&](const ViewVolume& v) {
-        return v.classified ||
-               (grey(v.medium.extinctionTint) && (!scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo))));
-    };
-    if (!std::all_of(scene.volumes.begin(), scene.volumes.end(), mediumIsGrey)) return false;
+    if (!greyScattering(scene)) return false;
     Rgb colour(0);  // of the first light
     const auto same = [&](const Rgb& light) {
         if (black(colour)) colour = light;
@@ -102,6 +98,17 @@ double occupied(const ViewScene& scene, double margin) {
 
 }  // namespace
 
+bool greyExtinction(const ViewScene& scene) {
+    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
+}
+
+bool greyScattering(const ViewScene& scene) {
+    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
+               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
+           });
+}
+
 std::vector<int> lightsOf(const TransportPlan& plan) {
     std::vector<int> lights;
     for (const ScatterTarget& target : plan.targets)
@@ -136,7 +143,8 @@ TransportPlan planTransport(const ViewScene& scene) {
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
     const double values = plan.isotropic ? 3 + 8 : 3 * plan.ordinates * 0.6;  // see TransportSolver and sweepIsotropic
     const double fields = double(plan.targets.size()) * 4 * 2;
-    const double bytes = 1.15 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
+    // Coarser levels, and cells twice as large for extrapolation.
+    const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)
         throw Error(

@@ -25,11 +25,16 @@ struct TransportPlan {
     double cells = 0;                    ///< about so many of them
     int ordinates = 64;
     bool isotropic = true;
+    bool coarse = false;  ///< cells are larger than is asked for, to see what that changes
     int colours = 1;        ///< solved for one by one
     std::size_t bytes = 0;  ///< at most, about
 
     bool any() const { return !targets.empty(); }
 };
+
+/// Is extinction the same in all colours? And what is scattered of it?
+bool greyExtinction(const ViewScene& scene);
+bool greyScattering(const ViewScene& scene);
 
 /// Of all targets: indices into ViewScene::lights.
 std::vector<int> lightsOf(const TransportPlan& plan);

@@ -2,6 +2,7 @@
 #include <scrim/engine/transport/cell_media.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/plan/transport_plan.h>
 
 #include <algorithm>
 #include <array>
@@ -13,10 +14,6 @@
 
 namespace scrim {
 namespace {
-
-bool grey(const Rgb& v) {
-    return v.x == v.y && v.y == v.z;
-}
 
 // One field, what it is of, and how many times a voxel's value goes where.
 struct Deposit {
@@ -198,17 +195,6 @@ std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) 
         cls.volumes.push_back(static_cast<int>(v));
     }
     return classes;
-}
-
-bool greyExtinction(const ViewScene& scene) {
-    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
-}
-
-bool greyScattering(const ViewScene& scene) {
-    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
-           });
 }
 
 std::size_t CellMedia::bytes() const {

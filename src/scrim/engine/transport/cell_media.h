@@ -24,10 +24,6 @@ struct ScatterClass {
 /// Of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 
-/// Is extinction the same in all colours? And what is scattered of it?
-bool greyExtinction(const ViewScene& scene);
-bool greyScattering(const ViewScene& scene);
-
 /// One row of values a quantity, one value a cell of `grid`, per world unit. Light that scatters straight on counts as
 /// not scattered: extinction and scattering are less by it.
 struct CellMedia {

@@ -16,6 +16,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Past it no light is left that would be seen: e^-30 is 1e-13.
 constexpr double kMostTau = 30;
+// So many edges from the middle of a cube 1/r^2 has its mean over the cube: that of a ball as large is 3 / R^2.
+constexpr double kNearest = 0.36;
 
 // Of light that is even over a way of optical depth t, whose middle it was found at: sinh(t / 2) / (t / 2).
 double meanOverCell(double t) {
@@ -38,7 +40,11 @@ Arriving FirstCollisions::unattenuated(const Vec3& ws) const {
         const Vec3 way = ws - m_light.wsPosition;
         out.distance = glm::length(way);
         if (out.distance > 0) out.travel = way / out.distance;
-        if (point.decay) out.irradiance /= std::max(glm::dot(way, way), point.radius * point.radius);
+        if (point.decay) {
+            // At least as near as a cell's points are to its middle in the mean.
+            const double least = std::max(point.radius, kNearest * m_media.grid.edge());
+            out.irradiance /= std::max(glm::dot(way, way), least * least);
+        }
         const double along = glm::dot(out.travel, m_light.wsDirection);
         if (const Light::Spot* spot = m_light.spot()) {
             const double half = 0.5 * glm::radians(spot->coneAngle);

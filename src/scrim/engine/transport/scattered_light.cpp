@@ -43,6 +43,7 @@ ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan
     if (m_grid.cells() > 0) solve(scene, media, classes, plan, simd, checkpoint);
     for (const Field& field : m_fields) m_bytes += field.size() * sizeof(Real);
     m_bytes += media.bytes();
+    if (m_grid.cells() > 0 && !plan.coarse) extrapolate(scene, plan, simd, checkpoint);
 }
 
 void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
@@ -69,6 +70,13 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     }
 }
 
+// Where a cell of a block stands among all those of blocks with borders.
+std::size_t ScatteredLight::paddedOf(std::size_t cell) {
+    const std::size_t i = cell % kBlockCells, block = cell / kBlockCells;
+    const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
+    return block * kPaddedCells + (z * kPadded + y) * kPadded + x;
+}
+
 // Adds what the eye sees of a solve to a field, of the cells that blocks have themselves.
 void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase,
                           const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
@@ -87,9 +95,7 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
                 seen = double(gathered(directions, row.data(), radiance, simd));
             }
             if (straight) seen = std::max(seen + double(straight[at]), 0.0);
-            const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1,
-                              z = i / (kCellEdge * kCellEdge) + 1;
-            Real* to = field.data() + (block * kPaddedCells + (z * kPadded + y) * kPadded + x) * kFour;
+            Real* to = field.data() + paddedOf(cell) * kFour;
             for (int c = 0; c < 3; ++c) to[c] += static_cast<Real>(colours[c] * seen);
         }
     });
@@ -101,9 +107,7 @@ void ScatteredLight::fillBorders(const TransportSolver& solver, Field& field) co
     const auto known = [&](const Int3& place) -> const Real* {
         const std::ptrdiff_t cell = m_grid.index(place);
         if (cell < 0 || solver.rowOf(std::size_t(cell)) < 0) return nullptr;
-        const auto i = std::size_t(cell) % kBlockCells, block = std::size_t(cell) / kBlockCells;
-        const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
-        return field.data() + (block * kPaddedCells + (z * kPadded + y) * kPadded + x) * kFour;
+        return field.data() + paddedOf(std::size_t(cell)) * kFour;
     };
     parallelFor(m_grid.storedBlocks().size(), [&](std::size_t block) {
         const Int3 first = m_grid.storedBlocks()[block] * kCellEdge - 1;
@@ -133,48 +137,77 @@ int ScatteredLight::fieldOf(int volume, std::size_t target) const {
     return cls < 0 ? -1 : static_cast<int>(target * m_classes) + cls;
 }
 
+// Linear between the middles of cells; `at`: counted from that of the first.
+void ScatteredLight::sample(const Field& field, const Vec3& at, Real (&rgb)[3]) const {
+    const Vec3 low = glm::floor(at);
+    const Int3 cell(glm::clamp(low, Vec3(-1e9), Vec3(1e9)));
+    const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
+    std::int32_t stored = m_grid.stored(block);
+    Int3 inside = cell - block * kCellEdge + 1;
+    // The middle of the border's cells may lie in a block beside which there is one.
+    for (int side = 1; side < 8 && stored < 0; ++side) {
+        const Int3 step(side & 1, side >> 1 & 1, side >> 2);
+        const Int3 beside((cell.x + step.x) >> 3, (cell.y + step.y) >> 3, (cell.z + step.z) >> 3);
+        inside = cell - beside * kCellEdge + 1;
+        if (glm::all(glm::greaterThanEqual(inside, Int3(0)))) stored = m_grid.stored(beside);
+    }
+    if (stored < 0) {
+        for (Real& c : rgb) c = 0;
+        return;
+    }
+    const Vec3 fraction = at - low;
+    const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
+               fz = static_cast<Real>(fraction.z);
+    const Real* corner = field.data() + (std::size_t(stored) * kPaddedCells +
+                                         std::size_t((inside.z * kPadded + inside.y) * kPadded + inside.x)) *
+                                            kFour;
+    constexpr std::size_t kX = kFour, kY = kPadded * kFour, kZ = std::size_t(kPadded) * kPadded * kFour;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const Real* p = corner + c;
+        const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
+        const Real near = mix(mix(p[0], p[kX], fx), mix(p[kY], p[kY + kX], fx), fy);
+        const Real far = mix(mix(p[kZ], p[kZ + kX], fx), mix(p[kZ + kY], p[kZ + kY + kX], fx), fy);
+        rgb[c] = mix(near, far, fz);
+    }
+}
+
 void ScatteredLight::lookUp(int field, const SamplePlane& plane, const Real* u, const Real* v,
                             Real* const rgb[3]) const {
     const Field& values = m_fields[std::size_t(field)];
-    const Vec3 origin = m_grid.csFromWs(plane.wsOrigin) - 0.5;  // of the middles of cells
+    const Vec3 origin = m_grid.csFromWs(plane.wsOrigin) - 0.5;
     const Vec3 perU = plane.wsPerU / m_grid.edge(), perV = plane.wsPerV / m_grid.edge();
     for (int k = 0; k < kTileSize; ++k) {
-        const Vec3 at = origin + double(u[k]) * perU + double(v[k]) * perV;
-        const Vec3 low = glm::floor(at);
-        const Int3 cell(glm::clamp(low, Vec3(-1e9), Vec3(1e9)));
-        const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
-        std::int32_t stored = m_grid.stored(block);
-        Int3 inside = cell - block * kCellEdge + 1;
-        if (stored < 0) {
-            // The middle of the border's cells may lie in a block beside which there is one.
-            bool found = false;
-            for (int side = 1; side < 8 && !found; ++side) {
-                const Int3 step(side & 1, side >> 1 & 1, side >> 2);
-                const Int3 beside((cell.x + step.x) >> 3, (cell.y + step.y) >> 3, (cell.z + step.z) >> 3);
-                stored = m_grid.stored(beside);
-                inside = cell - beside * kCellEdge + 1;
-                found = stored >= 0 && glm::all(glm::greaterThanEqual(inside, Int3(0)));
-            }
-            if (!found) {
-                for (int c = 0; c < 3; ++c) rgb[c][k] = 0;
-                continue;
-            }
-        }
-        const Vec3 fraction = at - low;
-        const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
-                   fz = static_cast<Real>(fraction.z);
-        const Real* corner = values.data() + (std::size_t(stored) * kPaddedCells +
-                                              std::size_t((inside.z * kPadded + inside.y) * kPadded + inside.x)) *
-                                                 kFour;
-        constexpr std::size_t kX = kFour, kY = kPadded * kFour, kZ = std::size_t(kPadded) * kPadded * kFour;
-        for (std::size_t c = 0; c < 3; ++c) {
-            const Real* p = corner + c;
-            const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
-            const Real near = mix(mix(p[0], p[kX], fx), mix(p[kY], p[kY + kX], fx), fy);
-            const Real far = mix(mix(p[kZ], p[kZ + kX], fx), mix(p[kZ + kY], p[kZ + kY + kX], fx), fy);
-            rgb[c][k] = mix(near, far, fz);
-        }
+        Real found[3];
+        sample(values, origin + double(u[k]) * perU + double(v[k]) * perV, found);
+        for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
     }
+}
+
+// What cells leave falls with their edge: by half where light and density go together within a cell, by three quarters
+// where fields are smooth. Measured, beside path tracers, on fractal smoke and on smooth: taking off kLeft of what
+// cells twice as large have more leaves less than half of the error in both (L. F. Richardson, 1911). How fast it falls
+// cannot be told from larger cells still: these do not see what there is, and promise the first order everywhere.
+void ScatteredLight::extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+                                 const std::function<void()>& checkpoint) {
+    constexpr Real kLeft = Real(0.5);
+    TransportPlan larger = plan;
+    larger.coarse = true;
+    larger.edge = 2 * plan.edge;
+    const ScatteredLight twice(scene, larger, simd, checkpoint);
+    m_solved += twice.m_solved;
+    for (std::size_t f = 0; f < m_fields.size(); ++f)
+        parallelFor(m_grid.storedBlocks().size(), [&](std::size_t block) {
+            const Int3 first = m_grid.storedBlocks()[block] * kCellEdge - 1;
+            Real* to = m_fields[f].data() + block * kPaddedCells * kFour;
+            for (std::size_t i = 0; i < kPaddedCells; ++i, to += kFour) {
+                const auto n = static_cast<int>(i);
+                const Int3 place = first + Int3(n % kPadded, n / kPadded % kPadded, n / (kPadded * kPadded));
+                const Vec3 ws = m_grid.wsFromCs(Vec3(place) + 0.5);
+                Real two[3];
+                twice.sample(twice.m_fields[f], twice.m_grid.csFromWs(ws) - 0.5, two);
+                for (int c = 0; c < 3; ++c) to[c] = std::clamp(to[c] + kLeft * (to[c] - two[c]), to[c] / 2, 2 * to[c]);
+            }
+        });
 }
 
 }  // namespace scrim

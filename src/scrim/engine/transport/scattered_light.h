@@ -46,11 +46,15 @@ class ScatteredLight {
     static constexpr int kPadded = kCellEdge + 2;
     static constexpr std::size_t kPaddedCells = std::size_t(kPadded) * kPadded * kPadded;
     using Field = std::vector<Real>;
+    static std::size_t paddedOf(std::size_t cell);
 
     void solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
     void keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase, const Real* straight,
               const Ordinates& ordinates, Simd simd, const Rgb& colours, Field& field) const;
+    void sample(const Field& field, const Vec3& at, Real (&rgb)[3]) const;
+    void extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+                     const std::function<void()>& checkpoint);
     void fillBorders(const TransportSolver& solver, Field& field) const;
 
     CellGrid m_grid;
