@@ -100,7 +100,13 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     // Opaque surfaces are of first order: to be sure of the last of their error would take minutes. Where this is not
     // fine enough, a warning says so.
     const double finest = classified ? std::clamp(22 * promised, 0.12, 0.5) : kFinestPromised;
-    PromisedDials out = dialsFor(scene.dials, expectedModel(pilotError(scene, kRays), meanSlant(scene), classified),
+    // The scenes that errors were measured in had lights. Where none shines, sheets lie along the picture, and nothing
+    // but edges is seen of the volume: twice the error, and more in thin media.
+    constexpr double kUnlit = 2;
+    const bool lit = std::any_of(scene.lights.begin(), scene.lights.end(),
+                                 [](const Light& light) { return light.intensity != Rgb(0); });
+    const double pilot = (lit ? 1 : kUnlit) * pilotError(scene, kRays);
+    PromisedDials out = dialsFor(scene.dials, expectedModel(pilot, meanSlant(scene), classified),
                                  promised < kFine ? kFineAim * promised : promised, finest);
     out.promised = promised;
     if (scene.solids && scene.solids->any(SolidRole::shadow)) resolveEdges(out, finest);
