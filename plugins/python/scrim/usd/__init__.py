@@ -15,16 +15,27 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from .._errors import UsageError
-from ._reading import Options
-from ._shot import Shot
+
+if TYPE_CHECKING:
+    from ._shot import Shot
 
 __all__ = ["Shot", "open"]
 
 _DISTANT = ("radiance", "irradiance")
 _MESHES = ("holdout", "shadows", "none")
 _PURPOSES = ("default", "render", "proxy", "guide")
+
+
+def __getattr__(name: str) -> object:
+    # Where OpenUSD is missing, that is said when a stage is opened.
+    if name == "Shot":
+        from ._shot import Shot
+
+        return Shot
+    raise AttributeError(f"module 'scrim.usd' has no attribute '{name}'")
 
 
 def _chosen(name: str, value: str, choices: Sequence[str]) -> str:
@@ -58,6 +69,9 @@ def open(
     ('holdout'), shadow them alone ('shadows'), or nothing ('none')?  `resolution`: width, height in place of the
     settings'.  `ocio`, `guarded`: as for `scrim.open`.
     """
+    from ._reading import Options
+    from ._shot import Shot
+
     purposes = (purpose,) if isinstance(purpose, str) else tuple(purpose) if purpose is not None else None
     for one in purposes or ():
         _chosen("purpose", one, _PURPOSES)

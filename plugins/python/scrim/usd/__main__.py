@@ -34,11 +34,12 @@ def _arguments() -> argparse.Namespace:
 
 
 def _write(given: argparse.Namespace) -> None:
-    from . import Options, _chosen, _DISTANT, _MESHES, _own, _PURPOSES, _reading
+    from . import _DISTANT, _MESHES, _PURPOSES, _chosen, _reading  # the first that needs OpenUSD
+    from . import _own
     from ._scene import scene_at
 
     purpose = tuple(_chosen("--purpose", p, _PURPOSES) for p in given.purpose.split(",")) if given.purpose else None
-    options = Options(
+    options = _reading.Options(
         given.camera,
         given.settings,
         purpose,
