@@ -34,8 +34,8 @@ def relit_part(frame, gains):
 
 
 def deep_smoke(frame, gains):
-    """The smoke as a deep picture. Light of a pixel changes alike at all of its depths, which is exact where nothing is
-    put between them."""
+    """The smoke as a deep picture. A pixel changes alike at all of its depths, as by Nuke's DeepRecolor: that is exact
+    where nothing is put between them, and elsewhere as far as its lights are mixed alike along the ray."""
     with tempfile.TemporaryDirectory() as folder:
         path = str(Path(folder, "smoke.exr"))
         frame.write_deep(path)
