@@ -66,7 +66,7 @@ class Child {
   public:
     explicit Child(std::vector<std::string> words) {
         int ends[2];
-        if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorKind::render, std::string("pipe: ") + std::strerror(errno));
+        if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorKind::render, std::string("cannot make a pipe: ") + std::strerror(errno));
         m_output = ends[0];
         posix_spawn_file_actions_t actions;
         posix_spawn_file_actions_init(&actions);
@@ -148,10 +148,11 @@ void addScene(UsdScenes& out, const std::vector<std::string>& fields) {
 }  // namespace
 
 TemporaryFolder::TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "scrim-usd-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr)
-        throw Error(ErrorKind::output, fmt::format("'{}': {}", name, std::strerror(errno)));
-    m_path = name;
+    const char* const named = std::getenv("TMPDIR");
+    m_path = std::string(named != nullptr && *named != '\0' ? named : "/tmp") + "/scrim-usd-XXXXXX";
+    if (::mkdtemp(m_path.data()) == nullptr)
+        throw Error(ErrorKind::output, fmt::format("cannot make a folder for what a stage holds: '{}': {}", m_path,
+                                                   std::strerror(errno)));
 }
 
 TemporaryFolder::~TemporaryFolder() {

@@ -261,6 +261,48 @@ def test_lights_that_are_not_there_are_named(dusty, kind, text):
     assert "light" not in shot.scene(1) and text in shot.warnings
 
 
+def test_solids_and_volumes_that_shine_are_named(dusty):
+    solid = UsdGeom.Cube.Define(dusty.stage, "/lamp")
+    solid.AddTranslateOp().Set(Gf.Vec3d(9, 0, 0))
+    UsdLux.MeshLightAPI.Apply(solid.GetPrim())
+    UsdLux.VolumeLightAPI.Apply(dusty.stage.GetPrimAtPath("/dust"))
+    shot = dusty.open()
+    assert len(shot.scene(1)["mesh"]) == len(shot.scene(1)["volume"]) == 1 and "light" not in shot.scene(1)
+    for path in ("/lamp", "/dust"):
+        assert f"{path}: the light that it gives as a surface or a volume is not rendered" in shot.warnings
+
+
+def test_what_a_dome_has_that_is_not_rendered_is_named(dusty):
+    UsdGeom.Camera.Get(dusty.stage, "/cam").GetShutterCloseAttr().Set(0.5)
+    dome = dusty.light("DomeLight")
+    turn = dome.AddRotateYOp()
+    turn.Set(0.0, 1)
+    turn.Set(90.0, 2)
+    dome.AddScaleOp().Set(Gf.Vec3f(1, 1, -1))
+    dome.GetTextureFormatAttr().Set("angular")
+    dome.GetPortalsRel().AddTarget("/dust")
+    shot = dusty.open()
+    shot.scene(1)
+    for text in (
+        "/key: it turns while the shutter is open, and is rendered as it stands at the frame",
+        "/key: it is mirrored, and rendered as it is without that",
+        "/key: its picture of format 'angular' is read as latlong",
+        "/key: portals are not needed, and not read",
+    ):
+        assert text in shot.warnings, shot.warnings
+
+
+def test_lights_move_while_the_shutter_is_open(dusty):
+    """A point that comes nearer: the mean of its inverse squares."""
+    UsdGeom.Camera.Get(dusty.stage, "/cam").GetShutterCloseAttr().Set(1.0)
+    light = dusty.light("SphereLight", intensity=4.0, normalize=True)
+    light.GetTreatAsPointAttr().Set(True)
+    place = light.AddTranslateOp()
+    place.Set(Gf.Vec3d(0, 0, 4), 1)
+    place.Set(Gf.Vec3d(0, 0, 2), 2)
+    assert arrives(dusty)[0] == pytest.approx([1 / (4 * 2)] * 3, rel=0.02)
+
+
 def test_what_a_light_has_that_is_not_rendered_is_named(dusty):
     light = at_distance(dusty.light("SphereLight", radius=0.5, diffuse=0.5))
     light.AddScaleOp().Set(Gf.Vec3f(1, 2, 1))

@@ -269,6 +269,11 @@ def scrim_path():
     return os.path.dirname(os.path.dirname(scrim.__file__))
 
 
+def test_the_program_needs_room(scrim_on):
+    done = scrim_on("--frames", "1", TMPDIR="/no/folder")
+    assert done.returncode == 4 and "cannot make a folder for what a stage holds: '/no/folder/scrim-usd-" in done.stderr
+
+
 def test_other_commands_take_stages(scrim_on, foggy):
     done = scrim_on("--frames", "1", command="plan")
     assert done.returncode == 0 and "sheets" in done.stdout, done.stderr

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from pxr import Gf, Usd, UsdLux
+from pxr import Gf, Usd, UsdGeom, UsdLux
 
 from . import _colour, _laws, _own
 from ._reading import Item, Reading, numbers
@@ -196,9 +196,12 @@ class Light:
         layout = self.input("texture:format", otherwise="automatic")
         if layout not in ("automatic", "latlong"):
             self.warn(f"its picture of format '{layout}' is read as latlong")
-        if UsdLux.DomeLight(self.prim).GetPortalsRel().GetTargets() if self.prim.IsA(UsdLux.DomeLight) else False:
+        portals = self.prim.GetRelationship("portals")
+        if portals and portals.GetTargets():
             self.warn("portals are not needed, and not read")
         matrix = self.reading.world(self.item, self.reading.frame)
+        if any(not Gf.IsClose(self.reading.world(self.item, t), matrix, 1e-9) for t in self.reading.times):
+            self.warn("it turns while the shutter is open, and is rendered as it stands at the frame")
         if matrix.GetDeterminant() < 0:
             self.warn("it is mirrored, and rendered as it is without that")
         up, turn = dome_frame(self.pole() * matrix.RemoveScaleShear())
@@ -208,8 +211,6 @@ class Light:
 
     def pole(self) -> Gf.Matrix4d:
         """A DomeLight's top is +y; a DomeLight_1 may turn it to +z."""
-        from pxr import UsdGeom
-
         axis = "Y"
         if self.prim.IsA(UsdLux.DomeLight_1):
             axis = str(self.reading.get(self.prim.GetAttribute("poleAxis"), otherwise="scene"))

@@ -65,6 +65,8 @@ def scene_at(
 
     volumes, lights, meshes, solids = [], [], [], []
     for item in reading.items(_drawn):
+        if _lights.is_light(item.prim) and item.prim.IsA(UsdGeom.Gprim):
+            reading.warn(item.prim, "the light that it gives as a surface or a volume is not rendered")
         if item.prim.IsA(UsdVol.Volume):
             volume = _volumes.read(reading, item, exposure, sidecar)
             if volume:
@@ -74,8 +76,6 @@ def scene_at(
             if light:
                 lights.append(light)
         elif reading.options.meshes != "none":
-            if _lights.is_light(item.prim):
-                reading.warn(item.prim, "the light that it gives as a solid is not rendered")
             mesh = _meshes.read(reading, item, sidecar)
             if mesh:
                 meshes.append(mesh)
