@@ -226,6 +226,8 @@ class Light:
         )
 
     def say_what_is_not(self) -> None:
+        if self.prim.IsA(UsdLux.NonboundableLightBase) and self.cone():
+            self.warn("its cone is not rendered")
         for name in ("diffuse", "specular"):
             if self.input(name, otherwise=1.0) != 1.0:
                 self.warn(f"its {name} multiplier is not for volumes, and not read")
