@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""From an OpenUSD stage to a finished picture: renders its smoke, relights it by its layers, and puts another renderer's
-deep picture into it. Needs usd-core and openimageio of PyPI.
+"""From an OpenUSD stage to a finished picture: renders its smoke, relights it by its layers, and puts the deep picture
+of another renderer into it. Needs usd-core and openimageio of PyPI.
 
     python composite.py shot.usda solids.deep.exr out.exr 12 key=2,1,0.5 rim=0.25
 
@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy
 import OpenImageIO as oiio
-
 import scrim.usd
 
 LAYERS = {

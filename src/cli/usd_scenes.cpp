@@ -66,7 +66,8 @@ class Child {
   public:
     explicit Child(std::vector<std::string> words) {
         int ends[2];
-        if (::pipe2(ends, O_CLOEXEC) != 0) throw Error(ErrorKind::render, std::string("cannot make a pipe: ") + std::strerror(errno));
+        if (::pipe2(ends, O_CLOEXEC) != 0)
+            throw Error(ErrorKind::render, std::string("cannot make a pipe: ") + std::strerror(errno));
         m_output = ends[0];
         posix_spawn_file_actions_t actions;
         posix_spawn_file_actions_init(&actions);
@@ -151,8 +152,8 @@ TemporaryFolder::TemporaryFolder() {
     const char* const named = std::getenv("TMPDIR");
     m_path = std::string(named != nullptr && *named != '\0' ? named : "/tmp") + "/scrim-usd-XXXXXX";
     if (::mkdtemp(m_path.data()) == nullptr)
-        throw Error(ErrorKind::output, fmt::format("cannot make a folder for what a stage holds: '{}': {}", m_path,
-                                                   std::strerror(errno)));
+        throw Error(ErrorKind::output,
+                    fmt::format("cannot make a folder for what a stage holds: '{}': {}", m_path, std::strerror(errno)));
 }
 
 TemporaryFolder::~TemporaryFolder() {

@@ -68,13 +68,12 @@ def test_files_from_before_may_mean_irradiance(dusty):
 
 def test_a_slab_lit_along_and_against_the_view(tmp_path):
     write_fog(tmp_path)
-    for turn, closed in ((0, front), (180, behind)):
-        stage = Stage(tmp_path) if turn == 0 else stage
-        if turn == 0:
-            stage.camera()
-            stage.volume()
-            turned = stage.light("DistantLight", intensity=2.0, angle=0.0, normalize=True).AddRotateYOp()
-        turned.Set(float(turn))
+    stage = Stage(tmp_path)
+    stage.camera()
+    stage.volume()
+    turned = stage.light("DistantLight", intensity=2.0, angle=0.0, normalize=True).AddRotateYOp()
+    for turn, closed in ((0.0, front), (180.0, behind)):
+        turned.Set(turn)
         middle = stage.open().render().image[7:9, 7:9, :3]
         assert middle == pytest.approx(closed(2.0), rel=0.004)
 
@@ -302,7 +301,8 @@ def test_lights_move_while_the_shutter_is_open(dusty):
     place = light.AddTranslateOp()
     place.Set(Gf.Vec3d(0, 0, 4), 1)
     place.Set(Gf.Vec3d(0, 0, 2), 2)
-    assert arrives(dusty)[0] == pytest.approx([1 / (4 * 2)] * 3, rel=0.02)
+    shot = dusty.open({"render.shutter_samples": 16})
+    assert fluence(shot.render()) == pytest.approx([1 / (4 * 2)] * 3, rel=0.02)
 
 
 def test_what_a_light_has_that_is_not_rendered_is_named(dusty):

@@ -3,13 +3,15 @@
 
 import os
 import re
+import shlex
+import shutil
 import subprocess
 import sys
 
 import numpy
 import OpenEXR
 import pytest
-from conftest import PROGRAM
+from conftest import PROGRAM, ROOT
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
@@ -254,7 +256,9 @@ def test_the_programs_errors(scrim_on, arguments, status, text):
 def test_the_program_without_openusd(scrim_on, tmp_path):
     done = scrim_on("--frames", "1", SCRIM_PYTHON="/no/python")
     assert done.returncode == 3
-    assert "cannot start '/no/python': No such file or directory; stages are read by Scrim's Python package and usd-core" in done.stderr
+    assert (
+        "cannot start '/no/python': No such file or directory; stages are read by Scrim's Python package" in done.stderr
+    )
     hidden = tmp_path / "hidden" / "pxr"
     hidden.mkdir(parents=True)
     (hidden / "__init__.py").write_text("raise ImportError(\"No module named 'pxr'\")")
@@ -281,6 +285,28 @@ def test_other_commands_take_stages(scrim_on, foggy):
     assert done.returncode == 0 and (foggy.folder / "light.vdb").exists(), done.stderr
     done = scrim_on("--frames", "1-2", "-o", "light.####.vdb", command="bake")
     assert done.returncode == 2 and "the stage is another scene at each of these frames" in done.stderr
+
+
+def test_the_commands_of_the_page_work(tmp_path, python_path):
+    """In the order of examples/USD.md, smaller."""
+    (tmp_path / "examples/scenes").mkdir(parents=True)
+    shutil.copy(ROOT / "examples/scenes/shot.usda", tmp_path / "examples/scenes")
+    page = (ROOT / "examples/USD.md").read_text()
+    commands = re.findall(r"^scrim (.*?)(?:  +#.*)?$", page.split("```sh\n")[1].split("```")[0], re.MULTILINE)
+    assert len(commands) == 3
+    for command in commands:
+        words = shlex.split(command.replace("--frames 1-24", "--frames 1-24x23"))
+        if words[0] == "render":
+            words += ["--res", "32x18", "--quality", "draft"]
+        done = subprocess.run(
+            [PROGRAM, *words], env={**python_path, "SCRIM_PYTHON": sys.executable}, cwd=tmp_path, capture_output=True,
+            text=True,
+        )  # fmt: skip
+        assert done.returncode == 0 and "warning" not in done.stderr, done.stderr
+        if "--print-scene" in words:
+            assert "/World/Sun: irradiance 24 on what faces it" in done.stderr and "[[volume]]" in done.stdout
+    first, last = (channels(tmp_path / f"shot.{n:04}.exr")[1]["A"] for n in (1, 24))
+    assert first.max() > 0.5 and (first.shape != last.shape or not numpy.array_equal(first, last))
 
 
 def test_the_package_runs_the_program_on_stages(scrim_on, foggy, python_path):

@@ -27,8 +27,9 @@ def behind(irradiance):
 def write_fog(folder, name="slab.vdb", edge=EDGE, spacing=1.0, value=1):
     """A cube of equal voxels around the origin. Its grid is called density."""
     scan = folder / "fog.nrrd"
-    head = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {edge} {edge} {edge}\nspacings: {spacing} {spacing} {spacing}\n"
-    scan.write_bytes((head + "encoding: raw\n\n").encode() + bytes([value]) * edge**3)
+    head = f"NRRD0004\ntype: uint8\ndimension: 3\nsizes: {edge} {edge} {edge}\n"
+    head += f"spacings: {spacing} {spacing} {spacing}\nencoding: raw\n\n"
+    scan.write_bytes(head.encode() + bytes([value]) * edge**3)
     make = [PROGRAM, "make", "scan", f"file={scan}", "center=true", "-q", "-o", folder / name]
     subprocess.run(make, check=True)
     return folder / name

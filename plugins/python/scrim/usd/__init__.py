@@ -38,6 +38,15 @@ def __getattr__(name: str) -> object:
     raise AttributeError(f"module 'scrim.usd' has no attribute '{name}'")
 
 
+def _need_openusd() -> None:
+    try:
+        import pxr.Usd  # noqa: F401
+    except ImportError as missing:
+        raise UsageError(
+            f"OpenUSD's Python package is missing ({missing}); install it beside Scrim: pip install usd-core"
+        ) from missing
+
+
 def _chosen(name: str, value: str, choices: Sequence[str]) -> str:
     if value not in choices:
         raise UsageError(f"{name}='{value}': expected {', '.join(choices[:-1])} or {choices[-1]}")
@@ -69,6 +78,7 @@ def open(
     ('holdout'), shadow them alone ('shadows'), or nothing ('none')?  `resolution`: width, height in place of the
     settings'.  `ocio`, `guarded`: as for `scrim.open`.
     """
+    _need_openusd()
     from ._reading import Options
     from ._shot import Shot
 

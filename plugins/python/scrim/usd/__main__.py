@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m scrim.usd FILE FOLDER --frames 1,2`: the scenes of a stage as TOML files in FOLDER, for the program `scrim`.
+"""`python -m scrim.usd FILE FOLDER --frames 1,2`: the scenes of a stage as TOML files in FOLDER, for the program.
 
 What was made is told on stdout, a line each, in fields with tabs between: `stage FIRST LAST`, `scene FRAME FILE CROP`,
 `warning TEXT`, `note TEXT`, and `error KIND TEXT`, after which it ends with status 1.
@@ -12,6 +12,7 @@ import os
 import sys
 
 from .. import _errors, _toml
+from . import _DISTANT, _MESHES, _PURPOSES, _chosen, _need_openusd
 
 
 def _say(*fields: object) -> None:
@@ -34,8 +35,8 @@ def _arguments() -> argparse.Namespace:
 
 
 def _write(given: argparse.Namespace) -> None:
-    from . import _DISTANT, _MESHES, _PURPOSES, _chosen, _reading  # the first that needs OpenUSD
-    from . import _own
+    _need_openusd()
+    from . import _own, _reading
     from ._scene import scene_at
 
     purpose = tuple(_chosen("--purpose", p, _PURPOSES) for p in given.purpose.split(",")) if given.purpose else None

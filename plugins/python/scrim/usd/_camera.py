@@ -4,8 +4,6 @@ orthographic film is in tenths of a world unit."""
 
 from __future__ import annotations
 
-
-
 from pxr import Usd, UsdGeom
 
 from .._errors import InputError
@@ -138,5 +136,3 @@ def read(reading: Reading, prim: Usd.Prim, settings: Settings) -> tuple[dict, tu
             raise InputError(f"dataWindowNDC {settings.window} holds no pixel of {width} x {height}")
     _own.merge(out, _own.attributes(reading, prim))
     return out, crop
-
-

@@ -240,8 +240,8 @@ class Light:
 
 
 def dome_frame(matrix: Gf.Matrix4d) -> tuple[list[float], float]:
-    """(up, rotation) of a scene's dome whose frame is turned so. There the shortest turn from +y to `up` takes +z along,
-    and `rotation` turns from there towards +x."""
+    """(up, rotation) of a scene's dome whose frame is turned so. There the shortest turn from +y to `up` takes +z
+    along, and `rotation` turns from there towards +x."""
     up = matrix.TransformDir(Gf.Vec3d(0, 1, 0)).GetNormalized()
     middle = matrix.TransformDir(Gf.Vec3d(0, 0, 1)).GetNormalized()
     if up[1] < -1 + 1e-9:  # upside down: half a turn about x

@@ -9,14 +9,9 @@ import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
-from .._errors import InputError, UsageError
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom
 
-try:
-    from pxr import Gf, Sdf, Tf, Usd, UsdGeom
-except ImportError as missing:
-    raise UsageError(
-        f"OpenUSD's Python package is missing ({missing}); install it beside Scrim: pip install usd-core"
-    ) from missing
+from .._errors import InputError
 
 SHUTTER_TIMES = 9  # at which whatever moves is read while the shutter is open; straight lines between
 

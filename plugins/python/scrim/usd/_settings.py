@@ -87,7 +87,8 @@ def _vars(reading: Reading, product: Usd.Prim, output: dict) -> None:
         if source.lower() in _DEPTH:
             layers.append("depth")
         elif source.lower() not in _BEAUTY:
-            reading.warn(prim, f"render var '{source}' is not written; scrim:output:layers of the settings names layers")
+            text = "is not written; scrim:output:layers of the settings names layers"
+            reading.warn(prim, f"render var '{source}' {text}")
         elif var.GetDataTypeAttr().HasAuthoredValue():  # the fallback is floats, too, which nobody asked for
             kind = str(reading.get(var.GetDataTypeAttr()))
             output["type"] = "half" if kind.endswith("h") or kind.startswith("half") else "float"
