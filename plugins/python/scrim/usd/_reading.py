@@ -182,12 +182,12 @@ class Reading:
         placed = {time: place(time) for time in self.times if len(indices)}
         if placed and self.frame not in placed:
             placed[self.frame] = place(self.frame)
+        if any(len(matrices) != len(indices) for matrices in placed.values()):
+            self.warn(prim, "its instances have no place or no prototype, and are left out")
+            return
         below: dict[int, list[Item]] = {}
         for number, index in enumerate(indices):
             if mask and not mask[number]:
-                continue
-            if not 0 <= index < len(prototypes):
-                self.warn(prim, f"instance {number} has prototype {index} of {len(prototypes)}, and is left out")
                 continue
             root = self.stage.GetPrimAtPath(prototypes[index])
             if index not in below:
