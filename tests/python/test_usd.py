@@ -243,6 +243,23 @@ def test_the_shutter_blurs_what_moves(foggy):
     assert parts == pytest.approx([0, 0.125, 0.375, 0.625, 0.875, 1], abs=0.06)
 
 
+def test_instances_move_and_velocities_blur(foggy):
+    UsdGeom.Camera.Get(foggy.stage, "/cam").GetShutterCloseAttr().Set(0.5)
+    instancer = UsdGeom.PointInstancer.Define(foggy.stage, "/many")
+    foggy.volume("/many/proto", ["slab.vdb", "slab.vdb"], ["density", "vel"])
+    instancer.CreatePrototypesRel().AddTarget("/many/proto")
+    instancer.CreateProtoIndicesAttr([0])
+    instancer.CreatePositionsAttr().Set([(0, 0, 0)], 1)
+    instancer.GetPositionsAttr().Set([(8, 0, 0)], 2)
+    shot = foggy.open()
+    moving = shot.scene(1)["volume"][1]
+    keys = moving["transform"]["translate"]["keys"]
+    assert keys[0] == [1.0, [0, 0, 0]] and keys[-1] == [1.5, [4, 0, 0]]
+    assert moving["velocity"] == {"grid": "vel", "unit": "second"} and not shot.warnings
+    UsdGeom.Camera.Get(foggy.stage, "/cam").GetShutterCloseAttr().Set(0.0)
+    assert "velocity" not in foggy.open().scene(1)["volume"][1]
+
+
 def test_a_turning_volume_turns_with_usd(foggy):
     UsdGeom.Camera.Get(foggy.stage, "/cam").GetShutterCloseAttr().Set(0.5)
     volume = UsdGeom.Xformable.Get(foggy.stage, "/fog")
