@@ -77,9 +77,11 @@ void bindOpening(nb::module_& module) {
     module.def(
         "loads",
         [](nb::handle scene, nb::handle overrides, nb::handle folder, const std::string& name, nb::handle ocio,
-           const std::optional<std::tuple<int, int>>& resolution, int turntable, bool guarded, int checkedFrame) {
-            const OpenOptions options =
+           const std::optional<std::tuple<int, int>>& resolution, int turntable, bool guarded, int checkedFrame,
+           const ShotObject* sharing) {
+            OpenOptions options =
                 openOptionsFrom(pathText(ocio), resolution, nb::none(), turntable, guarded, checkedFrame);
+            if (sharing != nullptr) options.shareWith = &sharing->shot();
             const std::string text = nb::cast<std::string>(nb::module_::import_("scrim._toml").attr("document")(scene));
             const std::string base = pathText(folder);
             const std::vector<std::string> given = assignmentsOf(overrides);
@@ -87,18 +89,19 @@ void bindOpening(nb::module_& module) {
         },
         nb::arg("scene"), nb::arg("overrides") = nb::none(), nb::kw_only(), nb::arg("folder") = "",
         nb::arg("name") = "scene", nb::arg("ocio") = "", nb::arg("resolution") = nb::none(), nb::arg("turntable") = 0,
-        nb::arg("guarded") = true, nb::arg("checked_frame") = 1,
+        nb::arg("guarded") = true, nb::arg("checked_frame") = 1, nb::arg("sharing") = nb::none(),
         nb::sig("def loads(scene: str | collections.abc.Mapping[str, object], overrides: collections.abc.Mapping[str, "
                 "object] "
                 "| collections.abc.Sequence[str] | None = None, *, folder: str | os.PathLike[str] = '', name: str = "
                 "'scene', "
                 "ocio: str | os.PathLike[str] = '', resolution: tuple[int, int] | None = None, turntable: int = 0, "
                 "guarded: "
-                "bool = True, checked_frame: int = 1) -> Shot"),
+                "bool = True, checked_frame: int = 1, sharing: Shot | None = None) -> Shot"),
         R"(A shot of a scene in memory: TOML text, or the same as a dict, {'camera': {...}, 'volume': [{...}], ...}.
 
-`folder`: what its paths are relative to; '': the current folder.  `name`: how messages call it. Otherwise
-as `open`.)");
+`folder`: what its paths are relative to; '': the current folder.  `name`: how messages call it.
+`sharing`: another shot, whose volumes and pictures this one need not load again; only one of the two may be at work.
+Otherwise as `open`.)");
 }
 
 }  // namespace scrim::python

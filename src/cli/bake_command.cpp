@@ -41,7 +41,10 @@ SceneInput inputOf(const SceneOptions& options) {
         throw Error(ErrorKind::usage, "bake: expected -o LIGHT.vdb, the file to write");
     if (!options.printScene && lowerExtension(options.baked) != ".vdb")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.vdb'", shortened(options.baked)));
-    return SceneInput(options.inputs.front(), options);
+    std::vector<SceneInput> inputs = openInputs(options);
+    if (inputs.size() > 1)
+        throw Error(ErrorKind::usage, "bake: the stage is another scene at each of these frames; bake them one by one");
+    return std::move(inputs.front());
 }
 
 void claim(const SceneInput& input, const SceneOptions& options, const FramePath& output) {

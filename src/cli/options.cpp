@@ -99,6 +99,20 @@ void addProgress(CLI::App& command, SceneOptions& o) {
               [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
 }
 
+/// Of stages.
+void addUsdOptions(CLI::App& command, UsdOptions& o) {
+    const auto text = [&](const char* name, const char* form, const char* help, std::string& value) {
+        command.add_option(name, value, help)->type_name(form)->group("OpenUSD");
+    };
+    text("--camera", "/CAM", "camera of a stage; else that of its settings, or its only one", o.camera);
+    text("--settings", "/RS", "RenderSettings of a stage; else those that it names", o.settings);
+    text("--purpose", "NAMES", "what of a stage is drawn: default,render,proxy,guide", o.purpose);
+    text("--sidecar", "FILE.toml", "tables keyed by prim paths: media, and all else that a stage cannot say",
+         o.sidecar);
+    text("--distant", "radiance|irradiance", "what the intensity of a stage's suns is: UsdLux's, or older", o.distant);
+    text("--meshes", "holdout|shadows|none", "what a stage's solids do to volumes", o.meshes);
+}
+
 }  // namespace
 
 std::size_t parseSize(const std::string& text) {
@@ -146,7 +160,8 @@ void addVerbosity(CLI::App& command, bool& verbose, bool& quiet) {
 void addSceneOptions(CLI::App& command, SceneOptions& o) {
     command
         .add_option("inputs", o.inputs,
-                    "scenes (.toml), assets (.vdb) or scans (.nrrd, .nii); an asset or scan alone is framed and lit")
+                    "scenes (.toml), assets (.vdb), scans (.nrrd, .nii) or stages (.usd); an asset or scan alone is "
+                    "framed and lit")
         ->type_name("SCENE|ASSET")
         ->required();
     add(command, "--frames", "RANGE", "frames to do: 1-48x2,60",
@@ -170,6 +185,7 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
     addFile(command, "--ocio", "FILE", "OpenColorIO config, in place of $OCIO", o.ocio);
     command.add_flag("--print-scene", o.printScene, "print the scene with all changes, and do nothing else");
     addVerbosity(command, o.verbose, o.quiet);
+    addUsdOptions(command, o.usd);
 }
 
 void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& group) {

@@ -19,6 +19,11 @@ class App;
 
 namespace scrim::cli {
 
+/// How an OpenUSD stage is read; see `scrim.usd.open` of Python. "": as it says there.
+struct UsdOptions {
+    std::string camera, settings, purpose, sidecar, distant, meshes;
+};
+
 struct SceneOptions {
     std::vector<std::string> inputs;
     std::string output;       ///< "": what the scene says
@@ -31,6 +36,7 @@ struct SceneOptions {
     std::size_t memory = 0;         ///< bytes; 0: no limit
     MissingPolicy missing = MissingPolicy::error;
     std::string ocio;
+    UsdOptions usd;
     bool printScene = false;
     bool verbose = false, quiet = false;
 

@@ -99,6 +99,7 @@ void RenderRun::announce(int frame, double seconds) {
 
 RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
     RenderOptions options = renderOptionsOf(m_options, m_console.sink());
+    options.crop = input.crop();
     options.progress = m_progress.stage(0, 1);
     options.next = frameAfter(input, frame);
     options.announce = [this, frame](double seconds) { announce(frame, seconds); };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scene_input.h"
 
+#include "console.h"
 #include "guarded_loading.h"
 #include "interrupt.h"
 
@@ -67,6 +68,14 @@ OpenOptions openOptionsOf(const SceneOptions& options, const Shot* sharing) {
     return out;
 }
 
+/// Of one of a stage's scenes, which already has the resolution.
+OpenOptions stageOptionsOf(const SceneOptions& options, int frame, const Shot* sharing) {
+    OpenOptions out = openOptionsOf(options, sharing);
+    out.resolution = std::nullopt;
+    out.checkedFrame = frame;
+    return out;
+}
+
 std::string rangeText(const std::vector<int>& frames) {
     if (frames.empty()) return "no files exist";
     return fmt::format("files exist for {} to {}", frames.front(), frames.back());
@@ -77,9 +86,24 @@ std::string rangeText(const std::vector<int>& frames) {
 SceneInput::SceneInput(const std::string& path, const SceneOptions& options, const SceneInput* sharing)
     : m_options(options),
       m_shot(Shot::open(path, overridesOf(options), openOptionsOf(options, sharing ? &sharing->m_shot : nullptr))) {
+    begin();
+}
+
+SceneInput::SceneInput(const std::string& stage, const UsdScenes& scenes, const UsdScene& part,
+                       const SceneOptions& options, const SceneInput* sharing)
+    : m_options(options),
+      m_shot(Shot::parse(part.toml, stage, std::filesystem::path(stage).parent_path(), overridesOf(options),
+                         stageOptionsOf(options, part.frames.front(), sharing ? &sharing->m_shot : nullptr))),
+      m_frames(part.frames),
+      m_crop(part.crop),
+      m_folder(scenes.folder) {
+    begin();
+}
+
+void SceneInput::begin() {
     Scene scene = m_shot.opened();
     change(scene);
-    m_frames = framesOf(scene);
+    if (m_frames.empty()) m_frames = framesOf(scene);
     m_output = scene.output.path;
     m_preview = scene.output.preview.path;
     m_deep = scene.output.deep.path;
@@ -155,9 +179,26 @@ std::string SceneInput::printedToml(const RenderOptions& options) {
 
 std::vector<SceneInput> openInputs(const SceneOptions& options) {
     std::vector<SceneInput> inputs;
-    inputs.reserve(options.inputs.size());
-    for (const std::string& path : options.inputs)
-        inputs.emplace_back(path, options, inputs.empty() ? nullptr : &inputs.front());
+    std::vector<std::optional<UsdScenes>> stages;
+    std::size_t count = 0;
+    Console console(options.verbose, options.quiet);
+    for (const std::string& path : options.inputs) {
+        stages.push_back(isStage(path) ? std::optional(readStage(path, options)) : std::nullopt);
+        count += stages.back() ? stages.back()->scenes.size() : 1;
+        if (!stages.back()) continue;
+        for (const std::string& text : stages.back()->warnings) console.warning(text);
+        for (const std::string& text : stages.back()->notes) console.detail(text);
+    }
+    inputs.reserve(count);  // they refer to the first
+    for (std::size_t i = 0; i < options.inputs.size(); ++i) {
+        const auto sharing = [&] { return inputs.empty() ? nullptr : &inputs.front(); };
+        if (!stages[i]) {
+            inputs.emplace_back(options.inputs[i], options, sharing());
+            continue;
+        }
+        for (const UsdScene& part : stages[i]->scenes)
+            inputs.emplace_back(options.inputs[i], *stages[i], part, options, sharing());
+    }
     return inputs;
 }
 
@@ -169,6 +210,14 @@ void claimInputs(const std::vector<SceneInput>& inputs, const SceneOptions& opti
         for (const SceneFile& file : filesReadBy(input.shot(), input.frames())) claims.reads(file.path, file.role);
 }
 
+/// How many of this name there are.
+std::size_t framesOf(const std::vector<SceneInput>& inputs, const std::string& name) {
+    std::size_t count = 0;
+    for (const SceneInput& input : inputs)
+        if (input.name() == name) count += input.frames().size();
+    return count;
+}
+
 void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims) {
     const auto claim = [&](const SceneInput& input, const FramePath& path, int frame, const std::string& role) {
         if (path.pattern.empty()) return;
@@ -178,7 +227,7 @@ void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& opt
         if (other == of && !path.outputHasFrame())
             throw Error(ErrorKind::usage,
                         fmt::format("all {} frames would be written to '{}'; put the frame into its name: {}",
-                                    input.frames().size(), file,
+                                    framesOf(inputs, input.name()), file,
                                     std::filesystem::path(file)
                                         .replace_extension(".####" + std::filesystem::path(file).extension().string())
                                         .string()));

@@ -4,9 +4,12 @@
 
 #include "file_claims.h"
 #include "options.h"
+#include "usd_scenes.h"
 
 #include <scrim/shot/shot.h>
 
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +21,10 @@ class SceneInput {
     /// command, whose volumes this one shares. Throws Error: usage, input.
     SceneInput(const std::string& path, const SceneOptions& options, const SceneInput* sharing = nullptr);
 
+    /// A part of a stage that was read.
+    SceneInput(const std::string& stage, const UsdScenes& scenes, const UsdScene& part, const SceneOptions& options,
+               const SceneInput* sharing = nullptr);
+
     Shot& shot() { return m_shot; }
     const Shot& shot() const { return m_shot; }
     const std::string& name() const { return m_shot.path(); }
@@ -27,6 +34,9 @@ class SceneInput {
     const FramePath& preview() const { return m_preview; }
     const FramePath& deep() const { return m_deep; }  ///< the same of the deep picture
 
+    /// The pixels to render, where the scene or the command line say which.
+    std::optional<PixelWindow> crop() const { return m_options.crop ? m_options.crop : m_crop; }
+
     /// Puts the output and the preview of the command line into `scene`, and its quality in the place of a tolerance.
     void change(Scene& scene) const;
 
@@ -34,6 +44,7 @@ class SceneInput {
     std::string printedToml(const RenderOptions& options);
 
   private:
+    void begin();
     void checkPreview(const ScenePreview& preview) const;
     std::vector<int> framesOf(const Scene& scene) const;
 
@@ -41,6 +52,8 @@ class SceneInput {
     Shot m_shot;
     std::vector<int> m_frames;
     FramePath m_output, m_preview, m_deep;
+    std::optional<PixelWindow> m_crop;
+    std::shared_ptr<TemporaryFolder> m_folder;  // of files that the scene names
 };
 
 /// All inputs of the command.

@@ -12,6 +12,7 @@ def program() -> str:
 
 def main() -> None:
     # It takes the place of this process: signals and the exit status are the program's own.
+    os.environ.setdefault("SCRIM_PYTHON", sys.executable)  # what reads OpenUSD for it
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(program(), ["scrim", *sys.argv[1:]])

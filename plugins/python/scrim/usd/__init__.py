@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""OpenUSD stages as scenes of Scrim, read by PyPI's usd-core.
+
+    import scrim.usd
+
+    shot = scrim.usd.open("shot.usda", camera="/cam")
+    for frame in shot.frames:
+        shot.render(frame).write("plume.####.exr")
+    print(*shot.warnings, sep="\\n")     # what could not be mapped, prim by prim
+
+Frames are the stage's time codes, and world units are its units. Each frame is read from the stage as it is there.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from .._errors import UsageError
+
+if TYPE_CHECKING:
+    from ._shot import Shot
+
+__all__ = ["Shot", "open"]
+
+_DISTANT = ("radiance", "irradiance")
+_MESHES = ("holdout", "shadows", "none")
+_PURPOSES = ("default", "render", "proxy", "guide")
+
+
+def __getattr__(name: str) -> object:
+    # Where OpenUSD is missing, that is said when a stage is opened.
+    if name == "Shot":
+        from ._shot import Shot
+
+        return Shot
+    raise AttributeError(f"module 'scrim.usd' has no attribute '{name}'")
+
+
+def _need_openusd() -> None:
+    try:
+        import pxr.Usd  # noqa: F401
+    except ImportError as missing:
+        raise UsageError(
+            f"OpenUSD's Python package is missing ({missing}); install it beside Scrim: pip install usd-core"
+        ) from missing
+
+
+def _chosen(name: str, value: str, choices: Sequence[str]) -> str:
+    if value not in choices:
+        raise UsageError(f"{name}='{value}': expected {', '.join(choices[:-1])} or {choices[-1]}")
+    return value
+
+
+def open(
+    path: str | os.PathLike[str],
+    overrides: Mapping[str, object] | Sequence[str] | None = None,
+    *,
+    camera: str | None = None,
+    settings: str | None = None,
+    purpose: str | Sequence[str] | None = None,
+    sidecar: str | os.PathLike[str] | None = None,
+    distant: str = "radiance",
+    meshes: str = "holdout",
+    resolution: tuple[int, int] | None = None,
+    ocio: str | os.PathLike[str] = "",
+    guarded: bool = True,
+) -> Shot:
+    """Opens a stage: .usd, .usda, .usdc or .usdz.
+
+    `overrides`: of the scenes that are made of it, as for `scrim.open`.  `camera`: its path, or its name where that is
+    unique; None: that of the settings, or the only one.  `settings`: the path of a RenderSettings; None: those that the
+    stage names.  `purpose`: what is drawn; None: what the settings include, or default and render.
+    `sidecar`: a TOML file of tables keyed by prim paths, for media and all else that a stage cannot say.
+    `distant`: 'radiance' reads a DistantLight as UsdLux 25.05 defines it; 'irradiance' takes its intensity as what
+    faces it gets, whatever its angle, as many renderers did before.  `meshes`: do they hide volumes and shadow them
+    ('holdout'), shadow them alone ('shadows'), or nothing ('none')?  `resolution`: width, height in place of the
+    settings'.  `ocio`, `guarded`: as for `scrim.open`.
+    """
+    _need_openusd()
+    from ._reading import Options
+    from ._shot import Shot
+
+    purposes = (purpose,) if isinstance(purpose, str) else tuple(purpose) if purpose is not None else None
+    for one in purposes or ():
+        _chosen("purpose", one, _PURPOSES)
+    options = Options(
+        camera,
+        settings,
+        purposes,
+        sidecar,
+        _chosen("distant", distant, _DISTANT),
+        _chosen("meshes", meshes, _MESHES),
+        resolution,
+    )
+    return Shot(path, overrides, options, ocio, guarded)

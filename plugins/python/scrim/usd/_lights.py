@@ -1,0 +1,281 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdLux as [[light]]. A light shines along -z of its own frame; sizes and areas are those in the world."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from pxr import Gf, Usd, UsdGeom, UsdLux
+
+from . import _colour, _laws, _own
+from ._reading import Item, Reading, numbers
+
+_EVEN = 1e-4  # by how much scales along axes may differ
+
+
+def is_light(prim: Usd.Prim) -> bool:
+    return prim.HasAPI(UsdLux.LightAPI) or prim.IsA(UsdLux.LightFilter)
+
+
+def _axes(matrix: Gf.Matrix4d) -> list[Gf.Vec3d]:
+    return [Gf.Vec3d(matrix.GetRow3(i)) for i in range(3)]
+
+
+def _facing(matrix: Gf.Matrix4d) -> list[float]:
+    """Where -z points: perpendicular to x and y, also of a sheared frame."""
+    x, y, z = _axes(matrix)
+    normal = Gf.Cross(x, y).GetNormalized()
+    return numbers(-normal if Gf.Dot(normal, z) > 0 else normal)
+
+
+def _place(matrix: Gf.Matrix4d) -> list[float]:
+    return numbers(matrix.ExtractTranslation())
+
+
+class Light:
+    """One light of the stage at the frame."""
+
+    def __init__(self, reading: Reading, item: Item, scale: float) -> None:
+        self.reading, self.item, self.prim, self.scale = reading, item, item.prim, scale
+        self.api = UsdLux.LightAPI(item.prim)
+
+    def input(self, name: str, time: float | None = None, otherwise: object = None) -> object:
+        return self.reading.get(self.prim.GetAttribute("inputs:" + name), time, otherwise)
+
+    def warn(self, text: str) -> None:
+        self.reading.warn(self.prim, text)
+
+    def moving(self, value: Callable[[Gf.Matrix4d], object]) -> object:
+        return self.reading.moving(lambda time: value(self.reading.world(self.item, time)))
+
+    def scales(self, time: float) -> list[float]:
+        return [axis.GetLength() for axis in _axes(self.reading.world(self.item, time))]
+
+    def strength(self, time: float) -> float:
+        """intensity * 2^exposure, as the camera exposes it"""
+        strength = self.input("intensity", time) * 2.0 ** self.input("exposure", time) * self.scale
+        if strength < 0:
+            self.warn("its intensity is below 0, and taken as 0")
+        return max(strength, 0.0)
+
+    def color(self, time: float) -> object:
+        attribute = self.prim.GetAttribute("inputs:color")
+        rgb = numbers(self.input("color", time))
+        if self.input("enableColorTemperature", time):
+            tint = _colour.temperature(self.input("colorTemperature", time), _colour.space_of(self.reading, attribute))
+            rgb = [c * t for c, t in zip(rgb, tint)]
+        return _colour.value(self.reading, attribute, rgb)
+
+    def colored(self) -> dict:
+        """The colour; keyed in one space, as keys are."""
+        out = self.reading.moving(self.color)
+        if isinstance(out, dict) and "keys" in out and any(isinstance(v, dict) for _, v in out["keys"]):
+            self.warn("its colour changes while the shutter is open; that of the frame is taken")
+            out = self.color(self.reading.frame)
+        return {} if out == [1.0, 1.0, 1.0] else {"color": out}
+
+    def by(self, law: Callable[[float, float], float]) -> object:
+        """A law of (strength, time) as an intensity."""
+        return self.reading.moving(lambda time: law(self.strength(time), time))
+
+    def normalized(self, time: float) -> bool:
+        return bool(self.input("normalize", time))
+
+    # What its type becomes
+
+    def distant(self) -> dict:
+        reading = self.reading
+        as_irradiance = reading.options.distant == "irradiance"
+
+        def law(strength: float, time: float) -> tuple[float, float]:
+            return _laws.distant(strength, self.input("angle", time), as_irradiance or self.normalized(time))
+
+        angle = float(self.input("angle"))
+        if angle > 180:
+            self.warn(f"its angle of {angle:g} degrees is rendered as 180")
+        reading.note(
+            self.prim,
+            f"irradiance {law(self.strength(reading.frame), reading.frame)[1]:.4g} on what faces it, times its colour "
+            f"(intensity {self.input('intensity'):g}, exposure {self.input('exposure'):g}, angle {angle:g}, "
+            f"normalize {'true' if self.normalized(reading.frame) else 'false'}, read as {reading.options.distant})",
+        )
+        out = {"type": "distant", "direction": self.moving(_facing)}
+        out["intensity"] = self.by(lambda strength, time: law(strength, time)[0])
+        if angle > 0:
+            out["angle"] = min(angle, 180.0)
+        return out
+
+    def sphere_radius(self, time: float) -> float:
+        scales = self.scales(time)
+        if max(scales) - min(scales) > _EVEN * max(scales):
+            self.warn("its scale differs along axes: an ellipsoid is rendered as a sphere of the same volume")
+        return float(self.input("radius", time)) * math.prod(scales) ** (1 / 3)
+
+    def cone(self) -> tuple[float, float] | None:
+        """(half angle, softness) of ShapingAPI; None where it is not there."""
+        if not self.prim.HasAPI(UsdLux.ShapingAPI):
+            return None
+        for name, text in (
+            ("shaping:focus", "its focus is not rendered"),
+            ("shaping:ies:file", "its IES profile is not rendered"),
+        ):
+            value = self.input(name)
+            if value and (not hasattr(value, "path") or value.path):
+                self.warn(text)
+        angle = float(self.input("shaping:cone:angle"))
+        return (angle, float(self.input("shaping:cone:softness"))) if angle < 180 else None
+
+    def sphere(self) -> dict:
+        cone = self.cone()
+        if cone and cone[0] > 90:
+            self.warn(f"its cone of {cone[0]:g} degrees to each side is not rendered; it shines to all sides")
+            cone = None
+        as_point = bool(self.reading.get(self.prim.GetAttribute("treatAsPoint"), otherwise=False))
+        radius = self.sphere_radius(self.reading.frame)
+        if not cone and not as_point and radius > 0:
+            out = {"type": "area", "shape": "sphere", "radius": self.reading.moving(self.sphere_radius)}
+            return self.surface(out)
+        if radius <= 0 and not self.normalized(self.reading.frame):
+            self.warn("a sphere without a size gives no light unless it is normalized")
+        out = {"type": "spot" if cone else "point", "position": self.moving(_place)}
+        out["intensity"] = self.by(
+            lambda strength, time: _laws.point(strength, self.sphere_radius(time), self.normalized(time))
+        )
+        if cone:
+            if radius > 0 and not as_point:
+                self.warn(f"a sphere with a cone is rendered as a point: its radius of {radius:g} softens no shadow")
+            if cone[1] > 0:
+                self.warn("its cone fades by the cosine between the same two angles, and not by the angle")
+            out |= {"direction": self.moving(_facing), "cone": 2 * cone[0], "blend": min(max(cone[1], 0.0), 1.0)}
+        return out
+
+    def surface(self, out: dict) -> dict:
+        out |= {"position": self.moving(_place), "intensity": self.by(lambda strength, time: strength)}
+        if self.normalized(self.reading.frame):
+            out["normalize"] = True
+        return out
+
+    def flat(self, shape: str) -> dict:
+        cone = self.cone()
+        if cone and cone[0] < 90:
+            self.warn(f"its cone of {cone[0]:g} degrees to each side is not rendered; it shines to all of one side")
+        x, y, _ = _axes(self.reading.world(self.item, self.reading.frame))
+        if abs(Gf.Dot(x.GetNormalized(), y.GetNormalized())) > _EVEN:
+            self.warn("it is sheared, and rendered with right angles")
+        out = {"type": "area", "shape": shape, "direction": self.moving(_facing)}
+        out["up"] = self.moving(lambda matrix: numbers(_axes(matrix)[1].GetNormalized()))
+        return self.surface(out)
+
+    def rectangle(self) -> dict:
+        out = self.flat("rectangle")
+        out["width"] = self.reading.moving(lambda t: float(self.input("width", t)) * self.scales(t)[0])
+        out["height"] = self.reading.moving(lambda t: float(self.input("height", t)) * self.scales(t)[1])
+        picture = self.texture()
+        return {**out, "slide": picture} if picture else out
+
+    def disk(self) -> dict:
+        def radius(time: float) -> float:
+            x, y, _ = self.scales(time)
+            if abs(x - y) > _EVEN * max(x, y):
+                self.warn("its scale differs along axes: an ellipse is rendered as a disk of the same area")
+            return float(self.input("radius", time)) * math.sqrt(x * y)
+
+        out = self.flat("disk")
+        return {**out, "radius": self.reading.moving(radius)}
+
+    def texture(self) -> dict | None:
+        attribute = self.prim.GetAttribute("inputs:texture:file")
+        file = self.reading.file(attribute)
+        if not file:
+            return None
+        space = attribute.GetColorSpace()
+        return {"file": file, "colorspace": space} if space and space != "auto" else {"file": file}
+
+    def dome(self) -> dict:
+        layout = self.input("texture:format", otherwise="automatic")
+        if layout not in ("automatic", "latlong"):
+            self.warn(f"its picture of format '{layout}' is read as latlong")
+        portals = self.prim.GetRelationship("portals")
+        if portals and portals.GetTargets():
+            self.warn("portals are not needed, and not read")
+        matrix = self.reading.world(self.item, self.reading.frame)
+        if any(not Gf.IsClose(self.reading.world(self.item, t), matrix, 1e-9) for t in self.reading.times):
+            self.warn("it turns while the shutter is open, and is rendered as it stands at the frame")
+        if matrix.GetDeterminant() < 0:
+            self.warn("it is mirrored, and rendered as it is without that")
+        up, turn = dome_frame(self.pole() * matrix.RemoveScaleShear())
+        out = {"type": "dome", "up": up, "rotation": turn, "intensity": self.by(lambda strength, time: strength)}
+        picture = self.texture()
+        return {**out, "texture": picture} if picture else out
+
+    def pole(self) -> Gf.Matrix4d:
+        """A DomeLight's top is +y; a DomeLight_1 may turn it to +z."""
+        axis = "Y"
+        if self.prim.IsA(UsdLux.DomeLight_1):
+            axis = str(self.reading.get(self.prim.GetAttribute("poleAxis"), otherwise="scene"))
+            if axis == "scene":
+                axis = str(UsdGeom.GetStageUpAxis(self.reading.stage))
+        turn = Gf.Rotation(Gf.Vec3d.XAxis(), 90 if axis == "Z" else 0)
+        return Gf.Matrix4d(1).SetRotate(turn)
+
+    def links(self) -> tuple[Usd.CollectionMembershipQuery, Usd.CollectionMembershipQuery]:
+        return (
+            self.api.GetLightLinkCollectionAPI().ComputeMembershipQuery(),
+            self.api.GetShadowLinkCollectionAPI().ComputeMembershipQuery(),
+        )
+
+    def say_what_is_not(self) -> None:
+        if self.prim.IsA(UsdLux.NonboundableLightBase) and self.cone():
+            self.warn("its cone is not rendered")
+        for name in ("diffuse", "specular"):
+            if self.input(name, otherwise=1.0) != 1.0:
+                self.warn(f"its {name} multiplier is not for volumes, and not read")
+        if self.api.GetFiltersRel().GetTargets():
+            self.warn("its light filters are not rendered")
+        if self.prim.HasAPI(UsdLux.ShadowAPI):
+            for name, plain in (("color", Gf.Vec3f(0)), ("distance", -1.0), ("falloff", -1.0)):
+                if self.input("shadow:" + name) != plain:
+                    self.warn(f"shadow:{name} is not rendered")
+
+
+def dome_frame(matrix: Gf.Matrix4d) -> tuple[list[float], float]:
+    """(up, rotation) of a scene's dome whose frame is turned so. There the shortest turn from +y to `up` takes +z
+    along, and `rotation` turns from there towards +x."""
+    up = matrix.TransformDir(Gf.Vec3d(0, 1, 0)).GetNormalized()
+    middle = matrix.TransformDir(Gf.Vec3d(0, 0, 1)).GetNormalized()
+    if up[1] < -1 + 1e-9:  # upside down: half a turn about x
+        back = Gf.Rotation(Gf.Vec3d.XAxis(), 180)
+    else:
+        back = Gf.Rotation(up, Gf.Vec3d(0, 1, 0))
+    x, _, z = back.TransformDir(middle)
+    return numbers(up), math.degrees(math.atan2(x, z))
+
+
+_KINDS: list[tuple[type, Callable[[Light], dict]]] = [
+    (UsdLux.DistantLight, Light.distant),
+    (UsdLux.SphereLight, Light.sphere),
+    (UsdLux.RectLight, Light.rectangle),
+    (UsdLux.DiskLight, Light.disk),
+    (UsdLux.DomeLight, Light.dome),
+    (UsdLux.DomeLight_1, Light.dome),
+]
+
+
+def read(reading: Reading, item: Item, scale: float, sidecar: _own.Sidecar) -> tuple[dict, Light] | None:
+    """A [[light]]; None where it cannot be mapped, which is said. `scale`: the camera's exposure."""
+    prim = item.prim
+    if prim.IsA(UsdLux.LightFilter):
+        return None  # said where a light has it
+    kind = next((made for schema, made in _KINDS if prim.IsA(schema)), None)
+    if kind is None:
+        reading.warn(prim, f"lights of type {prim.GetTypeName() or 'none'} are not rendered")
+        return None
+    light = Light(reading, item, scale)
+    out = {"name": reading.names.of(prim.GetPath(), item.suffix), **kind(light), **light.colored()}
+    light.say_what_is_not()
+    if prim.HasAPI(UsdLux.ShadowAPI) and not light.input("shadow:enable"):
+        out["shadows"] = False
+    _own.merge(out, _own.attributes(reading, prim))
+    _own.merge(out, sidecar.of(prim))
+    return out, light

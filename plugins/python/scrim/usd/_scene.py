@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A stage at a frame as a scene: the whole of it, on one page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from pxr import Usd, UsdGeom, UsdVol
+
+from .._errors import InputError
+from . import _camera, _lights, _meshes, _own, _settings, _volumes
+from ._reading import Item, Messages, Options, Reading
+
+
+@dataclass
+class FrameScene:
+    """`crop`: x0, y0, x1, y1, where UsdRender asks for a part of the picture."""
+
+    scene: dict
+    crop: tuple[int, int, int, int] | None
+
+
+def _drawn(prim: Usd.Prim) -> bool:
+    return prim.IsA(UsdVol.Volume) or _meshes.is_solid(prim) or _lights.is_light(prim)
+
+
+def _link(reading: Reading, light: _lights.Light, name: str, lit: list[tuple[Item, dict]], solids: list[Item]) -> bool:
+    """lightLink as `lights` of volumes. Whether anything throws shadows, as shadowLink says."""
+    by_light, by_shadow = light.links()
+    for item, volume in lit:
+        if item.included(by_light) and name not in volume["lights"]:
+            volume["lights"].append(name)
+    casting = [item.included(by_shadow) for item in [i for i, _ in lit] + solids]
+    if any(casting) and not all(casting):
+        reading.warn(light.prim, "its shadowLink leaves out some solids or volumes; all of them throw shadows")
+    return any(casting)
+
+
+def _linked(reading: Reading, lights: list[tuple[dict, _lights.Light]], volumes: list, solids: list[Item]) -> None:
+    said = {volume["name"]: volume["lights"] for _, volume in volumes if "lights" in volume}
+    for _, volume in volumes:
+        volume["lights"] = []
+    for table, light in lights:
+        if not _link(reading, light, table["name"], volumes, solids):
+            table["shadows"] = False
+    for _, volume in volumes:
+        if volume["name"] in said:
+            volume["lights"] = said[volume["name"]]
+        elif len(volume["lights"]) == len(lights):
+            del volume["lights"]
+
+
+def scene_at(
+    stage: Usd.Stage, frame: float, options: Options, sidecar: _own.Sidecar, messages: Messages, folder: str
+) -> FrameScene:
+    reading = Reading(stage, frame, replace(options), messages, folder)
+    scene: dict = {"scene_version": 2}
+    settings = _settings.read(reading, scene)
+    camera = _camera.prim_of(reading, settings)
+    shutter = _camera.shutter_of(reading, camera, settings)
+    if shutter:
+        reading.open_shutter(*shutter)
+    scene["camera"], crop = _camera.read(reading, camera, settings)
+    exposure = _camera.exposure_scale(reading, camera)
+
+    volumes, lights, meshes, solids = [], [], [], []
+    for item in reading.items(_drawn):
+        if _lights.is_light(item.prim) and item.prim.IsA(UsdGeom.Gprim):
+            reading.warn(item.prim, "the light that it gives as a surface or a volume is not rendered")
+        if item.prim.IsA(UsdVol.Volume):
+            volume = _volumes.read(reading, item, exposure, sidecar)
+            if volume:
+                volumes.append((item, volume))
+        elif _lights.is_light(item.prim) and not item.prim.IsA(UsdGeom.Gprim):
+            light = _lights.read(reading, item, exposure, sidecar)
+            if light:
+                lights.append(light)
+        elif reading.options.meshes != "none":
+            mesh = _meshes.read(reading, item, sidecar)
+            if mesh:
+                meshes.append(mesh)
+                solids.append(item)
+    if not volumes:
+        raise InputError(f"the stage shows no volume at frame {frame:g}")
+    _linked(reading, lights, volumes, solids)
+    scene["volume"] = [volume for _, volume in volumes]
+    for name, tables in (("light", [table for table, _ in lights]), ("mesh", meshes)):
+        if tables:
+            scene[name] = tables
+    scene.setdefault("output", {}).setdefault("fps", float(stage.GetTimeCodesPerSecond()))
+    _own.merge(scene["camera"], sidecar.of(camera))
+    _own.merge(scene, sidecar.scene)
+    return FrameScene(scene, crop)

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: Apache-2.0
+"""A stage as a shot: a scene for each frame, rendered with the volumes that the last one loaded."""
+
+from __future__ import annotations
+
+import logging
+import os
+import tempfile
+from collections.abc import Callable, Mapping, Sequence
+
+from .. import _scrim, _toml
+from .._errors import UsageError
+from . import _own, _reading
+from ._scene import FrameScene, scene_at
+
+
+class Shot:
+    """A stage of OpenUSD, with all that its frames need: `scrim.usd.open`. As a `scrim.Shot` it does one thing at a
+    time."""
+
+    def __init__(
+        self,
+        path: str | os.PathLike[str],
+        overrides: Mapping[str, object] | Sequence[str] | None,
+        options: _reading.Options,
+        ocio: str | os.PathLike[str],
+        guarded: bool,
+    ) -> None:
+        self.path: str = os.fspath(path)
+        self._options = options
+        self._given = {"ocio": ocio, "guarded": guarded}
+        self._overrides = _toml.assignments(overrides)
+        self._stage = _reading.opened_stage(self.path)
+        self._sidecar = _own.Sidecar(options.sidecar)
+        self._sidecar.check(self._stage)
+        self._messages = _reading.Messages()
+        self._said = 0
+        self._folder = tempfile.TemporaryDirectory(prefix="scrim-usd-")
+        self._shot: _scrim.Shot | None = None
+        self._text = ""
+        self._job: _scrim.Job | None = None
+        self._read: tuple[int, FrameScene] | None = None
+
+    @property
+    def frames(self) -> list[int]:
+        """The whole time codes of the stage's range; [1] where it has none."""
+        return _reading.frames_of(self._stage)
+
+    @property
+    def warnings(self) -> list[str]:
+        """What could not be mapped, in the frames that were read so far: "PRIM: what, and what is done instead"."""
+        return list(self._messages.warnings)
+
+    @property
+    def notes(self) -> list[str]:
+        """What may be checked, in the frames that were read so far: the irradiance of distant lights."""
+        return list(self._messages.notes)
+
+    @property
+    def volumes(self) -> list[str]:
+        """Names of the volumes of the first frame."""
+        return [volume["name"] for volume in self.scene(self.frames[0])["volume"]]
+
+    def _at(self, frame: int) -> FrameScene:
+        if self._read is None or self._read[0] != frame:
+            folder = self._folder.name
+            made = scene_at(self._stage, frame, self._options, self._sidecar, self._messages, folder)
+            self._read = (frame, made)
+            log = logging.getLogger("scrim")
+            for line in self._messages.warnings[self._said :]:
+                log.warning("%s", line)
+            self._said = len(self._messages.warnings)
+        return self._read[1]
+
+    def scene(self, frame: int = 1) -> dict:
+        """The scene of a frame as a dict, without the overrides: for `scrim.loads`."""
+        return self._at(frame).scene
+
+    def crop(self, frame: int = 1) -> tuple[int, int, int, int] | None:
+        """x0, y0, x1, y1: the pixels that UsdRender's dataWindowNDC asks for; None for all."""
+        return self._at(frame).crop
+
+    def opened(self, frame: int = 1) -> _scrim.Shot:
+        """The `scrim.Shot` of a frame: the last one where the scene is the same."""
+        text = _toml.document(self._at(frame).scene)
+        if self._job is not None and not self._job.done:
+            raise UsageError(f"{self.path}: the shot is at work; wait for it, or open the stage once more")
+        if self._shot is None or text != self._text:
+            self._shot = _scrim.loads(
+                text,
+                self._overrides,
+                folder=os.path.dirname(os.path.abspath(self.path)),
+                name=self.path,
+                checked_frame=frame,
+                sharing=self._shot,
+                **self._given,
+            )
+            self._text = text
+        return self._shot
+
+    def _keywords(self, frame: int, keywords: dict) -> dict:
+        crop = self.crop(frame)
+        return {**({"crop": crop} if crop else {}), **keywords}
+
+    def render(
+        self, frame: int = 1, progress: Callable[[float], object] | None = None, **keywords: object
+    ) -> _scrim.Frame | None:
+        """Renders a frame: see `scrim.Shot.render`, whose keywords these are."""
+        return self.opened(frame).render(frame, progress, **self._keywords(frame, keywords))
+
+    def start(self, frame: int = 1, **keywords: object) -> _scrim.Job:
+        """Starts to render a frame, and returns at once: see `scrim.Shot.start`."""
+        self._job = self.opened(frame).start(frame, **self._keywords(frame, keywords))
+        return self._job
+
+    def plan(self, frame: int = 1, **keywords: object) -> _scrim.Plan:
+        """What rendering the frame would do: see `scrim.Shot.plan`."""
+        return self.opened(frame).plan(frame, **keywords)
+
+    def toml(self, frame: int = 1, overrides: Mapping[str, object] | Sequence[str] | None = None) -> str:
+        """The scene of a frame as TOML, with its overrides and these."""
+        return self.opened(frame).toml(overrides)
+
+    def __repr__(self) -> str:
+        return f"<scrim.usd.Shot '{self.path}'>"

@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: Apache-2.0
+"""UsdVol.Volume and its OpenVDBAssets as [[volume]].
+
+The transform of a field's prim places its grid, on top of the file's own: that from the world where the prim is below
+its Volume. A field elsewhere, which volumes may share, has its own transform alone before that of the Volume.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdVol
+
+from . import _motion, _own
+from ._reading import Item, Reading
+
+# What Storm shows of a volume without a material: albedo 0.18, to all sides.
+DEFAULT_ALBEDO = [0.18, 0.18, 0.18]
+_VELOCITIES = ("velocity", "vel", "v")
+_SHORT = ("emission", "blackbody", "albedo", "density", "velocity")  # tables that name a grid
+
+
+@dataclass
+class Field:
+    prim: Usd.Prim
+    file: str
+    grid: str
+    matrix: Callable[[float], Gf.Matrix4d]
+
+
+def _placed(reading: Reading, item: Item, prim: Usd.Prim) -> Callable[[float], Gf.Matrix4d]:
+    if prim.GetPath().HasPrefix(item.prim.GetPath()):
+
+        def below(time: float) -> Gf.Matrix4d:
+            matrix = reading.local_to_world(prim, time)
+            return matrix * item.within(time) if item.within else matrix
+
+        return below
+
+    def elsewhere(time: float) -> Gf.Matrix4d:
+        own = UsdGeom.Xformable(prim).GetLocalTransformation(Usd.TimeCode(time))
+        return Gf.Matrix4d(own) * reading.world(item, time)
+
+    return elsewhere
+
+
+def _field(reading: Reading, item: Item, channel: str, path: Sdf.Path) -> Field | None:
+    prim = reading.stage.GetPrimAtPath(path)
+    if not prim or not prim.IsA(UsdVol.OpenVDBAsset):
+        kind = prim.GetTypeName() if prim else "nothing"
+        reading.warn(item.prim, f"field '{channel}' is {path}, {kind} and no OpenVDBAsset, and not read")
+        return None
+    asset = UsdVol.OpenVDBAsset(prim)
+    file = reading.file(asset.GetFilePathAttr())
+    if not file:
+        reading.warn(prim, f"it has no file at frame {reading.frame:g}, and is not read")
+        return None
+    name = reading.get(asset.GetFieldNameAttr(), otherwise="")
+    index = reading.get(asset.GetFieldIndexAttr())
+    return Field(prim, file, name if index is None else f"{name}[{index}]", _placed(reading, item, prim))
+
+
+def _fields(reading: Reading, item: Item) -> dict[str, Field]:
+    paths = UsdVol.Volume(item.prim).GetFieldPaths()
+    read = {channel: _field(reading, item, channel, path) for channel, path in sorted(paths.items())}
+    return {channel: field for channel, field in read.items() if field}
+
+
+def _density(reading: Reading, item: Item, fields: dict[str, Field], wanted: str | None) -> str | None:
+    """The channel that is extinction."""
+    if not fields:
+        reading.warn(item.prim, "it has no field that can be read, and is not rendered")
+        return None
+    if wanted is not None:
+        named = [c for c, f in fields.items() if wanted in (c, f.grid)]
+        return named[0] if named else next(iter(fields))
+    if "density" in fields or len(fields) == 1:
+        return "density" if "density" in fields else next(iter(fields))
+    by_grid = [c for c, f in fields.items() if f.grid.split("[")[0] == "density"]
+    if len(by_grid) == 1:
+        return by_grid[0]
+    reading.warn(
+        item.prim,
+        f"none of its fields {', '.join(fields)} is called density, and it is not rendered; "
+        "scrim:density:grid says which is extinction",
+    )
+    return None
+
+
+class Mapping:
+    """One Volume of the stage at the frame."""
+
+    def __init__(self, reading: Reading, item: Item, fields: dict[str, Field], density: str) -> None:
+        self.reading, self.item, self.fields = reading, item, fields
+        self.first = fields[density]
+        self.used = {density}
+
+    def grid(self, name: str) -> str:
+        """A channel of the Volume, or a grid of its file, as the grid's name."""
+        field = self.fields.get(name)
+        if field is None or not self._reachable(name, field):
+            return name
+        self.used.add(name)
+        return field.grid
+
+    def _reachable(self, channel: str, field: Field) -> bool:
+        where = self.item.prim
+        if field.file != self.first.file:
+            self.reading.warn(where, f"field '{channel}' has another file than the density, and is not read")
+        elif not Gf.IsClose(field.matrix(self.reading.frame), self.first.matrix(self.reading.frame), 1e-9):
+            self.reading.warn(where, f"field '{channel}' stands elsewhere than the density, and is read where that is")
+            return True
+        else:
+            return True
+        return False
+
+    def name_grids(self, table: dict) -> None:
+        """Puts grids in the place of channels in what was said to Scrim."""
+        for key, value in table.items():
+            if not isinstance(value, dict):
+                continue
+            if key in _SHORT and isinstance(value.get("grid"), str):
+                value["grid"] = self.grid(value["grid"])
+            self.name_grids(value)
+
+    def velocity(self, own: dict) -> None:
+        channel = next((c for c in _VELOCITIES if c in self.fields), None)
+        if channel is None or "velocity" in own:
+            return
+        if len(self.reading.times) == 1:
+            self.used.add(channel)  # nothing moves: no shutter
+        elif self._reachable(channel, self.fields[channel]):
+            self.used.add(channel)
+            own["velocity"] = {"grid": self.fields[channel].grid, "unit": "second"}
+
+    def medium(self, own: dict) -> None:
+        if "classified" in own:
+            return
+        medium = own.setdefault("medium", {})
+        phase = medium.get("phase")
+        if isinstance(phase, dict) and "g" in phase:
+            phase.setdefault("type", "hg")
+        if not medium or ("albedo" not in medium and set(medium) <= {"scattering"}):
+            bound = UsdShade.MaterialBindingAPI(self.item.prim).ComputeBoundMaterial("full")[0]
+            material = f"material {bound.GetPath()} cannot be read; " if bound else ""
+            self.reading.warn(
+                self.item.prim,
+                f"{material}albedo 0.18, isotropic and extinction = grid value are taken, unless scrim:albedo, "
+                "scrim:g, scrim:density:scale or a side-car say what it is made of",
+            )
+        if not isinstance(medium.get("albedo"), (list, dict)):
+            grey = medium.get("albedo")
+            medium["albedo"] = list(DEFAULT_ALBEDO) if grey is None else [float(grey)] * 3
+
+    def read(self, own: dict) -> dict:
+        self.name_grids(own)
+        self.velocity(own)
+        self.medium(own)
+        out = {"name": self.reading.names.of(self.item.prim.GetPath(), self.item.suffix), "file": self.first.file}
+        place = _motion.transform(self.reading, self.item, self.first.matrix)
+        if place:
+            out["transform"] = place
+        out["density"] = {"grid": self.first.grid} if self.first.grid else {}
+        _own.merge(out, own)
+        for channel in self.fields:
+            if channel not in self.used:
+                self.reading.warn(
+                    self.item.prim,
+                    f"field '{channel}' is not used; scrim:emission:grid or scrim:blackbody:grid = \"{channel}\" "
+                    "would say what it is",
+                )
+        return out
+
+
+def _scale_by(medium: dict, key: str, name: str, factor: float) -> None:
+    table = medium.get(key)
+    if isinstance(table, dict):
+        table[name] = table.get(name, 1.0) * factor
+
+
+def read(reading: Reading, item: Item, exposure: float, sidecar: _own.Sidecar) -> dict | None:
+    """A [[volume]]; None where it cannot be mapped, which is said."""
+    own = _own.attributes(reading, item.prim, of_volume=True)
+    _own.merge(own, sidecar.of(item.prim, of_volume=True))
+    fields = _fields(reading, item)
+    wanted = own.get("density", {}).get("grid") if isinstance(own.get("density"), dict) else None
+    density = _density(reading, item, fields, wanted)
+    if density is None:
+        return None
+    if abs(fields[density].matrix(reading.frame).GetDeterminant()) < 1e-30:
+        reading.warn(item.prim, "its transform makes it flat, and it is not rendered")
+        return None
+    out = Mapping(reading, item, fields, density).read(own)
+    if exposure != 1 and isinstance(out.get("medium"), dict):  # what glows, as the camera exposes it
+        _scale_by(out["medium"], "emission", "scale", exposure)
+        _scale_by(out["medium"], "blackbody", "intensity", exposure)
+    return out
