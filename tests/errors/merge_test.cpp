@@ -153,15 +153,17 @@ TEST_F(Merge, ThreadsAreThoseOfTheJob) {
         return nlohmann::json::parse(stream).at(0).at("threads").get<int>();
     };
     const auto job = [](const std::string& text) {
-        return ProgramOptions{.environment = {{"SLURM_CPUS_PER_TASK", text}}};
+        ProgramOptions options;
+        options.environment = {{"SLURM_CPUS_PER_TASK", text}};
+        return options;
     };
     EXPECT_EQ(threadsOf({}, job("1")), 1);
     const int all = threadsOf({}, {});
     EXPECT_EQ(threadsOf({}, job("no number")), all);
     EXPECT_EQ(threadsOf({"--threads", "0"}, job("1")), all);
-    EXPECT_EQ(
-        threadsOf({}, {.shell = "exec taskset -c \"$(taskset -cp $$ | sed 's/.*: //; s/[-,].*//')\" \"$0\" \"$@\""}),
-        1);
+    ProgramOptions bound;
+    bound.shell = "exec taskset -c \"$(taskset -cp $$ | sed 's/.*: //; s/[-,].*//')\" \"$0\" \"$@\"";
+    EXPECT_EQ(threadsOf({}, bound), 1);
 }
 
 }  // namespace

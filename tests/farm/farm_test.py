@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """scrim-submit without a farm: what it resolves, what an exit status makes of a task, what is submitted anew."""
+import contextlib
+import io
 import json
 import os
 import stat
@@ -13,7 +15,7 @@ FARM = os.path.join(HERE, "..", "..", "plugins", "farm")
 sys.path.insert(0, FARM)
 from scrim_farm import slurm  # noqa: E402
 from scrim_farm.job import FarmError, Job, Task, at_frame, crops_of, frames_text, parse_frames, result_of  # noqa: E402
-from scrim_farm.shot import render_block, resolved_sets  # noqa: E402
+from scrim_farm.shot import picture_of, render_block, resolved_sets  # noqa: E402
 from scrim_farm.status import next_tasks  # noqa: E402
 
 SCRIM = os.environ.get("SCRIM", "scrim")
@@ -68,6 +70,10 @@ class Texts(unittest.TestCase):
         self.assertEqual(resolved_sets("", given, ""), [])
         self.assertEqual(resolved_sets("", given, "avx512"), ['render.simd="avx512"'])
 
+    def test_the_picture_has_pixels_and_not_rays(self):
+        effects = [{"name": "shadows", "reason": "of 'key'"}, {"name": "antialiasing", "reason": "3 x 3 rays a pixel"}]
+        self.assertEqual(picture_of({"region": [-6, -6, 966, 726], "effects": effects}), [-2, -2, 322, 242])
+
     def test_an_exit_status_says_what_becomes_of_a_task(self):
         wanted = {0: "done", 1: "fatal", 2: "fatal", 3: "fatal", 4: "retry", 5: "warned", 33: "memory",
                   130: "cancelled", 143: "cancelled", -15: "cancelled", 137: "lost", -9: "lost", 139: "crashed", -11: "crashed"}
@@ -91,7 +97,7 @@ class Folder(unittest.TestCase):
         with open(scene, "w", encoding="utf-8") as out:
             out.write("")
         self.data = {
-            "name": "shot", "scrim": fake, "scene": scene, "frames": [1, 2, 3, 4], "chunk": 1, "arguments": [],
+            "name": "shot", "on": "slurm", "scrim": fake, "scene": scene, "frames": [1, 2, 3, 4], "chunk": 1, "arguments": [],
             "digest": "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", "crops": [[0, 0, 9, 9]],
             "output": os.path.join(self.folder, "out", "a.####.exr"), "deep": "", "preview": "",
             "merge_compression": "", "memory": 1 << 30, "most_memory": 4 << 30, "cpus": 1, "retries": 2, "pause": 0,
@@ -186,7 +192,9 @@ class Folder(unittest.TestCase):
 
     def test_arrays_are_no_larger_than_slurm_allows(self):
         job = self.job(frames=list(range(1, 1502)), crops=[[0, 0, 4, 9], [4, 0, 9, 9]])
-        self.assertEqual(slurm.submit_first(job, True), [
+        with contextlib.redirect_stdout(io.StringIO()):
+            ids = slurm.submit_first(job, True)
+        self.assertEqual(ids, [
             "<r1-render-tile0>", "<r1-render-tile1>", "<r1-merge>", "<r1-render-tile0-part1>",
             "<r1-render-tile1-part1>", "<r1-merge-part1>", "<r1-check>"])
         self.assertEqual(slurm.task_of(job, "r1-merge-part1", 0)[0], Task("merge", (1001,)))

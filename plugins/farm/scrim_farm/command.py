@@ -13,7 +13,7 @@ from .task import run_task
 
 EPILOG = """examples:
   scrim-submit plume.toml --frames 1-240 --tiles 2x2 --on slurm
-  scrim-submit plume.toml --frames 1-240 --on openjd && openjd run plume.farm/bundle/template.json --step Render
+  scrim-submit plume.toml --frames 1-240 --on openjd && openjd run plume.farm/template.json --step Check --run-dependencies
   scrim-submit --status plume.farm
   scrim-submit --resume plume.farm"""
 

@@ -41,31 +41,30 @@ def template_of(job, python):
     steps.append({"name": "Check", "dependencies": [{"dependsOn": steps[-1]["name"]}],
                   "script": {"actions": {"onRun": action(["--status", "{{Param.Folder}}"], timeout)}}})
 
-    def path(name, kind, flow, default, text):
-        return {"name": name, "type": "PATH", "objectType": kind, "dataFlow": flow, "default": default,
-                "description": text}
+    def text(name, default, what):
+        return {"name": name, "type": "STRING", "default": default, "description": what}
 
     return {
         "specificationVersion": "jobtemplate-2023-09", "extensions": ["TASK_CHUNKING"], "name": job["name"],
         "parameterDefinitions": [
-            {"name": "Frames", "type": "STRING", "default": frames_text(job["frames"]), "description": "frames to do"},
-            path("Folder", "DIRECTORY", "INOUT", job.folder, "the folder of the job"),
-            path("Submit", "FILE", "NONE", PROGRAM, "scrim-submit on the workers"),
-            path("Python", "FILE", "NONE", python, "Python on the workers, 3.11 or later"),
+            text("Frames", frames_text(job["frames"]), "frames to do"),
+            # Relative to the template, as the specification wants it.
+            {"name": "Folder", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT", "default": ".",
+             "description": "the folder of the job"},
+            text("Submit", PROGRAM, "scrim-submit on the workers"),
+            text("Python", python, "Python on the workers, 3.11 or later"),
         ],
         "steps": steps,
     }
 
 
 def write_bundle(job, python):
-    """Returns the files."""
-    folder = job.path("bundle")
-    os.makedirs(folder, exist_ok=True)
+    """The folder of the job is the bundle, since paths of a template may not leave its folder. Returns the files."""
     files = {"template.json": template_of(job, python),
              "parameter_values.json": {"parameterValues": [{"name": "Frames", "value": frames_text(job["frames"])}]},
              "asset_references.json": {"assetReferences": {
                  "inputs": {"filenames": [job["scene"]], "directories": [os.path.dirname(job["scene"])]},
                  "outputs": {"directories": sorted({os.path.dirname(p) for p in (job["output"], job["deep"]) if p})}}}}
     for name, content in files.items():
-        write_json(os.path.join(folder, name), content)
-    return [os.path.join(folder, name) for name in files]
+        write_json(job.path(name), content)
+    return [job.path(name) for name in files]

@@ -62,6 +62,20 @@ def resolved_sets(plan, scene, simd):
     return [f"render.{key}={value}" for key, value in sets.items()]
 
 
+def picture_of(plan):
+    """The pixels of the picture, with its overscan: x0, y0, x1, y1, of `scrim plan --json`, which has rays."""
+    reasons = [effect["reason"] for effect in plan["effects"] if effect["name"] == "antialiasing"]
+    rays = int(re.match(r"(\d+) x \1 rays a pixel", reasons[0])[1])
+    return [edge // rays for edge in plan["region"]]
+
+
+def memory_of(crops, plan_of):
+    """For a task: what the plan of the tile in the middle needs, the grids thrice, since a child reads the next frame's
+    meanwhile, and a reserve."""
+    plan = plan_of("--crop=" + ",".join(map(str, crops[len(crops) // 2])))
+    return int((plan["plan"]["bytes"] + 3 * plan["field_bytes"]) / 0.85) + GIB // 2
+
+
 def output_of(scene, key, folder, default):
     """The pattern that the scene gives, from the root of the file system on."""
     pattern = scene.get("output", {}).get(key, default)
@@ -123,9 +137,15 @@ def make_job(options):
     plan = run_scrim([scrim, "plan", scene_path, *arguments, "--frames", str(frames[0])])
     for value in resolved_sets(plan, scene, options.simd):
         arguments += ["--set", value]
-    planned = json.loads(run_scrim([scrim, "plan", scene_path, *arguments, "--frames", str(frames[0]), "--json"]))
-    if not planned:
-        raise FarmError(f"frame {frames[0]} has no files; begin with one that has", 3)
+
+    def plan_of(*more):
+        planned = json.loads(run_scrim([scrim, "plan", scene_path, *arguments, "--frames", str(frames[0]), "--json",
+                                        *more]))
+        if not planned:
+            raise FarmError(f"frame {frames[0]} has no files; begin with one that has", 3)
+        return planned[0]
+
+    crops = crops_of(picture_of(plan_of()["plan"]), int(tiles[1]), int(tiles[2]))
 
     here = os.path.dirname(asset_path if asset else scene_path)
     output = os.path.abspath(options.output) if options.output else output_of(
@@ -135,15 +155,15 @@ def make_job(options):
     for pattern in filter(None, (output, deep, preview)):
         if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
             raise FarmError(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
-    bytes_needed = 2 * (planned[0]["plan"]["bytes"] + planned[0]["field_bytes"]) + GIB // 2
+    bytes_needed = memory_of(crops, plan_of)
     memory = parse_size(options.memory) if options.memory else bytes_needed
     with open(scene_path, "rb") as text:
         digest = hashlib.sha256(text.read()).hexdigest()
     compression = scene.get("output", {}).get("compression", "zip")
     job = {
-        "name": os.path.splitext(os.path.basename(folder))[0], "scrim": scrim, "scene": scene_path, "digest": digest,
+        "name": os.path.splitext(os.path.basename(folder))[0], "on": options.on, "scrim": scrim, "scene": scene_path, "digest": digest,
         "arguments": arguments, "frames": frames, "chunk": options.chunk,
-        "crops": crops_of(planned[0]["plan"]["region"], int(tiles[1]), int(tiles[2])),
+        "crops": crops,
         "output": output, "deep": deep, "preview": preview,
         # What a tile loses by compression the whole would lose again.
         "merge_compression": compression if compression == "dwaa" else "",

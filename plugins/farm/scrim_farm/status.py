@@ -60,7 +60,10 @@ def print_status(job):
     for text, frames in sorted(warnings_of(job, attempts).items()):
         print(f"  warning: frames {frames_text(frames)}: {text}")
     if len(there) < len(job["frames"]):
-        print(f"scrim-submit --resume {job.folder} submits what is missing")
+        if job["on"] == "slurm":
+            print(f"scrim-submit --resume {job.folder} submits what is missing")
+        else:
+            print(f"{job.path('template.json')}, run again, does what is missing")
         return 1
     return 0
 

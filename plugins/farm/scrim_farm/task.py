@@ -138,6 +138,8 @@ def run_task(job, task, memory=0, progress="none"):
         status = do_merge(job, task, runner)
     else:
         status = runner.run(render_command(job, task, memory, progress))
+    if runner.stopped and not runner.last:  # told twice to stop, scrim says nothing
+        runner.last = f"stopped by {signal.Signals(runner.stopped).name}"
     attempt |= {"ended": time.time(), "status": status, "result": result_of(status), "last": runner.last}
     job.note(task, attempt)
     job.log(f"{task.key} {name} on {attempt['host']}: status {status}, {attempt['result']}: {runner.last}")
