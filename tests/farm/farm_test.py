@@ -55,7 +55,7 @@ class Texts(unittest.TestCase):
         self.assertEqual(sum((c[2] - c[0]) * (c[3] - c[1]) for c in crops), 67 * 41)
         self.assertEqual([crops[0][:2], crops[-1][2:]], [[-2, -1], [65, 40]])
         self.assertTrue(all((edge - corner) % 16 == 0 for c in crops[:1] for edge, corner in ((c[2], -2), (c[3], -1))))
-        with self.assertRaisesRegex(FarmError, "--tiles 3x2: a picture of 20 x 40 pixels has no tiles of at least 16 x 16"):
+        with self.assertRaisesRegex(FarmError, "--tiles 3x2: a picture of 20 x 40 pixels has no tiles of at least 16"):
             crops_of([0, 0, 20, 40], 3, 2)
 
     def test_what_tasks_would_choose_is_resolved(self):
@@ -76,7 +76,8 @@ class Texts(unittest.TestCase):
 
     def test_an_exit_status_says_what_becomes_of_a_task(self):
         wanted = {0: "done", 1: "fatal", 2: "fatal", 3: "fatal", 4: "retry", 5: "warned", 33: "memory",
-                  130: "cancelled", 143: "cancelled", -15: "cancelled", 137: "lost", -9: "lost", 139: "crashed", -11: "crashed"}
+                  130: "cancelled", 143: "cancelled", -15: "cancelled", 137: "lost", -9: "lost", 139: "crashed",
+                  -11: "crashed"}
         self.assertEqual({status: result_of(status) for status in wanted}, wanted)
 
 
@@ -97,7 +98,8 @@ class Folder(unittest.TestCase):
         with open(scene, "w", encoding="utf-8") as out:
             out.write("")
         self.data = {
-            "name": "shot", "on": "slurm", "scrim": fake, "scene": scene, "frames": [1, 2, 3, 4], "chunk": 1, "arguments": [],
+            "name": "shot", "on": "slurm", "scrim": fake, "scene": scene,
+            "frames": [1, 2, 3, 4], "chunk": 1, "arguments": [],
             "digest": "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", "crops": [[0, 0, 9, 9]],
             "output": os.path.join(self.folder, "out", "a.####.exr"), "deep": "", "preview": "",
             "merge_compression": "", "memory": 1 << 30, "most_memory": 4 << 30, "cpus": 1, "retries": 2, "pause": 0,
@@ -112,9 +114,11 @@ class Folder(unittest.TestCase):
         """Runs a task in a process of its own, as farms do, once for each status."""
         with open(os.path.join(self.folder, "statuses"), "w", encoding="utf-8") as out:
             out.write(" ".join(map(str, statuses)))
-        code = (f"import sys; sys.path.insert(0, {FARM!r})\nfrom scrim_farm.job import *\nfrom scrim_farm.task import *\n"
+        code = (f"import sys; sys.path.insert(0, {FARM!r})\n"
+                "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
                 f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
-        return [subprocess.run([sys.executable, "-B", "-c", code], capture_output=True, check=False, timeout=60).returncode
+        command = [sys.executable, "-B", "-c", code]
+        return [subprocess.run(command, capture_output=True, check=False, timeout=60).returncode
                 for _ in statuses]
 
     def next(self, job):
@@ -123,8 +127,8 @@ class Folder(unittest.TestCase):
                 {t.frames[0]: text for t, text in given_up})
 
     def status(self):
-        done = subprocess.run([os.path.join(FARM, "scrim-submit"), "--status", self.folder], capture_output=True, text=True,
-                              check=False, timeout=60)
+        done = subprocess.run([os.path.join(FARM, "scrim-submit"), "--status", self.folder], capture_output=True,
+                              text=True, check=False, timeout=60)
         return done.returncode, done.stdout
 
     def test_statuses_are_done_warned_retried_or_fatal(self):
@@ -209,8 +213,8 @@ class Command(unittest.TestCase):
                           'source = "noise"\nparameters = { resolution = 16 }\n')
             with open(os.path.join(folder, "bad.toml"), "w", encoding="utf-8") as out:
                 out.write("[camera]\ntype = 3\n")
-            done = subprocess.run([os.path.join(FARM, "scrim-submit"), *arguments], capture_output=True, text=True, cwd=folder,
-                                  check=False, timeout=120)
+            done = subprocess.run([os.path.join(FARM, "scrim-submit"), *arguments], capture_output=True, text=True,
+                                  cwd=folder, check=False, timeout=120)
         self.assertIn(text, done.stderr)
         self.assertEqual(done.returncode, status, done.stderr)
 
@@ -220,13 +224,15 @@ class Command(unittest.TestCase):
         self.refuses(["a.toml", "--frames", "1-3"], 2, "expected --on slurm or --on openjd")
         self.refuses(["a.toml", *on], 2, "expected --frames 1-240")
         self.refuses(["a.toml", "--frames", "1:3", *on], 2, "--frames 1:3: expected a range such as 1-48x2,60")
-        self.refuses(["a.toml", "--frames", "1", "--tiles", "2", *on], 2, "--tiles 2: expected COLUMNSxROWS, such as 2x2")
+        self.refuses(["a.toml", "--frames", "1", "--tiles", "2", *on], 2,
+                     "--tiles 2: expected COLUMNSxROWS, such as 2x2")
         self.refuses(["b.toml", "--frames", "1", *on], 3, "there is no scene b.toml")
         self.refuses(["a.toml", "--frames", "1", "--on", "slurm", "--scrim", "scram"], 2, "there is no program 'scram'")
         self.refuses(["--status", "."], 2, ". is no folder of a job: ")
         self.refuses(["bad.toml", "--frames", "1", *on], 3, "bad.toml:2:8: 'type' is 3; expected '")
         self.refuses(["a.toml", "--frames", "1-2", "-o", "a.exr", *on], 2, "put #### into its name")
-        self.refuses(["a.toml", "--frames", "1", "--tiles", "40x1", *on], 2, "--tiles 40x1: a picture of 32 x 24 pixels has no tiles of")
+        self.refuses(["a.toml", "--frames", "1", "--tiles", "40x1", *on], 2,
+                     "--tiles 40x1: a picture of 32 x 24 pixels has no tiles of")
         self.refuses(["a.toml", "--frames", "1", "--tiles", "2x1", "--set", "render.tolerance=0.01", *on], 2,
                      "a tolerance is searched for picture by picture")
         self.refuses(["a.toml", "--frames", "1", "--memory", "8 GB", *on], 2,

@@ -107,13 +107,21 @@ strike() {
     shift
     for task in "$@"; do
         pid="$(program_of "$task")" || continue
+        # Held, so that it cannot be done by then; whoever has its last picture is left alone.
+        kill -STOP "$pid" 2>/dev/null || continue
+        if [ -e "$job/tiles/${task: -1}/flat.$(printf %06d "$(cut -d- -f3 <<<"$task")").exr" ]; then
+            kill -CONT "$pid"
+            continue
+        fi
         case "$fault" in
             program) kill -KILL "$pid" ;;
             task) kill -KILL "$(field "$(state "$task")" pid)" "$pid" ;;
             requeue) scontrol requeue "$(field "$(state "$task")" job)" ;;
             cancel) scancel "$(field "$(state "$task")" job)" ;;
             stop) kill "$(field "$(state "$task")" pid)" ;;
-        esac && struck="$task" && return 0
+        esac && struck="$task"
+        kill -CONT "$pid" 2>/dev/null || true
+        [ "${struck:-}" != "$task" ] || return 0
     done
     return 1
 }
@@ -147,6 +155,7 @@ mapfile -t given < <(sed -n 's/^for every task: //p' submitted.txt | tr ' ' '\n'
 [ ${#given[@]} -ge 8 ] || fail "too little was resolved: ${given[*]}"
 
 until_it 120 "a task to kill" strike program render-{1,2,3}-{1,2,3}-tile{0,1}
+killed="$struck"
 fault "SIGKILL for the program"
 until_it 120 "a task to requeue" strike requeue render-{4,6}-{4,6}-tile{0,1}
 requeued="$struck"
@@ -157,6 +166,8 @@ fault "SIGKILL for the whole task"
 until_it 120 "a task to cancel" strike cancel render-{11,12}-{11,12}-tile{0,1}
 cancelled="$struck"
 fault "scancel"
+# Slurm waits two minutes before it starts a requeued job.
+until_it 60 "the requeued task to be pending" scontrol update "JobId=$(field "$(state "$requeued")" job)" StartTime=now
 until_it 300 "the merge of frame 7 to fail" grep -q '"retry"' "$(state merge-7-7)"
 rmdir out/plume.0007.exr
 until_it 600 "the end" idle
@@ -168,11 +179,13 @@ timeout 60 "$submit" --status "$job" >status.txt || status=$?
 cat status.txt
 [ "$status" -eq 1 ] || fail "a task was cancelled, and --status says $status"
 grep -q '11 of 12 frames are there' status.txt || fail "not all other frames are there"
-grep -Eq "missing: frames $(cut -d- -f2 <<<"$cancelled"), tile ${cancelled: -1}: cancelled, attempt 1: .*SIGTERM" status.txt || fail "it does not say why"
+grep -Eq "missing: frames $(cut -d- -f2 <<<"$cancelled"), tile ${cancelled: -1}: cancelled, attempt 1: " status.txt || fail "it does not say why"
 grep -q 'status 33, memory' "$job/log/farm.log" || fail "no task lacked memory"
 grep -q 'status 137, lost: killed by SIGKILL' "$job/log/farm.log" || fail "no task was killed"
 grep -Eq '"restarts": 1' "$(state "$requeued")" || fail "no task was requeued"
 grep -q '"running"' "$(state "$lost")" || fail "no task was lost"
+grep -q "again: $killed with 720 MB" "$job/log/farm.log" || fail "what was killed was not tried again"
+grep -q "again: $lost with 360 MB" "$job/log/farm.log" || fail "what was lost was not tried again"
 grep -q 'again: render-5-5-tile0 with 720 MB' "$job/log/farm.log" || fail "no task got more memory"
 grep -q 'JobState=' "$job/log/faults.log" || fail "Slurm's own words were not kept"
 timeout 60 "$submit" --resume "$job"

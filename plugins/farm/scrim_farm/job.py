@@ -15,7 +15,8 @@ class FarmError(Exception):
         self.status = status
 
 
-# What an exit status of scrim means here. `lost`: killed from outside, by the kernel for want of memory as often as not.
+# What an exit status of scrim means here. `lost`: killed from outside, often by the kernel for want
+# of memory.
 RESULTS = {0: "done", 1: "fatal", 2: "fatal", 3: "fatal", 4: "retry", 5: "warned", 33: "memory", 130: "cancelled",
            143: "cancelled", 137: "lost"}
 DONE = ("done", "warned")

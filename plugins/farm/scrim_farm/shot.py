@@ -84,7 +84,8 @@ def output_of(scene, key, folder, default):
     if not pattern:
         return ""
     if re.search(r"\$(?!F\d?)", pattern):
-        raise FarmError(f"the scene's output.{key} is '{pattern}'; a farm may have other variables: give it as an option")
+        raise FarmError(f"the scene's output.{key} is '{pattern}'; a farm may have other variables: give it as an "
+                        "option")
     return os.path.normpath(os.path.join(folder, pattern))
 
 
@@ -100,71 +101,91 @@ def arguments_of(options):
     return arguments
 
 
-def make_job(options):
-    """The folder of a new job, whose tasks are not submitted yet."""
+def check_options(options):
+    """Returns the program, columns and rows of tiles, frames, and the folder of the job."""
     if not options.frames:
         raise FarmError("expected --frames 1-240")
     scrim = shutil.which(options.scrim)
     if scrim is None:
         raise FarmError(f"there is no program '{options.scrim}'; --scrim PATH names it")
-    scrim = os.path.abspath(scrim)
-    scene_path = os.path.abspath(options.scene)
-    if not os.path.isfile(scene_path) and scene_path.endswith(".toml"):
+    if not os.path.isfile(options.scene) and options.scene.endswith(".toml"):
         raise FarmError(f"there is no scene {options.scene}", 3)
     tiles = re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", options.tiles)
     if not tiles:
         raise FarmError(f"--tiles {options.tiles}: expected COLUMNSxROWS, such as 2x2")
     frames = parse_frames(options.frames)
-    folder = os.path.abspath(options.folder or os.path.splitext(os.path.basename(scene_path))[0].replace("#", "") + ".farm")
+    folder = os.path.abspath(options.folder or stem_of(options.scene) + ".farm")
     if os.path.exists(os.path.join(folder, "job.json")):
         raise FarmError(f"{folder} holds a job already; --resume {folder} goes on with it, --folder names another one")
-    for name in ("", "state", "log", "tiles", "submitted"):
-        os.makedirs(os.path.join(folder, name), exist_ok=True)
+    return os.path.abspath(scrim), (int(tiles[1]), int(tiles[2])), frames, folder
 
-    arguments = arguments_of(options)
-    asset = not scene_path.endswith(".toml")
-    if asset:  # its scene is made here, so that all frames are framed alike
-        more = (["--up", options.up] if options.up else []) + ["--frames", str(frames[0])]
-        text = run_scrim([scrim, "render", scene_path, *more, *arguments, "--print-scene"])
-        asset_path, scene_path, arguments = scene_path, os.path.join(folder, "shot.toml"), []
-        with open(scene_path, "w", encoding="utf-8") as out:
+
+def stem_of(path):
+    return os.path.splitext(os.path.basename(path))[0].replace("#", "").rstrip(".")
+
+
+class Shot:
+    """The scene of a job, with all that is resolved of it."""
+
+    def __init__(self, options, scrim, frame, folder):
+        self.scrim, self.frame = scrim, str(frame)
+        self.path, self.arguments = os.path.abspath(options.scene), arguments_of(options)
+        self.folder = os.path.dirname(self.path)  # that its pictures are relative to
+        if not self.path.endswith(".toml"):
+            self._frame_asset(options, os.path.join(folder, "shot.toml"))
+        self.scene = tomllib.loads(self._ask("render", "--print-scene"))
+        if "tolerance" in self.scene.get("render", {}) and options.tiles != "1x1":
+            raise FarmError("a tolerance is searched for picture by picture, so tiles of it would not fit together; "
+                            "choose --tiles 1x1 or a preset: --set 'render.quality=\"standard\"'")
+        for value in resolved_sets(self._ask("plan"), self.scene, options.simd):
+            self.arguments += ["--set", value]
+
+    def _ask(self, command, *more):
+        return run_scrim([self.scrim, command, self.path, *self.arguments, "--frames", self.frame, *more])
+
+    def _frame_asset(self, options, path):
+        """An asset's scene is made here, so that all frames are framed alike."""
+        text = self._ask("render", *(["--up", options.up] if options.up else []), "--print-scene")
+        with open(path, "w", encoding="utf-8") as out:
             out.write(text)
-    printed = run_scrim([scrim, "render", scene_path, *arguments, "--frames", str(frames[0]), "--print-scene"])
-    scene = tomllib.loads(printed)
-    if "tolerance" in scene.get("render", {}) and options.tiles != "1x1":
-        raise FarmError("a tolerance is searched for picture by picture, so tiles of it would not fit together; "
-                        "choose --tiles 1x1 or a preset: --set 'render.quality=\"standard\"'")
-    plan = run_scrim([scrim, "plan", scene_path, *arguments, "--frames", str(frames[0])])
-    for value in resolved_sets(plan, scene, options.simd):
-        arguments += ["--set", value]
+        self.path, self.arguments = path, []
 
-    def plan_of(*more):
-        planned = json.loads(run_scrim([scrim, "plan", scene_path, *arguments, "--frames", str(frames[0]), "--json",
-                                        *more]))
+    def plan(self, *more):
+        planned = json.loads(self._ask("plan", "--json", *more))
         if not planned:
-            raise FarmError(f"frame {frames[0]} has no files; begin with one that has", 3)
+            raise FarmError(f"frame {self.frame} has no files; begin with one that has", 3)
         return planned[0]
 
-    crops = crops_of(picture_of(plan_of()["plan"]), int(tiles[1]), int(tiles[2]))
+    def digest(self):
+        with open(self.path, "rb") as text:
+            return hashlib.sha256(text.read()).hexdigest()
 
-    here = os.path.dirname(asset_path if asset else scene_path)
-    output = os.path.abspath(options.output) if options.output else output_of(
-        scene, "file", here, os.path.join(os.getcwd(), os.path.splitext(os.path.basename(options.scene))[0] + ".####.exr"))
-    deep = os.path.abspath(options.deep) if options.deep else output_of(scene, "deep", here, "")
-    preview = output_of(scene, "preview", here, "")
-    for pattern in filter(None, (output, deep, preview)):
-        if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
-            raise FarmError(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
-    bytes_needed = memory_of(crops, plan_of)
-    memory = parse_size(options.memory) if options.memory else bytes_needed
-    with open(scene_path, "rb") as text:
-        digest = hashlib.sha256(text.read()).hexdigest()
-    compression = scene.get("output", {}).get("compression", "zip")
+    def outputs(self, options, frames):
+        """Patterns of the flat, the deep and the preview pictures; "" where there are none."""
+        usual = os.path.join(os.getcwd(), stem_of(options.scene) + ".####.exr")
+        output = os.path.abspath(options.output or output_of(self.scene, "file", self.folder, usual))
+        deep = os.path.abspath(options.deep) if options.deep else output_of(self.scene, "deep", self.folder, "")
+        preview = output_of(self.scene, "preview", self.folder, "")
+        for pattern in filter(None, (output, deep, preview)):
+            if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
+                raise FarmError(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
+        return output, deep, preview
+
+
+def make_job(options):
+    """The folder of a new job, whose tasks are not submitted yet."""
+    scrim, tiles, frames, folder = check_options(options)
+    for name in ("", "state", "log", "tiles", "submitted"):
+        os.makedirs(os.path.join(folder, name), exist_ok=True)
+    shot = Shot(options, scrim, frames[0], folder)
+    crops = crops_of(picture_of(shot.plan()["plan"]), *tiles)
+    output, deep, preview = shot.outputs(options, frames)
+    memory = parse_size(options.memory) if options.memory else memory_of(crops, shot.plan)
+    compression = shot.scene.get("output", {}).get("compression", "zip")
     job = {
-        "name": os.path.splitext(os.path.basename(folder))[0], "on": options.on, "scrim": scrim, "scene": scene_path, "digest": digest,
-        "arguments": arguments, "frames": frames, "chunk": options.chunk,
-        "crops": crops,
-        "output": output, "deep": deep, "preview": preview,
+        "name": os.path.splitext(os.path.basename(folder))[0], "on": options.on,
+        "scrim": scrim, "scene": shot.path, "digest": shot.digest(), "arguments": shot.arguments,
+        "frames": frames, "chunk": options.chunk, "crops": crops, "output": output, "deep": deep, "preview": preview,
         # What a tile loses by compression the whole would lose again.
         "merge_compression": compression if compression == "dwaa" else "",
         "memory": memory, "most_memory": parse_size(options.most_memory) if options.most_memory else 16 * memory,

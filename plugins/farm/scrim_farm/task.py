@@ -126,8 +126,8 @@ def run_task(job, task, memory=0, progress="none"):
     memory = memory or job["memory"]
     array = os.environ.get("SLURM_ARRAY_JOB_ID")
     name = f"{array}_{os.environ.get('SLURM_ARRAY_TASK_ID')}" if array else os.environ.get("SLURM_JOB_ID", "")
-    attempt = {"started": time.time(), "result": "running", "memory": memory, "host": platform.node(), "job": name, "pid": os.getpid(),
-               "restarts": int(os.environ.get("SLURM_RESTART_COUNT", "0"))}
+    attempt = {"started": time.time(), "result": "running", "memory": memory, "host": platform.node(), "job": name,
+               "pid": os.getpid(), "restarts": int(os.environ.get("SLURM_RESTART_COUNT", "0"))}
     runner = Runner()
     job.note(task, attempt)
     problem = machine_problem(job)
