@@ -7,6 +7,7 @@
 #include "info_command.h"
 #include "interrupt.h"
 #include "make_command.h"
+#include "merge_command.h"
 #include "options.h"
 #include "plan_command.h"
 #include "render_command.h"
@@ -14,6 +15,7 @@
 
 #include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
+#include <scrim/image/exr.h>
 #include <scrim/image/versions.h>
 #include <scrim/scene/frame_range.h>
 #include <scrim/scene/nearest_name.h>
@@ -78,6 +80,7 @@ struct CommandLine {
     SceneOptions render, plan, study, bake;
     InfoOptions info;
     MakeOptions make;
+    MergeOptions merge;
     HelpOptions help;
 
     CommandLine() {
@@ -89,6 +92,7 @@ struct CommandLine {
         addBake();
         addInfo();
         addMake();
+        addMerge();
         addHelp();
     }
 
@@ -131,12 +135,24 @@ struct CommandLine {
         command->add_option("source", make.source, "name of the source")->type_name("SOURCE");
         command->add_option("parameters", make.parameters, "values in place of the defaults")->type_name("KEY=VALUE");
         command->add_option("-o,--output", make.output, "file to write")->type_name("OUT.vdb");
-        command->add_option("--threads", make.threads, "threads to use; 0: all")
+        make.threads = threadsOfJob();
+        command->add_option("--threads", make.threads, "threads to use; 0: all of the machine")
             ->type_name("N")
             ->check(CLI::Range(0, 4096));
         command->add_flag("--list", make.list, "print all sources with their parameters");
         command->add_flag("--help-source", make.helpSource, "print the parameters of the source");
         addVerbosity(*command, make.verbose, make.quiet);
+    }
+    void addMerge() {
+        CLI::App* command = app.add_subcommand("merge", "join crops of a picture to the whole of it");
+        command->add_option("tiles", merge.tiles, "pictures that scrim render --crop wrote")
+            ->type_name("TILE.exr")
+            ->required();
+        command->add_option("-o,--output", merge.output, "file to write")->type_name("WHOLE.exr");
+        command->add_option("--compression", merge.compression, "in place of that of the tiles")
+            ->type_name(fmt::format("{}", fmt::join(exrCompressions(), "|")));
+        command->add_flag("--check", merge.check, "only print which of the files are not whole pictures");
+        command->add_flag("-q,--quiet", merge.quiet, "only warnings and errors");
     }
     void addHelp() {
         CLI::App* command = app.add_subcommand("help", "explain a command, a section of a scene, a key");
@@ -172,8 +188,10 @@ std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
         }
     }
     if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-        text = command.get_name() + (command.get_name() == "info" ? ": expected one or more ASSET.vdb"
-                                                                  : ": expected one or more SCENE.toml or ASSET.vdb");
+        text = fmt::format("{}: expected one or more {}", command.get_name(),
+                           command.get_name() == "info"    ? "ASSET.vdb"
+                           : command.get_name() == "merge" ? "TILE.exr"
+                                                           : "SCENE.toml or ASSET.vdb");
     const bool inCommand = &command != &line.app;
     return fmt::format("{}; see scrim {}--help", text, inCommand ? command.get_name() + " " : "");
 }
@@ -195,6 +213,7 @@ int runCommand(CommandLine& line) {
     if (name == "bake") bakeCommand(line.bake);
     if (name == "info") infoCommand(line.info);
     if (name == "make") makeCommand(line.make);
+    if (name == "merge") mergeCommand(line.merge);
     if (name == "help") helpCommand(line.help, line.app);
     if (name.empty()) {
         printOut(line.app.help());

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdlib>
 #include <functional>
 #include <string_view>
 
@@ -115,6 +116,14 @@ void addUsdOptions(CLI::App& command, UsdOptions& o) {
 
 }  // namespace
 
+int threadsOfJob() {
+    const char* const text = std::getenv("SLURM_CPUS_PER_TASK");
+    if (text == nullptr) return 0;
+    const auto numbers = numbersOf<int>(text, '\0');
+    const bool fits = numbers && numbers->size() == 1 && numbers->front() > 0;
+    return fits ? std::min(numbers->front(), kMostThreads) : 0;
+}
+
 std::size_t parseSize(const std::string& text) {
     std::string bytes = text;
     std::size_t value = 0;
@@ -176,7 +185,9 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
     command.add_option("--set", o.sets, "change a value of the scene: camera.fov=20, light.key.intensity=3")
         ->type_name("KEY.PATH=VALUE")
         ->allow_extra_args(false);
-    add(command, "--threads", "N", "threads to use; 0: all",
+    o.threads = threadsOfJob();
+    add(command, "--threads", "N",
+        "threads to use; 0: all of the machine; default: all that a job of Slurm's was given",
         [&o](const std::string& t) { o.threads = countFrom("--threads", t, kMostThreads); });
     add(command, "--memory", "SIZE", "limit for volumes and buffers: 8G, 512M",
         [&o](const std::string& t) { o.memory = parseSize(t); });
@@ -191,6 +202,7 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
 void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& group) {
     command.option_defaults()->group(group);
     addFile(command, "-o,--output", "FILE.exr", "picture to write: plume.####.exr", o.output);
+    addFile(command, "--deep", "FILE.exr", "deep picture to write, in place of the scene's", o.deep);
     addFile(command, "--preview", "FILE.png", "also write a picture for a display", o.preview);
     command.add_option("--view", o.view, "view of the display for previews, of those of the OpenColorIO config")
         ->type_name("NAME");

@@ -27,6 +27,7 @@ struct UsdOptions {
 struct SceneOptions {
     std::vector<std::string> inputs;
     std::string output;       ///< "": what the scene says
+    std::string deep;         ///< the same of the deep picture
     std::vector<int> frames;  ///< empty: not given
     std::optional<Int2> resolution;
     std::optional<PixelWindow> crop;
@@ -69,6 +70,10 @@ void addStudyOptions(CLI::App& command, SceneOptions& options);
 void addBakeOptions(CLI::App& command, SceneOptions& options);
 /// -v and -q.
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
+
+/// As many as SLURM_CPUS_PER_TASK says where the program runs in a job that has it, since Slurm does not bind jobs to
+/// processors everywhere; else 0. What the job is bound to counts in any case (TaskArena).
+int threadsOfJob();
 
 /// "8G", "512M", "64K" (powers of 1024), or bytes. Throws Error(usage), as all of these.
 std::size_t parseSize(const std::string& text);

@@ -112,6 +112,9 @@ void SceneInput::begin() {
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
                                                   "kinds of pictures",
                                                   shortened(m_output.pattern)));
+    if (!options.deep.empty() && lowerExtension(m_deep.pattern) != ".exr")
+        throw Error(ErrorKind::usage,
+                    fmt::format("--deep: the deep picture '{}' does not end in '.exr'", shortened(m_deep.pattern)));
 }
 
 void SceneInput::change(Scene& scene) const {
@@ -119,6 +122,7 @@ void SceneInput::change(Scene& scene) const {
     SceneOutput& output = scene.output;
     const int frame = static_cast<int>(scene.frame);
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
+    if (!m_options.deep.empty()) output.deep.path = pathFrom("--deep", m_options.deep);
     if (!m_options.view.empty()) output.preview.view = m_options.view;
     if (!m_options.preview.empty()) output.preview.path = pathFrom("--preview", m_options.preview);
     output.file = output.path.outputAt(frame);

@@ -21,16 +21,6 @@ constexpr float kDwaLevel = 45.0f;  // OpenEXR's own default, written down since
 /// AP0: SMPTE ST 2065-1, table 1, with the white point of ACES (about D60).
 const Imf::Chromaticities kAp0({0.73470f, 0.26530f}, {0.0f, 1.0f}, {0.00010f, -0.07700f}, {0.32168f, 0.33767f});
 
-Imf::Compression compressionNamed(const std::string& name) {
-    if (name == "zip") return Imf::ZIP_COMPRESSION;
-    if (name == "zips") return Imf::ZIPS_COMPRESSION;
-    if (name == "piz") return Imf::PIZ_COMPRESSION;
-    if (name == "dwaa") return Imf::DWAA_COMPRESSION;
-    if (name == "none") return Imf::NO_COMPRESSION;
-    throw Error(ErrorKind::usage,
-                fmt::format("unknown EXR compression '{}'; expected {}", shortened(name), choices(exrCompressions())));
-}
-
 struct InsertAttribute {
     Imf::Header& header;
     const std::string& name;
@@ -86,12 +76,22 @@ const std::vector<std::string>& exrCompressions() {
     return names;
 }
 
+Imf::Compression exrCompressionNamed(const std::string& name) {
+    if (name == "zip") return Imf::ZIP_COMPRESSION;
+    if (name == "zips") return Imf::ZIPS_COMPRESSION;
+    if (name == "piz") return Imf::PIZ_COMPRESSION;
+    if (name == "dwaa") return Imf::DWAA_COMPRESSION;
+    if (name == "none") return Imf::NO_COMPRESSION;
+    throw Error(ErrorKind::usage,
+                fmt::format("unknown EXR compression '{}'; expected {}", shortened(name), choices(exrCompressions())));
+}
+
 Imath::Box2i closedBox(const PixelWindow& window) {
     return {{window.x0, window.y0}, {window.x1 - 1, window.y1 - 1}};
 }
 
 Imf::Header makeExrHeader(const PixelWindow& dataWindow, const ExrOptions& options, const ExrAttributes& attributes) {
-    const Imf::Compression compression = compressionNamed(options.compression);
+    const Imf::Compression compression = exrCompressionNamed(options.compression);
     Imf::Header header(closedBox(options.displayWindow), closedBox(dataWindow), static_cast<float>(options.pixelAspect),
                        Imath::V2f(0, 0), 1, Imf::INCREASING_Y,
                        options.acesContainer ? Imf::NO_COMPRESSION : compression);

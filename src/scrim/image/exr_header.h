@@ -8,6 +8,7 @@
 #include <scrim/image/exr.h>
 
 #include <Imath/half.h>
+#include <OpenEXR/ImfCompression.h>
 #include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfIO.h>
 #include <fmt/format.h>
@@ -40,6 +41,9 @@ class CheckedStream : public Imf::OStream {
 
 /// Both corners inside, as OpenEXR has boxes.
 Imath::Box2i closedBox(const PixelWindow& window);
+
+/// Of exrCompressions(). Throws Error(usage) where there is no such one.
+Imf::Compression exrCompressionNamed(const std::string& name);
 
 /// A scanline file's, without channels. Throws Error(usage) where the compression is unknown.
 Imf::Header makeExrHeader(const PixelWindow& dataWindow, const ExrOptions& options, const ExrAttributes& attributes);

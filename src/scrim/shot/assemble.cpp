@@ -36,11 +36,6 @@ std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, doubl
     return field;
 }
 
-PixelWindow pictureOf(const Scene& scene) {
-    const Int2 size = scene.camera.resolution;
-    return {-scene.overscan, -scene.overscan, size.x + scene.overscan, size.y + scene.overscan};
-}
-
 // For each light of the scene: does it light the volume? Empty: all do.
 std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
     std::vector<bool> lit;
@@ -126,6 +121,11 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
 }
 
 }  // namespace
+
+PixelWindow pictureOf(const Scene& scene) {
+    const Int2 size = scene.camera.resolution;
+    return {-scene.overscan, -scene.overscan, size.x + scene.overscan, size.y + scene.overscan};
+}
 
 std::shared_ptr<const ViewVelocity> velocityOf(const SceneVolume& volume, const VolumeFields& fields) {
     if (!FieldPath{fields.velocity, fields.time}.moves()) return nullptr;

@@ -32,6 +32,9 @@ enum class VolumesOf { picture, scene };
 /// for the reference.
 enum class Moved { byVoxels, byVelocity };
 
+/// All pixels that a render of `scene` has, with its overscan.
+PixelWindow pictureOf(const Scene& scene);
+
 /// For each volume of `scene`, of which `wsCorners` tells the place (see VolumeBox), why the picture has no use for it;
 /// empty where it may have.
 std::vector<std::string> culledVolumes(const Scene& scene,

@@ -8,6 +8,7 @@
 #include <scrim/image/preview.h>
 #include <scrim/scene/layer_names.h>
 #include <scrim/scene/plate_camera.h>
+#include <scrim/shot/assemble.h>
 #include <scrim/shot/frame_report.h>
 
 #include <fmt/format.h>
@@ -34,6 +35,10 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
         {"scrim:plan", withoutThreads(report.planJson)},
         {"scrim:stats", withoutThreads(report.workJson)},
     };
+    // For who puts crops together (exr_merge.h).
+    if (const PixelWindow whole = pictureOf(scene), &part = content.image.window; part != whole)
+        attributes.emplace_back("scrim:crop", fmt::format("{},{},{},{} of {},{},{},{}", part.x0, part.y0, part.x1,
+                                                          part.y1, whole.x0, whole.y0, whole.x1, whole.y1));
     if (report.verification) {
         attributes.emplace_back("scrim:verify:error", report.verification->error);
         attributes.emplace_back("scrim:verify:lower", report.verification->lower);

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs one task on a machine of the farm, and keeps how it went."""
+import hashlib
+import os
+import platform
+import shlex
+import signal
+import subprocess
+import sys
+import time
+
+from .job import DONE, at_frame, frames_text, result_of
+from .shot import SIMD_FLAGS
+
+PART_OF_MEMORY = 0.85  # for volumes and buffers; the rest is the program itself
+
+
+def machine_problem(job):
+    """Why a picture made here would not be that of the other machines; "": it would."""
+    try:
+        with open(job["scene"], "rb") as text:
+            if hashlib.sha256(text.read()).hexdigest() != job["digest"]:
+                return f"{job['scene']} is not what it was when the job was submitted; submit it anew"
+    except OSError as error:
+        return f"cannot read the scene: {error}"
+    simd = [a.split('"')[1] for a in job["arguments"] if a.startswith('render.simd="')]
+    if platform.machine() == "x86_64" and simd and simd[-1] in SIMD_FLAGS:
+        with open("/proc/cpuinfo", encoding="utf-8") as text:
+            flags = next((line.split() for line in text if line.startswith("flags")), [])
+        lacking = [flag for flag in SIMD_FLAGS[simd[-1]] if flag not in flags]
+        if lacking:
+            return f"{platform.node()} has no {simd[-1]} ({', '.join(lacking)}); submit with --simd sse4"
+    return ""
+
+
+def render_command(job, task, memory, progress):
+    command = [job["scrim"], "render", job["scene"], *job["arguments"], "--frames", frames_text(task.frames),
+               "--skip-existing", "--memory", str(int(memory * PART_OF_MEMORY)), "--progress", progress]
+    if task.tile < 0:
+        command += ["-o", job["output"]]
+        if job["deep"]:
+            command += ["--deep", job["deep"]]
+        return command
+    folder = job.path("tiles", str(task.tile))
+    os.makedirs(folder, exist_ok=True)
+    command += ["--crop=" + ",".join(map(str, job["crops"][task.tile])), "-o", os.path.join(folder, "flat.######.exr")]
+    if job["deep"]:
+        command += ["--deep", os.path.join(folder, "deep.######.exr")]
+    if job["preview"]:  # the whole gets one later
+        command += ["--preview", os.path.join(folder, "preview.######.png")]
+    if job["merge_compression"]:
+        command += ["--set", 'output.compression="zip"']
+    return command
+
+
+def merge_commands(job, frame):
+    """Those that make a frame of its tiles, and its preview."""
+    commands = []
+    for place, whole in enumerate(job.outputs(frame)):
+        if os.path.isfile(whole):
+            continue
+        command = [job["scrim"], "merge", "-q", "-o", whole, *(job.parts(frame, tile)[place] for tile in job.tiles())]
+        if job["merge_compression"] and place == 0:
+            command += ["--compression", job["merge_compression"]]
+        commands.append(command)
+    if job["preview"]:
+        commands.append([job["scrim"], "render", job["scene"], *job["arguments"], "--frames", str(frame), "-q",
+                         "--skip-existing", "-o", job["output"], *(["--deep", job["deep"]] if job["deep"] else []),
+                         "--preview", job["preview"]])
+    return commands
+
+
+class Runner:
+    """One program after the other; a signal to stop reaches the one that runs."""
+
+    def __init__(self):
+        self.child = None
+        self.stopped = 0
+        self.last = ""
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, self._stop)
+
+    def _stop(self, number, _frame):
+        self.stopped = number
+        if self.child is not None and self.child.poll() is None:
+            self.child.send_signal(number)
+
+    def run(self, command):
+        """Its exit status; the last line on its standard error is kept."""
+        if self.stopped:
+            return 128 + self.stopped
+        print("+", shlex.join(command), flush=True)
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace") as self.child:
+            if self.stopped:  # in the meantime
+                self.child.send_signal(self.stopped)
+            for line in self.child.stderr:
+                sys.stderr.write(line)
+                sys.stderr.flush()
+                self.last = line.strip() or self.last
+            status = self.child.wait()
+        if status < 0:
+            self.last = f"killed by {signal.Signals(-status).name}"
+        return status if status >= 0 else 128 - status
+
+
+def remove_tiles(job, frame):
+    for tile in job.tiles():
+        for path in job.parts(frame, tile) + [at_frame(job.path("tiles", str(tile), "preview.######.png"), frame)]:
+            if os.path.isfile(path):
+                os.unlink(path)
+
+
+def do_merge(job, task, runner):
+    for frame in task.frames:
+        for command in merge_commands(job, frame):
+            status = runner.run(command)
+            if status != 0:
+                return status
+        if not job["keep_tiles"] and all(map(os.path.isfile, job.outputs(frame))):
+            remove_tiles(job, frame)
+    return 0
+
+
+def run_task(job, task, memory=0, progress="none"):
+    """Returns the exit status for the farm: 0 where the pictures are there, with a warning or without."""
+    memory = memory or job["memory"]
+    array = os.environ.get("SLURM_ARRAY_JOB_ID")
+    name = f"{array}_{os.environ.get('SLURM_ARRAY_TASK_ID')}" if array else os.environ.get("SLURM_JOB_ID", "")
+    attempt = {"started": time.time(), "result": "running", "memory": memory, "host": platform.node(), "job": name,
+               "pid": os.getpid(), "restarts": int(os.environ.get("SLURM_RESTART_COUNT", "0"))}
+    runner = Runner()
+    job.note(task, attempt)
+    problem = machine_problem(job)
+    if problem:
+        status, runner.last = 3, problem
+        print("scrim-submit:", problem, file=sys.stderr)
+    elif task.kind == "merge":
+        status = do_merge(job, task, runner)
+    else:
+        status = runner.run(render_command(job, task, memory, progress))
+    if runner.stopped and not runner.last:  # told twice to stop, scrim says nothing
+        runner.last = f"stopped by {signal.Signals(runner.stopped).name}"
+    attempt |= {"ended": time.time(), "status": status, "result": result_of(status), "last": runner.last}
+    job.note(task, attempt)
+    job.log(f"{task.key} {name} on {attempt['host']}: status {status}, {attempt['result']}: {runner.last}")
+    if progress == "openjd":
+        tell_openjd(attempt)
+    return 0 if attempt["result"] in DONE else status
+
+
+def tell_openjd(attempt):
+    if attempt["result"] == "warned":
+        print("openjd_status: done, with a warning:", attempt["last"], flush=True)
+    elif attempt["result"] not in DONE:
+        print(f"openjd_fail: {attempt['result']} (status {attempt['status']}): {attempt['last']}", flush=True)

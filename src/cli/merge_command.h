@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// `scrim merge`: joins crops of a picture, or says which pictures are whole.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace scrim::cli {
+
+struct MergeOptions {
+    std::vector<std::string> tiles;
+    std::string output;
+    std::string compression;  ///< "": that of the tiles
+    bool check = false;
+    bool quiet = false;
+};
+
+/// Throws Error.
+void mergeCommand(const MergeOptions& options);
+
+}  // namespace scrim::cli
