@@ -112,7 +112,7 @@ void SceneInput::begin() {
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.exr'; --preview writes other "
                                                   "kinds of pictures",
                                                   shortened(m_output.pattern)));
-    if (!options.deep.empty() && lowerExtension(m_deep.pattern) != ".exr")
+    if (!m_options.deep.empty() && lowerExtension(m_deep.pattern) != ".exr")
         throw Error(ErrorKind::usage,
                     fmt::format("--deep: the deep picture '{}' does not end in '.exr'", shortened(m_deep.pattern)));
 }
