@@ -78,6 +78,8 @@ TEST_F(Limits, OfDescriptorsAreToldWhicheverTheyAre) {
     int done = 0, told = 0;
     for (int most = 5; most <= 24; ++most) {
         const ProgramResult result = run({"render", "scene.toml", "-q"}, shell("ulimit -n " + std::to_string(most)));
+        if (result.status == 127)
+            continue;  // too few for the program itself, beside those that whoever runs this has open
         if (result.status == 0) {
             ++done;
             continue;
