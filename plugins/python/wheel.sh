@@ -21,7 +21,7 @@ fail() { echo "wheel.sh: $*" >&2; exit 1; }
 echo "== building"
 "$work/tools/bin/pip" wheel --quiet --disable-pip-version-check --no-deps --wheel-dir "$work/raw" \
     --config-settings=build-dir="${SCRIM_WHEEL_BUILD:-$root/build/python-wheel}" \
-    --config-settings="install.components=runtime;python" \
+    --config-settings="install.components=library;program;python" \
     ${SCRIM_WHEEL_LAUNCHER:+--config-settings=cmake.define.CMAKE_CXX_COMPILER_LAUNCHER=$SCRIM_WHEEL_LAUNCHER} "$root"
 
 echo "== taking in libraries"

@@ -2,6 +2,7 @@
 #include "help_command.h"
 
 #include "console.h"
+#include "man_page.h"
 
 #include <scrim/base/error.h>
 #include <scrim/scene/nearest_name.h>
@@ -11,20 +12,38 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace scrim::cli {
 namespace {
 
-/// For bash, and for zsh with bashcompinit: commands, their options, and the paths behind --set.
+/// Whether an option's form is a list of words: "error|black|skip".
+bool isChoice(const std::string& form) {
+    const auto isWord = [](char c) { return (c >= 'a' && c <= 'z') || c == '|'; };
+    return form.find('|') != std::string::npos && std::all_of(form.begin(), form.end(), isWord);
+}
+
+std::string spaced(std::string words) {
+    std::replace(words.begin(), words.end(), '|', ' ');
+    return words;
+}
+
+/// For bash, and for zsh with bashcompinit: commands, their options, words that an option chooses from, and the paths
+/// behind --set.
 std::string completionScript(const CLI::App& app) {
     std::vector<std::string> names;
-    std::string cases;
+    std::string cases, words;
     for (const CLI::App* command : app.get_subcommands({})) {
         names.push_back(command->get_name());
         std::vector<std::string> options;
         for (const CLI::Option* option : command->get_options())
-            for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+            for (const std::string& name : option->get_lnames()) {
+                options.push_back("--" + name);
+                const std::string type = option->get_type_name();
+                const std::string line = fmt::format("        --{}) words=\"{}\" ;;\n", name, spaced(type));
+                if (isChoice(type) && words.find(line) == std::string::npos) words += line;
+            }
         cases += fmt::format("        {}) words=\"{}\" ;;\n", command->get_name(), fmt::join(options, " "));
     }
     return fmt::format(
@@ -37,14 +56,17 @@ std::string completionScript(const CLI::App& app) {
         "        COMPREPLY=($(compgen -S = -W \"{}\" -- \"$word\"))\n"
         "        return\n"
         "    fi\n"
-        "    if [ \"$COMP_CWORD\" -eq 1 ]; then words=\"{}\"; else case \"${{COMP_WORDS[1]}}\" in\n"
+        "    case \"${{COMP_WORDS[COMP_CWORD-1]}}\" in\n"
+        "{}    esac\n"
+        "    if [ -n \"$words\" ]; then :\n"
+        "    elif [ \"$COMP_CWORD\" -eq 1 ]; then words=\"{}\"; else case \"${{COMP_WORDS[1]}}\" in\n"
         "        help) words=\"{} {}\" ;;\n"
         "{}    esac; fi\n"
         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
         "}}\n"
         "complete -o default -F _scrim scrim\n",
-        fmt::join(scenePaths(), " "), fmt::join(names, " "), fmt::join(names, " "), fmt::join(sceneTopics(), " "),
-        cases);
+        fmt::join(scenePaths(), " "), words, fmt::join(names, " "), fmt::join(names, " "),
+        fmt::join(sceneTopics(), " "), cases);
 }
 
 }  // namespace
@@ -53,6 +75,7 @@ void helpCommand(const HelpOptions& options, const CLI::App& app) {
     if (options.schema) return printOut(sceneSchema());
     if (options.markdown) return printOut(scenesAsMarkdown());
     if (options.completion) return printOut(completionScript(app));
+    if (options.man) return printOut(manPage(app, options.topic));
     if (options.topic.empty()) {
         printOut(app.help());
         return printOut(

@@ -12,7 +12,7 @@ namespace scrim::cli {
 
 struct HelpOptions {
     std::string topic;  ///< a command, a section of scenes, a key; "": what there is
-    bool schema = false, markdown = false, completion = false;
+    bool schema = false, markdown = false, completion = false, man = false;
 };
 
 /// `app` has the commands. Throws Error(usage) where there is no such topic.

@@ -160,6 +160,7 @@ struct CommandLine {
         command->add_flag("--schema", help.schema, "print a JSON schema of scenes, for editors");
         command->add_flag("--markdown", help.markdown, "print all that a scene may say as Markdown");
         command->add_flag("--completion", help.completion, "print a completion script for bash");
+        command->add_flag("--man", help.man, "print the man page of scrim, or of a command, or of 'scene'");
     }
 
     std::vector<std::string> commandNames() const {

@@ -213,6 +213,9 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
         });
     add(command, "--turntable", "N", "N frames in which the camera goes once around what it looks at",
         [&o](const std::string& t) { o.turntable = turntableFrom(t); });
+    command
+        .add_option("--display-server", o.display, "show pictures while they are made in a viewer that listens: tev")
+        ->type_name("HOST:PORT");
     addFile(command, "--stats", "FILE.json", "write times, work and memory", o.stats);
     command.add_flag("--skip-existing", o.skipExisting, "leave frames alone whose picture exists");
     add(command, "--verify", "N|all",

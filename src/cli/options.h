@@ -42,6 +42,7 @@ struct SceneOptions {
     bool verbose = false, quiet = false;
 
     std::string stats, preview;
+    std::string display;             ///< HOST:PORT of a viewer; "": none
     std::string view;                ///< of the preview; "": what the scene says
     std::optional<double> exposure;  ///< of the preview: stops
     std::optional<Vec3> wsUp;        ///< of assets

@@ -2,6 +2,7 @@
 #include "render_command.h"
 
 #include "console.h"
+#include "display_server.h"
 #include "frame_lines.h"
 #include "guarded_loading.h"
 #include "interrupt.h"
@@ -12,6 +13,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/image/exr.h>
+#include <scrim/image/picture_module.h>
 #include <scrim/image/whole_picture.h>
 #include <scrim/volume/load_fields.h>
 
@@ -50,6 +52,7 @@ class RenderRun {
     RenderOptions optionsOf(const SceneInput& input, int frame);
     void announce(int frame, double seconds);
     void write(ShotFrame& frame, bool withPreview);
+    void warnOfLostDisplay();
     void keepMissed(const ShotReport& report);
 
     const SceneOptions& m_options;
@@ -58,6 +61,7 @@ class RenderRun {
     std::set<std::string> m_whole;  // pictures that were there
     std::vector<ShotReport> m_reports;
     std::vector<std::string> m_missed;  // tolerances
+    std::optional<DisplayServer> m_display;
 };
 
 void RenderRun::run() {
@@ -69,6 +73,7 @@ void RenderRun::run() {
     FileClaims claims;
     claimInputs(inputs, m_options, claims);
     claimOutputs(inputs, m_options, claims);
+    if (!m_options.display.empty()) m_display.emplace(m_options.display);
     for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);
     setExrThreads(threadCount());
     int count = 0;
@@ -103,12 +108,17 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
     options.progress = m_progress.stage(0, 1);
     options.next = frameAfter(input, frame);
     options.announce = [this, frame](double seconds) { announce(frame, seconds); };
+    if (m_display) {
+        m_display->begin(input.output().outputAt(frame), input.shot().colour());
+        options.shown = m_display->sink();
+    }
     if (m_options.verbose) options.planned = [this](const ShotPlan& plan) { m_console.detail(plan.table); };
     options.change = [this, &input](Scene& scene) {
         input.change(scene);
         for (const std::string& path :
              {scene.output.file, scene.output.deep.file, scene.output.preview.file, m_options.stats})
             checkWritable(path);
+        if (!scene.output.preview.file.empty()) pictureModulePath();
     };
     return options;
 }
@@ -124,6 +134,14 @@ void RenderRun::keepMissed(const ShotReport& report) {
         fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}", report.frame,
                     report.tolerance->bound, report.tolerance->wanted,
                     report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+}
+
+/// Once: pictures are rendered and written all the same.
+void RenderRun::warnOfLostDisplay() {
+    const std::string problem = m_display ? m_display->problem() : "";
+    if (problem.empty()) return;
+    m_console.warning(fmt::format("--display-server {}: nothing is shown any more: {}", m_options.display, problem));
+    m_display.reset();
 }
 
 /// The preview is written last: the picture is what matters.
@@ -189,11 +207,13 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
         m_console.warning(fmt::format("frame {}: --verify-limit ended the verification after {} pixels", frame,
                                       report.verification->pixels));
     keepMissed(report);
+    if (m_display) m_display->finish(rendered.image());
     throwIfInterrupted();
     write(rendered, !input.preview().pattern.empty());
     m_console.line(summaryLine(report));
     m_console.detail(detailLines(report));
     m_reports.push_back(report);
+    warnOfLostDisplay();
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 # configure.sh PRESET BUILD_DIR [OPTION...]: configures a build. quickstart.sh and run.sh both come here, so that one
-# build serves both, whichever comes first: what is compiled does not depend on which of them asked.
+# build serves both, whichever comes first: what is compiled does not depend on which of them asked. Libraries go to
+# Debian's folder for them, so that packages can be made of the same build.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 preset="$1" build="$2"
@@ -12,7 +13,8 @@ if [ -n "$home" ] && [ "$home" != "$root" ]; then rm -rf "$build/CMakeCache.txt"
 log="$(mktemp)"
 trap 'rm -f "$log"' EXIT
 cd "$root"
-cmake --preset "$preset" -B "$build" ${CI:+-DSCRIM_WERROR=ON} "$@" >"$log" 2>&1 || {
+multiarch="$(dpkg-architecture -qDEB_HOST_MULTIARCH 2>/dev/null || gcc -print-multiarch)"
+cmake --preset "$preset" -B "$build" -DCMAKE_INSTALL_LIBDIR="lib/$multiarch" ${CI:+-DSCRIM_WERROR=ON} "$@" >"$log" 2>&1 || {
     cat "$log" >&2
     exit 1
 }

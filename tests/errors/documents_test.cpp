@@ -21,9 +21,11 @@ const std::vector<std::pair<std::string, std::string>> kRunElsewhere = {
     {"examples/quickstart.sh", "by tests/bare/run.sh, which runs the front page's first two commands"},
     {"tests/run.sh", "by tests/bare/run.sh"},
     {"src/cmake/install_packages.sh python3-venv python3-dev", "by tests/run.sh, with more packages"},
+    {"src/cmake/packages.sh build", "by .ci/full"},
+    {"apt-get install ./build/packages/", "by tests/packages/run.sh"},
     {"scrim-submit ", "by tests/farm/run.sh"},
     {"openjd run ", "by tests/farm/run.sh"},
-    {"/usr/bin/python3 -m venv venv", "by hand: it compiles all of Scrim once more"},
+    {"/usr/bin/python3 -m venv venv", "by .ci/full: it compiles all of Scrim once more"},
     {"venv/bin/pip install '.[usd]'", "by hand, too"},
     {"export SCRIM_PYTHON=venv/bin/python", "by tests/python/test_usd_settings.py"},
 };
@@ -39,6 +41,7 @@ const std::map<std::string, std::string> kInstead = {
     {"--res 1920x1080 --crop 0,0,960,1080", "--crop 0,0,16,32"},
     {"--res 1920x1080 --crop 960,0,1920,1080", "--crop 16,0,32,32"},
     {"--turntable 24", "--turntable 3"},
+    {" --display-server localhost:14158", ""},  // a viewer is there in tests/python/test_display.py
     {"variables.PICTURE=/path/to/picture.png", "variables.PICTURE=../paper/slides/rings.png"},
 };
 

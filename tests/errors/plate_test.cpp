@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene that takes its camera from pictures, and the help of the program.
+// A scene that takes its camera from pictures.
 #include "errors/program_test.h"
 
 #include <scrim/geometry/camera.h>
@@ -73,31 +73,6 @@ TEST_F(Plate, ThatHasNoCameraIsAnError) {
     const ProgramResult png = run({"render", sceneOf("own.png"), "-o", "x.exr"});
     EXPECT_EQ(png.lastErrorLine(),
               "scrim: error: plate.toml:2:7: the camera of 'own.png': its header has no worldToCamera");
-}
-
-using Help = ProgramTest;
-
-TEST_F(Help, KnowsCommandsSectionsAndKeys) {
-    const std::string render = runWell({"help", "render"}).out;
-    EXPECT_NE(render.find("--frames"), std::string::npos);
-    EXPECT_NE(render.find("sheet_thickness"), std::string::npos);  // the section of that name, too
-    EXPECT_NE(runWell({"help"}).out.find("blackbody"), std::string::npos);
-    EXPECT_NE(runWell({"help", "light"}).out.find("irradiance"), std::string::npos);
-    EXPECT_NE(runWell({"help", "camera.shift"}).out.find("aperture offset"), std::string::npos);
-    EXPECT_EQ(runWell({"help", "--schema"}).out.front(), '{');
-    const ProgramResult wrong = run({"help", "camra"});
-    EXPECT_EQ(wrong.status, 2);
-    EXPECT_NE(wrong.err.find("did you mean 'camera'?"), std::string::npos) << wrong.err;
-}
-
-TEST_F(Help, CompletesCommandsOptionsAndPaths) {
-    write("complete.sh",
-          "eval \"$(\"$1\" help --completion)\"\nask() { COMP_WORDS=(\"$@\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); "
-          "compopt() { "
-          ":; }; _scrim; echo \"${COMPREPLY[*]}\"; }\nask scrim re\nask scrim render --ski\nask scrim render --set "
-          "camera.fo\n");
-    ASSERT_EQ(std::system(("bash " + file("complete.sh") + " " + SCRIM_PROGRAM + " >" + file("out")).c_str()), 0);
-    EXPECT_EQ(readBytes(file("out")), "render\n--skip-existing\ncamera.fov= camera.fov_axis= camera.focal_length=\n");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ from conftest import ROOT
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdVol  # noqa: E402
-from usd_stages import EDGE, EXTINCTION, TAU, Stage, front, write_fog  # noqa: E402
+from usd_stages import EDGE, EXTINCTION, TAU, Stage, front, lit_fog_stage, write_fog  # noqa: E402
 
 import scrim  # noqa: E402
 import scrim.usd  # noqa: E402
@@ -23,13 +23,7 @@ needs_data = pytest.mark.skipif(not DATA.is_dir(), reason=f"no {DATA}; SCRIM_DAT
 
 @pytest.fixture
 def foggy(tmp_path):
-    """A slab, seen and lit from the front."""
-    write_fog(tmp_path)
-    stage = Stage(tmp_path)
-    stage.camera()
-    stage.volume()
-    stage.light("DistantLight", intensity=1.0, angle=0.0)
-    return stage
+    return lit_fog_stage(tmp_path)
 
 
 def alpha(frame):

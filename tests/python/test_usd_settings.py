@@ -16,19 +16,14 @@ from conftest import PROGRAM, ROOT
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from pxr import Gf, Sdf, UsdGeom, UsdRender  # noqa: E402
-from usd_stages import Stage, front, write_fog  # noqa: E402
+from usd_stages import front, lit_fog_stage  # noqa: E402
 
 import scrim  # noqa: E402
 
 
 @pytest.fixture
 def foggy(tmp_path):
-    write_fog(tmp_path)
-    stage = Stage(tmp_path)
-    stage.camera()
-    stage.volume()
-    stage.light("DistantLight", intensity=1.0, angle=0.0)
-    return stage
+    return lit_fog_stage(tmp_path)
 
 
 def settings(stage, path="/Render/rs", **values):

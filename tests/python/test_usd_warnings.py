@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from pxr import Gf, Sdf, UsdGeom, UsdRender, UsdVol  # noqa: E402
-from usd_stages import Stage, write_fog  # noqa: E402
+from usd_stages import fog_stage  # noqa: E402
 
 import scrim  # noqa: E402
 import scrim.usd  # noqa: E402
@@ -16,11 +16,7 @@ import scrim.usd  # noqa: E402
 
 @pytest.fixture
 def foggy(tmp_path):
-    write_fog(tmp_path)
-    stage = Stage(tmp_path)
-    stage.camera()
-    stage.volume()
-    return stage
+    return fog_stage(tmp_path)
 
 
 def warnings_of(stage, **keywords):

@@ -103,3 +103,19 @@ class Stage:
         self.stage.Save()
         keywords.setdefault("resolution", (16, 16))
         return scrim.usd.open(self.path, {"render.quality": "ultra", **(overrides or {})}, **keywords)
+
+
+def fog_stage(folder):
+    """A stage with the slab, seen from the front and not lit."""
+    write_fog(folder)
+    stage = Stage(folder)
+    stage.camera()
+    stage.volume()
+    return stage
+
+
+def lit_fog_stage(folder):
+    """The same, lit from the front."""
+    stage = fog_stage(folder)
+    stage.light("DistantLight", intensity=1.0, angle=0.0)
+    return stage

@@ -7,6 +7,7 @@ import sys
 
 from . import openjd, slurm
 from .job import FarmError, Job, Task, parse_frames
+from .man_page import man_page
 from .shot import make_job
 from .status import print_status
 from .task import run_task
@@ -51,7 +52,7 @@ def parser():
     out.add_argument("--time", default="", metavar="LIMIT", help="of a task, as Slurm has it: 2:00:00")
     out.add_argument("--sbatch", default="", metavar="OPTIONS", help="more options for sbatch: '--partition=render'")
     out.add_argument("--keep-tiles", action="store_true", help="do not remove tiles that were merged")
-    out.add_argument("--simd", choices=("sse4", "avx2", "avx512"), 
+    out.add_argument("--simd", choices=("sse4", "avx2", "avx512"),
                      help="instruction set of all machines (default: avx2)")
     out.add_argument("--scrim", default="scrim", metavar="PATH", help="the program")
     for name, text in (("quality", "preset"), ("res", "WxH"), ("ocio", "config"), ("missing", "error, black or skip"),
@@ -60,6 +61,7 @@ def parser():
     out.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as scrim render has it")
     out.add_argument("--status", metavar="FOLDER", help="tell what of a job is missing, and why")
     out.add_argument("--resume", metavar="FOLDER", help="submit what is missing of a job on Slurm")
+    out.add_argument("--man", action="store_true", help=argparse.SUPPRESS)
     # What the farm calls.
     out.add_argument("--task", nargs=3, metavar=("FOLDER", "ARRAY", "INDEX"), help=argparse.SUPPRESS)
     out.add_argument("--openjd-task", nargs="+", metavar="FOLDER KIND FRAMES [TILE]", help=argparse.SUPPRESS)
@@ -96,6 +98,9 @@ def submit(options):
 
 
 def run(options):
+    if options.man:
+        print(man_page(parser()), end="")
+        return 0
     if options.task:
         folder, array, index = options.task
         job = Job(folder)

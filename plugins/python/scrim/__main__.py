@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""`python -m scrim ARGUMENTS`: the program `scrim` that this package holds."""
+"""`python -m scrim ARGUMENTS`: the program `scrim` that this package holds, else the system's."""
 
 import os
 import sys
@@ -7,7 +7,8 @@ import sys
 
 def program() -> str:
     """The path of the program."""
-    return os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "scrim")
+    own = os.path.join(os.path.dirname(os.path.abspath(__file__)), "bin", "scrim")
+    return own if os.path.exists(own) else "/usr/bin/scrim"
 
 
 def main() -> None:

@@ -25,8 +25,15 @@ std::string besideLibrary(const std::string& name) {
     return (std::filesystem::path(libraryFolder()) / "scrim" / name).string();
 }
 
+std::string installedModule(const std::string& file, const std::string& what) {
+    std::string path = besideLibrary(file);
+    std::error_code ignored;
+    if (std::filesystem::exists(path, ignored)) return path;
+    throw Error(ErrorKind::render, fmt::format("the module that {} is not installed: {}", what, shortened(path)));
+}
+
 void* moduleFunction(const std::string& file, const char* symbol, const std::string& what) {
-    const std::string path = besideLibrary(file);
+    const std::string path = installedModule(file, what);
     void* module = ::dlopen(path.c_str(), RTLD_LAZY | RTLD_LOCAL);
     void* function = module == nullptr ? nullptr : ::dlsym(module, symbol);
     if (function != nullptr) return function;

@@ -13,8 +13,11 @@ std::string libraryFolder();
 /// "scrim/NAME" in that folder.
 std::string besideLibrary(const std::string& name);
 
-/// The function `symbol` of the module FILE there, which is loaded for good; `what` says what it does: "reads volumes".
-/// Throws Error(render).
+/// The path of the module FILE there. Throws Error(render) where it is not installed; `what` says what it does:
+/// "reads volumes".
+std::string installedModule(const std::string& file, const std::string& what);
+
+/// The function `symbol` of that module, which is loaded for good. Throws Error(render).
 void* moduleFunction(const std::string& file, const char* symbol, const std::string& what);
 
 }  // namespace scrim

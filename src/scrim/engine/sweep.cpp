@@ -102,7 +102,8 @@ void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
 }
 
 Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-            const ScatteredLight* scattered, std::size_t mostDeepBytes, const std::function<void(double)>& progress) {
+            const ScatteredLight* scattered, std::size_t mostDeepBytes,
+            const std::function<void(double, const PixelTiles&)>& progress) {
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
@@ -149,7 +150,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(layout.quads() - 1);
         times.composite += watch.lap();
 
-        progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first));
+        progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first), tiles);
         // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
         if (group.sameSide && compositor.allOpaque()) break;
     }
@@ -184,12 +185,20 @@ std::unique_ptr<ScatteredLight> scatteredLight(const ViewScene& scene, const Pla
     return scattered;
 }
 
-Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress) {
+Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
     Frame frame = emptyFrame(given);
     ViewScene plain;
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const auto goOn = [&](double done) {
         if (progress && !progress(done)) throw Error(ErrorKind::interrupted, "the render was interrupted");
+    };
+    const auto show = [&](const GroupPlan& group, const PixelTiles& tiles) {
+        const auto soFar = [&] {
+            Frame now = frame;
+            resolve(scene, plan, group, tiles, now);
+            return std::move(now.image);
+        };
+        if (shown) shown(soFar);
     };
     const auto scattered = scatteredLight(given, plan, frame, [&] { goOn(0); });
     std::vector<DeepImage> deep;
@@ -201,7 +210,10 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
             if (ends) frame.work.solidRays += ends->rays();
         }
         Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), scattered.get(), deepBytesLeft(plan, deep),
-                            [&](double done) { goOn((double(g) + done) / double(plan.groups.size())); });
+                            [&](double done, const PixelTiles& tiles) {
+                                goOn((double(g) + done) / double(plan.groups.size()));
+                                show(plan.groups[g], tiles);
+                            });
         resolve(scene, plan, plan.groups[g], swept.tiles, frame);
         frame.work += swept.work;
         frame.times += swept.times;
@@ -215,9 +227,9 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
 
 }  // namespace
 
-Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress) {
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
     Frame frame;
-    TaskArena(plan.threads).run([&] { frame = renderHere(scene, plan, progress); });
+    TaskArena(plan.threads).run([&] { frame = renderHere(scene, plan, progress, shown); });
     return frame;
 }
 

@@ -10,7 +10,9 @@ namespace scrim {
 
 /// Renders `scene` as `plan` (made from it) says. The picture covers scene.region. Bit-identical for every
 /// number of threads. Touches no state of the process: any number of renders may be under way at once, each with the
-/// threads and vector instructions of its own plan. Throws Error: memory, interrupted (where `progress` said so).
-Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress = {});
+/// threads and vector instructions of its own plan. `shown` hears of the picture after each batch of sheets. Throws
+/// Error: memory, interrupted (where `progress` said so).
+Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress = {},
+             const PictureSink& shown = {});
 
 }  // namespace scrim

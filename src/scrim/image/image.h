@@ -6,6 +6,7 @@
 #include <scrim/geometry/box2.h>
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace scrim {
@@ -25,6 +26,10 @@ struct Image {
         return 4 * (std::size_t(y - window.y0) * std::size_t(window.width()) + std::size_t(x - window.x0));
     }
 };
+
+/// Hears now and then of a picture under way, and may ask what there is of it so far: which costs time, as long as it
+/// is asked. Called from a thread of the render, never from two at once.
+using PictureSink = std::function<void(const std::function<Image()>& soFar)>;
 
 /// An image of `window` whose every channel is 0.
 Image emptyImage(const PixelWindow& window);

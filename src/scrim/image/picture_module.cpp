@@ -4,10 +4,20 @@
 #include <scrim/base/installed.h>
 
 namespace scrim {
+namespace {
+
+constexpr const char* kFile = "scrim_images.so";
+constexpr const char* kWhat = "reads slides and writes previews (of Debian's packages scrim-pictures)";
+
+}  // namespace
+
+std::string pictureModulePath() {
+    return installedModule(kFile, kWhat);
+}
 
 const PictureModule& pictureModule() {
-    static const PictureModule* const module = reinterpret_cast<PictureModuleFunction>(
-        moduleFunction("scrim_images.so", SCRIM_PICTURE_MODULE_SYMBOL, "reads and writes pictures"))();
+    static const PictureModule* const module =
+        reinterpret_cast<PictureModuleFunction>(moduleFunction(kFile, SCRIM_PICTURE_MODULE_SYMBOL, kWhat))();
     return *module;
 }
 

@@ -78,6 +78,9 @@ struct PictureModule {
 #define SCRIM_PICTURE_MODULE_SYMBOL "scrim_picture_module_4"
 using PictureModuleFunction = const PictureModule* (*)();
 
+/// Where the module is, which an installation may do without. Throws Error(render) where it does.
+std::string pictureModulePath();
+
 /// Loads the module, for good. May be called from any thread. Throws Error(render) where it cannot be loaded.
 const PictureModule& pictureModule();
 

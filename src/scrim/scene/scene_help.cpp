@@ -240,6 +240,40 @@ std::string scenesAsMarkdown() {
     return text;
 }
 
+std::string roffText(const std::string& text) {
+    std::string out;
+    bool startsLine = true;
+    for (const char c : text) {
+        // At the start of a line these would begin a request.
+        if (startsLine && (c == '.' || c == '\'')) out += "\\&";
+        if (c == '\\') {
+            out += "\\e";
+        } else {
+            if (c == '-') out += '\\';  // else it may be set as a hyphen, which nobody can paste
+            out += c;
+        }
+        startsLine = c == '\n';
+    }
+    return out;
+}
+
+std::string scenesAsRoff() {
+    std::string text;
+    for (const Section* section : sceneSections()) {
+        text += fmt::format(".SH \"{}\"\n{}\n",
+                            section == sceneSections().front() ? "ALL OF IT" : roffText(section->title()),
+                            roffText(section->meaning()));
+        for (const Key& key : section->keys()) {
+            text += fmt::format(".TP\n\\fB{}\\fR{}\n{}", roffText(key.name), key.isKeyed ? " *" : "",
+                                roffText(formText(key)));
+            if (!key.only.empty()) text += "; only with " + roffText(key.only);
+            if (const std::string fallback = fallbackText(key); !fallback.empty()) text += "; " + roffText(fallback);
+            text += ".\n.br\n" + roffText(key.meaning) + "\n";
+        }
+    }
+    return text;
+}
+
 std::string sceneSchema() {
     Json schema{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Scrim scene"}};
     schema.update(sectionSchema(*sceneSections().front()));

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The table of keys (scene_keys.h) as text: for `scrim help`, for examples/SCENES.md, for editors.
+// The table of keys (scene_keys.h) as text: for `scrim help`, for examples/SCENES.md, for man pages, for
+// editors.
 #pragma once
 
 #include <string>
@@ -15,6 +16,11 @@ std::string sceneHelp(const std::string& topic);
 
 /// All sections as Markdown.
 std::string scenesAsMarkdown();
+
+/// The same in roff, for a man page: a heading (.SH) a section.
+std::string scenesAsRoff();
+/// `text` as roff takes it literally.
+std::string roffText(const std::string& text);
 
 /// A JSON schema (draft 2020-12) of scenes, for editors that check TOML.
 std::string sceneSchema();

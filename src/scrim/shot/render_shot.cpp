@@ -127,7 +127,7 @@ void FrameRender::keepPlan(const ViewScene& view, const Plan& plan) {
 }
 
 Frame FrameRender::renderPlanned(const ViewScene& view, const Plan& plan, const ProgressSink& progress) const {
-    return m_motion.moves() ? m_motion.render(view, progress) : scrim::render(view, plan, progress);
+    return m_motion.moves() ? m_motion.render(view, progress) : scrim::render(view, plan, progress, m_options.shown);
 }
 
 Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {

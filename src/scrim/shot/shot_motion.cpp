@@ -40,6 +40,12 @@ class MeanFrame {
         m_mean.scatterChange = std::max(m_mean.scatterChange, frame.scatterChange);
         m_mean.scatterConverged = m_mean.scatterConverged && frame.scatterConverged;
     }
+    /// The mean of the first `count`, which were added.
+    Image soFar(int count) const {
+        Image image = m_mean.image;
+        for (float& value : image.rgba) value /= m_weight * static_cast<float>(count);
+        return image;
+    }
     Frame take() {
         for (FrameLayer& layer : m_mean.layers)
             for (std::size_t i = 0; layer.layer == Layer::motion && i < layer.data.size(); ++i)
@@ -276,6 +282,7 @@ Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) co
         const double from = double(i) / m_samples, to = double(i + 1) / m_samples;
         const Plan plan = makePlan(moment, threadCount(), partOf(progress, from, from));
         mean.add(scrim::render(moment, plan, partOf(progress, from, to)));
+        if (m_options.shown) m_options.shown([&] { return mean.soFar(i + 1); });
     }
     return mean.take();
 }

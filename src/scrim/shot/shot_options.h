@@ -73,6 +73,10 @@ struct RenderOptions {
     /// Hears warnings and notes.
     MessageSink messages;
 
+    /// Hears of the picture while it is made: premultiplied, scene-linear, in the working space. With a tolerance of
+    /// each that is tried; of a moving one of the mean of the moments so far.
+    PictureSink shown;
+
     /// Changes the scene before anything that it names is loaded.
     std::function<void(Scene&)> change;
     /// Hears each plan before it is rendered. A tolerance may try several.

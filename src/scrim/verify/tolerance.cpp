@@ -130,8 +130,10 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
                   partOf(options.progress, 0, kPiloted));
     });
     ToleranceModel model = fitModel(pilots);
-    const auto make = options.render ? options.render : render;
     ViewScene tried = scene;
+    const auto make = [&](const Plan& plan, const ProgressSink& progress) {
+        return options.render ? options.render(tried, plan, progress) : render(tried, plan, progress);
+    };
     double wanted = options.tolerance;  // less where an interval turned out to be wide
     for (int attempt = 0; attempt < options.attempts; ++attempt) {
         const double from = kPiloted + (1 - kPiloted) * attempt / options.attempts;
@@ -151,7 +153,7 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
         out.attempts = attempt + 1;
         out.dials = choice.dials;
         out.predicted = choice.predicted;
-        timed(out.seconds.render, [&] { out.frame = make(tried, out.plan, partOf(options.progress, from, rendered)); });
+        timed(out.seconds.render, [&] { out.frame = make(out.plan, partOf(options.progress, from, rendered)); });
 
         SampleOptions sampling;
         sampling.count = options.pixels;

@@ -5,6 +5,7 @@
 #include <scrim/base/installed.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/system_error.h>
+#include <scrim/image/picture_module.h>
 #include <scrim/volume/load_protocol.h>
 
 #include <fmt/format.h>
@@ -56,7 +57,7 @@ const char* readsText(LoadedFiles files) {
 /// What the program is told. Only it loads the module that reads pictures.
 std::vector<std::string> argumentsFor(LoadedFiles files) {
     if (files == LoadedFiles::volumes) return {"scrim-load", "--serve"};
-    return {"scrim-load", "--serve-pictures", besideLibrary("scrim_images.so")};
+    return {"scrim-load", "--serve-pictures", pictureModulePath()};
 }
 
 /// Which program, and what for.

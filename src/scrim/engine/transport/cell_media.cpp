@@ -153,10 +153,6 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<CellMedia
     }
 }
 
-}  // namespace
-
-namespace {
-
 // Takes what scatters straight on out of extinction and scattering.
 void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
     if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.split.straight() == 0; }))
