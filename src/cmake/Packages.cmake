@@ -2,6 +2,7 @@
 # Debian's packages, by CPack: see packages.sh. A component of Install.cmake each.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The developers of Scrim <developers@scrim.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "") # each package has its own
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
@@ -14,15 +15,13 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_LIBRARY_OUTPUT_DIRECTORY})
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
-set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(scrim_same "(= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 set(scrim_about "Scrim renders OpenVDB volumes (smoke, clouds, fire, scans) with volumetric
- shadows by sheet-based splatting into colour-managed OpenEXR: fast, and
- without noise.
- .
+shadows by sheet-based splatting into colour-managed OpenEXR: fast, and
+without noise.
+
 ")
 # scrim_package(COMPONENT NAME SECTION DEPENDS SUMMARY TEXT)
 macro(scrim_package component name section depends summary text)
@@ -36,7 +35,7 @@ endmacro()
 set(scrim_library libscrim${SCRIM_ABI})
 scrim_package(library ${scrim_library} libs "" "renderer of OpenVDB volumes, shared library"
               "This package holds the library, what reads volumes, and volume sources.")
-scrim_package(program scrim graphics "${scrim_library} ${scrim_same}" "renderer of OpenVDB volumes"
+scrim_package(program scrim graphics "${scrim_library} ${scrim_same}, python3:any" "renderer of OpenVDB volumes"
               "This package holds the program, what sends shots to render farms, and the\ndocuments.")
 scrim_package(pictures scrim-pictures graphics "${scrim_library} ${scrim_same}"
               "renderer of OpenVDB volumes, slides and previews"
@@ -48,6 +47,10 @@ scrim_package(debian_python python3-scrim python
               "renderer of OpenVDB volumes, Python module" "This package holds the module scrim of Python.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS scrim-pictures)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS python3-scrim)
+# What other packages that use the library depend on, and that it is to be found: CPack's own way calls ldconfig by hand.
+file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs "libscrim ${SCRIM_ABI} ${scrim_library} ${scrim_same}\n")
+file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/postinst
                                                      ${CMAKE_CURRENT_LIST_DIR}/debian/prerm)
 set(CPACK_SCRIM_SOURCE ${PROJECT_SOURCE_DIR}) # of finish.cmake

@@ -29,7 +29,6 @@ install() { DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-r
 size() { echo "   $(dpkg-query -W | wc -l) packages, $(du -smx / 2>/dev/null | cut -f1) MB"; }
 deb() { echo "$packages"/"$1"_*.deb; }
 apt-get update -qq
-before="$(dpkg-query -W -f='${Package}\n' | sort)"
 cd /tmp
 
 echo "-- program and library"
@@ -52,17 +51,15 @@ done
 completed="$(bash -c '. /usr/share/bash-completion/completions/scrim; COMP_WORDS=(scrim re) COMP_CWORD=1; _scrim; echo "${COMPREPLY[*]}"')"
 [ "$completed" = render ] || fail "completion: $completed"
 [ -s /usr/share/doc/scrim/examples/scenes/layers.toml ] || fail "no examples"
-if readelf --version >/dev/null 2>&1; then fail "this root is not bare"; fi
+if command -v readelf cmake c++ >/dev/null; then fail "this root is not bare"; fi
 
 echo "-- pictures"
 install "$(deb scrim-pictures)"
 size
 scrim render smoke.vdb -q --res 96x54 -o again.exr --preview again.png || fail "no preview"
-cmp smoke.exr again.exr >/dev/null 2>&1 || true # their statistics differ
 [ -s again.png ] || fail "the preview is empty"
 
 echo "-- farm"
-install python3
 scrim-submit smoke.vdb --frames 1-2 --on openjd -o 'tile.####.exr' --res 32x32 >farm.log 2>&1 || { cat farm.log; fail "scrim-submit"; }
 [ -s smoke.farm/template.yaml ] || [ -n "$(find smoke.farm -name 'template*')" ] || fail "no job: $(ls -R smoke.farm)"
 
@@ -99,5 +96,4 @@ echo "-- and away"
 apt-get purge -y -qq libscrim0 >/tmp/log 2>&1 || { cat /tmp/log >&2; fail "they cannot be removed"; }
 left="$(find /usr /etc /var/lib -name '*scrim*' -not -path '/var/lib/apt/*' 2>/dev/null || true)"
 [ -z "$left" ] || fail "left behind: $left"
-[ -n "$before" ]
 echo "-- the packages work"
