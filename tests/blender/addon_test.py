@@ -122,7 +122,10 @@ def test_volumes_of_geometry_nodes_are_written(tmp_path, said):
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, 1, 0)], [], [(0, 1, 2)])
     thing = s.place("cube", mesh)
     tree = bpy.data.node_groups.new("make", "GeometryNodeTree")
-    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    if hasattr(tree, "interface"):
+        tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
+    else:  # before Blender 4.0
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
     cube, end = tree.nodes.new("GeometryNodeVolumeCube"), tree.nodes.new("NodeGroupOutput")
     cube.inputs["Density"].default_value = 2.0
     for socket in ("Resolution X", "Resolution Y", "Resolution Z"):
