@@ -42,8 +42,8 @@ RENDER = {
     "resolution_x": 200, "resolution_y": 101, "resolution_percentage": 50, "pixel_aspect_x": 1.0, "pixel_aspect_y": 1.0
 }  # fmt: skip
 LENS = {
-    "type": "PERSP", "sensor_fit": "AUTO", "sensor_width": 36.0, "sensor_height": 24.0, "lens": 50.0, "ortho_scale": 6.0,
-    "shift_y": 0.25, "clip_start": 0.5,
+    "type": "PERSP", "sensor_fit": "AUTO", "sensor_width": 36.0, "sensor_height": 24.0, "lens": 50.0,
+    "ortho_scale": 6.0, "shift_y": 0.25, "clip_start": 0.5,
 }  # fmt: skip
 
 
@@ -211,7 +211,8 @@ VOLUME = {
 def volume(fixture, names=("density",), modifiers=(), holdout=False, space="WORLD", shadow=True, **values):
     path = fixture.folder / "smoke_0007.vdb"
     path.write_text("x")
-    data = like(VOLUME, {"grids": Grids(names, str(path)), "render": SimpleNamespace(space=space), "name": "v", **values})
+    own = {"grids": Grids(names, str(path)), "render": SimpleNamespace(space=space), "name": "v"}
+    data = like(VOLUME, {**own, **values})
     thing = SimpleNamespace(
         name="Smoke", data=data, material_slots=[], modifiers=modifiers, is_holdout=False, visible_shadow=shadow,
         holdout_get=lambda view_layer: holdout,
@@ -244,7 +245,9 @@ def test_what_only_memory_holds_is_written_once(world):
 
 def test_volumes_that_cannot_be_are_left_out_or_fail(world):
     assert volume(world, names=())[1] == []
-    assert volume(world, names=("heat",))[1] == [] and world.said[-1].startswith("volume 'Smoke' is not rendered: Scrim")
+    assert volume(world, names=("heat",))[1] == []
+    text = "volume 'Smoke' is not rendered: Scrim does not know no material, and no grid 'density'"
+    assert world.said == [text]
     assert volume(world, shadow=False)[1]
     assert world.said[-1] == "volume 'Smoke': throws its shadow, though it should not"
     broken = Grids(("density",), "")

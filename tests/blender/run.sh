@@ -24,6 +24,7 @@ trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT
 log="$BLENDER_USER_RESOURCES/log"
 cd "$here"
 
+plain=(mapping_test.py nodes_test.py exporter_test.py)
 # Blender tells of every step on standard output: shown only where a test fails.
 tests() { # COMMAND...: runs pytest, and shows what it makes of it
     "$@" >"$log" 2>&1 || {
@@ -56,7 +57,7 @@ in_bpy() {
     fi
     local python="$packages/bin/python"
     echo "== bpy $bpy"
-    tests timeout 600 "$python" -B run_pytest.py -q -p no:cacheprovider mapping_test.py addon_test.py
+    tests timeout 600 "$python" -B run_pytest.py -q -p no:cacheprovider "${plain[@]}" addon_test.py
     [ "$cycles" = no ] || compare timeout 2400 "$python" -B compare_test.py
 }
 
@@ -66,20 +67,21 @@ in_debians_blender() {
         python3-pil
     # Not those of the environment: scripts import them by Debian's Python.
     export BLENDER=/usr/bin/blender PYTHONPATH="$here" PYTHONDONTWRITEBYTECODE=1 LIBGL_ALWAYS_SOFTWARE=1
-    local plain=("$BLENDER" --factory-startup --python-use-system-env --python-exit-code 1) seen="$build/blender-viewport"
+    local command=("$BLENDER" --factory-startup --python-use-system-env --python-exit-code 1)
+    local seen="$build/blender-viewport"
     echo "== $("$BLENDER" --version | head -n 1)"
-    tests timeout 900 "${plain[@]}" --background --python run_pytest.py -- -q -p no:cacheprovider mapping_test.py \
+    tests timeout 900 "${command[@]}" --background --python run_pytest.py -- -q -p no:cacheprovider "${plain[@]}" \
         addon_test.py
     tests timeout 900 /usr/bin/python3 -m pytest -q -p no:cacheprovider legacy_test.py
     rm -rf "$seen" && mkdir "$seen"
-    xvfb-run -a -s "-screen 0 960x640x24" timeout 900 "${plain[@]}" --window-geometry 0 0 960 640 \
+    xvfb-run -a -s "-screen 0 960x640x24" timeout 900 "${command[@]}" --window-geometry 0 0 960 640 \
         --python viewport_test.py -- "$seen" >"$log" 2>&1 || {
         cat "$log" >&2
         fail "the viewport's tests failed; what was on the screen is in $seen"
     }
     grep -E '^viewport_test: [0-9]+ passed, 0 failed' "$log" || fail "no test of the viewport was run"
     # The laws of light that were others before 4.0, and one that was not
-    [ "$cycles" = no ] || compare timeout 1200 "${plain[@]}" --background --python compare_test.py -- \
+    [ "$cycles" = no ] || compare timeout 1200 "${command[@]}" --background --python compare_test.py -- \
         -k 'sun|spot|area, |sphere'
 }
 

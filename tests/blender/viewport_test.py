@@ -3,7 +3,6 @@
 #   blender --factory-startup --python viewport_test.py -- FOLDER [-k CHECK]
 # FOLDER gets the pictures of the screen.
 import os
-import shutil
 import subprocess
 import sys
 
@@ -204,19 +203,31 @@ def alive(pid):
         return False
 
 
-def another_shading_ends_the_child():
-    scene()
-    name = os.path.join(FOLDER, "pid")
-    program(f"echo $$ > '{name}'; exec sleep 300\n")
-    rendered()
-    yield from until(lambda: os.path.exists(name) and os.path.getsize(name) > 0, "a child")
-    yield from ticks(3)
+def children(name):
+    """The process ids of all that were started by now."""
+    if not os.path.exists(name):
+        return []
     with open(name) as file:
-        pid = int(file.read())
-    folder = previews[-1].folder
-    assert alive(pid) and os.path.isdir(folder)
+        return [int(line) for line in file.read().split()]
+
+
+def changes_and_another_shading_end_the_child():
+    scene()
+    name = os.path.join(FOLDER, "pids")
+    program(f"echo $$ >> '{name}'; exec sleep 300\n")
+    rendered()
+    yield from until(lambda: children(name), "a child")
+    yield from ticks(3)
+    first, folder = children(name)[-1], previews[-1].folder
+    assert alive(first) and os.path.isdir(folder)
+    count = len(children(name))
+    bpy.data.lights["key"].energy = 1.0
+    yield from until(lambda: len(children(name)) > count, "a second child")
+    yield from ticks(3)
+    assert not alive(first) and alive(children(name)[-1])
+    assert len(os.listdir(folder)) == 1  # the scene of the living one
     view()[3].shading.type = "SOLID"
-    yield from until(lambda: not alive(pid), "the end of the child")
+    yield from until(lambda: not any(alive(pid) for pid in children(name)), "the end of the child")
     yield from until(lambda: not os.path.exists(folder), "the end of its folder")
 
 
@@ -254,7 +265,7 @@ CHECKS = (
     turning_turns_it,
     it_is_where_blender_has_it,
     an_edited_light_changes_it,
-    another_shading_ends_the_child,
+    changes_and_another_shading_end_the_child,
     errors_are_said,
 )
 screen.run([check for check in CHECKS if chosen in check.__name__], FOLDER, "viewport_test")

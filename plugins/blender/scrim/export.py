@@ -44,8 +44,8 @@ class Names:
 
 class Exporter:
     def __init__(self, folder, settings, warn, abspath, version):
-        """`settings`: of the scene, see addon.py. `abspath(path, library)` as bpy.path.abspath. `version`: Blender's, as
-        numbers."""
+        """`settings`: of the scene, see addon.py. `abspath(path, library)` as bpy.path.abspath. `version`: three
+        numbers, Blender's."""
         self.folder, self.settings, self.abspath = folder, settings, abspath
         self.before_4 = version < (4, 0)  # whose lights follow other laws
         self.names = Names()
