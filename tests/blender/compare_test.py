@@ -245,6 +245,7 @@ if s.bpy.app.version < (4, 0):
     # Cycles had a disk that faces what it lights, not a sphere; spots that fall off by the cosine, too; and coloured
     # extinction that is some percent too dark, whatever its samples.
     LIMITS = {"sphere, radius 0.4": 0.035, "colours, coloured absorption": 0.035}
+    CASES["colours, coloured absorption"] = (colors, 144)
 
 
 def one(name, build, samples):
