@@ -12,8 +12,7 @@ import pytest
 from lookalikes import link, node, principled, tree_of
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "plugins", "blender"))
-from scrim import child, exr, export, formulae, meshes, motion, nodes, scene_text  # noqa: E402
-
+from scrim import child, exr, export, formulae, meshes, nodes, scene_text  # noqa: E402
 
 # Laws
 

@@ -133,9 +133,9 @@ def turning_turns_it():
     for turn in (0.0, np.pi):
         space.region_3d.view_perspective = "PERSP"
         space.region_3d.view_location, space.region_3d.view_distance = (0, 0, 0), 4.5
-        space.region_3d.view_rotation = s.Matrix.Rotation(turn, 3, "Z").to_quaternion() @ s.looking(
-            (0, -4, 0), (0, 0, 0)
-        ).to_quaternion()
+        space.region_3d.view_rotation = (
+            s.Matrix.Rotation(turn, 3, "Z").to_quaternion() @ s.looking((0, -4, 0), (0, 0, 0)).to_quaternion()
+        )
         rendered() if not sides else said.clear()
         yield from settled()
         picture = shot(FOLDER, f"turned {turn:.0f}")
