@@ -6,6 +6,7 @@
 import argparse
 import math
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -68,7 +69,8 @@ def point():
 
 def point_radius():
     s.bpy.context.scene.scrim.overrides = "light.key.samples=60"
-    smoke(), s.light("POINT", (1.5, -1.8, 1.8), energy=120.0, shadow_soft_size=0.4, use_soft_falloff=False)
+    hard = {"use_soft_falloff": False} if s.bpy.app.version >= (4, 1) else {}
+    smoke(), s.light("POINT", (1.5, -1.8, 1.8), energy=120.0, shadow_soft_size=0.4, **hard)
 
 
 def spot():
@@ -192,7 +194,8 @@ def motion_blur():
     smoke(), key()
     scene = s.bpy.context.scene
     scene.render.use_motion_blur, scene.render.motion_blur_shutter = True, 1.0
-    scene.render.motion_blur_position = "START"
+    settings = scene.render if hasattr(scene.render, "motion_blur_position") else scene.cycles
+    settings.motion_blur_position = "START"
     camera = scene.camera
     for frame, x in ((1, 0.0), (3, 1.2)):
         camera.location.x = x
@@ -235,6 +238,14 @@ CASES = {
     "motion blur of the camera": (motion_blur, 288),
     "a solid, held out": (solid, 72),
 }
+LIMITS = {}
+if s.bpy.app.version < (4, 5):
+    del CASES["area not normalised, exposure; sun of 3500 K"]  # lights had none of these
+if s.bpy.app.version < (4, 0):
+    # Cycles had a disk that faces what it lights, not a sphere; spots that fall off by the cosine, too; and coloured
+    # extinction that is some percent too dark, whatever its samples.
+    LIMITS = {"sphere, radius 0.4": 0.035, "colours, coloured absorption": 0.035}
+    CASES["colours, coloured absorption"] = (colors, 144)
 
 
 def one(name, build, samples):
@@ -259,15 +270,16 @@ def one(name, build, samples):
 
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument("-k", default="", help="only cases whose name holds this")
+    parser.add_argument("-k", default="", help="only cases whose name holds this regular expression")
     parser.add_argument("--table", help="a file for the figures, in Markdown")
     parser.add_argument("--pictures", help="a folder for arrays of the pictures")
-    args = parser.parse_args()
+    # Of a program's own words, those behind "--" are ours.
+    args = parser.parse_args(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else None)
     make("noise", "resolution=48", "shape=ball", "softness=0.6", path=SMOKE)
     make("primitives", "resolution=224", path=BALL)
     rows, failed = [], []
     for name, (build, samples) in CASES.items():
-        if args.k not in name:
+        if not re.search(args.k, name):
             continue
         try:
             error, noise, ours, theirs, pictures = one(name, build, samples)
@@ -278,7 +290,7 @@ def main():
             continue
         rows.append(f"| {name} | {100 * error:.2f} % | {100 * noise:.2f} % | {ours:.1f} s | {theirs:.0f} s |")
         print(rows[-1], "ratio", pictures[0].mean((0, 1)) / np.maximum(pictures[1].mean((0, 1)), 1e-9), flush=True)
-        if not (error <= LIMIT and noise <= MOST_NOISE) or pictures[1].max() <= 0:
+        if not (error <= LIMITS.get(name, LIMIT) and noise <= MOST_NOISE) or pictures[1].max() <= 0:
             failed.append(name)
         if args.pictures:
             np.save(os.path.join(args.pictures, f"{build.__name__}.npy"), np.stack(pictures))

@@ -5,7 +5,8 @@ import sys
 
 import pytest
 
-status = pytest.main(sys.argv[1:])
+# In a Blender, whose own options come first, those behind "--" are ours.
+status = pytest.main(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:])
 sys.stdout.flush()
 sys.stderr.flush()
 os._exit(status)

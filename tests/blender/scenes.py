@@ -19,6 +19,18 @@ if not hasattr(bpy.types.Scene, "scrim"):
 def fresh(resolution=(64, 64)):
     """An empty scene for Scrim, with a camera at (0, -4, 0.5) that looks at the origin."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    return begun(resolution)
+
+
+def cleared(resolution=(64, 64)):
+    """The same without another file, which Blender with a window does not survive in a timer."""
+    for things in (bpy.data.objects, bpy.data.volumes, bpy.data.lights, bpy.data.cameras, bpy.data.materials):
+        for thing in list(things):
+            things.remove(thing)
+    return begun(resolution)
+
+
+def begun(resolution):
     scene = bpy.context.scene
     if scene.world is None:
         scene.world = bpy.data.worlds.new("World")

@@ -6,7 +6,7 @@ bl_info = {
     "description": "Renders volumes with shadows and without noise",
     "author": "The Scrim authors",
     "version": (0, 1, 0),
-    "blender": (4, 2, 0),
+    "blender": (3, 4, 0),
     "location": "Render properties > Render Engine",
     "category": "Render",
 }

@@ -58,7 +58,8 @@ def config_file(bpy, folder):
     if named:
         return named
     if bpy.app.version < OWN_IS_READ_UP_TO:
-        return os.path.join(bpy.utils.resource_path("LOCAL"), "datafiles", "colormanagement", "config.ocio")
+        # Beside the program, or where a distribution puts it.
+        return os.path.join(bpy.utils.system_resource("DATAFILES", path="colormanagement"), "config.ocio")
     path = os.path.join(folder, "config.ocio")
     with open(path, "w", encoding="utf-8") as file:
         file.write(config_text(working_space(bpy)))

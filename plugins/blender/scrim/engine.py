@@ -76,9 +76,13 @@ def abspath(path, library):
     return bpy.path.abspath(path, library=library)
 
 
+def exporter_of(folder, depsgraph, warn):
+    return export.Exporter(folder, depsgraph.scene.scrim, warn, abspath, bpy.app.version)
+
+
 def export_scene(folder, depsgraph, warn, camera, moves):
     """(scene, light passes) with `camera` = (object, shift along x)."""
-    exporter = export.Exporter(folder, depsgraph.scene.scrim, warn, abspath)
+    exporter = exporter_of(folder, depsgraph, warn)
     return exporter.scene(depsgraph, camera, moves), exporter.light_passes
 
 
@@ -92,13 +96,6 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
     def __init__(self, *args, **kwargs):
         super().__init__(*args, **kwargs)
         self.preview = None
-
-    def __del__(self):
-        shown = getattr(self, "preview", None)
-        if shown is not None:
-            shown.end()
-        if hasattr(super(), "__del__"):
-            super().__del__()
 
     def update_render_passes(self, scene, renderlayer):
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
@@ -169,7 +166,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         now = motion.matrices(depsgraph, matrix)
         if not render.use_motion_blur or render.motion_blur_shutter <= 0:
             return motion.Moves(now, export.FRAME)
-        shutter = formulae.shutter(render.motion_blur_shutter, render.motion_blur_position)
+        shutter = formulae.shutter(render.motion_blur_shutter, export.shutter_position(depsgraph.scene))
         frame = depsgraph.scene.frame_current + depsgraph.scene.frame_subframe
         samples = []
         for i in range(SHUTTER_TIMES):
@@ -242,12 +239,12 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
 
     def view_update(self, context, depsgraph):
         if self.preview is None:
-            self.preview = preview.Preview(self)
+            self.preview = preview.of(self)
         self.preview.update(context, depsgraph)
 
     def view_draw(self, context, depsgraph):
         if self.preview is None:
-            self.preview = preview.Preview(self)
+            self.preview = preview.of(self)
         self.preview.draw(context, depsgraph)
 
 

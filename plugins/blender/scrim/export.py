@@ -43,9 +43,11 @@ class Names:
 
 
 class Exporter:
-    def __init__(self, folder, settings, warn, abspath):
-        """`settings`: of the scene, see addon.py. `abspath(path, library)` as bpy.path.abspath."""
+    def __init__(self, folder, settings, warn, abspath, version):
+        """`settings`: of the scene, see addon.py. `abspath(path, library)` as bpy.path.abspath. `version`: three
+        numbers, Blender's."""
         self.folder, self.settings, self.abspath = folder, settings, abspath
+        self.before_4 = version < (4, 0)  # whose lights follow other laws
         self.names = Names()
         self.said = set()
         self.warn_user = warn
@@ -228,7 +230,7 @@ class Exporter:
     def lamp(self, data, strength, name):
         normalize = getattr(data, "normalize", True)
         if data.type == "SUN":
-            return formulae.sun(strength, data.angle, normalize)
+            return formulae.sun(strength, data.angle, normalize, self.before_4)
         radius = data.shadow_soft_size
         if data.type == "POINT":
             return formulae.point(strength, radius, normalize)
@@ -247,7 +249,8 @@ class Exporter:
             self.warn(f"{name}: an ellipse is rendered as a disk of its mean radius")
         if data.spread < 3.1415:
             self.warn(f"{name}: its spread is not rendered; it shines to all of one side")
-        return formulae.area(strength, width, height, ellipse, getattr(data, "normalize", True))
+        normalize = getattr(data, "normalize", True)
+        return formulae.area(strength, width, height, ellipse, normalize, self.before_4)
 
     def world(self, world):
         if world is None:
@@ -315,3 +318,9 @@ def resolution(render):
     """As Blender has it: percent of both sides, cut to whole pixels."""
     part = render.resolution_percentage
     return render.resolution_x * part // 100, render.resolution_y * part // 100
+
+
+def shutter_position(scene):
+    if hasattr(scene.render, "motion_blur_position"):
+        return scene.render.motion_blur_position
+    return getattr(getattr(scene, "cycles", None), "motion_blur_position", "CENTER")  # before all engines shared it

@@ -27,8 +27,12 @@ def shining(strength, factor):
 
 # scene/light.cpp: eval_fac of a distant light is 1 / (pi sin^2(angle / 2)) if normalised, else 1: its radiance. Scrim's
 # intensity is what thin smoke gets from all of the sun: radiance times the solid angle 2 pi (1 - cos(angle / 2)).
-def sun(strength, angle, normalize=True):
+# Before 4.0 it is the strength, whatever the angle (kernel/light/light.h: the factor and the density of samples are
+# the same number).
+def sun(strength, angle, normalize=True, before_4=False):
     half = 0.5 * angle
+    if before_4:
+        return {"type": "distant", **shining(strength, 1.0), **({"angle": math.degrees(angle)} if half > 0 else {})}
     if half <= 0:
         return {"type": "distant", **shining(strength, 1.0)}
     cap = 2 * math.pi * 2 * math.sin(0.5 * half) ** 2
@@ -63,10 +67,10 @@ def spot(strength, size, blend, radius=0.0, normalize=True):
 
 
 # scene/light.cpp: radiance 1 / (pi area), or 1 / pi if not normalised; one-sided, and even where the spread is 180
-# degrees.
-def area(strength, width, height, ellipse, normalize=True):
+# degrees. Before 4.0: 1 / (4 area).
+def area(strength, width, height, ellipse, normalize=True, before_4=False):
     size = width * height * (0.25 * math.pi if ellipse else 1.0)
-    radiance = 1 / (math.pi * size) if normalize else 1 / math.pi
+    radiance = 1 / ((4 if before_4 else math.pi) * size) if normalize else 1 / math.pi
     if ellipse:
         return {"type": "area", "shape": "disk", **shining(strength, radiance), "radius": 0.25 * (width + height)}
     return {"type": "area", "shape": "rectangle", **shining(strength, radiance), "width": width, "height": height}

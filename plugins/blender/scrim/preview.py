@@ -4,6 +4,8 @@
 import os
 import shutil
 import tempfile
+import traceback
+import weakref
 
 import bpy
 import gpu
@@ -17,70 +19,102 @@ PIXELS = 0.5  # of the region's, along each side
 POLL_SECONDS = 0.05
 
 
+def of(engine):
+    """The engine's preview, which ends when Blender drops the engine. Not by its __del__: at that time Blender has
+    already taken away what Python could ask the engine for."""
+    preview = Preview(engine)
+    weakref.finalize(engine, preview.end)
+    return preview
+
+
 class Preview:
     def __init__(self, engine):
-        self.engine = engine
+        self.engine = weakref.ref(engine)  # a strong one would keep it, and the child, until garbage is collected
         self.folder = tempfile.mkdtemp(prefix="scrim-viewport-")
         self.process = None
+        self.polled = False
         self.number = 0
         self.view = None
         self.texture = None
 
     def end(self):
-        if self.process is not None:
-            child.stop(self.process)
-            self.process = None
+        self.stop()
         shutil.rmtree(self.folder, ignore_errors=True)
+
+    def stop(self):
+        if self.process is None:
+            return
+        child.stop(self.process)
+        for pipe in (self.process.stdout, self.process.stderr):
+            pipe.close()
+        self.process = None
+        shutil.rmtree(os.path.dirname(self.picture), ignore_errors=True)
+
+    def say(self, text):
+        self.engine().update_stats("Scrim", text)
+
+    def fail(self, text):
+        """What is drawn would be that of another scene."""
+        self.texture = None
+        self.say(text)
 
     def update(self, context, depsgraph):
         """Starts anew: something changed."""
-        if self.process is not None:
-            child.stop(self.process)
-            self.process = None
+        self.stop()
         self.view = view_of(context)
+        self.careful(self.begin, context, depsgraph)
+
+    def careful(self, step, *arguments):
+        """Blender would only print what it raises, and go on to draw the scene as it was."""
         try:
-            self.begin(context, depsgraph)
+            step(*arguments)
         except child.Failure as failure:
-            self.engine.update_stats("Scrim", str(failure))
+            self.fail(str(failure))
+        except Exception as error:
+            traceback.print_exc()
+            self.fail(f"{type(error).__name__}: {error}")
 
     def begin(self, context, depsgraph):
         from . import engine
 
+        program = child.find_program(engine.preference())
         self.number += 1
         folder = os.path.join(self.folder, str(self.number))
         os.mkdir(folder)
-        program = child.find_program(engine.preference())
         # What is not mapped is said by renders; here it would be said at every turn of the view.
         moves = motion.Moves(motion.matrices(depsgraph, Matrix()), export.FRAME)
-        exporter = export.Exporter(folder, depsgraph.scene.scrim, lambda text: None, engine.abspath)
+        exporter = engine.exporter_of(folder, depsgraph, lambda text: None)
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
         arguments = [program, "render", engine.write_scene(folder, content), "-o", self.picture, "-q"]
         self.process = child.start(arguments + ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)])
-        bpy.app.timers.register(self.poll, first_interval=POLL_SECONDS)
+        self.say("...")
+        if not self.polled:
+            self.polled = True
+            bpy.app.timers.register(self.poll, first_interval=POLL_SECONDS)
 
     def poll(self):
         """By a timer: asks for a redraw when the child has ended."""
-        if self.process is None:
-            return None
-        if self.process.poll() is None:
+        if self.process is not None and self.process.poll() is None:
             return POLL_SECONDS
-        self.engine.tag_redraw()
+        self.polled = False
+        engine = self.engine()
+        if engine is not None and self.process is not None:
+            engine.tag_redraw()
         return None
 
     def draw(self, context, depsgraph):
         if self.view is not None and view_of(context) != self.view:
             self.update(context, depsgraph)
         if self.process is not None and self.process.poll() is not None:
-            self.take()
+            self.careful(self.take)
         if self.texture is None:
             return
         region = context.region
         gpu.state.blend_set("ALPHA_PREMULT")
-        self.engine.bind_display_space_shader(depsgraph.scene)
+        # Scene-linear: the viewport turns all that is drawn into the display's colours.
         draw_texture_2d(self.texture, (0, 0), region.width, region.height)
-        self.engine.unbind_display_space_shader()
         gpu.state.blend_set("NONE")
 
     def take(self):
@@ -88,9 +122,7 @@ class Preview:
         _, told = self.process.communicate()
         status, self.process = self.process.returncode, None
         if status != 0:
-            text = child.reason(status, told.decode(errors="replace").splitlines())
-            self.engine.update_stats("Scrim", text)
-            return
+            raise child.Failure(child.reason(status, told.decode(errors="replace").splitlines()))
         picture = exr.read(self.picture)
         left, top, right, bottom = picture.display_window
         width, height = right - left + 1, bottom - top + 1
@@ -99,7 +131,7 @@ class Preview:
         buffer = gpu.types.Buffer("FLOAT", pixels.size, pixels.reshape(-1))
         self.texture = gpu.types.GPUTexture((width, height), format="RGBA16F", data=buffer)
         shutil.rmtree(os.path.dirname(self.picture), ignore_errors=True)
-        self.engine.update_stats("Scrim", "draft")
+        self.say("draft")
 
 
 def view_of(context):
