@@ -58,6 +58,17 @@ in_bpy() {
     local python="$packages/bin/python"
     echo "== bpy $bpy"
     tests timeout 600 "$python" -B run_pytest.py -q -p no:cacheprovider "${plain[@]}" addon_test.py
+    # Scrim's Python module brings libraries that Blender has of its own: whoever comes first, both work.
+    [ -d "$build/python" ] || fail "there is no $build/python; build with -DSCRIM_BUILD_PYTHON=ON"
+    "$python" -m pip install -q "$(grep '^nanobind-backend' "$here/../../plugins/python/requirements.txt")"
+    for order in "bpy scrim" "scrim bpy"; do
+        # shellcheck disable=SC2086 # two words are meant
+        PYTHONPATH="$build/python" timeout 300 "$python" -B together.py $order >"$log" 2>&1 || {
+            cat "$log" >&2
+            fail "they do not work together: $order"
+        }
+        echo "together: $order"
+    done
     [ "$cycles" = no ] || compare timeout 2400 "$python" -B compare_test.py
 }
 
