@@ -44,8 +44,7 @@ std::string detailLines(const ShotReport& r) {
     const auto count = [&work](const char* name) { return work.at(name).get<std::uint64_t>(); };
     return fmt::format(
         "  plan {:.3f} s, prepare {:.3f}, scatter {:.3f}, splat {:.3f}, attenuate {:.3f}, shade {:.3f}, composite "
-        "{:.3f}, "
-        "verify {:.3f}\n"
+        "{:.3f}, verify {:.3f}\n"
         "  {} sheets, {} footprints, {} texels shaded, {} light samples, {} pixel sheets\n"
         "  {} threads, {:.1f} MB of buffers, {:.1f} MB resident at most",
         s.plan, s.prepare, s.scatter, s.splat, s.attenuate, s.shade, s.composite, s.verify, count("sheets"),

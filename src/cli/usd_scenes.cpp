@@ -31,8 +31,7 @@ namespace {
 
 constexpr const char* kHowToInstall =
     "stages are read by Scrim's Python package and usd-core (pip install usd-core); $SCRIM_PYTHON names the Python "
-    "that "
-    "has both";
+    "that has both";
 
 /// That of the environment, or python3 beside this program, or the one in PATH.
 std::string pythonProgram() {

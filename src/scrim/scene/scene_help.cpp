@@ -221,8 +221,7 @@ std::string sceneHelp(const std::string& topic) {
 std::string scenesAsMarkdown() {
     std::string text =
         "# Scenes\n\nWhat a scene may say. Printed by `scrim help --markdown`; `scrim help camera` prints a section, "
-        "`scrim "
-        "help camera.fov` a key, and `scrim help --schema` a JSON schema for editors.\n";
+        "`scrim help camera.fov` a key, and `scrim help --schema` a JSON schema for editors.\n";
     for (const Section* section : sceneSections()) {
         text += fmt::format("\n## {}\n\n{}\n",
                             section == sceneSections().front() ? "All of it" : "`" + section->title() + "`",

@@ -53,8 +53,7 @@ std::string quoted(const std::string& text) {
 std::string studyAsCsv(const Study& study) {
     std::string text =
         "setting,run,on_front,error,error_lower,error_upper,bias,worst,median_seconds,least_seconds,most_seconds,"
-        "repeats,"
-        "footprints,texels_shaded,light_samples,pixel_sheets,buffer_bytes";
+        "repeats,footprints,texels_shaded,light_samples,pixel_sheets,buffer_bytes";
     for (const DialInfo& dial : dialTable()) text += "," + dial.name;
     text += "\n";
     for (const Trial& t : study.trials) {

@@ -176,8 +176,8 @@ std::string studyAsHtml(const Study& study, const std::string& scene, const Colo
         htmlEscaped(scene), kStyle);
     html += fmt::format(
         "<p>{} settings of {} rendered on {} threads and compared with the brute-force reference at {} pixels, in "
-        "{:.0f} "
-        "s{}. Error is relative RMSE, with its 95 % interval; time the median of interleaved repeats, without loading. "
+        "{:.0f} s{}. Error is relative RMSE, with its 95 % interval; time the median of interleaved repeats, without "
+        "loading. "
         "Rest the mouse on a point to read its setting.</p>\n",
         run, study.trials.size(), study.threads, study.pixels, study.spent,
         study.outOfTime ? "; the budget left no time for the rest" : "");

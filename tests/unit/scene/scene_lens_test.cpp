@@ -65,8 +65,7 @@ TEST(SceneLens, FilmFitsThePictureAsAsked) {
               "scene.toml:6:7: 'fit' needs the height of the film; expected 'aperture' = [width, height]");
     EXPECT_EQ(errorIn("position = [0, 0, 9]\ntarget = [0, 0, 0]\naperture = 36\n"),
               "scene.toml:1:1: [camera] of type 'perspective' lacks 'focal_length'; expected a number greater than 0 "
-              "and of at "
-              "most 1000000 mm");
+              "and of at most 1000000 mm");
 }
 
 TEST(SceneLens, ShiftMovesThePictureByPartsOfItsWidth) {
@@ -151,8 +150,7 @@ TEST(SceneLens, OrbitIsACircle) {
               1e-15);
     EXPECT_EQ(errorIn("orbit = { elevation = 30 }\n"),
               "scene.toml:2:9: 'orbit' of [camera] of type 'perspective' lacks 'radius'; expected a number greater "
-              "than 0 and "
-              "of at most 1e+15 world units");
+              "than 0 and of at most 1e+15 world units");
 }
 
 TEST(SceneLens, LightsOrbitToo) {
@@ -210,8 +208,7 @@ TEST(SceneRetiming, CountsFilesBySpeedOffsetAndKeys) {
               "of them");
     EXPECT_EQ(errorOf(kCamera + kVolume + "frame = { speed = 1e6 }\n", {}, 1e6),
               "scene.toml:6:9: 'frame' of [[volume]] 'volume1' with a file is file 1e+12 at frame 1000000; expected "
-              "one of at "
-              "most 2000000000");
+              "one of at most 2000000000");
 }
 
 TEST(SceneRetiming, KnowsAFrameThatShowsAFile) {

@@ -81,9 +81,8 @@ TEST(SceneLight, ConvertsColoursIntoTheWorkingSpace) {
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = [1, -1, 1]\n"),
               "scene.toml:9:13: 'color[1]' is -1; expected a number of at least 0");
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\ncolor = \"red\"\n"),
-              "scene.toml:9:9: 'color' is the string \"red\"; expected a colour [r, g, b], each of at least "
-              "0, or { rgb = "
-              "[r, g, b], colorspace = \"...\" }");
+              "scene.toml:9:9: 'color' is the string \"red\"; expected a colour [r, g, b], each of at least 0, or { "
+              "rgb = [r, g, b], colorspace = \"...\" }");
 }
 
 TEST(SceneLight, KeysBelongToTypes) {

@@ -109,9 +109,8 @@ TEST(SceneVolume, FileOfItsSourceIsAPathOfTheScene) {
 
 TEST(SceneVolume, IsAFileOrASource) {
     EXPECT_EQ(errorOf(sceneWith("name = \"plume\"\n")),
-              "scene.toml:4:1: [[volume]] 'plume' lacks 'file'; expected a .vdb file, or 'source', the name "
-              "of a volume "
-              "source");
+              "scene.toml:4:1: [[volume]] 'plume' lacks 'file'; expected a .vdb file, or 'source', the name of a "
+              "volume source");
     EXPECT_EQ(volumeError("source = \"noise\"\n"),
               "scene.toml:6:10: [[volume]] has both 'file' and 'source'; expected one of them");
     EXPECT_EQ(volumeError("parameters = {}\n"),
@@ -222,8 +221,7 @@ TEST(SceneVolume, DensityAndMediumAreChecked) {
     EXPECT_EQ(volumeError("density = { scale = -1 }\n"),
               "scene.toml:6:21: 'scale' is -1; expected a number from 0 to 1e+30 per world unit");
     EXPECT_EQ(volumeError("density = { scael = 1 }\n"),
-              "scene.toml:6:13: 'scael' is not known here ('density' of [[volume]] 'volume1'); did you mean "
-              "'scale'?; "
+              "scene.toml:6:13: 'scael' is not known here ('density' of [[volume]] 'volume1'); did you mean 'scale'?; "
               "allowed: 'grid', 'scale' or 'ramp'");
     EXPECT_EQ(volumeError("[volume.medium]\nalbedo = [0.5, 1.5, 0]\n"),
               "scene.toml:7:10: 'albedo' is 0.5, 1.5, 0 in the working space; expected numbers from 0 to 1");

@@ -98,8 +98,7 @@ TEST_F(Source, RefusesGridsThatBreakTheRules) {
     EXPECT_EQ(act("wrong grid"), "source 'test': it used grid number 7, and has added 1 grids");
     EXPECT_EQ(act("grid twice"), "source 'test': it added two grids called 'density'");
     EXPECT_EQ(act("odd tile"),
-              "source 'test': grid 'density': a tile of edge 24 at 0, 0, 8: the edge must be 8 times a power "
-              "of two "
+              "source 'test': grid 'density': a tile of edge 24 at 0, 0, 8: the edge must be 8 times a power of two "
               "and the origin a multiple of it");
 }
 
