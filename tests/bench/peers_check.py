@@ -15,6 +15,7 @@ error is below 0.1 %, see --verify):
 """
 import argparse
 import csv
+import json
 import math
 import os
 import subprocess
@@ -54,8 +55,9 @@ def run(command, log):
 
 
 def rows(options, work):
-    run([BIN / "scrim_peers", "scene", options.asset, work / "scene.toml", work / "pixels.txt", "1"], work / "made.json")
-    numbers = peers_tools.json.loads((work / "made.json").read_text()) | {"threads": os.cpu_count()}
+    run([BIN / "scrim_peers", "scene", options.asset, work / "scene.toml", work / "pixels.txt", "1"],
+        work / "made.json")
+    numbers = json.loads((work / "made.json").read_text()) | {"threads": os.cpu_count()}
     numbers["resolution"] = [options.res] * 2
     dense = peers_tools.add_array(numbers, work)
     run([BIN / "scrim", "render", work / "scene.toml", "-o", work / "truth.exr", "--quality", "ultra", "-q", "--set",
@@ -74,8 +76,8 @@ def rows(options, work):
                 file = peers_tools.write_numbers(numbers, work, "check", seed=seed, twice=False)
                 run(peers_tools.command(tool, start, file, picture, samples, *how), work / "log")
             mean, bias, noise = compare([peers_exr.read(p) for p in pictures], truth)
-            yield dict(zip(COLUMNS, [tool, version, " ".join(map(str, how)), samples, f"{mean:.5f}", f"{bias:.5f}",
-                                     f"{noise:.5f}"]))
+            yield dict(zip(COLUMNS, [tool, version, peers_tools.describe(tool, how), samples, f"{mean:.5f}",
+                                     f"{bias:.5f}", f"{noise:.5f}"]))
 
 
 def main():

@@ -5,12 +5,13 @@
 # STEP_RATE 0 is for Blender 5 and later: no steps, but null collisions. ADAPTIVE is the noise at which a pixel gets no
 # more samples (0, the default: all get as many).
 # As little as possible is asked of Cycles: a sun without a size, no clamping, no denoiser, and a pixel filter so narrow
-# that all samples go through the middle of the pixel, as everybody else's do. NUMBERS may hold more than those of peers.py:
-# "g" of the phase function (0), "bounces" after the first scattering (0: single scattering), "seed" (0), "threads" (0:
-# as Blender was told), and "twice": a picture of one sample is rendered before, with what Cycles made of the scene kept
-# for the second, whose seconds are then printed: they are those of rendering alone.
+# that all samples go through the middle of the pixel, as everybody else's do. NUMBERS may hold more than those of
+# peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering), "seed" (0),
+# "threads" (0: as Blender was told), and "twice": a picture of one sample is rendered before, and what Cycles made of
+# the scene is kept for the second, whose seconds are then printed: they are those of rendering alone.
 import json
 import math
+import os
 import sys
 import time
 
@@ -93,7 +94,6 @@ render.film_transparent = True
 render.image_settings.file_format = "OPEN_EXR"
 render.image_settings.color_depth = "32"
 render.image_settings.exr_codec = "NONE"
-render.filepath = picture
 scene.view_settings.view_transform = "Raw"
 scene.cycles.device = "CPU"
 scene.cycles.samples = int(samples)
@@ -110,6 +110,7 @@ scene.cycles.volume_step_rate = float(step_rate) or 1
 if hasattr(scene.cycles, "volume_biased"):
     scene.cycles.volume_biased = float(step_rate) > 0
 scene.cycles.volume_max_steps = 65536
+scene.cycles.transparent_max_bounces = 1024  # each gap of the volume is one, and behind too many all is dark
 scene.cycles.sample_clamp_indirect = 0
 scene.cycles.pixel_filter_type = "GAUSSIAN"
 scene.cycles.filter_width = 0.01
@@ -121,7 +122,17 @@ if numbers.get("twice"):
     scene.cycles.samples = int(samples)
     scene.update_tag()
     bpy.context.view_layer.update()
+
+# Cycles 5 builds an octree for each picture, whatever is kept: seconds count from the first sample on, as its status
+# tells. Before 5.0 the status says so to nobody but the terminal.
+status = {}
+if bpy.app.version >= (5, 0):
+    bpy.app.handlers.render_stats.append(lambda text, _: status.setdefault("Sample 0/" in text, time.monotonic()))
 begin = time.monotonic()
 bpy.ops.render.render()
-print("render", time.monotonic() - begin)
+end = time.monotonic()
+print("render", end - status.get(True, begin))
 bpy.data.images["Render Result"].save_render(picture)
+sys.stdout.flush()
+if not bpy.app.binary_path:
+    os._exit(0)  # as a module it may hang where Python takes it apart

@@ -33,8 +33,9 @@ def properties(values):
 def medium(numbers, step):
     array, voxel = np.load(numbers["array"]), numbers["voxel"]
     size, low = [n * voxel for n in array.shape], numbers["origin"]
+    x, y, z = (1 / s for s in size)
     # From the world to the unit cube, column by column.
-    to_cube = [1 / size[0], 0, 0, 0, 0, 1 / size[1], 0, 0, 0, 0, 1 / size[2], 0, *(-o / s for o, s in zip(low, size)), 1]
+    to_cube = [x, 0, 0, 0, 0, y, 0, 0, 0, 0, z, 0, *(-o / s for o, s in zip(low, size)), 1]
     values = {"scene.textures.grid.type": "densitygrid", "scene.textures.grid.storage": "float",
               "scene.textures.grid.wrap": "black", "scene.textures.grid.mapping.type": "globalmapping3d",
               "scene.textures.grid.mapping.transformation": to_cube,
@@ -77,8 +78,8 @@ def main():
     scene = scene_of(numbers, float(step))
     config = properties({
         "renderengine.type": "PATHCPU", "renderengine.seed": 1 + numbers["seed"], "sampler.type": "SOBOL",
-        "native.threads.count": numbers["threads"], "film.width": width, "film.height": height, "film.filter.type": "NONE",
-        "film.imagepipelines.0.0.type": "NOP", "path.pathdepth.total": 2, "path.pathdepth.diffuse": 2,
+        "native.threads.count": numbers["threads"], "film.width": width, "film.height": height,
+        "film.filter.type": "NONE", "film.imagepipelines.0.0.type": "NOP", "path.pathdepth.total": 2, "path.pathdepth.diffuse": 2,
         "path.pathdepth.glossy": 2, "path.pathdepth.specular": 8, "path.russianroulette.depth": 100,
         "path.clamping.variance.maxvalue": 0.0, "path.hybridbackforward.enable": False,
         "lightstrategy.type": "UNIFORM", "batch.haltspp": int(samples), "batch.halttime": 0})
@@ -92,7 +93,7 @@ def main():
     session.Stop()
     rgb = np.zeros((height, width, 3), np.float32)
     session.GetFilm().GetOutputFloat(pyluxcore.FilmOutputType.RGB, rgb, 0)
-    image = np.ones((height, width, 4), np.float32)
+    image = np.zeros((height, width, 4), np.float32)
     image[:-1, :, :3] = rgb[-2::-1]  # its rows begin at the bottom, and show what is one row further up
     peers_exr.write(picture, image)
     print(f"render {seconds}")

@@ -3,10 +3,10 @@
 
     python peers_mitsuba.py NUMBERS.json OUT.exr SAMPLES [VARIANT [INTEGRATOR]]
 
-Prints the seconds that rendering took. In the variants that compile (llvm_ad_rgb, the default), and if NUMBERS say "twice", a
-picture of as many samples, but at most PASS, is rendered before, for the compiler, and not counted. Depth 2 is single scattering. A pixel
-is the mean of its own samples (a box filter), and in variants that compile they all go through its middle, as everybody
-else's do. Where DrJit finds no LLVM that it can use, DRJIT_LIBLLVM_PATH names one: 15 is too old for Mitsuba 3.9.
+Prints the seconds that rendering took. If NUMBERS say "twice", a picture of one sample is rendered before, for the
+compiler of variants that compile (llvm_ad_rgb, the default), and not counted: its code serves any number of samples.
+Depth 2 is single scattering. A pixel is the mean of its own samples (a box filter), and in variants that compile they
+all go through its middle, as everybody else's do. Where DrJit finds no LLVM that it can use, DRJIT_LIBLLVM_PATH names one: 15 is too old for Mitsuba 3.9.
 """
 import json
 import sys
@@ -21,7 +21,7 @@ PASS = 64  # samples of one pass: memory grows with them
 
 
 def transform(numbers, shape):
-    """From the unit cube, which the voxels of the array fill, to the world: voxels end half a voxel off their centres."""
+    """From the unit cube, which the voxels fill, to the world: a voxel ends half a voxel from its centre."""
     size = [numbers["voxel"] * n for n in shape]
     corner = [o - 0.5 * numbers["voxel"] for o in numbers["origin"]]
     return mi.ScalarTransform4f().translate(corner).scale(size)
@@ -108,7 +108,8 @@ def main():
     scene = scene_of(numbers, integrator)
     samples, seed = int(samples), 100000 * numbers["seed"]
     if numbers["twice"] and "scalar" not in variant:
-        render(scene, min(samples, PASS), seed)
+        _, seconds = render(scene, 1, seed)
+        print(f"compile and first sample {seconds}")
     image, seconds = render(scene, samples, seed)
     peers_exr.write(picture, image)
     print(f"render {seconds}")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The tools of peers.py that draw at random: who is there, what they need of the scene, and how they are called.
 
-SCRIM_PEERS_PYTHON names Pythons (PATH's way, with ':' between) that have `mitsuba`, `pyluxcore` or `bpy`, each from PyPI
-and with NumPy; a tool is taken from the first that has it, Cycles once for each major version of bpy. Debian's Blender
+SCRIM_PEERS_PYTHON names Pythons, with ':' between, that have `mitsuba`, `pyluxcore` or `bpy`, each from PyPI and with
+NumPy; a tool is taken from the first that has it, Cycles once for each major version of bpy. Debian's Blender
 stands in for Cycles where no Python has bpy. Mitsuba and LuxCore read no OpenVDB files here: they get a dense array,
 made with Debian's python3-openvdb.
 """
@@ -72,6 +72,15 @@ def command(tool, start, numbers_file, picture, samples, *how):
     script = HERE / f"peers_{tool.split()[0]}.py"
     dashes = ["--"] if tool.startswith("cycles") else []
     return [*start, script, *dashes, numbers_file, picture, str(samples), *map(str, how)]
+
+
+def describe(tool, how):
+    if tool == "mitsuba":
+        return " ".join(how)
+    if tool == "luxcore":
+        return f"step {how[0]:g}"
+    rate, *adaptive = how
+    return (f"step rate {rate:g}" if rate else "null collisions") + "".join(f" adaptive {a:g}" for a in adaptive)
 
 
 def seconds(log):
