@@ -96,7 +96,8 @@ def rows(options, work):
     found = peers_tools.found()
     peers_tools.say_missing(found)
     for sun, degrees in (("turns", options.degrees), ("stands", 0)):
-        suns = [turned(numbers["light"], degrees * i) for i in range(options.frames)]
+        count = options.frames if degrees else 4  # what stands needs no more
+        suns = [turned(numbers["light"], degrees * i) for i in range(count)]
         truth, _ = scrim(work, "ultra", suns, options)
         shown = np.max([p.mean(-1) for p in truth], axis=0) > 1e-6
         mean = float(np.mean([p.mean(-1)[shown] for p in truth]))

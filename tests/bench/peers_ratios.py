@@ -1,0 +1,111 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: Apache-2.0
+"""At what render time each tool of peers.csv has the same error, and how many times Scrim's that is.
+
+    tests/bench/peers_ratios.py peers.csv [peers_check.csv]      (Markdown, a table for each asset)
+
+Those without noise: between the settings that no other beats in both error and time, logarithms are interpolated;
+beyond the coarsest its time counts, beyond the finest there is none. Those that draw at random: noise falls as
+1 / sqrt(samples) and time grows linearly, so from the two largest numbers of samples of one way (step, integrator)
+follows the time for any error, and of all ways the fastest counts. `~` stands before a time beyond what was measured.
+What peers_check.py found in common to two seeds, where it is more than that script's own noise, is an error that stays:
+what is left of the error for noise is sqrt(error^2 - bias^2).
+"""
+import csv
+import math
+import re
+import sys
+
+ERRORS = (0.05, 0.02, 0.01, 0.005)
+
+
+def read(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def front(points):
+    """Those (time, error) that no other beats in both, by time."""
+    chosen = []
+    for time, error in sorted(points):
+        if not chosen or error < chosen[-1][1]:
+            chosen.append((time, error))
+    return chosen
+
+
+def interpolated(points, error):
+    """(time, whether it is beyond what was measured) or None."""
+    points = front(points)
+    if error >= points[0][1]:
+        return points[0][0], False
+    for (t0, e0), (t1, e1) in zip(points, points[1:]):
+        if e1 <= error:
+            part = math.log(error / e0) / math.log(e1 / e0)
+            return t0 * (t1 / t0)**part, False
+    return None
+
+
+def of_samples(points, bias, error):
+    """As `interpolated`, of (samples, time, error) of one way to render."""
+    points = sorted(points)
+    if error <= bias:
+        return None
+    most, time, noise = points[-1]
+    each = (time - points[-2][1]) / (most - points[-2][0]) if len(points) > 1 else time / most
+    left = math.sqrt(max(noise**2 - bias**2, 1e-12)) if noise > bias else noise
+    samples = most * left**2 / (error**2 - bias**2)
+    return max(time + each * (samples - most), each), samples > most
+
+
+def ways(rows):
+    """{way: [(samples, time, error)]} of a tool that draws at random, {} of one that does not."""
+    found = {}
+    for r in rows:
+        match = re.fullmatch(r"samples (\d+) (.+)", r["setting"])
+        if match:
+            found.setdefault(match[2], []).append((int(match[1]), float(r["render_seconds"]), float(r["error"])))
+    return found
+
+
+def time_of(rows, tool, biases, error):
+    mine = [r for r in rows if r["tool"] == tool]
+    random = ways(mine)
+    if not random:
+        return interpolated([(float(r["render_seconds"]), float(r["error"])) for r in mine], error)
+    # What stops early has no fixed relation of samples to noise.
+    times = [of_samples(points, biases.get((tool, way), 0), error) for way, points in random.items()
+             if "adaptive" not in way]
+    return min(filter(None, times), default=None)
+
+
+def seconds(value):
+    return f"{1000 * value:.0f} ms" if value < 1 else f"{value:.2g} s" if value < 100 else f"{round(value, -2):.0f} s"
+
+
+def table(rows, biases):
+    tools = list(dict.fromkeys(r["tool"] for r in rows))
+    own = [time_of(rows, "scrim", biases, e) for e in ERRORS]
+    print(f"\n{rows[0]['asset']}\n\n| error | " + " | ".join(f"{100 * e:g} %" for e in ERRORS) + " |")
+    print("| --- |" + " --- |" * len(ERRORS))
+    for tool in tools:
+        cells = []
+        for error, mine in zip(ERRORS, own):
+            found = time_of(rows, tool, biases, error)
+            ratio = f" ({found[0] / mine[0]:.2g} x)" if found and mine and tool != "scrim" else ""
+            cells.append((("~ " if found[1] else "") + seconds(found[0]) + ratio) if found else "-")
+        print(f"| {tool} | " + " | ".join(cells) + " |")
+
+
+def main(peers_csv, check_csv=None):
+    checked = read(check_csv) if check_csv else []
+    biases = {}
+    for r in checked:  # of more than one the one with most samples, which comes last
+        bias = float(r["bias"])
+        biases[r["tool"], r["how"]] = bias if bias > float(r["noise"]) else 0
+    rows = read(peers_csv)
+    for asset in dict.fromkeys(r["asset"] for r in rows):
+        table([r for r in rows if r["asset"] == asset], biases)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
