@@ -15,8 +15,8 @@ medians count. Settings that take longer than --slow seconds are measured once. 
 whole process, on all processors: where others kept the machine busy, they are less than they could be.
 
 Two times stand in the table. `process` is that of the whole program, from its start over loading to the written
-picture. `render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's statistics (plan
-and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time that Mitsuba, LuxCore
+picture. `render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's statistics
+(plan and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time that Mitsuba, LuxCore
 and Cycles take for a picture whose scene is loaded, and whose code is compiled (no process time: they have rendered for
 the compiler, too). The dense marchers exist for this comparison only: the scaffold around them is no product, so only
 their render times count (to copy the grid into a dense array counts as loading), and they have no process time. There
@@ -115,9 +115,10 @@ def vdb_render_settings(n, threads):
 
 
 # What is asked of those that draw at random: how, and how many samples.
-RANDOM = {"mitsuba": [(("llvm_ad_rgb", "volpath"), (4, 16, 64))], "luxcore": [((4,), (4, 16)), ((1,), (4, 16))],
+RANDOM = {"mitsuba": [(("llvm_ad_rgb", "volpath"), (4, 16, 64)), (("scalar_rgb", "volpath"), (4,))],
+          "luxcore": [((4,), (4,)), ((1,), (4, 16))],
           "cycles 3": [((2,), (4,)), ((1,), (4, 16)), ((0.5,), (32,))],
-          "cycles 4": [((2,), (4, 16)), ((1,), (4, 16, 64)), ((1, 0.05), (64,))],
+          "cycles 4": [((1,), (4, 16, 32)), ((1, 0.05), (32,)), ((0.5,), (16,))],
           "cycles 5": [((0,), (4, 16, 64)), ((1,), (16,))]}
 
 
@@ -220,8 +221,8 @@ def print_table(rows, options):
         print(f"  {r['tool']:<14}{r['setting']:<34}{100 * float(r['error']):>9.2f}{interval:>17}"
               f"{r['process_seconds'] or '-':>11}{r['render_seconds']:>10}{r['memory_mb']:>9}{r['rounds']:>8}")
     print("  process: start, loading, render and writing. render: as the tool itself says. '-': the dense marchers\n"
-          "  (light volume, shadow rays, sweep) are no programs, and those that draw at random render a first picture that\n"
-          "  does not count; the marchers' memory is that of their copies, too. Memory is what was resident at most.",
+          "  (light volume, shadow rays, sweep) are no programs, and those that draw at random render a first picture\n"
+          "  that does not count; the marchers' memory is that of their copies, too. Memory is what was resident at most.",
           flush=True)
 
 

@@ -6,7 +6,8 @@
 Prints the seconds that rendering took. If NUMBERS say "twice", a picture of one sample is rendered before, for the
 compiler of variants that compile (llvm_ad_rgb, the default), and not counted: its code serves any number of samples.
 Depth 2 is single scattering. A pixel is the mean of its own samples (a box filter), and in variants that compile they
-all go through its middle, as everybody else's do. Where DrJit finds no LLVM that it can use, DRJIT_LIBLLVM_PATH names one: 15 is too old for Mitsuba 3.9.
+all go through its middle, as everybody else's do. Where DrJit finds no LLVM that it can use,
+DRJIT_LIBLLVM_PATH names one: 15 is too old for Mitsuba 3.9.
 """
 import json
 import sys
