@@ -15,14 +15,14 @@ medians count. Settings that take longer than --slow seconds are measured once. 
 whole process, on all processors: where others kept the machine busy, they are less than they could be.
 
 Two times stand in the table. `process` is that of the whole program, from its start over loading to the written
-picture. `render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's statistics
-(plan and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time that Mitsuba, LuxCore
-and Cycles take for a picture whose scene is loaded, and whose code is compiled (no process time: they have rendered for
-the compiler, too). The dense marchers exist for this comparison only: the scaffold around them is no product, so only
-their render times count (to copy the grid into a dense array counts as loading), and they have no process time. There
-are three: with a shadow ray from every sample; with a light volume filled by such rays; and with one filled by a sweep
-of planes along the axis that the sun is nearest to (sweep_marcher.h), with vectors, in cells of one voxel or more and
-with bilinear or cubic look-ups. peers_suns.py compares the last one to Scrim under other suns.
+picture. `render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's
+statistics (plan and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time that
+Mitsuba, LuxCore and Cycles take for a picture whose scene is loaded, and whose code is compiled (no process time: they
+have rendered for the compiler, too). The dense marchers exist for this comparison only: the scaffold around them is no
+product, so only their render times count (to copy the grid into a dense array counts as loading), and they have no
+process time. There are three: with a shadow ray from every sample; with a light volume filled by such rays; and with
+one filled by a sweep of planes along the axis that the sun is nearest to (sweep_marcher.h), with vectors, in cells of
+one voxel or more and with bilinear or cubic look-ups. peers_suns.py compares the last one to Scrim under other suns.
 """
 import argparse
 import csv
@@ -222,8 +222,8 @@ def print_table(rows, options):
               f"{r['process_seconds'] or '-':>11}{r['render_seconds']:>10}{r['memory_mb']:>9}{r['rounds']:>8}")
     print("  process: start, loading, render and writing. render: as the tool itself says. '-': the dense marchers\n"
           "  (light volume, shadow rays, sweep) are no programs, and those that draw at random render a first picture\n"
-          "  that does not count; the marchers' memory is that of their copies, too. Memory is what was resident at most.",
-          flush=True)
+          "  that does not count; the marchers' memory is that of their copies, too. Memory is what was resident at "
+          "most.", flush=True)
 
 
 def main():

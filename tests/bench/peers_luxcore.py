@@ -80,8 +80,9 @@ def main():
         "renderengine.type": "PATHCPU", "renderengine.seed": 1 + numbers["seed"], "sampler.type": "SOBOL",
         "native.threads.count": numbers["threads"], "film.width": width, "film.height": height,
         "film.filter.type": "NONE", "film.imagepipelines.0.0.type": "NOP", "path.pathdepth.total": 2,
-        "path.pathdepth.diffuse": 2, "path.pathdepth.glossy": 2, "path.pathdepth.specular": 8, "path.russianroulette.depth": 100,
-        "path.clamping.variance.maxvalue": 0.0, "path.hybridbackforward.enable": False,
+        "path.pathdepth.diffuse": 2, "path.pathdepth.glossy": 2, "path.pathdepth.specular": 8,
+        "path.russianroulette.depth": 100, "path.clamping.variance.maxvalue": 0.0,
+        "path.hybridbackforward.enable": False,
         "lightstrategy.type": "UNIFORM", "batch.haltspp": int(samples), "batch.halttime": 0})
     session = pyluxcore.RenderSession(pyluxcore.RenderConfig(config, scene))
     begin = time.monotonic()
