@@ -4,12 +4,13 @@
 
     tests/bench/peers_ratios.py peers.csv [peers_check.csv]      (Markdown, a table for each asset)
 
-Those without noise: between the settings that no other beats in both error and time, logarithms are interpolated;
-beyond the coarsest its time counts, beyond the finest there is none. Those that draw at random: noise falls as
-1 / sqrt(samples) and time grows linearly, so from the two largest numbers of samples of one way (step, integrator)
-follows the time for any error, and of all ways the fastest counts. `~` stands before a time beyond what was measured.
-What peers_check.py found in common to two seeds, where it is more than that script's own noise, is an error that stays:
-what is left of the error for noise is sqrt(error^2 - bias^2).
+Between the settings that no other beats in both error and time, logarithms are interpolated; beyond the coarsest its
+time counts. Beyond the finest those without noise have none. Of those that draw at random, time grows linearly, and
+noise falls as samples^-p: 1 / sqrt(samples), or faster where it did between the fewest and the most that were measured,
+which samples that are spread evenly (Cycles') do. `~` stands before such a time, beyond what was measured, and of all
+ways to render (steps, integrators) the fastest counts. What peers_check.py found in common to two seeds, where it is
+more than that script's own noise, is an error that stays: what is left of the error for noise is sqrt(error^2 -
+bias^2).
 """
 import csv
 import math
@@ -45,16 +46,22 @@ def interpolated(points, error):
     return None
 
 
+def power(points):
+    """p of one way to render, of (samples, time, error)."""
+    (few, _, most_error), *_, (many, _, least_error) = points
+    return min(1.0, max(0.5, math.log(most_error / least_error) / math.log(many / few)))
+
+
 def of_samples(points, bias, error):
     """As `interpolated`, of (samples, time, error) of one way to render."""
     points = sorted(points)
-    if error <= bias:
-        return None
-    most, time, noise = points[-1]
-    each = (time - points[-2][1]) / (most - points[-2][0]) if len(points) > 1 else time / most
-    left = math.sqrt(max(noise**2 - bias**2, 1e-12)) if noise > bias else noise
-    samples = most * left**2 / (error**2 - bias**2)
-    return max(time + each * (samples - most), each), samples > most
+    measured = interpolated([p[1:] for p in points], error)
+    if measured or error <= bias or len(points) < 2:
+        return measured
+    most, time, least = points[-1]
+    left = math.sqrt(max(least**2 - bias**2, 0.25 * least**2))
+    samples = most * (left / math.sqrt(error**2 - bias**2))**(1 / power(points))
+    return time + (time - points[-2][1]) / (most - points[-2][0]) * (samples - most), True
 
 
 def ways(rows):
@@ -78,6 +85,13 @@ def time_of(rows, tool, biases, error):
     return min(filter(None, times), default=None)
 
 
+def powers(rows):
+    """How noise fell, as words."""
+    said = [f"{tool}, {way}: {power(sorted(points)):.2f}" for tool in dict.fromkeys(r["tool"] for r in rows)
+            for way, points in ways([r for r in rows if r["tool"] == tool]).items() if len(points) > 1]
+    return "p: " + "; ".join(said) if said else ""
+
+
 def seconds(value):
     return f"{1000 * value:.0f} ms" if value < 1 else f"{value:.2g} s" if value < 100 else f"{round(value, -2):.0f} s"
 
@@ -94,6 +108,7 @@ def table(rows, biases):
             ratio = f" ({found[0] / mine[0]:.2g} x)" if found and mine and tool != "scrim" else ""
             cells.append((("~ " if found[1] else "") + seconds(found[0]) + ratio) if found else "-")
         print(f"| {tool} | " + " | ".join(cells) + " |")
+    print(f"\n{powers(rows)}")
 
 
 def main(peers_csv, check_csv=None):
