@@ -97,10 +97,10 @@ def plot(csv_file, svg_file):
     at, line = LEFT, 44
     for tool, (name, colour, shape) in TOOLS.items():
         if any(r["tool"] == tool for r in rows):
-            if at + 34 + 6 * len(name) > width:
+            if at + 36 + 6.3 * len(name) > width:
                 at, line = LEFT, line + 20
             out += [marker(at + 6, line, shape, colour), text(at + 17, line + 4, name, "start")]
-            at += 34 + 6 * len(name)
+            at += 36 + 6.3 * len(name)
     for column, time in enumerate(TIMES):
         x0 = LEFT + column * (WIDTH + LEFT)
         x = Axis([float(r[time]) for r in rows if r[time]], x0, x0 + WIDTH)
