@@ -5,21 +5,24 @@
     tests/bench/peers.py [--rounds N] [--pixels N] [--skip TOOL]... [--csv FILE] [--svg FILE] [ASSET]...
 
 An ASSET is a .vdb or noise:RESOLUTION (the default is noise:350). Needs a build (SCRIM_BUILD names it), vdb_render
-(Debian: libopenvdb-tools) and Blender for Cycles; what is not there is skipped with a line that says so. Writes a table
-to stdout, peers.csv, and with --svg a plot of it.
+(Debian: libopenvdb-tools), and for Mitsuba, LuxCore and Cycles what peers_tools.py says; what is not there is skipped
+with a line that says so. Writes a table to stdout, peers.csv, and with --svg a plot of it. peers_check.py tells whether
+those that draw at random render the same scene, peers_ratios.py at what time each has the same error.
 
 All tools render 512 x 512 pixels of one volume with single, isotropic scattering under one distant light, on all
 processors. All settings are measured in turn, round after round, so that a machine whose speed drifts favours none;
-medians count. Settings that take longer than --slow seconds are measured once.
+medians count. Settings that take longer than --slow seconds are measured once. cpu_seconds of the CSV are those of the
+whole process, on all processors: where others kept the machine busy, they are less than they could be.
 
-Two times stand in the table. `process` is that of the whole program, from its start over loading to the written picture.
-`render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's statistics (plan
-and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time between Cycles' first
-sample and its last. The dense marchers exist for this comparison only: the scaffold around them is no product, so only
-their render times count (to copy the grid into a dense array counts as loading), and they have no process time. There
-are three: with a shadow ray from every sample; with a light volume filled by such rays; and with one filled by a sweep
-of planes along the axis that the sun is nearest to (sweep_marcher.h), with vectors, in cells of one voxel or more and
-with bilinear or cubic look-ups. peers_suns.py compares the last one to Scrim under other suns.
+Two times stand in the table. `process` is that of the whole program, from its start over loading to the written
+picture. `render` is what each tool itself says that rendering took, without start, loading and writing: Scrim's
+statistics (plan and render), the seconds between ray-tracing and its end that vdb_render -v prints, and the time that
+Mitsuba, LuxCore and Cycles take for a picture whose scene is loaded, and whose code is compiled (no process time: they
+have rendered for the compiler, too). The dense marchers exist for this comparison only: the scaffold around them is no
+product, so only their render times count (to copy the grid into a dense array counts as loading), and they have no
+process time. There are three: with a shadow ray from every sample; with a light volume filled by such rays; and with
+one filled by a sweep of planes along the axis that the sun is nearest to (sweep_marcher.h), with vectors, in cells of
+one voxel or more and with bilinear or cubic look-ups. peers_suns.py compares the last one to Scrim under other suns.
 """
 import argparse
 import csv
@@ -35,11 +38,12 @@ import time
 from pathlib import Path
 
 import peers_plot
+import peers_tools
 
 HERE = Path(__file__).resolve().parent
 BIN = Path(os.environ.get("SCRIM_BUILD", HERE.parent.parent / "build")) / "bin"
 COLUMNS = ["asset", "voxels", "tool", "setting", "error", "lower", "upper", "bias", "process_seconds", "render_seconds",
-           "memory_mb", "rounds"]
+           "cpu_seconds", "memory_mb", "rounds"]
 
 
 class Setting:
@@ -48,7 +52,7 @@ class Setting:
     def __init__(self, tool, label, command, render_seconds, process=True):
         self.tool, self.label, self.command, self.render_seconds = tool, label, command, render_seconds
         self.process = process  # whether the time of the whole program says anything
-        self.process_times, self.render_times, self.memory = [], [], []
+        self.process_times, self.render_times, self.cpu_times, self.memory = [], [], [], []
 
     def measure(self, picture):
         log = picture.with_suffix(".log")
@@ -63,6 +67,7 @@ class Setting:
             raise SystemExit(f"{self.tool} ({self.label}) failed:\n{text[-2000:]}")
         self.process_times.append(seconds)
         self.render_times.append(self.render_seconds(text))
+        self.cpu_times.append(usage.ru_utime + usage.ru_stime)
         self.memory.append(usage.ru_maxrss / 1024)  # of the largest process, its children included
 
 
@@ -109,16 +114,21 @@ def vdb_render_settings(n, threads):
                                                                  str(step), "-shadowstep", str(shadow)], seconds)
 
 
-def cycles_settings(work, threads):
-    def seconds(log):
-        times = [60 * int(m) + float(s) for m, s in re.findall(r"Time:(\d+):(\d+\.\d+).* \| (?:Sample 0/|Finished)", log)]
-        return times[-1] - times[0]
+# What is asked of those that draw at random: how, and how many samples.
+RANDOM = {"mitsuba": [(("llvm_ad_rgb", "volpath"), (4, 16, 64)), (("scalar_rgb", "volpath"), (4,))],
+          "luxcore": [((4,), (4,)), ((1,), (4, 16))],
+          "cycles 3": [((2,), (4,)), ((1,), (4, 16)), ((0.5,), (32,))],
+          "cycles 4": [((1,), (4, 16, 32)), ((1, 0.05), (32,)), ((0.5,), (16,))],
+          "cycles 5": [((0,), (4, 16, 64)), ((1,), (16,))]}
 
-    for samples, rate in ((4, 2), (4, 1), (16, 1), (32, 0.5)):
-        yield Setting("cycles", f"samples {samples} step rate {rate}",
-                      lambda picture, samples=samples, rate=rate: [
-                          "blender", "-b", "--factory-startup", "-t", str(threads), "-P", HERE / "peers_cycles.py", "--",
-                          work / "numbers.json", picture, str(samples), str(rate)], seconds)
+
+def random_settings(tool, start, work, numbers, options):
+    numbers_file = peers_tools.write_numbers(numbers, work, "timed", threads=options.threads)
+    for how, counts in RANDOM.get(tool, [((1,), (4, 16, 64))]):
+        for samples in counts:
+            yield Setting(tool, f"samples {samples} {peers_tools.describe(tool, how)}",
+                          lambda picture, how=how, samples=samples: peers_tools.command(
+                              tool, start, numbers_file, picture, samples, *how), peers_tools.seconds, process=False)
 
 
 def marcher(tool, label, work, *values):
@@ -146,17 +156,22 @@ def settings_of(work, numbers, options):
     """All that can and shall be measured."""
     tools = {"scrim": lambda: scrim_settings(work, options.threads),
              "vdb_render": lambda: vdb_render_settings(numbers, options.threads),
-             "cycles": lambda: cycles_settings(work, options.threads),
              "light volume": lambda: (s for s in marcher_settings(work) if s.tool == "light volume"),
              "shadow rays": lambda: (s for s in marcher_settings(work) if s.tool == "shadow rays"),
              "sweep": lambda: sweep_settings(work)}
-    packages = {"vdb_render": ("vdb_render", "libopenvdb-tools"), "cycles": ("blender", "blender")}
+    found = peers_tools.found()
+    peers_tools.say_missing(found)
+    dense = peers_tools.add_array(numbers, work)
+    for tool, (start, version) in found.items():
+        print(f"{tool}: version {version}")
+        tools[tool] = lambda tool=tool, start=start: random_settings(tool, start, work, numbers, options)
     for tool, settings in tools.items():
-        program, package = packages.get(tool, (None, None))
-        if tool in options.skip:
+        if tool in options.skip or tool.split()[0] in options.skip:
             print(f"{tool}: skipped, as asked")
-        elif program and not shutil.which(program):
-            print(f"{tool}: skipped, since there is no program '{program}' (Debian package {package})")
+        elif tool == "vdb_render" and not shutil.which(tool):
+            print(f"{tool}: skipped, since there is no program '{tool}' (Debian package libopenvdb-tools)")
+        elif tool in ("mitsuba", "luxcore") and not dense:
+            print(f"{tool}: skipped, since there is no module 'pyopenvdb' (Debian package python3-openvdb)")
         else:
             yield from settings()
 
@@ -192,21 +207,23 @@ def compare(asset, work, options):
         process = f"{statistics.median(setting.process_times):.4g}" if setting.process else ""
         yield dict(zip(COLUMNS, [label, numbers["voxels"], setting.tool, setting.label, *line.split(), process,
                                  f"{statistics.median(setting.render_times):.4g}",
+                                 f"{statistics.median(setting.cpu_times):.4g}",
                                  f"{statistics.median(setting.memory):.0f}", len(setting.process_times)]))
 
 
 def print_table(rows, options):
     print(f"\n{rows[0]['asset']}: {rows[0]['voxels']} voxels, {options.threads} threads, {options.pixels} reference "
           f"pixels, median of up to {options.rounds} rounds")
-    print(f"  {'tool':<14}{'setting':<26}{'error %':>9}{'95 % interval':>17}{'process s':>11}{'render s':>10}"
+    print(f"  {'tool':<14}{'setting':<34}{'error %':>9}{'95 % interval':>17}{'process s':>11}{'render s':>10}"
           f"{'peak MB':>9}{'rounds':>8}")
     for r in rows:
         interval = f"{100 * float(r['lower']):.2f} to {100 * float(r['upper']):.2f}"
-        print(f"  {r['tool']:<14}{r['setting']:<26}{100 * float(r['error']):>9.2f}{interval:>17}"
+        print(f"  {r['tool']:<14}{r['setting']:<34}{100 * float(r['error']):>9.2f}{interval:>17}"
               f"{r['process_seconds'] or '-':>11}{r['render_seconds']:>10}{r['memory_mb']:>9}{r['rounds']:>8}")
     print("  process: start, loading, render and writing. render: as the tool itself says. '-': the dense marchers\n"
-          "  (light volume, shadow rays, sweep) are no programs, only their render times count; their memory is that\n"
-          "  of their copies, too. Memory is what was resident at most.", flush=True)
+          "  (light volume, shadow rays, sweep) are no programs, and those that draw at random render a first picture\n"
+          "  that does not count; the marchers' memory is that of their copies, too. Memory is what was resident at "
+          "most.", flush=True)
 
 
 def main():
@@ -215,7 +232,8 @@ def main():
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--pixels", type=int, default=400, help="of the reference")
     parser.add_argument("--skip", action="append", default=[], metavar="TOOL",
-                        help="scrim, vdb_render, cycles, 'light volume', 'shadow rays' or sweep")
+                        help="scrim, vdb_render, mitsuba, luxcore, cycles, 'cycles 4', 'light volume', 'shadow rays', "
+                             "sweep")
     parser.add_argument("--slow", type=float, default=10, help="seconds of a setting that is measured once")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--csv", default="peers.csv")

@@ -1,17 +1,24 @@
 # SPDX-License-Identifier: Apache-2.0
-# The scene of peers.py or octaves.py in Cycles. Blender runs this, not Python:
-#     blender -b --factory-startup -t THREADS -P peers_cycles.py -- NUMBERS.json OUT.exr SAMPLES STEP_RATE
+# The scene of peers.py or octaves.py in Cycles. Blender runs this, or a Python that has bpy:
+#     blender -b --factory-startup -t THREADS -P peers_cycles.py -- NUMBERS.json OUT.exr SAMPLES STEP_RATE [ADAPTIVE]
+#     python peers_cycles.py -- NUMBERS.json OUT.exr SAMPLES STEP_RATE [ADAPTIVE]
+# STEP_RATE 0 is for Blender 5 and later: no steps, but null collisions. ADAPTIVE is the noise at which a pixel gets no
+# more samples (0, the default: all get as many).
 # As little as possible is asked of Cycles: a sun without a size, no clamping, no denoiser, and a pixel filter so narrow
-# that all samples go through the middle of the pixel, as everybody else's do. NUMBERS may hold three more than those of
-# peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering) and "seed" (0).
+# that all samples go through the middle of the pixel, as everybody else's do. NUMBERS may hold more than those of
+# peers.py: "g" of the phase function (0), "bounces" after the first scattering (0: single scattering), "seed" (0),
+# "threads" (0: as Blender was told), and "twice": a picture of one sample is rendered before, and what Cycles made of
+# the scene is kept for the second, whose seconds are then printed: they are those of rendering alone.
 import json
 import math
+import os
 import sys
+import time
 
 import bpy
 from mathutils import Matrix, Vector
 
-numbers_file, picture, samples, step_rate = sys.argv[sys.argv.index("--") + 1:]
+numbers_file, picture, samples, step_rate, *adaptive = sys.argv[sys.argv.index("--") + 1:]
 with open(numbers_file) as file:
     numbers = json.load(file)
 
@@ -34,12 +41,12 @@ def looking(direction):
     return Matrix((right, back.cross(right), back)).transposed().to_4x4()
 
 
-# Debian's Blender 3.4 has no NanoVDB, and draws the dense copy that it makes instead half a voxel too high on each axis.
+# Before 5.0, Cycles takes a voxel's index for a corner of it, and draws grids half a voxel too high on each axis.
 volume = bpy.data.volumes.new("volume")
 volume.filepath = numbers["asset"]
 volume.render.precision = "FULL"
 volume.render.clipping = 0
-half_voxel = 0.5 * numbers["voxel"]
+half_voxel = 0.5 * numbers["voxel"] if bpy.app.version < (5, 0) else 0
 place("volume", volume, Matrix.Translation((-half_voxel,) * 3))
 
 material = bpy.data.materials.new("medium")
@@ -87,20 +94,45 @@ render.film_transparent = True
 render.image_settings.file_format = "OPEN_EXR"
 render.image_settings.color_depth = "32"
 render.image_settings.exr_codec = "NONE"
-render.filepath = picture
 scene.view_settings.view_transform = "Raw"
 scene.cycles.device = "CPU"
 scene.cycles.samples = int(samples)
-scene.cycles.use_adaptive_sampling = False
+scene.cycles.use_adaptive_sampling = bool(adaptive) and float(adaptive[0]) > 0
+if scene.cycles.use_adaptive_sampling:
+    scene.cycles.adaptive_threshold = float(adaptive[0])
 scene.cycles.use_denoising = False
 scene.cycles.seed = numbers.get("seed", 0)
 scene.cycles.volume_bounces = numbers.get("bounces", 0)
 if scene.cycles.volume_bounces > 0:
     scene.cycles.max_bounces = scene.cycles.volume_bounces
     scene.cycles.light_sampling_threshold = 0  # or weak light is left to chance, at every bounce
-scene.cycles.volume_step_rate = float(step_rate)
+scene.cycles.volume_step_rate = float(step_rate) or 1
+if hasattr(scene.cycles, "volume_biased"):
+    scene.cycles.volume_biased = float(step_rate) > 0
 scene.cycles.volume_max_steps = 65536
+scene.cycles.transparent_max_bounces = 1024  # each gap of the volume is one, and behind too many all is dark
 scene.cycles.sample_clamp_indirect = 0
 scene.cycles.pixel_filter_type = "GAUSSIAN"
 scene.cycles.filter_width = 0.01
-bpy.ops.render.render(write_still=True)
+if numbers.get("threads"):
+    render.threads_mode, render.threads = "FIXED", numbers["threads"]
+if numbers.get("twice"):
+    render.use_persistent_data, scene.cycles.samples = True, 1
+    bpy.ops.render.render()
+    scene.cycles.samples = int(samples)
+    scene.update_tag()
+    bpy.context.view_layer.update()
+
+# Cycles 5 builds an octree for each picture, whatever is kept: seconds count from the first sample on, as its status
+# tells. Before 5.0 the status says so to nobody but the terminal.
+status = {}
+if bpy.app.version >= (5, 0):
+    bpy.app.handlers.render_stats.append(lambda text, _: status.setdefault("Sample 0/" in text, time.monotonic()))
+begin = time.monotonic()
+bpy.ops.render.render()
+end = time.monotonic()
+print("render", end - status.get(True, begin))
+bpy.data.images["Render Result"].save_render(picture)
+sys.stdout.flush()
+if not bpy.app.binary_path:
+    os._exit(0)  # as a module it may hang where Python takes it apart

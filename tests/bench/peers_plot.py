@@ -4,8 +4,8 @@
 
     tests/bench/peers_plot.py peers.csv peers.svg
 
-Each tool has a colour of its own (of the palette by Okabe and Ito, which the colour-blind tell apart) and a shape of
-its own. All settings are drawn; a line joins those that no other setting of the tool beats in both error and time.
+Each tool has a colour of its own (of the palettes by Okabe and Ito and by Tol, which the colour-blind tell apart) and a
+shape. All settings are drawn; a line joins those that no other setting of the tool beats in both error and time.
 """
 import csv
 import math
@@ -15,7 +15,10 @@ from html import escape
 WIDTH, HEIGHT = 420, 300  # of a panel, within its axes
 LEFT, TOP, GAP, BOTTOM = 70, 100, 56, 50
 TOOLS = {"scrim": ("Scrim", "#0072B2", "circle"), "vdb_render": ("vdb_render", "#D55E00", "square"),
-         "cycles": ("Cycles", "#CC79A7", "diamond"), "light volume": ("dense marcher, light volume", "#009E73", "up"),
+         "cycles 3": ("Cycles of Blender 3", "#882255", "diamond"),
+         "cycles 4": ("Cycles of Blender 4", "#CC79A7", "diamond"),
+         "cycles 5": ("Cycles of Blender 5", "#AA4499", "down"), "mitsuba": ("Mitsuba 3", "#56B4E9", "up"),
+         "luxcore": ("LuxCore", "#999933", "square"), "light volume": ("dense marcher, light volume", "#009E73", "up"),
          "shadow rays": ("dense marcher, shadow rays", "#000000", "down"),
          "sweep": ("dense marcher, swept light", "#E69F00", "right")}
 TIMES = {"render_seconds": "seconds to render, as each tool says",
@@ -91,11 +94,13 @@ def plot(csv_file, svg_file):
            f'<rect width="{width}" height="{height}" fill="white"/>',
            text(LEFT, 24, "Relative RMSE against brute force, over time: lower and further left is better", "start",
                 'font-size="15" font-weight="bold"')]
-    at = LEFT
+    at, line = LEFT, 44
     for tool, (name, colour, shape) in TOOLS.items():
         if any(r["tool"] == tool for r in rows):
-            out += [marker(at + 6, 52, shape, colour), text(at + 17, 56, name, "start")]
-            at += 34 + 6 * len(name)
+            if at + 36 + 6.3 * len(name) > width:
+                at, line = LEFT, line + 20
+            out += [marker(at + 6, line, shape, colour), text(at + 17, line + 4, name, "start")]
+            at += 36 + 6.3 * len(name)
     for column, time in enumerate(TIMES):
         x0 = LEFT + column * (WIDTH + LEFT)
         x = Axis([float(r[time]) for r in rows if r[time]], x0, x0 + WIDTH)
