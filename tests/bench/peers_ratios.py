@@ -7,8 +7,9 @@
 Between the settings that no other beats in both error and time, logarithms are interpolated; beyond the coarsest its
 time counts. Beyond the finest those without noise have none. Of those that draw at random, time grows linearly, and
 noise falls as samples^-p: 1 / sqrt(samples), or faster where it did between the fewest and the most that were measured,
-which samples that are spread evenly (Cycles') do. `~` stands before such a time, beyond what was measured, and of all
-ways to render (steps, integrators) the fastest counts. What peers_check.py found in common to two seeds, where it is
+which samples that are spread evenly (Cycles') do. `~` stands before such a time, beyond what was measured, `>` where it
+would be more than 10 times as long as anything measured. Of all ways to render (steps, integrators) the fastest
+counts. What peers_check.py found in common to two seeds, where it is
 more than that script's own noise, is an error that stays: what is left of the error for noise is sqrt(error^2 -
 bias^2).
 """
@@ -18,6 +19,7 @@ import re
 import sys
 
 ERRORS = (0.05, 0.02, 0.01, 0.005)
+FAR = 10  # times the longest that was measured: an extrapolation beyond says no more than "more"
 
 
 def read(path):
@@ -96,6 +98,15 @@ def seconds(value):
     return f"{1000 * value:.0f} ms" if value < 1 else f"{value:.2g} s" if value < 100 else f"{round(value, -2):.0f} s"
 
 
+def cell(found, own, most):
+    """(time, extrapolated?) beside Scrim's; times beyond `most` are not told."""
+    if not found:
+        return "-"
+    time = min(found[0], most)
+    ratio = f" ({float(f'{time / own[0]:.2g}'):g} x)" if own else ""
+    return ("> " if time < found[0] else "~ " if found[1] else "") + seconds(time) + ratio
+
+
 def table(rows, biases):
     tools = list(dict.fromkeys(r["tool"] for r in rows))
     own = [time_of(rows, "scrim", biases, e) for e in ERRORS]
@@ -104,9 +115,8 @@ def table(rows, biases):
     for tool in tools:
         cells = []
         for error, mine in zip(ERRORS, own):
-            found = time_of(rows, tool, biases, error)
-            ratio = f" ({found[0] / mine[0]:.2g} x)" if found and mine and tool != "scrim" else ""
-            cells.append((("~ " if found[1] else "") + seconds(found[0]) + ratio) if found else "-")
+            cells.append(cell(time_of(rows, tool, biases, error), mine if tool != "scrim" else None,
+                              FAR * max(float(r["render_seconds"]) for r in rows if r["tool"] == tool)))
         print(f"| {tool} | " + " | ".join(cells) + " |")
     print(f"\n{powers(rows)}")
 
