@@ -61,7 +61,7 @@ scrim render smoke.vdb -q --res 96x54 -o again.exr --preview again.png || fail "
 
 echo "-- farm"
 scrim-submit smoke.vdb --frames 1-2 --on openjd -o 'tile.####.exr' --res 32x32 >farm.log 2>&1 || { cat farm.log; fail "scrim-submit"; }
-[ -s smoke.farm/template.yaml ] || [ -n "$(find smoke.farm -name 'template*')" ] || fail "no job: $(ls -R smoke.farm)"
+[ -n "$(find smoke.farm -name 'template*')" ] || fail "no job: $(ls -R smoke.farm)"
 
 echo "-- Python"
 install "$(deb python3-scrim)"
@@ -71,8 +71,7 @@ import numpy, scrim
 
 frame = scrim.open("smoke.vdb", resolution=(96, 54)).render(verify=100)
 assert frame.image[:, :, 3].max() > 0.1 and frame.error < 0.02, frame.error
-field = scrim.Field(numpy.ones((8, 8, 8)))
-assert scrim.__version__
+assert scrim.Field(numpy.ones((8, 8, 8))) is not None and scrim.__version__
 PYTHON
 python3 -m scrim --version | grep -q '^scrim' || fail "python3 -m scrim"
 
@@ -88,7 +87,7 @@ SCRIM_PLUGIN_PATH=sources scrim make ball radius=2 density=5 resolution=32 -q -o
 echo "-- lintian"
 while read -r binary; do
     ! readelf -d "$binary" 2>/dev/null | grep -E 'RUNPATH|RPATH' || fail "$binary has a path of its own"
-done < <(dpkg -L libscrim0 scrim scrim-pictures python3-scrim libscrim-dev | xargs file -L 2>/dev/null | sed -n 's/: *ELF.*//p'; dpkg -L libscrim0 scrim scrim-pictures python3-scrim | grep -E '\.so|/bin/scrim$|scrim-load$')
+done < <(dpkg -L libscrim0 scrim scrim-pictures python3-scrim | grep -E '\.so|/bin/scrim$|scrim-load$')
 install lintian
 lintian --allow-root --fail-on error --tag-display-limit 0 "$packages"/*.deb || fail "lintian has errors"
 

@@ -87,10 +87,10 @@ def _attribute(name, kind, content):
     return name + b"\0" + kind + b"\0" + struct.pack("<i", len(content)) + content
 
 
-def write(path, rgb):
-    """`rgb`: height x width x 3, rows from the top."""
-    height, width = rgb.shape[:2]
-    names = [(b"B", 2), (b"G", 1), (b"R", 0)]  # channels are sorted in files
+def write(path, pixels):
+    """`pixels`: height x width x 3 (RGB) or 4 (RGBA), rows from the top."""
+    height, width, count = pixels.shape
+    names = sorted((b"RGBA"[i : i + 1], i) for i in range(count))  # as files have them
     window = struct.pack("<iiii", 0, 0, width - 1, height - 1)
     head = b"\x76\x2f\x31\x01" + struct.pack("<i", 2)
     channels = b"".join(name + b"\0" + struct.pack("<iiii", 2, 0, 1, 1) for name, _ in names) + b"\0"
@@ -101,11 +101,11 @@ def write(path, rgb):
     head += _attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
     head += _attribute(b"screenWindowCenter", b"v2f", struct.pack("<ff", 0, 0))
     head += _attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
-    size = 12 * width
+    size = 4 * count * width
     first = len(head) + 8 * height
     offsets = [first + y * (8 + size) for y in range(height)]
     with open(path, "wb") as file:
         file.write(head + struct.pack(f"<{height}Q", *offsets))
         for y in range(height):
-            line = np.stack([rgb[y, :, c] for _, c in names]).astype("<f4")
+            line = np.stack([pixels[y, :, c] for _, c in names]).astype("<f4")
             file.write(struct.pack("<ii", y, size) + line.tobytes())
