@@ -1,10 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/geometry/sheets.h>
 
+#include <scrim/base/error.h>
+
+#include <cstdint>
+#include <limits>
+
+#include <fmt/format.h>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace scrim {
+
+std::size_t rasterArea(int width, int height, std::string_view what) {
+    constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
+    const std::size_t area = std::size_t(width) * std::size_t(height);
+    if (area <= kMost) return area;
+    throw Error(ErrorKind::render, fmt::format("a raster of {} x {} {} is asked for, at most {} of them can be addressed",
+                                               width, height, what, kMost));
+}
 
 Vec3 Sheets::wsPoint(const Vec3& ts) const {
     return glm::transpose(ssFromWs) * (ts / tsStep() + ssOrigin) + wsAnchor;

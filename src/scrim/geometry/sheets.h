@@ -7,6 +7,9 @@
 
 #include <scrim/geometry/spaces.h>
 
+#include <cstddef>
+#include <string_view>
+
 namespace scrim {
 
 constexpr int kTileEdge = 16;                     ///< texels, pixels or cells along a tile's edge
@@ -16,6 +19,10 @@ constexpr int kTileSize = kTileEdge * kTileEdge;  ///< 256
 constexpr int roundUpToTile(int count) {
     return (count + kTileEdge - 1) / kTileEdge * kTileEdge;
 }
+
+/// width x height, for whoever plans or allocates a raster of `what`. Texels and tiles are numbered in 32 bits, which
+/// is what vectors gather by: throws Error(render) where there are more than that.
+std::size_t rasterArea(int width, int height, std::string_view what);
 
 struct Sheets {
     Vec3 wsAnchor{0};      ///< world position of sweep space's origin: of the scene, not of the camera

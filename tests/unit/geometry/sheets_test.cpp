@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/geometry/sheets.h>
 
+#include "support/expect_error.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -127,6 +129,15 @@ TEST(SweepRotation, IsContinuousAwayFromUp) {
         // u turns by at most the step over the sine of the angle to up: 2.3 at 26 degrees.
         for (int column = 0; column < 3; ++column) EXPECT_LT(glm::distance(a[column], b[column]), 1e-5);
     }
+}
+
+TEST(RasterArea, IsCountedInSixtyFourBitsAndRefusedBeyondThirtyTwo) {
+    EXPECT_EQ(rasterArea(46340, 46340, "texels"), 2147395600u);
+    const std::string error =
+        errorOf(ErrorKind::render, [] { rasterArea(47824, 48224, "texels (a larger 'texel' needs fewer)"); });
+    EXPECT_EQ(error,
+              "a raster of 47824 x 48224 texels (a larger 'texel' needs fewer) is asked for, at most 2147483647 of "
+              "them can be addressed");
 }
 
 }  // namespace

@@ -100,20 +100,19 @@ HWY_ATTR void noteDepth(FirstDepth& first, Real hides, Real depth, Real signedSt
 
 // Where the rays of a tile meet one plane.
 struct Addresses {
-    alignas(64) RealIndex texel[kTileSize];  // offset of its first channel
+    alignas(64) RealIndex texel[kTileSize];  // by number; its offset may not fit: see `walk`
     alignas(64) Real u[kTileSize];           // fractions
     alignas(64) Real v[kTileSize];
 };
 
-HWY_ATTR void locate(const RayTile& rays, Real step, int width, int height, int floats, Addresses& at) {
+HWY_ATTR void locate(const RayTile& rays, Real step, int width, int height, Addresses& at) {
     const DF d;
     const DI di;
     const auto steps = hn::Set(d, step);
     for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(d))) {
         const Split u = split(hn::MulAdd(steps, load(rays.stepU, k), load(rays.u, k)), 0, width);
         const Split v = split(hn::MulAdd(steps, load(rays.stepV, k), load(rays.v, k)), 0, height);
-        const auto texel = hn::Add(hn::Mul(v.whole, hn::Set(di, width)), u.whole);
-        hn::Store(hn::Mul(texel, hn::Set(di, floats)), di, at.texel + k);
+        hn::Store(hn::Add(hn::Mul(v.whole, hn::Set(di, width)), u.whole), di, at.texel + k);
         hn::Store(u.fraction, d, at.u + k);
         hn::Store(v.fraction, d, at.v + k);
     }
@@ -173,11 +172,11 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real
     if (open.count == 0) return;
     Addresses at;
     for (int s = 0; s < sheets.count; ++s) {
-        locate(rays, sheets.steps[s], sheets.width, sheets.height, floats, at);
+        locate(rays, sheets.steps[s], sheets.width, sheets.height, at);
         const Real* plane = sheets.planes[s];
         for (int i = 0; i < open.count; ++i) {
             const int k = open.pixels[i];
-            add(k, plane + at.texel[k], at.u[k], at.v[k], rowStride, s);
+            add(k, plane + static_cast<std::ptrdiff_t>(at.texel[k]) * floats, at.u[k], at.v[k], rowStride, s);
         }
     }
 }

@@ -282,8 +282,7 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
 std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vector<std::string>& reasons,
                                         std::size_t count) {
     if (lights.owners.empty()) return reasons;
-    // A picture that is black has no sub-lights at all.
-    std::vector<std::string> byOwner(count, "it is black");
+    std::vector<std::string> byOwner(count);
     std::vector<bool> seen(count, false);
     for (std::size_t i = 0; i < reasons.size(); ++i) {
         const auto owner = std::size_t(lights.owners[i]);
@@ -295,8 +294,9 @@ std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vect
 
 // Of the picture itself.
 std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
+    const auto tiles = [](int pixels) { return roundUpToTile(pixels) / kTileEdge; };
     const std::size_t pixels =
-        std::size_t(roundUpToTile(plan.region.width())) * std::size_t(roundUpToTile(plan.region.height()));
+        kTileSize * rasterArea(tiles(plan.region.width()), tiles(plan.region.height()), "tiles of 16 x 16 rays");
     constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)

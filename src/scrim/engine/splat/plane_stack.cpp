@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kTail = 64;
 
 std::size_t planeFloats(int width, int height, int channels) {
-    return std::size_t(width) * std::size_t(height) * std::size_t(channels) + kTail;
+    return rasterArea(width, height, "texels (a larger 'texel' needs fewer)") * std::size_t(channels) + kTail;
 }
 
 }  // namespace
@@ -48,7 +48,7 @@ Box2<int> PlaneStack::activeBounds(int p) const {
 
 void PlaneStack::begin(int p) {
     const auto first = m_state.begin() + static_cast<std::ptrdiff_t>(tileIndex(p, 0, 0));
-    std::replace(first, first + tilesX() * tilesY(), kActive, kStale);
+    std::replace(first, first + static_cast<std::ptrdiff_t>(tilesX()) * tilesY(), kActive, kStale);
 }
 
 void PlaneStack::activate(int p, int tx, int ty) {

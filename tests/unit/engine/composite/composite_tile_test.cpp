@@ -4,6 +4,7 @@
 // The ray positions are multiples of 1/64, so that look-ups fall on the same texels here and there; what is left is
 // rounding of some forty sheets: 1e-5 on values around 1.
 #include <scrim/engine/composite/composite_tile.h>
+#include <scrim/engine/splat/plane_stack.h>
 
 #include <gtest/gtest.h>
 
@@ -287,6 +288,29 @@ TEST(CompositeSamples, OfNothingOrOfAWallStayFinite) {
         EXPECT_EQ(states.values[3], 0);                         // alpha 0
         EXPECT_EQ(states.values[4 + 3], f > 0 ? -1.0f : 0.0f);  // alpha 1: any part of it hides all
     }
+}
+
+// Light layers of 16 lights over a raster of 6,400 texels' edge are more floats than 32 bits count. Planes are address
+// space until they are written.
+TEST(CompositeTile, ReadsPlanesOfMoreThanTwoToTheThirtyOneFloats) {
+    OutputLayout layout;
+    layout.outputs = 18;
+    layout.beautyParts = 17;
+    const int edge = 6400, floats = layout.floats();
+    ASSERT_GT(double(edge) * edge * floats, 2147483648.0);
+    PlaneStack plane(1, edge, edge, floats);
+    const int last = edge - 8;
+    for (int y = 0; y < 2; ++y)
+        for (int x = 0; x < 2; ++x)
+            for (int f = 0; f < floats; ++f)
+                plane.plane(0)[(std::ptrdiff_t(last + y) * edge + last + x) * floats + f] = f + 1 == floats ? -0.5f : 2;
+    RayTile rays{};
+    std::fill(rays.u, rays.u + kTileSize, last + 0.5f);
+    std::fill(rays.v, rays.v + kTileSize, last + 0.5f);
+    const Real* pointer = plane.plane(0);
+    std::vector<Real> steps(9, 0.0f), state(std::size_t(floats) * kTileSize, 0.0f);
+    compositeTile(rays, {&pointer, steps.data(), 1, edge, edge, layout}, true, 0, state.data());
+    for (int f = 0; f < floats; ++f) EXPECT_EQ(state[std::size_t(f)], f + 1 == floats ? -0.5f : 2.0f) << f;
 }
 
 }  // namespace
