@@ -7,7 +7,9 @@
 #include <atomic>
 #include <csignal>
 #include <string>
+#include <string_view>
 
+#include <sys/time.h>
 #include <unistd.h>
 
 namespace scrim::cli {
@@ -17,11 +19,29 @@ namespace {
 std::atomic<int> g_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler writes it");
 
-extern "C" void onInterrupt(int signal) {
-    int none = 0;
-    if (g_signal.compare_exchange_strong(none, signal)) return;
+// A second signal, or the time that the first one left, ends the program where it stands.
+[[noreturn]] void leave(int signal) {
     removeUncommittedFiles();
     ::_exit(128 + signal);
+}
+
+// How long the program may take to come to a place where it can stop in order, which is nearly always less than a
+// twentieth of a second. Whoever stops a program waits for it, and a farm kills what does not go: then a picture that
+// is half written would stay. A timer and not a loop's own look at the clock, since no loop can forget it.
+constexpr itimerval kPatience{{0, 0}, {0, 800'000}};
+
+extern "C" void onInterrupt(int signal) {
+    int none = 0;
+    if (!g_signal.compare_exchange_strong(none, signal)) leave(signal);
+    ::setitimer(ITIMER_REAL, &kPatience, nullptr);  // a plain system call on Linux, so safe here
+}
+
+extern "C" void onLate(int) {
+    const int signal = g_signal.load();
+    const std::string_view why =
+        signal == SIGINT ? "scrim: interrupted by SIGINT\n" : "scrim: interrupted by SIGTERM\n";
+    [[maybe_unused]] const auto written = ::write(STDERR_FILENO, why.data(), why.size());
+    leave(signal);
 }
 
 }  // namespace
@@ -36,6 +56,10 @@ void handleInterrupts() {
         ::sigaction(signal, nullptr, &before);
         if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
     }
+    struct sigaction late {};
+    late.sa_handler = onLate;
+    sigemptyset(&late.sa_mask);
+    ::sigaction(SIGALRM, &late, nullptr);
     // A reader of our output that went away is an error of writing, not a reason to die with files half
     // written.
     std::signal(SIGPIPE, SIG_IGN);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGINT and SIGTERM: the first asks the work to stop at the next safe place, the second ends the program at
-// once. Either way no half-written file stays behind.
+// SIGINT and SIGTERM: the first asks the work to stop at the next safe place, and ends the program within a second where
+// none comes; a second one ends it at once. Either way no half-written file stays behind.
 #pragma once
 
 namespace scrim::cli {
