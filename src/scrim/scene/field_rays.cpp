@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -15,17 +16,6 @@ namespace scrim {
 namespace {
 
 constexpr int kMostSteps = 4096;
-
-/// Unique for origins that are multiples of 8 within +-2^23, which covers 2^24 voxels an axis.
-std::uint64_t keyOf(const Int3& origin) {
-    const auto part = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v >> 3)) & 0x1fffff; };
-    return part(origin.x) << 42 | part(origin.y) << 21 | part(origin.z);
-}
-
-/// The multiple of `edge` at or below `v`.
-int floorTo(int v, int edge) {
-    return v >= 0 ? v - v % edge : -((edge - 1 - v) / edge * edge);
-}
 
 constexpr std::size_t kBlocksPerTask = 256;
 
@@ -75,6 +65,18 @@ struct ValueBins {
     }
 };
 
+ValueBins binsOf(const SparseField& field) {
+    std::vector<ValueBins> parts(taskCount(field));
+    visitBlocks(field, [&](std::size_t task, std::size_t i) {
+        for (int k = 0; k < kBlockVoxels; ++k)
+            if (const float v = field.block(i)[k]; v > 0) parts[task].add(v, 1);
+    });
+    ValueBins all;
+    for (const ValueBins& part : parts) all.add(part);
+    for (const ConstantTile& tile : field.tiles) all.add(tile.value, std::pow(double(tile.edge), 3));
+    return all;
+}
+
 }  // namespace
 
 Bounds isOccupied(const SparseField& field) {
@@ -115,14 +117,7 @@ std::vector<Vec3> isOutline(const SparseField& field, float least, double reach)
 
 float faintValue(const SparseField& field) {
     constexpr double kFaint = 0.002;  // of the sum
-    std::vector<ValueBins> parts(taskCount(field));
-    visitBlocks(field, [&](std::size_t task, std::size_t i) {
-        for (int k = 0; k < kBlockVoxels; ++k)
-            if (const float v = field.block(i)[k]; v > 0) parts[task].add(v, 1);
-    });
-    ValueBins all;
-    for (const ValueBins& part : parts) all.add(part);
-    for (const ConstantTile& tile : field.tiles) all.add(tile.value, std::pow(double(tile.edge), 3));
+    const ValueBins all = binsOf(field);
     double voxels = 0, sum = 0;
     for (std::size_t i = 0; i < all.count.size(); ++i) {
         voxels += all.count[i];
@@ -138,27 +133,26 @@ float faintValue(const SparseField& field) {
     return static_cast<float>(std::exp2(double(bin) / ValueBins::kPerOctave - 128));
 }
 
-FieldRays::FieldRays(const SparseField& field)
-    : m_field(&field), m_isBounds(isOccupied(field)), m_isFromWs(glm::inverse(field.wsFromIs)) {
-    m_blocks.reserve(field.blockCount());
-    for (std::size_t i = 0; i < field.blockCount(); ++i) m_blocks.emplace(keyOf(field.blockOrigins[i]), i);
-    for (const ConstantTile& tile : field.tiles) m_tiles[tile.edge].emplace(keyOf(tile.origin), tile.value);
+float usualMost(const SparseField& field) {
+    constexpr double kFew = 1.0 / 5000;
+    constexpr float kMuch = 4;
+    const ValueBins all = binsOf(field);
+    double above = 0;
+    for (std::size_t bin = all.count.size(); bin-- > 0;) {
+        above += all.count[bin];
+        if (above <= kFew * double(field.activeVoxels)) continue;
+        const auto most = static_cast<float>(std::exp2(double(bin + 1) / ValueBins::kPerOctave - 128));
+        return field.maxValue > kMuch * most ? most : field.maxValue;
+    }
+    return field.maxValue;
 }
+
+FieldRays::FieldRays(const SparseField& field)
+    : m_index(field), m_isBounds(isOccupied(field)), m_isFromWs(glm::inverse(field.wsFromIs)) {}
 
 double FieldRays::valueAt(const Vec3& isPoint) const {
     if (!m_isBounds.contains(isPoint)) return 0;  // nor need it be anywhere near a whole number
-    const Int3 voxel(static_cast<int>(std::floor(isPoint.x + 0.5)), static_cast<int>(std::floor(isPoint.y + 0.5)),
-                     static_cast<int>(std::floor(isPoint.z + 0.5)));
-    const Int3 origin(floorTo(voxel.x, kBlockEdge), floorTo(voxel.y, kBlockEdge), floorTo(voxel.z, kBlockEdge));
-    if (const auto found = m_blocks.find(keyOf(origin)); found != m_blocks.end()) {
-        const Int3 p = voxel - origin;
-        return m_field->block(found->second)[blockOffset(p.x, p.y, p.z)];
-    }
-    for (const auto& [edge, tiles] : m_tiles) {
-        const Int3 corner(floorTo(voxel.x, edge), floorTo(voxel.y, edge), floorTo(voxel.z, edge));
-        if (const auto found = tiles.find(keyOf(corner)); found != tiles.end()) return found->second;
-    }
-    return 0;
+    return m_index.voxel(Int3(glm::floor(isPoint + 0.5)));
 }
 
 double FieldRays::integral(const Vec3& wsOrigin, const Vec3& wsDirection) const {

@@ -4,11 +4,8 @@
 #pragma once
 
 #include <scrim/geometry/bounds.h>
-#include <scrim/volume/sparse_field.h>
+#include <scrim/volume/block_index.h>
 
-#include <cstdint>
-#include <map>
-#include <unordered_map>
 #include <vector>
 
 namespace scrim {
@@ -25,6 +22,10 @@ std::vector<Vec3> isOutline(const SparseField& field, float least, double reach)
 /// above 0 are above it.
 float faintValue(const SparseField& field);
 
+/// The largest value, but for outliers: where fewer than one voxel in 5,000 is more than four times as large as all
+/// others, that of the others (up to a fifth more).
+float usualMost(const SparseField& field);
+
 /// Integrates a field along rays, each voxel constant over its cell. Refers to the field it was made of.
 class FieldRays {
   public:
@@ -40,11 +41,9 @@ class FieldRays {
   private:
     double valueAt(const Vec3& isPoint) const;
 
-    const SparseField* m_field;
+    BlockIndex m_index;
     Bounds m_isBounds;
     Mat4 m_isFromWs{1.0};
-    std::unordered_map<std::uint64_t, std::size_t> m_blocks;          ///< by origin
-    std::map<int, std::unordered_map<std::uint64_t, float>> m_tiles;  ///< by edge, then by origin
 };
 
 }  // namespace scrim

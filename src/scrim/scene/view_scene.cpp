@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 namespace scrim {
@@ -29,11 +30,11 @@ std::vector<ViewField> fieldsOf(const ViewVolume& volume) {
     return fields;
 }
 
-Bounds ViewVelocity::wsRange() const {
+Bounds ViewVelocity::wsRange(const std::function<double(const SparseField&)>& most) const {
     Bounds v{Vec3(0), Vec3(0)};
     for (int axis = 0; axis < 3; ++axis) {
-        v.upper[axis] = parts[std::size_t(2 * axis)].field->maxValue;
-        v.lower[axis] = -double(parts[std::size_t(2 * axis + 1)].field->maxValue);
+        v.upper[axis] = most(*parts[std::size_t(2 * axis)].field);
+        v.lower[axis] = -most(*parts[std::size_t(2 * axis + 1)].field);
     }
     Bounds ways;
     for (const Vec3& corner : v.corners()) ways.include(wsPath * corner);
@@ -50,12 +51,25 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
         for (const Vec3& corner : is.corners()) corners.push_back(transformPoint(field.wsFromIs, corner));
     }
     if (!volume.velocity) return corners;
-    const std::vector<Vec3> unmoved = std::move(corners);
-    corners.clear();
+    // All that the ways reach; but what a velocity moves only comes to lie where there is a velocity.
+    Bounds still, moved, reach;
+    for (const Vec3& corner : corners) still.include(corner);
+    if (still.empty()) return corners;
     const Bounds ways = volume.velocity->wsRange();
-    for (const Vec3& corner : unmoved)
-        for (const Vec3& way : ways.corners()) corners.push_back(corner + way);
-    return corners;
+    moved.include(still.lower + ways.lower);
+    moved.include(still.upper + ways.upper);
+    reach.include(still);
+    for (const ViewField& part : volume.velocity->parts) {
+        if (part.field->empty()) continue;
+        Bounds is = part.field->isBounds();
+        is.lower -= 1.0;  // it is linear between its voxels
+        is.upper += 1.0;
+        reach.include(transformed(part.wsFromIs, is));
+    }
+    moved.include(still);
+    const Bounds box{glm::max(moved.lower, reach.lower), glm::min(moved.upper, reach.upper)};
+    const auto all = box.corners();
+    return {all.begin(), all.end()};
 }
 
 std::vector<Vec3> wsCorners(const ViewScene& scene) {

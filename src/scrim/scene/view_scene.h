@@ -42,8 +42,10 @@ struct ViewVelocity {
     std::vector<ViewField> parts;  ///< of x, y and z the parts above and below 0, as GridPart has them
     Mat3 wsPath{0};                ///< velocity to way, world space
 
-    /// World space box around all ways.
-    Bounds wsRange() const;
+    /// World space box around all ways; `most`: the largest value of a part that counts.
+    Bounds wsRange(const std::function<double(const SparseField&)>& most = [](const SparseField& part) {
+        return double(part.maxValue);
+    }) const;
 };
 
 /// Where a volume goes until the next frame, for the layer `motion`.

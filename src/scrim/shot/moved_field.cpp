@@ -2,12 +2,14 @@
 #include <scrim/shot/moved_field.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/scene/field_rays.h>
+#include <scrim/volume/block_index.h>
 #include <scrim/volume/field_builder.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <unordered_map>
+#include <limits>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -16,67 +18,51 @@
 namespace scrim {
 namespace {
 
-// 21 bits an axis, as FieldProbe has them.
-std::uint64_t keyOf(const Int3& block) {
-    const auto part = [](int x) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x) & 0x1fffffU); };
-    return part(block.x) << 42 | part(block.y) << 21 | part(block.z);
-}
-
-// A field's blocks by their place, tiles cut into them.
-class BlockMap {
+// A field by place, and the largest value of each block and tile.
+class FieldMap {
   public:
-    struct Entry {
-        const float* values;
-        float most;
-    };
-    explicit BlockMap(const SparseField& field) : m_wsFromIs(field.wsFromIs), m_isFromWs(glm::inverse(field.wsFromIs)) {
+    explicit FieldMap(const SparseField& field)
+        : m_field(field), m_index(field), m_isFromWs(glm::inverse(field.wsFromIs)), m_isBounds(field.isBounds()) {
+        m_isBounds.lower -= 1.0;
+        m_isBounds.upper += 1.0;
         for (std::size_t b = 0; b < field.blockCount(); ++b)
-            add(field.blockOrigins[b], field.block(b),
-                *std::max_element(field.block(b), field.block(b) + kBlockVoxels));
-        for (const ConstantTile& tile : field.tiles) {
-            const auto& constant =
-                m_constants.emplace_back(std::make_unique<std::vector<float>>(kBlockVoxels, tile.value));
-            for (int x = 0; x < tile.edge; x += kBlockEdge)
-                for (int y = 0; y < tile.edge; y += kBlockEdge)
-                    for (int z = 0; z < tile.edge; z += kBlockEdge)
-                        add(tile.origin + Int3(x, y, z), constant->data(), tile.value);
-        }
+            m_most.push_back(*std::max_element(field.block(b), field.block(b) + kBlockVoxels));
+        for (const ConstantTile& tile : field.tiles) m_most.push_back(tile.value);
     }
-    const std::vector<Int3>& blocks() const { return m_blocks; }  // coordinates: origins / 8
-    const Mat4& wsFromIs() const { return m_wsFromIs; }
+    const SparseField& field() const { return m_field; }
+    const BlockIndex& index() const { return m_index; }
+    const Mat4& wsFromIs() const { return m_field.wsFromIs; }
     const Mat4& isFromWs() const { return m_isFromWs; }
-    const Entry* at(const Int3& block) const {
-        const auto found = m_entries.find(keyOf(block));
-        return found == m_entries.end() ? nullptr : &found->second;
-    }
+    // Is nothing there, for samples of the linear kernel?
+    bool outside(const Vec3& is) const { return !m_isBounds.contains(is); }
     // The largest value that samples in the box (index space) can have, or whether there is any.
     float most(const Bounds& is) const {
-        const Int3 lower = Int3(glm::floor(is.lower - 1.0)) >> 3, upper = Int3(glm::ceil(is.upper + 1.0)) >> 3;
         float most = 0;
-        for (int x = lower.x; x <= upper.x; ++x)
-            for (int y = lower.y; y <= upper.y; ++y)
-                for (int z = lower.z; z <= upper.z; ++z)
-                    if (const Entry* entry = at({x, y, z})) most = std::max(most, entry->most);
+        m_index.visit(cubeOf(is.lower - 1.0), cubeOf(glm::ceil(is.upper) + 1.0),
+                      [&](const BlockIndex::Place&, std::uint32_t i) { most = std::max(most, m_most[i]); });
         return most;
+    }
+    static Int3 cubeOf(const Vec3& is) {
+        // However fast something is, nothing is further away.
+        constexpr double kFar = 1 << 30;
+        return Int3(glm::floor(glm::clamp(is, Vec3(-kFar), Vec3(kFar)))) >> 3;
     }
 
   private:
-    void add(const Int3& origin, const float* values, float most) {
-        m_blocks.push_back(origin >> 3);
-        m_entries.emplace(keyOf(origin >> 3), Entry{values, most});
-    }
-    Mat4 m_wsFromIs, m_isFromWs;
-    std::vector<Int3> m_blocks;
-    std::unordered_map<std::uint64_t, Entry> m_entries;
-    std::vector<std::unique_ptr<std::vector<float>>> m_constants;
+    const SparseField& m_field;
+    BlockIndex m_index;
+    Mat4 m_isFromWs;
+    Bounds m_isBounds;
+    std::vector<float> m_most;
 };
 
 // Trilinear samples, which remember the block that the one before was in. For one thread.
 class Sampler {
   public:
-    explicit Sampler(const BlockMap& map) : m_map(map) {}
+    explicit Sampler(const FieldMap& map) : m_map(map) {}
 
     double at(const Vec3& is) {
+        if (m_map.outside(is)) return 0;  // nor need it be anywhere near a whole number
         const Vec3 floor = glm::floor(is), f = is - floor;
         const Int3 base(floor);
         double sum = 0;
@@ -91,29 +77,32 @@ class Sampler {
     double atWs(const Vec3& ws) { return at(transformPoint(m_map.isFromWs(), ws)); }
 
   private:
-    float voxel(const Int3& at) {
-        const Int3 block = at >> 3;
-        if (!m_known || block != m_block) {
-            const BlockMap::Entry* entry = m_map.at(block);
-            m_values = entry ? entry->values : nullptr;
-            m_block = block;
-            m_known = true;
+    double voxel(const Int3& at) {
+        if (const Int3 cube = at >> 3; cube != m_cube) {
+            m_place = m_map.index().at(cube);
+            m_cube = cube;
         }
-        return m_values ? m_values[blockOffset(at.x & 7, at.y & 7, at.z & 7)] : 0.0f;
+        return m_place.voxel(at);
     }
-    const BlockMap& m_map;
-    Int3 m_block{0};
-    const float* m_values = nullptr;
-    bool m_known = false;
+    const FieldMap& m_map;
+    Int3 m_cube{std::numeric_limits<int>::min()};  // no voxel's
+    BlockIndex::Place m_place;
 };
 
 // The blocks that the box (index space) touches.
 template <typename Visit>
 void visitBlocks(const Bounds& is, const Visit& visit) {
-    const Int3 lower = Int3(glm::floor(is.lower)) >> 3, upper = Int3(glm::ceil(is.upper)) >> 3;
+    const Int3 lower = FieldMap::cubeOf(is.lower), upper = FieldMap::cubeOf(glm::ceil(is.upper));
     for (int x = lower.x; x <= upper.x; ++x)
         for (int y = lower.y; y <= upper.y; ++y)
             for (int z = lower.z; z <= upper.z; ++z) visit(Int3(x, y, z));
+}
+
+// Boxes around the voxels of all blocks and tiles, index space.
+template <typename Visit>
+void forCubes(const SparseField& field, const Visit& visit) {
+    for (const Int3& origin : field.blockOrigins) visit(Bounds{Vec3(origin), Vec3(origin + (kBlockEdge - 1))});
+    for (const ConstantTile& tile : field.tiles) visit(Bounds{Vec3(tile.origin), Vec3(tile.origin + (tile.edge - 1))});
 }
 
 Bounds boxOf(const Int3& block) {
@@ -135,13 +124,13 @@ Bounds rangeOf(double time, const Vec3& positive, const Vec3& negative) {
 }  // namespace
 
 struct FieldMover::Parts {
-    std::vector<BlockMap> maps;  // as FieldPath::parts
+    std::vector<FieldMap> maps;  // as FieldPath::parts
 
     // What the velocity is, at most, where samples of the box (asset space) are taken.
     Bounds range(const Bounds& ws, double time) const {
         Vec3 positive, negative;
         for (int axis = 0; axis < 3; ++axis) {
-            const BlockMap &above = maps[std::size_t(2 * axis)], &below = maps[std::size_t(2 * axis + 1)];
+            const FieldMap &above = maps[std::size_t(2 * axis)], &below = maps[std::size_t(2 * axis + 1)];
             positive[axis] = above.most(transformed(above.isFromWs(), ws));
             negative[axis] = below.most(transformed(below.isFromWs(), ws));
         }
@@ -154,8 +143,8 @@ namespace {
 // Velocities at places, for one thread.
 class VelocitySampler {
   public:
-    explicit VelocitySampler(const std::vector<BlockMap>& maps) {
-        for (const BlockMap& map : maps) m_samplers.emplace_back(map);
+    explicit VelocitySampler(const std::vector<FieldMap>& maps) {
+        for (const FieldMap& map : maps) m_samplers.emplace_back(map);
     }
     Vec3 at(const Vec3& ws) {
         Vec3 v;
@@ -173,22 +162,32 @@ Int3 voxelOf(int i) {
 }
 
 // Of a field's velocity, weighted by its values.
-Vec3 meanVelocity(const std::vector<BlockMap>& velocity, const SparseField& field) {
-    const BlockMap map(field);
+Vec3 meanVelocity(const std::vector<FieldMap>& velocity, const SparseField& field) {
     struct Sum {
         Vec3 v{0};
         double weight = 0;
     };
-    std::vector<Sum> sums(map.blocks().size());
+    // A voxel or two may be a million times as fast as all others, and must not move the whole lattice.
+    Bounds usual;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        usual.upper[int(axis)] = usualMost(velocity[2 * axis].field());
+        usual.lower[int(axis)] = -usualMost(velocity[2 * axis + 1].field());
+    }
+    // Of a tile its middle tells.
+    std::vector<Sum> sums(field.blockCount() + field.tiles.size());
     parallelFor(sums.size(), [&](std::size_t b) {
         VelocitySampler sampler(velocity);
-        const Int3 block = map.blocks()[b];
-        const float* values = map.at(block)->values;
-        for (int i = 0; i < kBlockVoxels; ++i) {
-            if (values[i] == 0) continue;
-            sums[b].v +=
-                double(values[i]) * sampler.at(transformPoint(field.wsFromIs, Vec3(block * kBlockEdge + voxelOf(i))));
-            sums[b].weight += values[i];
+        const auto add = [&](const Vec3& is, double weight) {
+            sums[b].v += weight * glm::clamp(sampler.at(transformPoint(field.wsFromIs, is)), usual.lower, usual.upper);
+            sums[b].weight += weight;
+        };
+        if (b < field.blockCount()) {
+            for (int i = 0; i < kBlockVoxels; ++i)
+                if (const float value = field.block(b)[i]; value != 0)
+                    add(Vec3(field.blockOrigins[b] + voxelOf(i)), double(value));
+        } else {
+            const ConstantTile& tile = field.tiles[b - field.blockCount()];
+            add(Vec3(tile.origin) + 0.5 * (tile.edge - 1), double(tile.value) * std::pow(double(tile.edge), 3));
         }
     });
     Sum all;
@@ -221,7 +220,7 @@ FieldMover::~FieldMover() = default;
 
 FieldPointer FieldMover::operator()(const FieldPointer& field) const {
     if (field->empty()) return field;
-    const BlockMap from(*field);
+    const FieldMap from(*field);
     Mat4 shift(1.0);
     shift[3] = glm::dvec4(m_mean, 1.0);
     FieldPieces pieces;
@@ -235,19 +234,20 @@ FieldPointer FieldMover::operator()(const FieldPointer& field) const {
         range.upper -= m_mean;
         return mapped(linear, range);
     };
-    // Where the velocity is 0 all go the same way; elsewhere it has blocks.
+    // Where the velocity is 0 all go the same way; elsewhere it has blocks. None is further than the ways reach.
     std::vector<Int3>& found = pieces.blockOrigins;
-    const auto find = [&](const Int3& block) { found.push_back(block); };
-    const Bounds still = ways({Vec3(0), Vec3(0)});
-    for (const Int3& block : from.blocks())
-        visitBlocks({boxOf(block).lower + still.lower - 1.0, boxOf(block).upper + still.upper + 1.0}, find);
-    for (const BlockMap& part : m_parts->maps)
-        for (const Int3& block : part.blocks()) {
-            Bounds is = boxOf(block);
-            is.lower -= 1.0;
-            is.upper += 1.0;
-            visitBlocks(transformed(isFromWs * part.wsFromIs(), is), find);
-        }
+    const Bounds still = ways({Vec3(0), Vec3(0)}), furthest = ways(m_path.range()), all = field->isBounds();
+    const Bounds reach{all.lower + furthest.lower - 1.0, all.upper + furthest.upper + 1.0};
+    const auto find = [&](Bounds is) {
+        is.lower = glm::max(is.lower, reach.lower);
+        is.upper = glm::min(is.upper, reach.upper);
+        visitBlocks(is, [&](const Int3& block) { found.push_back(block); });
+    };
+    forCubes(*field, [&](const Bounds& is) { find({is.lower + still.lower - 1.0, is.upper + still.upper + 1.0}); });
+    for (const FieldMap& part : m_parts->maps)
+        forCubes(part.field(), [&](const Bounds& is) {
+            find(transformed(isFromWs * part.wsFromIs(), {is.lower - 1.0, is.upper + 1.0}));
+        });
     std::sort(found.begin(), found.end(), originLess);
     found.erase(std::unique(found.begin(), found.end()), found.end());
     std::erase_if(found, [&](const Int3& block) {

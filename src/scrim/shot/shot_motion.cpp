@@ -3,11 +3,13 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
+#include <scrim/scene/field_rays.h>
 #include <scrim/scene/quality.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
@@ -212,7 +214,8 @@ ViewScene ShotMotion::truthAt(double t, const ViewScene& base) const {
 double ShotMotion::longestPath() {
     constexpr int kMoments = 9;
     std::vector<Places> places;
-    double wsWay = 0;  // of velocities
+    double wsWay = 0;                         // of velocities
+    std::pair<double, double> outlier{0, 0};  // what counts of velocities with outliers, and the longest way of those
     const ViewScene base = viewAt(middle(), 0, VolumesOf::scene, Moved::byVelocity);
     for (int i = 0; i < kMoments; ++i) {
         const double part = static_cast<double>(i) / (kMoments - 1);
@@ -221,10 +224,16 @@ double ShotMotion::longestPath() {
         if (i == 0 || i == kMoments - 1)
             for (const ViewVolume& volume : view.volumes)
                 if (volume.velocity) {
-                    double most = 0;
-                    for (const Vec3& way : volume.velocity->wsRange().corners())
-                        most = std::max(most, glm::length(way));
-                    wsWay = std::max(wsWay, most);
+                    const auto longest = [](const Bounds& ways) {
+                        double most = 0;
+                        for (const Vec3& way : ways.corners()) most = std::max(most, glm::length(way));
+                        return most;
+                    };
+                    // A few fast voxels are no reason for a hundred renders.
+                    const double usual = longest(volume.velocity->wsRange(usualMost)),
+                                 most = longest(volume.velocity->wsRange());
+                    wsWay = std::max(wsWay, usual);
+                    if (most > usual && most > outlier.second) outlier = {usual, most};
                 }
     }
     if (m_shutter.open < 0 && m_shutter.close > 0)
@@ -251,6 +260,12 @@ double ShotMotion::longestPath() {
     // Finer voxels than that are seen one by one in no picture.
     constexpr double kFinest = 0.7;
     m_voxelPixels = std::max(voxelUnit(base) / pixel, kFinest);
+    if (outlier.second > 0)
+        notify(
+            m_options.messages, Severity::warning,
+            fmt::format("motion blur: fewer than one in 5,000 voxels of a velocity go up to {:.3g} pixels, all others "
+                        "at most {:.3g}; those few do not count for how many renders are made",
+                        outlier.second / pixel, outlier.first / pixel));
     const double most = 2.0 * (camera.resolution.x + camera.resolution.y);  // beyond that it is out of the picture
     return std::min(*std::max_element(paths.begin(), paths.end()) + (wsWay + lights) / pixel, most);
 }

@@ -286,6 +286,32 @@ TEST_F(MotionBlur, ChoosesMoreRendersForMoreMotionAndTellsThem) {
     EXPECT_LT(count("standard"), count("ultra"));
 }
 
+// One voxel, of 27,588, that a simulation has left with any speed: it is told, all others go on as they did, and the
+// number of renders is theirs.
+TEST_F(MotionBlur, OfOneVoxelOfAnySpeedIsThatOfAllOthers) {
+    std::vector<std::string> messages;
+    const auto rendered = [&](double speed) {
+        write("block.vdb", [&](const Vec3& is) {
+            return is == Vec3(-8, -10, 5) ? Vec3(speed, -speed, 0.5 * speed) : Vec3(8, 0, 0);
+        });
+        messages.clear();
+        RenderOptions options;
+        options.messages = [&](Severity, const std::string& text) { messages.push_back(text); };
+        return Shot::open(file("shot.toml"), {kShutter, kVelocity}).render(1, options);
+    };
+    const ShotFrame plain = rendered(8);
+    EXPECT_TRUE(messages.empty());
+    for (const double speed : {1e3, 1e5, 1e10, 3e38}) {
+        const ShotFrame frame = rendered(speed);
+        ASSERT_EQ(messages.size(), 1u);
+        EXPECT_NE(messages[0].find("fewer than one in 5,000 voxels of a velocity go up to"), std::string::npos)
+            << messages[0];
+        // The smoke is nowhere near that voxel: bits differ by rounding alone.
+        EXPECT_LT(farthest(frame, plain), 2e-3) << speed;
+        EXPECT_GT(mean(frame), 0.1);
+    }
+}
+
 TEST_F(MotionBlur, TellsWhatIsWrongAndWhere) {
     EXPECT_NE(errorOf(ErrorKind::input,
                       [&] {

@@ -53,35 +53,10 @@ double kernelValue(Kernel kernel, const Vec3& o) {
     return 0;
 }
 
-namespace {
-
-// 21 bits an axis: block coordinates of any 32-bit index differ where blocks within 2^20 of each other do.
-std::uint64_t blockKey(const Int3& b) {
-    const auto part = [](int x) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x) & 0x1fffffU); };
-    return part(b.x) << 42 | part(b.y) << 21 | part(b.z);
-}
-
-}  // namespace
-
-FieldProbe::FieldProbe(const SparseField& field, Kernel kernel) : m_field(field), m_kernel(kernel) {
-    m_blocks.reserve(field.blockCount());
-    for (std::size_t i = 0; i < field.blockCount(); ++i)
-        m_blocks.emplace(blockKey(field.blockOrigins[i] >> 3), field.block(i));
-}
-
-const float* FieldProbe::block(const Int3& coordinate) const {
-    const auto it = m_blocks.find(blockKey(coordinate));
-    return it == m_blocks.end() ? nullptr : it->second;
-}
+FieldProbe::FieldProbe(const SparseField& field, Kernel kernel) : m_index(field), m_kernel(kernel) {}
 
 double FieldProbe::voxel(const Int3& is) const {
-    if (const float* values = block(is >> 3))
-        if (const float value = values[blockOffset(is.x & 7, is.y & 7, is.z & 7)]; value != 0) return value;
-    for (const ConstantTile& t : m_field.tiles) {
-        const Int3 d = is - t.origin;
-        if (d.x >= 0 && d.y >= 0 && d.z >= 0 && d.x < t.edge && d.y < t.edge && d.z < t.edge) return t.value;
-    }
-    return 0;
+    return m_index.voxel(is);
 }
 
 double FieldProbe::value(const Vec3& is) const {
@@ -100,61 +75,33 @@ double FieldProbe::value(const Vec3& is) const {
 
 bool FieldProbe::emptyAround(const Vec3& is, double radius) const {
     const double reach = radius + kernelRadius(m_kernel);
-    const Int3 lower = Int3(glm::floor(is - reach)) >> 3, upper = Int3(glm::ceil(is + reach)) >> 3;
-    for (int x = lower.x; x <= upper.x; ++x)
-        for (int y = lower.y; y <= upper.y; ++y)
-            for (int z = lower.z; z <= upper.z; ++z)
-                if (block({x, y, z})) return false;
-    for (const ConstantTile& t : m_field.tiles) {
-        const Vec3 nearest = glm::clamp(is, Vec3(t.origin), Vec3(t.origin + Int3(t.edge - 1)));
-        if (glm::all(glm::lessThanEqual(glm::abs(nearest - is), Vec3(reach)))) return false;
-    }
-    return true;
+    return !m_index.anyIn({is - reach, is + reach});
 }
 
-LinearProbe::LinearProbe(const SparseField& field) : m_field(&field) {
-    auto blocks = std::make_shared<Blocks>();
-    blocks->reserve(field.blockCount());
-    for (std::size_t b = 0; b < field.blockCount(); ++b)
-        blocks->emplace(blockKey(field.blockOrigins[b] >> 3), field.block(b));
-    m_blocks = std::move(blocks);
-}
+LinearProbe::LinearProbe(const SparseField& field) : m_index(std::make_shared<const BlockIndex>(field)) {}
 
 double LinearProbe::value(const Vec3& is) const {
-    const Vec3 base = glm::floor(is), f = is - base;
-    const int x = static_cast<int>(base.x), y = static_cast<int>(base.y), z = static_cast<int>(base.z);
-    const bool within = (x & 7) < 7 && (y & 7) < 7 && (z & 7) < 7;
-    const float* block = within ? blockAt(x, y, z) : nullptr;
-    if (within && !block && m_constant == 0) return 0;
+    const Vec3 floor = glm::floor(is), f = is - floor;
+    const Int3 base(floor);
+    const bool within = (base.x & 7) < 7 && (base.y & 7) < 7 && (base.z & 7) < 7;
+    if (within && placeOf(base).empty()) return 0;
     double corners[8];
     for (int i = 0; i < 8; ++i) {
-        const int cx = x + (i >> 2), cy = y + (i >> 1 & 1), cz = z + (i & 1);
-        corners[i] = block ? block[blockOffset(cx & 7, cy & 7, cz & 7)] : voxel(cx, cy, cz);
+        const Int3 corner = base + Int3(i >> 2, i >> 1 & 1, i & 1);
+        corners[i] = (within ? m_place : placeOf(corner)).voxel(corner);
     }
     const auto between = [](double a, double b, double t) { return a + t * (b - a); };
     return between(between(between(corners[0], corners[1], f.z), between(corners[2], corners[3], f.z), f.y),
                    between(between(corners[4], corners[5], f.z), between(corners[6], corners[7], f.z), f.y), f.x);
 }
 
-// What there is none of may be part of a tile, which is made of whole blocks.
-const float* LinearProbe::blockAt(int x, int y, int z) const {
-    const std::uint64_t key = blockKey(Int3(x, y, z) >> 3);
-    if (key == m_key) return m_block;
-    m_key = key;
-    const auto found = m_blocks->find(key);
-    m_block = found == m_blocks->end() ? nullptr : found->second;
-    m_constant = 0;
-    for (const ConstantTile& tile : m_field->tiles) {
-        const Int3 d = Int3(x, y, z) - tile.origin;
-        if (!m_block && d.x >= 0 && d.y >= 0 && d.z >= 0 && d.x < tile.edge && d.y < tile.edge && d.z < tile.edge)
-            m_constant = tile.value;
+const BlockIndex::Place& LinearProbe::placeOf(const Int3& is) const {
+    const Int3 cube = is >> 3;
+    if (cube != m_cube) {
+        m_place = m_index->at(cube);
+        m_cube = cube;
     }
-    return m_block;
-}
-
-double LinearProbe::voxel(int x, int y, int z) const {
-    if (const float* block = blockAt(x, y, z)) return block[blockOffset(x & 7, y & 7, z & 7)];
-    return m_constant;
+    return m_place;
 }
 
 }  // namespace scrim

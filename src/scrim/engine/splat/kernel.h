@@ -5,11 +5,10 @@
 
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/dials.h>
-#include <scrim/volume/sparse_field.h>
+#include <scrim/volume/block_index.h>
 
-#include <cstdint>
+#include <limits>
 #include <memory>
-#include <unordered_map>
 
 namespace scrim {
 
@@ -38,15 +37,12 @@ class FieldProbe {
     Kernel kernel() const { return m_kernel; }
 
   private:
-    const float* block(const Int3& coordinate) const;
-
-    const SparseField& m_field;
+    BlockIndex m_index;
     Kernel m_kernel;
-    std::unordered_map<std::uint64_t, const float*> m_blocks;
 };
 
 /// A field between its voxels, as the linear kernel reconstructs it, for points that follow one another: remembers the
-/// block that was asked for last, so that every thread takes a copy.
+/// cube that was asked for last, so that every thread takes a copy.
 class LinearProbe {
   public:
     /// `field` must outlive this and all copies.
@@ -56,15 +52,11 @@ class LinearProbe {
     double value(const Vec3& is) const;
 
   private:
-    using Blocks = std::unordered_map<std::uint64_t, const float*>;
-    const float* blockAt(int x, int y, int z) const;
-    double voxel(int x, int y, int z) const;
+    const BlockIndex::Place& placeOf(const Int3& is) const;
 
-    const SparseField* m_field;
-    std::shared_ptr<const Blocks> m_blocks;           // the same for all copies
-    mutable std::uint64_t m_key = ~std::uint64_t{0};  // of the block that was asked for last
-    mutable const float* m_block = nullptr;
-    mutable double m_constant = 0;  // where that is none: a tile's value, or 0
+    std::shared_ptr<const BlockIndex> m_index;  // the same for all copies
+    mutable Int3 m_cube{std::numeric_limits<int>::min()};  // that was asked for last; at first no voxel's
+    mutable BlockIndex::Place m_place;          // what fills it
 };
 
 }  // namespace scrim

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numeric>
+#include <utility>
 
 #include <glm/matrix.hpp>
 
@@ -62,19 +64,54 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     m_blockUpper = lattice.upper + reach;
     // A tile for where blocks lie in theirs, another for what tables reach beyond footprints.
     m_bandTiles = std::max(kLeastBand, static_cast<int>((m_blockUpper.y - m_blockLower.y + 1) / kTileEdge) + 3);
-    m_sheetSpan = lastTouched(m_table, lattice.size().z) - firstTouched(m_table, 0) + 2;
 
-    std::vector<std::int32_t> first(field.blockCount());
-    for (std::size_t b = 0; b < first.size(); ++b) {
-        const double n = transformPoint(tsFromIs, Vec3(field.blockOrigins[b])).z + lattice.lower.z;
-        first[b] = firstTouched(m_table, n);
+    std::vector<std::uint32_t> blocks(field.blockCount());
+    std::iota(blocks.begin(), blocks.end(), 0U);
+    m_blocks = orderOf(std::move(blocks), kBlockEdge, [&](std::uint32_t b) { return field.blockOrigins[b]; });
+    std::map<int, std::vector<std::uint32_t>> tiles;
+    for (std::uint32_t t = 0; t < field.tiles.size(); ++t) tiles[field.tiles[t].edge].push_back(t);
+    for (auto& [edge, numbers] : tiles)
+        m_tiles.push_back(orderOf(std::move(numbers), edge, [&](std::uint32_t t) { return field.tiles[t].origin; }));
+}
+
+template <class Origin>
+FieldSplatter::SheetOrder FieldSplatter::orderOf(std::vector<std::uint32_t> numbers, int edge,
+                                                 const Origin& origin) const {
+    Bounds voxels;
+    for (const Vec3& corner : Bounds{Vec3(0), Vec3(edge - 1)}.corners())
+        voxels.include(transformVector(m_tsFromIs, corner));
+    SheetOrder order;
+    order.span = lastTouched(m_table, voxels.size().z) - firstTouched(m_table, 0) + 2;
+    std::vector<std::pair<std::int32_t, std::uint32_t>> cubes;
+    cubes.reserve(numbers.size());
+    for (const std::uint32_t number : numbers)
+        cubes.emplace_back(firstTouched(m_table, transformPoint(m_tsFromIs, Vec3(origin(number))).z + voxels.lower.z),
+                           number);
+    std::sort(cubes.begin(), cubes.end());
+    order.cubes = std::move(numbers);
+    order.firstSheets.reserve(cubes.size());
+    for (std::size_t i = 0; i < cubes.size(); ++i) {
+        order.firstSheets.push_back(cubes[i].first);
+        order.cubes[i] = cubes[i].second;
     }
-    m_byFirstSheet.resize(first.size());
-    std::iota(m_byFirstSheet.begin(), m_byFirstSheet.end(), 0U);
-    std::stable_sort(m_byFirstSheet.begin(), m_byFirstSheet.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return first[a] < first[b]; });
-    m_firstSheets.reserve(first.size());
-    for (const std::uint32_t b : m_byFirstSheet) m_firstSheets.push_back(first[b]);
+    return order;
+}
+
+std::span<const std::uint32_t> FieldSplatter::SheetOrder::touching(int firstSheet, int lastSheet) const {
+    const auto begin = std::lower_bound(firstSheets.begin(), firstSheets.end(), firstSheet - span);
+    const auto end = std::lower_bound(begin, firstSheets.end(), lastSheet);
+    return {cubes.data() + (begin - firstSheets.begin()), static_cast<std::size_t>(end - begin)};
+}
+
+// In their own order, since sums depend on it.
+std::vector<std::uint32_t> FieldSplatter::tilesTouching(int firstSheet, int lastSheet) const {
+    std::vector<std::uint32_t> tiles;
+    for (const SheetOrder& order : m_tiles) {
+        const auto touching = order.touching(firstSheet, lastSheet);
+        tiles.insert(tiles.end(), touching.begin(), touching.end());
+    }
+    std::sort(tiles.begin(), tiles.end());
+    return tiles;
 }
 
 bool haveOneTopology(const SparseField& field, const SparseField& other) {
@@ -105,9 +142,9 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
 
 std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                                    const TileCull& cull, int band) const {
-    const auto begin = std::lower_bound(m_firstSheets.begin(), m_firstSheets.end(), firstSheet - m_sheetSpan);
-    const auto end = std::lower_bound(begin, m_firstSheets.end(), lastSheet);
-    if (begin == end && m_field.tiles.empty()) return 0;
+    const std::span<const std::uint32_t> touching = m_blocks.touching(firstSheet, lastSheet);
+    const std::vector<std::uint32_t> tiles = tilesTouching(firstSheet, lastSheet);
+    if (touching.empty() && tiles.empty()) return 0;
     PlaneStack& own = planes.front();
     const std::vector<std::ptrdiff_t> offsets = m_pieces.offsets(own.planeStride(), own.rowStride());
     Target target{{&m_order,
@@ -134,10 +171,9 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
     for (std::size_t f = 0; f < planes.size(); ++f) target.splat.planes[f] = planes[f].plane(firstPlane);
 
     std::vector<std::pair<std::uint32_t, Vec3>> blocks;
-    for (auto it = begin; it != end; ++it) {
-        const std::uint32_t b = m_byFirstSheet[it - m_firstSheets.begin()];
+    for (const std::uint32_t b : touching) {
         const Vec3 ts = transformPoint(m_tsFromIs, Vec3(m_field.blockOrigins[b]));
-        if (ofBand(ts, target)) blocks.emplace_back(b, ts);
+        if (bandOf(ts, target) == target.band) blocks.emplace_back(b, ts);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
         // Blocks lie all over the memory, and each is soon done: the next but one is fetched meanwhile.
@@ -149,7 +185,8 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
     }
 
     std::array<float, kBlockVoxels> constant;
-    for (const ConstantTile& tile : m_field.tiles) {
+    for (const std::uint32_t t : tiles) {
+        const ConstantTile& tile = m_field.tiles[t];
         constant.fill(tile.value);
         splatTile(tile.origin, tile.edge, constant.data(), target);
     }
@@ -163,8 +200,8 @@ Box2<int> FieldSplatter::tilesUnder(const Vec3& ts) const {
             tile(ts.y + m_blockUpper.y + 1) + 1};
 }
 
-bool FieldSplatter::ofBand(const Vec3& ts, const Target& target) const {
-    return std::clamp(tilesUnder(ts).y0 / m_bandTiles, 0, target.bands - 1) == target.band;
+int FieldSplatter::bandOf(const Vec3& ts, const Target& target) const {
+    return std::clamp(tilesUnder(ts).y0 / m_bandTiles, 0, target.bands - 1);
 }
 
 void FieldSplatter::prefetchBlock(std::uint32_t b) const {
@@ -183,9 +220,10 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
         return;
     if (edge == kBlockEdge) {
         const Vec3 block = transformPoint(m_tsFromIs, Vec3(origin));
-        if (ofBand(block, target)) splatOneBlock(block, &values, target);
+        if (bandOf(block, target) == target.band) splatOneBlock(block, &values, target);
         return;
     }
+    if (bandOf(ts.upper, target) < target.band || bandOf(ts.lower, target) > target.band) return;
     const int half = edge / 2;
     for (int i = 0; i < 8; ++i) splatTile(origin + half * Int3(i >> 2 & 1, i >> 1 & 1, i & 1), half, values, target);
 }

@@ -67,7 +67,7 @@ class FieldSplatter {
   private:
     struct Target;
     Box2<int> tilesUnder(const Vec3& tsOrigin) const;
-    bool ofBand(const Vec3& tsOrigin, const Target& target) const;
+    int bandOf(const Vec3& tsOrigin, const Target& target) const;
     void prefetchBlock(std::uint32_t block) const;
     void splatOneBlock(const Vec3& tsOrigin, const float* const* values, Target& target) const;
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
@@ -80,11 +80,23 @@ class FieldSplatter {
     FootprintTable m_table;  // without its weights
     FootprintPieces m_pieces;
     LatticeOrder m_order;
-    Vec3 m_blockLower, m_blockUpper;            // offsets of a block's voxels in texel space, footprints included
-    std::vector<std::uint32_t> m_byFirstSheet;  // blocks, ascending in the first sheet they touch, then in order
-    std::vector<std::int32_t> m_firstSheets;    // the same order
-    int m_sheetSpan = 0;                        // sheets a block can touch at most
-    int m_bandTiles;                            // rows of tiles a band, more than a block touches
+    // Cubes of one size, ascending in the first sheet that they touch, then in order.
+    struct SheetOrder {
+        std::vector<std::uint32_t> cubes;
+        std::vector<std::int32_t> firstSheets;  // the same order
+        int span = 0;                           // sheets a cube can touch at most
+
+        std::span<const std::uint32_t> touching(int firstSheet, int lastSheet) const;
+    };
+    // `origin(i)`: the first voxel of cube i, one of `numbers`.
+    template <class Origin>
+    SheetOrder orderOf(std::vector<std::uint32_t> numbers, int edge, const Origin& origin) const;
+    std::vector<std::uint32_t> tilesTouching(int firstSheet, int lastSheet) const;
+
+    Vec3 m_blockLower, m_blockUpper;  // offsets of a block's voxels in texel space, footprints included
+    SheetOrder m_blocks;
+    std::vector<SheetOrder> m_tiles;  // one for each size of tiles
+    int m_bandTiles;                  // rows of tiles a band, more than a block touches
 };
 
 /// Splats a field onto the cells of a perspective view: every footprint is warped by the Jacobian of the projection at
