@@ -40,13 +40,58 @@ Cone coneOfThree(const Vec3& a, const Vec3& b, const Vec3& c) {
     return {axis, glm::dot(axis, a)};
 }
 
+// Of so many directions only those are worth a look that a cone around all may touch.
+constexpr std::size_t kMany = 256;
+
+// The corners of the directions' convex hull, which are all that their cone may touch; all directions where they do not
+// lie well within a hemisphere. Seen from the middle on a plane, great circles are straight lines: A. M. Andrew's
+// monotone chain finds the hull there.
+std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
+    Vec3 sum(0);
+    for (const Vec3& d : directions) sum += d;
+    if (glm::length(sum) < 1e-3 * double(directions.size())) return directions;
+    const Vec3 z = glm::normalize(sum);
+    const Vec3 x = glm::normalize(glm::cross(z, std::abs(z.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
+    const Vec3 y = glm::cross(z, x);
+    struct Place {
+        Vec2 at;
+        std::size_t direction;
+    };
+    std::vector<Place> places;
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const double depth = glm::dot(z, directions[i]);
+        if (depth < 0.05) return directions;
+        places.push_back({Vec2(glm::dot(x, directions[i]), glm::dot(y, directions[i])) / depth, i});
+    }
+    std::sort(places.begin(), places.end(),
+              [](const Place& a, const Place& b) { return std::tie(a.at.x, a.at.y) < std::tie(b.at.x, b.at.y); });
+    std::vector<Place> hull;
+    const auto turnsLeft = [](const Vec2& a, const Vec2& b, const Vec2& c) {
+        return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0;
+    };
+    // Along the lower side, and back along the upper one.
+    for (const bool back : {false, true}) {
+        const std::size_t first = hull.size();
+        for (const Place& place : places) {
+            while (hull.size() >= first + 2 && !turnsLeft(hull[hull.size() - 2].at, hull.back().at, place.at))
+                hull.pop_back();
+            hull.push_back(place);
+        }
+        hull.pop_back();  // where the other side begins
+        if (!back) std::reverse(places.begin(), places.end());
+    }
+    std::vector<Vec3> corners;
+    for (const Place& place : hull) corners.push_back(directions[place.direction]);
+    return corners.empty() ? directions : corners;
+}
+
 }  // namespace
 
 // The cap around points of a sphere is cut out by their smallest enclosing ball, so Welzl's algorithm serves:
 // the cone is fixed by at most three of the directions. Written as three nested loops instead of a recursion;
 // sorted first, so that the order of the input does not matter.
 Cone enclosingCone(const std::vector<Vec3>& directions) {
-    std::vector<Vec3> d = directions;
+    std::vector<Vec3> d = directions.size() > kMany ? cornersOf(directions) : directions;
     std::sort(d.begin(), d.end(),
               [](const Vec3& a, const Vec3& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); });
     d.erase(std::unique(d.begin(), d.end()), d.end());
@@ -69,7 +114,7 @@ Cone enclosingCone(const std::vector<Vec3>& directions) {
 }
 
 GrowingCone::GrowingCone(std::vector<Vec3> directions)
-    : m_directions(std::move(directions)), m_cone(enclosingCone(m_directions)) {
+    : m_directions(std::move(directions)), m_most(kMany), m_cone(enclosingCone(m_directions)) {
     findRim();
 }
 
@@ -109,6 +154,10 @@ Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
 void GrowingCone::add(const std::vector<Vec3>& more) {
     m_cone = with(more, -2);
     m_directions.insert(m_directions.end(), more.begin(), more.end());
+    if (m_directions.size() > m_most) {
+        m_directions = cornersOf(m_directions);
+        m_most = std::max(kMany, 2 * m_directions.size());
+    }
     findRim();
 }
 

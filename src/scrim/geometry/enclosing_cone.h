@@ -5,6 +5,7 @@
 
 #include <scrim/geometry/spaces.h>
 
+#include <cstddef>
 #include <vector>
 
 namespace scrim {
@@ -33,7 +34,8 @@ class GrowingCone {
   private:
     void findRim();
 
-    std::vector<Vec3> m_directions;
+    std::vector<Vec3> m_directions;  // without those that cannot touch the cone, once there are many
+    std::size_t m_most;              // that there may be until they are looked through again
     Cone m_cone;
     std::vector<Vec3> m_rim;  // directions that touch the cone and fix it
 };

@@ -168,5 +168,26 @@ TEST(EnclosingCone, OfARimIsItsCone) {
     }
 }
 
+// Of thousands of directions the corners of their hull alone are looked at. The smallest cone is fixed by directions
+// that it touches: brute force over those that are next to its rim finds none that is narrower.
+TEST(EnclosingCone, OfThousandsHoldsAllAndIsTheSmallest) {
+    Random random(7);
+    for (const double spread : {1e-4, 0.1, 0.25}) {
+        std::vector<Vec3> all = random.directions(6000, spread);
+        for (int i = 0; i < 500; ++i) all.push_back(all[std::size_t(i)]);
+        const Cone cone = enclosingCone(all);
+        GrowingCone growing({all.front()});
+        for (std::size_t i = 1; i < all.size(); i += 8)
+            growing.add({all.begin() + static_cast<std::ptrdiff_t>(i),
+                         all.begin() + static_cast<std::ptrdiff_t>(std::min(i + 8, all.size()))});
+        EXPECT_GE(narrowestCosine(all, cone.axis), cone.cosAngle - 1e-12);
+        EXPECT_NEAR(growing.cone().cosAngle, cone.cosAngle, 1e-12);
+        std::sort(all.begin(), all.end(),
+                  [&](const Vec3& a, const Vec3& b) { return glm::dot(cone.axis, a) < glm::dot(cone.axis, b); });
+        all.resize(40);
+        EXPECT_NEAR(cone.cosAngle, bruteForceCosine(all), 1e-12);
+    }
+}
+
 }  // namespace
 }  // namespace scrim::test
