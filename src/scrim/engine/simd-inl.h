@@ -14,6 +14,9 @@
 #include <hwy/highway.h>
 #include <hwy/contrib/math/math-inl.h>
 
+#include <algorithm>
+#include <cmath>
+
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
@@ -130,6 +133,27 @@ HWY_ATTR HWY_INLINE VF expMinus(VF t) {
 HWY_ATTR HWY_INLINE VF psi(VF t) {
     const auto safe = hn::Max(t, constant(1e-20));
     return hn::Div(oneMinusExp(safe), safe);
+}
+
+// Henyey and Greenstein's phase function, times `scale`. 1 + g^2 - 2 g cos is never less than (1 - |g|)^2, but floats
+// cancel where a lobe is narrow, and round a g next to 1 to 1: 0 / 0 at the lobe's middle, or a root of less than 0.
+struct Lobe {
+    Real g, strength, least;
+
+    explicit Lobe(double wanted, Real scale = 1) : g(static_cast<Real>(wanted)) {
+        constexpr double kNarrow = 0.999, kLeast = 1e-16;  // whose power of 3/2 floats still hold
+        const double width = 1 - std::abs(wanted);
+        const Real rest = std::abs(wanted) > kNarrow ? static_cast<Real>(width * (2 - width)) : 1 - g * g;
+        strength = rest * scale;
+        least = static_cast<Real>(std::max(width * width, kLeast));
+    }
+};
+
+template <class D>
+HWY_ATTR HWY_INLINE hn::Vec<D> henyeyGreenstein(D d, hn::Vec<D> cosine, const Lobe& lobe) {
+    const auto x =
+        hn::Max(hn::NegMulAdd(hn::Set(d, 2 * lobe.g), cosine, hn::Set(d, 1 + lobe.g * lobe.g)), hn::Set(d, lobe.least));
+    return hn::Div(hn::Set(d, lobe.strength), hn::Mul(x, hn::Sqrt(x)));
 }
 
 }  // namespace HWY_NAMESPACE

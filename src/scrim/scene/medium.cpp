@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/medium.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -10,7 +11,9 @@ namespace {
 constexpr double kFourPi = 4 * std::numbers::pi;
 
 double henyeyGreenstein(double g, double cosTheta) {
-    return (1 - g * g) / (kFourPi * std::pow(1 + g * g - 2 * g * cosTheta, 1.5));
+    // Rounding must not take the middle of a narrow lobe to zero.
+    const double x = std::max(1 + g * g - 2 * g * cosTheta, (1 - std::abs(g)) * (1 - std::abs(g)));
+    return (1 - g * g) / (kFourPi * std::pow(x, 1.5));
 }
 
 }  // namespace

@@ -142,11 +142,6 @@ HWY_ATTR HWY_INLINE VF scatteringCosine(const Lit& lit, int k) {
     return lit.input->sameSide ? hn::Neg(cosine) : cosine;
 }
 
-HWY_ATTR HWY_INLINE VF henyeyGreenstein(VF cosine, Real g) {
-    const auto x = hn::NegMulAdd(constant(2 * g), cosine, constant(1 + g * g));
-    return hn::Div(constant((1 - g * g) * kInverseFourPi), hn::Mul(x, hn::Sqrt(x)));
-}
-
 // Calls add(k, value of the phase function) for all samples: one loop a kind of phase function.
 template <class Add>
 HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add& add) {
@@ -154,18 +149,18 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
         forSamples([&](int k) HWY_ATTR { add(k, constant(kInverseFourPi)); });
         return;
     }
-    const auto g = static_cast<Real>(phase.g), g2 = static_cast<Real>(phase.g2);
+    const Lobe lobe(phase.g, kInverseFourPi), other(phase.g2, kInverseFourPi);
     const auto blend = constant(static_cast<Real>(phase.blend));
     const auto directed = constant(Real(0.75) * kInverseFourPi * static_cast<Real>(phase.strength));
     const auto even = constant(kInverseFourPi * static_cast<Real>(1 - 0.25 * phase.strength));
     switch (phase.type) {
         case PhaseType::henyeyGreenstein:
-            return forSamples([&](int k) HWY_ATTR { add(k, henyeyGreenstein(scatteringCosine(lit, k), g)); });
+            return forSamples([&](int k) HWY_ATTR { add(k, henyeyGreenstein(DF(), scatteringCosine(lit, k), lobe)); });
         case PhaseType::twoLobe:
             return forSamples([&](int k) HWY_ATTR {
                 const auto cosine = scatteringCosine(lit, k);
-                const auto first = henyeyGreenstein(cosine, g);
-                add(k, hn::MulAdd(blend, hn::Sub(henyeyGreenstein(cosine, g2), first), first));
+                const auto first = henyeyGreenstein(DF(), cosine, lobe);
+                add(k, hn::MulAdd(blend, hn::Sub(henyeyGreenstein(DF(), cosine, other), first), first));
             });
         case PhaseType::rayleigh:
             return forSamples([&](int k) HWY_ATTR {

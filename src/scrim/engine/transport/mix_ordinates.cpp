@@ -46,20 +46,13 @@ HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a,
 }
 
 using D8 = hn::CappedTag<Real, 8>;
-using V8 = hn::Vec<D8>;
-
-HWY_ATTR HWY_INLINE V8 henyeyGreensteinLobe(V8 cosine, Real g) {
-    const D8 d;
-    const auto x = hn::Max(hn::NegMulAdd(hn::Set(d, 2 * g), cosine, hn::Set(d, 1 + g * g)), hn::Set(d, Real(1e-12)));
-    return hn::Div(hn::Set(d, 1 - g * g), hn::Mul(x, hn::Sqrt(x)));
-}
 
 // Phase functions times 4 pi; returns the sum of the row times the weights.
 HWY_ATTR Real fillRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row) {
     const D8 d;
     const auto x = hn::Set(d, static_cast<Real>(travel.x)), y = hn::Set(d, static_cast<Real>(travel.y));
     const auto z = hn::Set(d, static_cast<Real>(travel.z));
-    const auto g = static_cast<Real>(phase.g), g2 = static_cast<Real>(phase.g2);
+    const Lobe lobe(phase.g), other(phase.g2);
     const auto blend = hn::Set(d, static_cast<Real>(phase.blend)),
                strength = hn::Set(d, static_cast<Real>(phase.strength));
     auto sum = hn::Zero(d);
@@ -72,9 +65,9 @@ HWY_ATTR Real fillRow(const Ordinates& ordinates, const Phase& phase, const Vec3
             const auto directed = hn::MulAdd(hn::Set(d, Real(0.75)), hn::Mul(cosine, cosine), hn::Set(d, Real(-0.25)));
             value = hn::MulAdd(strength, directed, value);
         } else {
-            value = henyeyGreensteinLobe(cosine, g);
+            value = henyeyGreenstein(d, cosine, lobe);
             if (phase.type == PhaseType::twoLobe)
-                value = hn::MulAdd(blend, hn::Sub(henyeyGreensteinLobe(cosine, g2), value), value);
+                value = hn::MulAdd(blend, hn::Sub(henyeyGreenstein(d, cosine, other), value), value);
         }
         hn::StoreU(value, d, row + m);
         sum = hn::MulAdd(value, hn::LoadU(d, ordinates.weightRow.data() + m), sum);

@@ -37,9 +37,18 @@ struct Moments {
     }
 };
 
+// Narrower lobes are as good as a line here, forwards and backwards: what is next to one would only divide by zero.
+Phase heldLobes(Phase phase) {
+    constexpr double kNarrowest = 0.9999;
+    phase.g = std::clamp(phase.g, -kNarrowest, kNarrowest);
+    phase.g2 = std::clamp(phase.g2, -kNarrowest, kNarrowest);
+    return phase;
+}
+
 }  // namespace
 
-SplitPhase::SplitPhase(const Phase& phase, int ordinates) : m_spread(phase) {
+SplitPhase::SplitPhase(const Phase& given, int ordinates) : m_spread(heldLobes(given)) {
+    const Phase phase = m_spread;
     if (phase.type == PhaseType::rayleigh) return;
     // Of a lobe with mean cosine g the part f goes straight on, and the rest has w: f + (1 - f) w = g.
     const double w = narrowestLobe(ordinates);
