@@ -63,6 +63,17 @@ TEST_F(Asset, SaysWhatIsUpAndWhatIsNotUsed) {
                   "scene.toml: --up is for assets; a scene says itself what is up: --set camera.up=[0,0,1]");
 }
 
+TEST_F(Asset, WhatASimulationLeftBehindIsNotShownInSilence) {
+    makeVdb(file("rest.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1.5e-18)}});
+    const ProgramResult rest = runWell({"render", "rest.vdb", "--print-scene"});
+    EXPECT_TRUE(contains(rest.err,
+                         "warning: rest.vdb: grid 'density' has no value above 1.5e-18, as a simulation leaves behind "
+                         "where no smoke is; density.scale was chosen to make even that visible\n"))
+        << rest.err;
+    makeVdb(file("thin.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1e-5)}});
+    EXPECT_FALSE(contains(runWell({"render", "thin.vdb", "--print-scene"}).err, "simulation"));
+}
+
 TEST_F(Asset, FireGlowsAndOutshinesTheLights) {
     const auto ball = box({-6, -6, -6}, {6, 6, 6}, 0.2), core = box({-3, -3, -3}, {3, 3, 3}, 4.0);
     makeVdb(file("fire.vdb"), {{.voxels = ball}, {.name = "Temperature", .voxels = core}});

@@ -148,6 +148,17 @@ bool rises(const SparseField& smoke, const SparseField& fire) {
     return rise.z > kPart * std::sqrt(sizeOf(smoke)) && rise.z > 2 * std::abs(rise.y);
 }
 
+/// What is left of a simulation where there is no smoke any more is no smoke; but only the artist knows.
+void warnOfResidue(const std::string& path, const SparseField& density, const MessageSink& messages) {
+    constexpr float kLittle = 1e-6f;  // caches hold smoke of 0.01 to 100, also in kg / m^3
+    if (density.empty() || density.maxValue >= kLittle) return;
+    notify(
+        messages, Severity::warning,
+        shortened(fmt::format("{}: grid '{}' has no value above {:.2g}, as a simulation leaves behind where no smoke "
+                              "is; density.scale was chosen to make even that visible",
+                              shortened(path), shortened(density.name, 80), density.maxValue)));
+}
+
 std::string framedVolume(FieldStore& store, const std::string& path, const std::string& pattern,
                          const AssetOptions& options, const MessageSink& messages) {
     const std::vector<std::string> all = allFiles({"", pattern}, path), files = filesToFrame(all);
@@ -163,6 +174,7 @@ std::string framedVolume(FieldStore& store, const std::string& path, const std::
     asset.name = volumeNameOf(pattern);
     asset.field = field.get();
     asset.albedoGrid = use.albedo;
+    warnOfResidue(path, *field, messages);
     FieldPtr fire;
     if (!use.fire.empty()) asset.fire = fireOf(store, files, use.fire, fire);
     Vec3 wsUp(0, 1, 0);
