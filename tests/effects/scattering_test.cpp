@@ -2,6 +2,7 @@
 // Light that scatters more than once: the path tracer against closed forms, the solver against closed forms and the
 // path tracer, which share no code.
 #include "scenes.h"
+#include "support/slides.h"
 #include "support/verified.h"
 
 #include <scrim/base/error.h>
@@ -454,6 +455,41 @@ TEST(MultipleScattering, OfADomeIsTheDomeWhereLightScattersOnce) {
         sum += p.reference[1];
     }
     EXPECT_LT(std::abs(difference), 0.005 * sum) << difference / sum;
+}
+
+// None of the directions goes without where the picture has fewer pixels than there are directions.
+TEST(MultipleScattering, OfASkyOfOnePixelIsThatOfTheColour) {
+    ViewScene scene = smoke(0.3, 0.9, 0, {0, -1, 0});
+    Light dome;
+    dome.kind = Light::Dome{};
+    dome.intensity = {1, 0.5, 0.25};
+    scene.lights = {dome};
+    const Frame colour = renderScene(scene);
+    scene.lights[0].intensity = Rgb(1);
+    scene.lights[0].slide.emplace();
+    scene.lights[0].slide->image = makeTexture(1, 1, [](int, int) { return Rgb(1, 0.5, 0.25); });
+    const Frame picture = renderScene(scene);
+    for (std::size_t i = 0; i < colour.image.rgba.size(); ++i)
+        ASSERT_NEAR(picture.image.rgba[i], colour.image.rgba[i], 2e-3 * colour.image.rgba[i] + 1e-7) << i;
+}
+
+// Lobes that no float holds: light still goes somewhere, and no pixel is NaN, infinite or below zero.
+TEST(MultipleScattering, OfLobesNextToALineIsFinite) {
+    for (const Scattering scattering : {Scattering::single, Scattering::full})
+        for (const double g : {0.99, 0.9999, 0.99999999, 1 - 1e-15})
+            for (const double sign : {1.0, -1.0})
+                for (const bool two : {false, true}) {
+                    // Straight at the eye and away from it, where the lobe's middle is.
+                    for (const Vec3& way : {Vec3(0, 0, 1), Vec3(0, 0, -1), Vec3(1, 0, 0)}) {
+                        ViewScene scene = smoke(0.3, 0.95, sign * g, way);
+                        scene.volumes[0].medium.scattering = scattering;
+                        if (two) scene.volumes[0].medium.phase = {0.3, PhaseType::twoLobe, sign * g, 0.7};
+                        scene.camera.resolution = Int2(12);
+                        scene.region = {0, 0, 12, 12};
+                        const Frame frame = renderScene(scene);
+                        for (const float v : frame.image.rgba) ASSERT_TRUE(std::isfinite(v) && v >= 0) << g << " " << v;
+                    }
+                }
 }
 
 TEST(MultipleScattering, CostsNothingWhereNobodyAsksForIt) {

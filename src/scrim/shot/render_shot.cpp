@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace scrim {
 namespace {
@@ -70,6 +71,13 @@ void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
                    fmt::format("light '{}' is rendered as {} lights, the most there may be: light_error = {:.2g} calls "
                                "for more; samples = N takes as many as you say",
                                light.name, kMostSubLights, view.dials.lightError));
+}
+
+/// Light that scatters more than once comes from a few directions, each with the mean of its part of the sky.
+void warnOfBlurredSkies(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
+    if (const std::string skies = blurredSkies(view, plan.transport); !skies.empty())
+        notify(messages, Severity::warning,
+               "light " + skies + "; a distant light with an angle in place of such a spot keeps its shadows sharp");
 }
 
 /// One alpha for three opacities.
@@ -136,6 +144,7 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
     const ProgressSink& progress = m_options.progress;
     const Plan plan = timed(seconds.plan, [&] { return makePlan(view, threadCount(), partOf(progress, 0, 0)); });
     keepPlan(view, plan);
+    warnOfBlurredSkies(view, plan, m_options.messages);
     Frame frame = timed(seconds.render, [&] { return renderPlanned(view, plan, partOf(progress, 0, rendered)); });
     if (m_options.verify > 0) {
         SampleOptions sampling;
@@ -161,7 +170,11 @@ Frame FrameRender::renderTolerance(const ViewScene& view, const ViewScene& truth
     options.render = [&](const ViewScene& planned, const Plan& plan, const ProgressSink& progress) {
         return renderPlanned(planned, plan, progress);
     };
-    options.planned = [&](const ViewScene& planned, const Plan& plan) { keepPlan(planned, plan); };
+    bool warned = false;
+    options.planned = [&](const ViewScene& planned, const Plan& plan) {
+        keepPlan(planned, plan);
+        if (!std::exchange(warned, true)) warnOfBlurredSkies(planned, plan, m_options.messages);
+    };
     ToleranceResult result = renderWithin(view, truth, options);
     m_report.seconds.plan += result.seconds.pilots + result.seconds.plan;
     m_report.seconds.render += result.seconds.render;

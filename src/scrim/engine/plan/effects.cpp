@@ -196,6 +196,7 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
     if (effect.on)
         effect.reason += fmt::format("; {} solve{} along {} directions, cells of {:.4g} world units, about {}", solves,
                                      solves == 1 ? "" : "s", t.ordinates, t.edge, bytesText(t.bytes));
+    if (const std::string skies = blurredSkies(scene, t); !skies.empty()) effect.reason += "; " + skies;
     return effect;
 }
 

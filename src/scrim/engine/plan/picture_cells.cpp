@@ -13,8 +13,9 @@ namespace scrim {
 namespace {
 
 // Cells consist of bins, of which there are no more than this along the picture's longer side. A bin holds the sums of
-// its pixels, so that neither light nor the middle of it depends on the bins.
-constexpr int kMostBins = 512;
+// its pixels, so that neither light nor the middle of it depends on the bins. A picture of a few pixels is cut finer:
+// a white sky is as wide as it is, whether it has one pixel or a million.
+constexpr int kMostBins = 512, kLeastBins = 256;
 
 struct Bin {
     Rgb light{0};       // integral over the bin
@@ -47,17 +48,19 @@ class BinMap {
     BinMap(const Texture& picture, const Across& across, const Scale& scale, const Down& down, const Share& share) {
         const Texture::Level& level = picture.levels().front();
         const int longer = std::max(level.width, level.height), by = (longer + kMostBins - 1) / kMostBins;
-        m_width = (level.width + by - 1) / by;
-        m_height = (level.height + by - 1) / by;
+        const int finer = (kLeastBins + longer - 1) / longer;  // 1 for all but small pictures
+        const int width = level.width * finer, height = level.height * finer;
+        m_width = (width + by - 1) / by;
+        m_height = (height + by - 1) / by;
         m_bins.resize(std::size_t(m_width) * std::size_t(m_height));
         std::vector<Vec3> columns;
-        for (int x = 0; x < level.width; ++x) columns.push_back(across((x + 0.5) / level.width));
-        for (int y = 0; y < level.height; ++y) {
-            const double part = share(double(y) / level.height, double(y + 1) / level.height) / level.width;
-            const double v = (y + 0.5) / level.height, wide = scale(v);
+        for (int x = 0; x < width; ++x) columns.push_back(across((x + 0.5) / width));
+        for (int y = 0; y < height; ++y) {
+            const double part = share(double(y) / height, double(y + 1) / height) / width;
+            const double v = (y + 0.5) / height, wide = scale(v);
             const Vec3 below = down(v);
-            for (int x = 0; x < level.width; ++x) {
-                const float* p = level.pixel(x, y);
+            for (int x = 0; x < width; ++x) {
+                const float* p = level.pixel(x / finer, y / finer);
                 Bin one{part * Rgb(p[0], p[1], p[2]), 0, part, Vec3(0)};
                 one.weight = (one.light.x + one.light.y + one.light.z) / 3;
                 one.moment = one.weight * (wide * columns[std::size_t(x)] + below);
@@ -137,6 +140,49 @@ std::vector<PictureCell> domeCells(const Light& light, int count) {
         cells.push_back({4 * pi * cell.sum.light, center, cell.sum.share});
     }
     return cells;
+}
+
+double lightInSpots(const Light& dome, int directions) {
+    constexpr double pi = std::numbers::pi;
+    constexpr double kBright = 4;      // times the mean around: a horizon, or half a cloud, is not as much
+    constexpr int kFineEnough = 1024;  // pixels across: the sun has two
+    if (!dome.slide || !dome.slide->image) return 0;
+    const auto& levels = dome.slide->image->levels();
+    std::size_t chosen = 0;
+    while (chosen + 1 < levels.size() && levels[chosen + 1].width >= kFineEnough) ++chosen;
+    const Texture::Level& level = levels[chosen];
+    // Regions of about one direction each: rows of equal heights, cut into as many as their circles are long.
+    const int rows = std::max(1, static_cast<int>(std::lround(std::sqrt(pi * directions) / 2)));
+    const auto regionsOf = [&](int row) {
+        return std::max(1, static_cast<int>(std::lround(2 * rows * std::sin(pi * (row + 0.5) / rows))));
+    };
+    struct Region {
+        double light = 0, weight = 0;
+    };
+    std::vector<std::vector<Region>> regions;
+    for (int row = 0; row < rows; ++row) regions.emplace_back(std::size_t(regionsOf(row)));
+    const auto each = [&](const auto& visit) {
+        for (int y = 0; y < level.height; ++y) {
+            std::vector<Region>& row = regions[std::size_t(y * rows / level.height)];
+            const double weight = std::sin(pi * (y + 0.5) / level.height);
+            for (int x = 0; x < level.width; ++x) {
+                const float* p = level.pixel(x, y);
+                visit(row[std::size_t(x) * row.size() / std::size_t(level.width)], weight,
+                      (double(p[0]) + p[1] + p[2]) / 3);
+            }
+        }
+    };
+    double all = 0, spots = 0;
+    each([&](Region& region, double weight, double value) {
+        region.light += weight * value;
+        region.weight += weight;
+        all += weight * value;
+    });
+    each([&](const Region& region, double weight, double value) {
+        const double mean = region.light / region.weight;
+        if (value > kBright * mean) spots += weight * (value - mean);
+    });
+    return all > 0 ? spots / all : 0;
 }
 
 std::vector<PictureCell> rectangleCells(const Light& light, int count) {

@@ -18,7 +18,11 @@ struct PictureCell {
 /// At most `count` cells, those without light left out. Deterministic. Of a dome with a loaded picture.
 std::vector<PictureCell> domeCells(const Light& light, int count);
 
-/// The same of a rectangle with a loaded picture.
+/// What share of a dome's light comes from spots, such as a sun, that are much smaller than one of `directions` that
+/// are spread evenly over the sky: a mean over a direction blurs those. In [0, 1]; 0 without a loaded picture.
+double lightInSpots(const Light& dome, int directions);
+
+/// As domeCells, of a rectangle with a loaded picture.
 std::vector<PictureCell> rectangleCells(const Light& light, int count);
 
 }  // namespace scrim

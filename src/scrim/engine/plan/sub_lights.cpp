@@ -147,7 +147,9 @@ int subLightCount(const ViewScene& scene, const Light& light) {
 }
 
 int SubLights::countOf(int owner) const {
-    return owners.empty() ? 1 : static_cast<int>(std::count(owners.begin(), owners.end(), owner));
+    if (owners.empty()) return 1;
+    const auto [first, last] = std::equal_range(owners.begin(), owners.end(), owner);
+    return static_cast<int>(last - first);
 }
 
 SubLights subLights(const ViewScene& scene) {
@@ -166,6 +168,10 @@ SubLights subLights(const ViewScene& scene) {
             addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
         else
             all.lights.push_back(light);
+        if (all.lights.size() == all.owners.size()) {  // its picture is black
+            all.lights.push_back(sunFrom(light, light.wsDirection, Rgb(0)));
+            all.lights.back().slide.reset();
+        }
         all.owners.resize(all.lights.size(), static_cast<int>(i));
     }
     return all;

@@ -14,7 +14,7 @@ namespace scrim {
 
 struct SubLights {
     std::vector<Light> lights;  ///< none extended; empty where no light of the scene is: then the scene's own count
-    std::vector<int> owners;    ///< of each: index into the lights of the scene
+    std::vector<int> owners;    ///< of each: index into the lights of the scene, ascending
 
     /// The scene's light that light `i` of the plan belongs to.
     int ownerOf(int i) const { return owners.empty() ? i : owners[std::size_t(i)]; }

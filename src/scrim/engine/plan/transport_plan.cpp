@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/effects.h>
+#include <scrim/engine/plan/picture_cells.h>
 
 #include <algorithm>
 #include <cmath>
@@ -128,6 +129,21 @@ void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reaso
     for (std::size_t i = 0; i < reasons.size(); ++i)
         if (scene.lights[i].dome() && !black(scene.lights[i].intensity))
             reasons[i] = "no sweep, since it shines through the border of the cells that scatter its light";
+}
+
+std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan) {
+    constexpr double kLittle = 0.01;  // of its light
+    std::string skies;
+    for (const int i : lightsOf(plan)) {
+        const Light& light = scene.lights[std::size_t(i)];
+        const double share = light.dome() ? lightInSpots(light, plan.ordinates) : 0;
+        if (share < kLittle) continue;
+        skies += fmt::format(
+            "{}'{}': {:.0f} % of its light comes from spots smaller than one of the {} directions, "
+            "and is blurred",
+            skies.empty() ? "" : ", ", light.name, 100 * share, plan.ordinates);
+    }
+    return skies;
 }
 
 TransportPlan planTransport(const ViewScene& scene) {

@@ -25,7 +25,7 @@ struct TransportPlan {
     double cells = 0;                    ///< about so many of them
     int ordinates = 64;
     bool isotropic = true;
-    bool coarse = false;  ///< cells are larger than is asked for, to see what that changes
+    bool coarse = false;    ///< cells are larger than is asked for, to see what that changes
     int colours = 1;        ///< solved for one by one
     std::size_t bytes = 0;  ///< at most, about
 
@@ -44,6 +44,10 @@ bool skiesFromBorder(const ViewScene& scene);
 
 /// Gives those of `reasons` why lights are culled, one a light of the scene, that are of such skies.
 void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reasons);
+
+/// "'sky': 43 % of its light comes from spots ..." for each sky whose light the plan's directions blur; ", " between.
+/// Empty where none is.
+std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 
 /// Throws Error(memory) where cells of the dial's size are too many for the memory limit, or to be numbered.
 TransportPlan planTransport(const ViewScene& scene);

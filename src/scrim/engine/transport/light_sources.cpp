@@ -34,14 +34,17 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
     std::size_t level = 0;
     while (level + 1 < levels.size() && levels[level].width > kSkyColumns) ++level;
     const Texture::Level& picture = levels[level];
+    // A picture of a few pixels is looked at in more places: none of the ordinates goes without.
+    const int finer = std::max(1, kSkyColumns / (2 * std::max(picture.width, picture.height)));
+    const int width = picture.width * finer, height = picture.height * finer;
     std::vector<SkyMean> means(radiance.size());
-    for (int y = 0; y < picture.height; ++y)
-        for (int x = 0; x < picture.width; ++x) {
-            const double v = (y + 0.5) / picture.height;
-            const Vec3 towards = domeDirection(sky, (x + 0.5) / picture.width, v);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const double v = (y + 0.5) / height;
+            const Vec3 towards = domeDirection(sky, (x + 0.5) / width, v);
             SkyMean& mean = means[std::size_t(nearestOrdinate(ordinates, -towards))];
             const double weight = std::sin(std::numbers::pi * v);
-            mean.radiance += weight * double(picture.pixel(x, y)[colour]);
+            mean.radiance += weight * double(picture.pixel(x / finer, y / finer)[colour]);
             mean.weight += weight;
         }
     for (std::size_t m = 0; m < radiance.size(); ++m)

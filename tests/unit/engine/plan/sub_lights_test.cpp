@@ -4,7 +4,10 @@
 #include "support/fields.h"
 #include "support/slides.h"
 
+#include <scrim/engine/plan/picture_cells.h>
+#include <scrim/engine/plan/plan.h>
 #include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/sweep.h>
 
 #include <gtest/gtest.h>
 
@@ -201,6 +204,60 @@ TEST(DomeCells, HoldAllLightOfThePicture) {
         for (const Light& light : lights) sum += light.intensity;
         for (int c = 0; c < 3; ++c) EXPECT_NEAR(sum[c], expected[c], 1e-9 * expected[c]) << samples;
     }
+}
+
+// A sky is as wide as it is, however few pixels its picture has: the mean of cos^2 to any direction is a third. Cells
+// of 4 pi / 256 are 13 degrees wide; what their middles miss is of second order in that, 0.01.
+TEST(DomeCells, OfAPictureOfOnePixelAreTheWholeSky) {
+    for (const Int2 size : {Int2(1, 1), Int2(4, 2), Int2(2, 100)}) {
+        const std::vector<Light> lights =
+            cut(pictureSky(makeTexture(size.x, size.y, [](int, int) { return Rgb(1); })), 256);
+        EXPECT_EQ(lights.size(), 256u) << size.x;
+        for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0.6, 0, 0.8)}) {
+            const double squares =
+                arriving(lights, Vec3(0), [&](const Vec3& to) { return std::pow(glm::dot(to, axis), 2); });
+            EXPECT_NEAR(squares, 4 * kPi / 3, 0.01 * 4 * kPi / 3) << size.x << " x " << size.y;
+        }
+    }
+}
+
+// What is black shines on nothing, alone or beside others, and is no reason to look for lights in the wrong list.
+TEST(SubLights, OfABlackPictureAreOneThatIsCulled) {
+    ViewScene scene = orthographicScene(boxField({-2, -2, -2}, {2, 2, 2}), Medium(), 8, 8);
+    Light screen = areaLight(AreaShape::rectangle, 4, 2, 0);
+    screen.slide.emplace();
+    screen.slide->image = makeTexture(8, 4, [](int, int) { return Rgb(0); });
+    for (const Light& black : {pictureSky(makeTexture(8, 4, [](int, int) { return Rgb(0); })), screen})
+        for (const bool alone : {true, false}) {
+            scene.lights = {black};
+            if (!alone) scene.lights.push_back(distantLight({0, 0, -1}));
+            const Plan plan = makePlan(scene, 1);
+            ASSERT_EQ(plan.culledLights.size(), scene.lights.size());
+            EXPECT_EQ(plan.culledLights[0], "it is black");
+            const Frame frame = render(scene, plan);
+            EXPECT_EQ(frame.image.rgba[frame.image.indexOf(4, 4)] > 0, !alone);
+            EXPECT_GT(frame.image.rgba[frame.image.indexOf(4, 4) + 3], 0);
+        }
+}
+
+// A sky that brightens towards its zenith, and in it a sun of 0.53 degrees whose light is a third of all.
+TEST(LightInSpots, IsThatOfTheSunAndNotOfTheSky) {
+    constexpr int kWidth = 2048, kHeight = 1024;
+    const Vec3 sun = glm::normalize(Vec3(0.3, 0.7, 0.4));
+    const auto sky = [&](double sunRadiance, int width, int height) {
+        const Light blank = pictureSky(makeTexture(1, 1, [](int, int) { return Rgb(1); }));
+        return pictureSky(makeTexture(width, height, [&](int x, int y) {
+            const Vec3 to = domeDirection(blank, (x + 0.5) / width, (y + 0.5) / height);
+            const double cosine = std::cos(0.5 * 0.53 * kPi / 180);
+            return Rgb(1 + std::max(to.y, 0.0) + (glm::dot(to, sun) > cosine ? sunRadiance : 0));
+        }));
+    };
+    // The sky holds 4 pi + pi, the sun its radiance times 2 pi (1 - cos).
+    const double radiance = 0.5 * 5 * kPi / (2 * kPi * (1 - std::cos(0.5 * 0.53 * kPi / 180)));
+    EXPECT_NEAR(lightInSpots(sky(radiance, kWidth, kHeight), 64), 1.0 / 3, 0.02);  // the disk is some 4 pixels wide
+    EXPECT_EQ(lightInSpots(sky(0, 64, 32), 64), 0);
+    EXPECT_EQ(lightInSpots(pictureSky(makeTexture(1, 1, [](int, int) { return Rgb(1); })), 64), 0);
+    EXPECT_EQ(lightInSpots(pictureSky(makeTexture(8, 4, [](int, int y) { return Rgb(y < 2 ? 1 : 0); })), 64), 0);
 }
 
 TEST(DomeCells, GiveABrightPixelALightOfItsOwn) {
