@@ -34,12 +34,13 @@ void visitBlocks(const SparseField& field, const Visit& visit) {
 
 /// Box around the centres of the voxels above 0 and not below `least`.
 Bounds occupiedIn(const float* values, const Int3& origin, float least = 0) {
+    const auto occupied = [&](int n) { return values[n] > 0 && values[n] >= least; };
     Bounds b;
+    if (occupied(0) && occupied(kBlockVoxels - 1)) return {Vec3(origin), Vec3(origin + (kBlockEdge - 1))};
     for (int x = 0; x < kBlockEdge; ++x)
         for (int y = 0; y < kBlockEdge; ++y)
             for (int z = 0; z < kBlockEdge; ++z)
-                if (const float v = values[blockOffset(x, y, z)]; v > 0 && v >= least)
-                    b.include(Vec3(origin) + Vec3(x, y, z));
+                if (occupied(blockOffset(x, y, z))) b.include(Vec3(origin) + Vec3(x, y, z));
     return b;
 }
 

@@ -42,6 +42,8 @@ class PilotVolume {
   public:
     explicit PilotVolume(const ViewVolume& volume)
         : m_volume(volume), m_field(*volume.field), m_isFromWs(glm::inverse(volume.wsFromIs)) {
+        const Mat3 rows = glm::transpose(Mat3(m_isFromWs));
+        m_voxels = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});
         for (const ViewEmission& emission : volume.emission)
             if (!emission.field.field->empty())
                 m_glow.push_back({LinearProbe(*emission.field.field), glm::inverse(emission.field.wsFromIs),
@@ -59,6 +61,12 @@ class PilotVolume {
         return out;
     }
 
+    // How far along `way` it is known to be the same as far as `reach` (world units) around; below 0: not even here.
+    double evenAlong(const Vec3& ws, const Vec3& way, double reach) const {
+        if (!m_glow.empty()) return -1;
+        return m_field.evenAlong(transformPoint(m_isFromWs, ws), transformVector(m_isFromWs, way), reach * m_voxels);
+    }
+
   private:
     struct Glow {
         LinearProbe field;
@@ -68,6 +76,7 @@ class PilotVolume {
     const ViewVolume& m_volume;
     LinearProbe m_field;
     Mat4 m_isFromWs;
+    double m_voxels;  // along any axis that a world unit may span
     std::vector<Glow> m_glow;
 };
 
@@ -122,7 +131,8 @@ class PilotScene {
         double through[2] = {1, 1}, radiance[2] = {0, 0};
         for (double t = first + jitter * step; t < last; t += step) {
             const Vec3 at = origin + t * direction;
-            const Stuff stuff[2] = {stuffAt(at), texelsAt(at)};
+            const Stuff exact = stuffAt(at);
+            const Stuff stuff[2] = {exact, evenSteps(at, direction, step) > 0 ? exact : texelsAt(at)};
             if (stuff[0].extinction + stuff[1].extinction + stuff[0].glow + stuff[1].glow <= 0) continue;
             double light[2] = {m_ambient, m_ambient};
             if (through[0] * stuff[0].extinction * step > kLeastShare)
@@ -177,6 +187,13 @@ class PilotScene {
         }
         m_cells = std::move(cells);
     }
+    // How many steps along a ray from `at` on meet the same as there, in the field and in texels; 0: none is known to.
+    int evenSteps(const Vec3& at, const Vec3& direction, double step) const {
+        constexpr double kReach = 2.25;  // texels: two along one axis, one along the other
+        if (m_volumes.size() != 1) return 0;
+        const double way = m_volumes.front().evenAlong(at, direction, kReach * m_voxel);
+        return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
+    }
     // Between the four prefiltered texels around: f - 1/12 (second differences), from which what a bilinear look-up
     // adds on average is missing. Texels at -1 and 2 of a row or column count through that alone.
     Stuff texelsAt(const Vec3& ws) const {
@@ -209,9 +226,13 @@ class PilotScene {
         if (l.light->shadows) {
             const double last = m_bounds.clip(at, way, 0, most).second;
             const double step = std::max(kShadowStep * m_voxel, last / kMostSteps);
-            for (double t = jitter * step; t < last && std::min(tau[0], tau[1]) < kMostDepth; t += step) {
-                tau[0] += stuffAt(at + t * way).extinction * step;
-                tau[1] += texelsAt(at + t * way).extinction * step;
+            for (double t = jitter * step; t < last && std::min(tau[0], tau[1]) < kMostDepth;) {
+                const Vec3 here = at + t * way;
+                const int even = std::min(evenSteps(here, way, step), static_cast<int>(std::ceil((last - t) / step)));
+                const double along = std::max(even, 1) * step, extinction = stuffAt(here).extinction;
+                tau[0] += extinction * along;
+                tau[1] += (even > 0 ? extinction : texelsAt(here).extinction) * along;
+                t += along;
             }
         }
         for (int i = 0; i < 2; ++i) light[i] += power * std::exp(-tau[i]);

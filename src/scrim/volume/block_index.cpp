@@ -7,32 +7,48 @@
 
 namespace scrim {
 
+std::uint32_t& BlockIndex::entry(const Int3& cube) {
+    const auto [found, isNew] = m_pages.try_emplace(cube >> 3, static_cast<std::uint32_t>(m_entries.size()));
+    if (isNew) m_entries.emplace_back().fill(kNothing);
+    return m_entries[found->second][inPage(cube)];
+}
+
 BlockIndex::BlockIndex(const SparseField& field)
     : m_field(field), m_lower(std::numeric_limits<int>::max()), m_upper(std::numeric_limits<int>::min()) {
-    m_entries.reserve(field.blockCount() + field.tiles.size());
-    std::set<int> edges;
-    const auto add = [&](const Int3& origin, int edge) {
-        const Int3 first = origin >> 3;
-        m_entries.emplace(first, static_cast<std::uint32_t>(m_entries.size()));
+    std::uint32_t number = 0;
+    for (const Int3& origin : field.blockOrigins) {
+        const Int3 cube = origin >> 3;
+        entry(cube) = number++;
+        m_lower = glm::min(m_lower, cube);
+        m_upper = glm::max(m_upper, cube);
+    }
+    std::set<int> large;
+    for (const ConstantTile& tile : field.tiles) {
+        const Int3 first = firstCube(tile), last = lastCube(tile);
         m_lower = glm::min(m_lower, first);
-        m_upper = glm::max(m_upper, first + (edge / kBlockEdge - 1));
-        if (edge > kBlockEdge) edges.insert(edge / kBlockEdge);
-    };
-    for (const Int3& origin : field.blockOrigins) add(origin, kBlockEdge);
-    for (const ConstantTile& tile : field.tiles) add(tile.origin, tile.edge);
-    m_tileCubes.assign(edges.begin(), edges.end());
+        m_upper = glm::max(m_upper, last);
+        if (const int edge = tile.edge / kBlockEdge; edge > kPageEdge) {
+            large.insert(edge);
+            m_large.emplace(first, number++);
+            continue;
+        }
+        for (int x = first.x; x <= last.x; ++x)
+            for (int y = first.y; y <= last.y; ++y)
+                for (int z = first.z; z <= last.z; ++z) entry({x, y, z}) = number;
+        ++number;
+    }
+    m_largeEdges.assign(large.begin(), large.end());
 }
 
 BlockIndex::Place BlockIndex::at(const Int3& cube) const {
-    if (const auto found = m_entries.find(cube); found != m_entries.end()) return placeOf(found->second);
-    for (const int edge : m_tileCubes) {
-        const auto found = m_entries.find(cube & ~(edge - 1));  // edges are powers of two
-        if (found == m_entries.end()) continue;
-        // A block or a smaller tile may lie in the corner of where a larger one would.
-        if (const Place place = placeOf(found->second); place.tile && place.tile->edge == edge * kBlockEdge)
-            return place;
+    if (const auto page = m_pages.find(cube >> 3); page != m_pages.end()) {
+        const std::uint32_t number = m_entries[page->second][inPage(cube)];
+        return number == kNothing ? Place{} : placeOf(number);
     }
-    return {};
+    for (const int edge : m_largeEdges)
+        if (const auto found = m_large.find(cube & ~(edge - 1)); found != m_large.end())  // edges are powers of two
+            if (const Place place = placeOf(found->second); place.cubes == edge) return place;
+    return {nullptr, 0, nullptr, kPageEdge};
 }
 
 bool BlockIndex::anyIn(const Bounds& is) const {

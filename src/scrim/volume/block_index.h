@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds what a field holds at a place: one hash of its blocks and constant tiles, which never overlap.
+// Finds what a field holds at a place: pages of 8^3 cubes, by one hash; a cube is a block, a part of a constant tile,
+// or empty.
 //
-// A level set of radius 500 has 10^5 tiles, so no look-up may scan them. Everything that asks a field for single voxels
-// asks here; the splatter, which streams whole fields, does not.
+// A level set of radius 500 has 10^5 blocks, and rays through it ask 10^8 times, so that no look-up may scan tiles or
+// try one size after the other. Everything that asks a field for single voxels asks here; the splatter, which streams
+// whole fields, does not.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
 
+#include <array>
 #include <cstdint>
 #include <unordered_map>
 #include <vector>
@@ -19,7 +22,7 @@ namespace scrim {
 /// Safe to read from many threads.
 class BlockIndex {
   public:
-    /// `field` must outlive this. Takes about 40 bytes a block or tile.
+    /// `field` must outlive this. Takes 2 KB for each 64^3 voxels that hold anything, as a block does.
     explicit BlockIndex(const SparseField& field);
 
     /// What fills a cube of 8^3 voxels: the 512 values of a block, or one constant (0 where the field has nothing).
@@ -27,6 +30,7 @@ class BlockIndex {
         const float* values = nullptr;
         float constant = 0;
         const ConstantTile* tile = nullptr;  ///< that the constant is of
+        int cubes = 1;  ///< a power of two: the cubes of the lattice with this edge that this one lies in are the same
 
         bool empty() const { return !values && !tile; }
         double voxel(const Int3& is) const {
@@ -53,37 +57,60 @@ class BlockIndex {
             return h ^ h >> 32;
         }
     };
+    static constexpr int kPageEdge = 8;  // cubes
+    static constexpr std::uint32_t kNothing = 0xFFFFFFFF;
+    using Page = std::array<std::uint32_t, kPageEdge * kPageEdge * kPageEdge>;  // numbers
+
+    static std::size_t inPage(const Int3& cube) { return std::size_t(blockOffset(cube.x & 7, cube.y & 7, cube.z & 7)); }
+    std::uint32_t& entry(const Int3& cube);
     Place placeOf(std::uint32_t number) const {
         if (number < m_field.blockCount()) return {m_field.block(number)};
         const ConstantTile& tile = m_field.tiles[number - m_field.blockCount()];
-        return {nullptr, tile.value, &tile};
+        return {nullptr, tile.value, &tile, tile.edge / kBlockEdge};
     }
+    static Int3 firstCube(const ConstantTile& tile) { return tile.origin >> 3; }
+    static Int3 lastCube(const ConstantTile& tile) { return firstCube(tile) + (tile.edge / kBlockEdge - 1); }
 
     const SparseField& m_field;
     Int3 m_lower, m_upper;  // cubes of all that there is; m_upper below m_lower where there is nothing
-    // By the first cube of each: blocks by their number, tiles behind them.
-    std::unordered_map<Int3, std::uint32_t, Hash> m_entries;
-    std::vector<int> m_tileCubes;  // edges of tiles that there are, in cubes, ascending; tiles of one cube need none
+    std::unordered_map<Int3, std::uint32_t, Hash> m_pages;  // by their first cubes over 8
+    std::vector<Page> m_entries;
+    // Tiles of more than a page, by their first cubes, and their edges in cubes, ascending.
+    std::unordered_map<Int3, std::uint32_t, Hash> m_large;
+    std::vector<int> m_largeEdges;
 };
 
 template <class Visit>
 void BlockIndex::visit(const Int3& lower, const Int3& upper, const Visit& visit) const {
     const Int3 a = glm::max(lower, m_lower), b = glm::min(upper, m_upper);
     if (glm::any(glm::greaterThan(a, b))) return;
-    const Vec3 cubes = Vec3(b) - Vec3(a) + 1.0;
-    if (m_tileCubes.empty() && cubes.x * cubes.y * cubes.z <= double(m_entries.size())) {
-        for (int x = a.x; x <= b.x; ++x)
-            for (int y = a.y; y <= b.y; ++y)
-                for (int z = a.z; z <= b.z; ++z)
-                    if (const auto found = m_entries.find({x, y, z}); found != m_entries.end())
-                        visit(placeOf(found->second), found->second);
+    for (const auto& [first, number] : m_large)
+        if (const Place place = placeOf(number);
+            glm::all(glm::lessThanEqual(first, b)) && glm::all(glm::greaterThanEqual(lastCube(*place.tile), a)))
+            visit(place, number);
+    const auto visitPage = [&](const Int3& page, const Page& entries) {
+        const Int3 from = glm::max(a, page * kPageEdge), to = glm::min(b, page * kPageEdge + (kPageEdge - 1));
+        for (int x = from.x; x <= to.x; ++x)
+            for (int y = from.y; y <= to.y; ++y)
+                for (int z = from.z; z <= to.z; ++z) {
+                    const std::uint32_t number = entries[inPage({x, y, z})];
+                    if (number == kNothing) continue;
+                    const Place place = placeOf(number);
+                    // A tile once: at the first of its cubes.
+                    if (!place.tile || glm::max(firstCube(*place.tile), from) == Int3(x, y, z)) visit(place, number);
+                }
+    };
+    const Int3 firstPage = a >> 3, lastPage = b >> 3;
+    const Vec3 pages = Vec3(lastPage) - Vec3(firstPage) + 1.0;
+    if (pages.x * pages.y * pages.z > double(m_pages.size())) {
+        for (const auto& [page, i] : m_pages) visitPage(page, m_entries[i]);
         return;
     }
-    for (const auto& [first, number] : m_entries) {
-        const Place place = placeOf(number);
-        const Int3 last = first + (place.tile ? place.tile->edge / kBlockEdge - 1 : 0);
-        if (glm::all(glm::lessThanEqual(first, b)) && glm::all(glm::greaterThanEqual(last, a))) visit(place, number);
-    }
+    for (int x = firstPage.x; x <= lastPage.x; ++x)
+        for (int y = firstPage.y; y <= lastPage.y; ++y)
+            for (int z = firstPage.z; z <= lastPage.z; ++z)
+                if (const auto found = m_pages.find({x, y, z}); found != m_pages.end())
+                    visitPage({x, y, z}, m_entries[found->second]);
 }
 
 }  // namespace scrim

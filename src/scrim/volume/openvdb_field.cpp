@@ -224,14 +224,22 @@ GridOffer offerOf(const openvdb::GridBase& grid) {
     return {grid.getName(), grid.type(), openvdb::GridBase::gridClassToString(grid.getGridClass())};
 }
 
+void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
+    if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !offerOf(grid).isScalar()) return;
+    withScalarGrid(grid, [&](const auto& typed) {
+        using Grid = std::decay_t<decltype(typed)>;
+        openvdb::tools::sdfToFogVolume(static_cast<Grid&>(grid));  // says so in the grid's class
+    });
+    notify(messages, Severity::info,
+           fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
+                       shortened(grid.getName(), 80)));
+}
+
 SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
     return withScalarGrid(grid, [&](const auto& original) {
         if (original.getGridClass() != openvdb::GRID_LEVEL_SET) return scalarField(original, kAsItIs, where, messages);
         const auto fog = original.deepCopy();
-        openvdb::tools::sdfToFogVolume(*fog);
-        notify(messages, Severity::info,
-               fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
-                           shortened(original.getName(), 80)));
+        levelSetIntoFog(*fog, where, messages);
         return scalarField(*fog, kAsItIs, where, messages);
     });
 }

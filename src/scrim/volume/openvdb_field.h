@@ -19,6 +19,9 @@ GridOffer offerOf(const openvdb::GridBase& grid);
 /// The field of a scalar grid; `where` (the file) starts every message and error.
 SparseField fieldFromGrid(const openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
 
+/// Turns a scalar level set into fog where it stands, and says so; leaves every other grid as it is.
+void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const MessageSink& messages);
+
 /// The field of a colour: of one component (0, 1, 2) of a vec3 grid, whose name gets ".r", ".g" or ".b" behind it, or
 /// of a scalar grid (kScalar), of which it does not matter that it may call itself a level set.
 SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const std::string& where,

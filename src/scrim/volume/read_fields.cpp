@@ -11,13 +11,14 @@ namespace scrim {
 
 std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
                                     const MessageSink& messages) {
-    const VdbFile file = VdbFile::open(bytes, requests);
+    VdbFile file = VdbFile::open(bytes, requests);
     std::set<std::string> said;
     const auto sayOnce = [&](Severity severity, const std::string& text) {
         if (said.insert(text).second) notify(messages, severity, text);
     };
     std::vector<SparseField> fields;
-    for (const GridRequest& request : requests) fields.push_back(file.field(request, sayOnce));
+    for (const GridRequest& request : requests)
+        fields.push_back(requests.size() == 1 ? file.lastField(request, sayOnce) : file.field(request, sayOnce));
     return fields;
 }
 

@@ -33,6 +33,10 @@ SparseField VdbFile::field(const GridRequest& request, const MessageSink& messag
     return m_content->field(request, messages);
 }
 
+SparseField VdbFile::lastField(const GridRequest& request, const MessageSink& messages) {
+    return m_content->lastField(request, messages);
+}
+
 VdbFile::VdbFile(std::unique_ptr<Content> content) : m_content(std::move(content)) {}
 VdbFile::VdbFile(VdbFile&&) noexcept = default;
 VdbFile& VdbFile::operator=(VdbFile&&) noexcept = default;

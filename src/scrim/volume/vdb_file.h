@@ -50,6 +50,9 @@ class VdbFile {
         return field(GridRequest{grid}, messages);
     }
 
+    /// The same of a grid that is not asked for again: a level set becomes fog where it stands, in half the memory.
+    SparseField lastField(const GridRequest& request, const MessageSink& messages);
+
     VdbFile(VdbFile&&) noexcept;
     VdbFile& operator=(VdbFile&&) noexcept;
     ~VdbFile();

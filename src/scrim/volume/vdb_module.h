@@ -21,6 +21,7 @@ struct VdbFile::Content {
     virtual VdbFileInfo info() const = 0;
     virtual std::vector<std::string> usableGrids() const = 0;
     virtual SparseField field(const GridRequest& request, const MessageSink& messages) const = 0;
+    virtual SparseField lastField(const GridRequest& request, const MessageSink& messages) = 0;
 };
 
 /// Each as the function that calls it: VdbFile::open (null: for no requests, but all of the file), writeVdb and

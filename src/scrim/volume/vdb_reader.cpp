@@ -34,6 +34,7 @@ struct ParsedVdb : VdbFile::Content {
     VdbFileInfo info() const override;
     std::vector<std::string> usableGrids() const override;
     SparseField field(const GridRequest& request, const MessageSink& messages) const override;
+    SparseField lastField(const GridRequest& request, const MessageSink& messages) override;
 };
 
 constexpr std::size_t kMessageLimit = 1000;  ///< bytes of an error that lists grids
@@ -263,6 +264,13 @@ VdbFileInfo ParsedVdb::info() const {
 
 std::vector<std::string> ParsedVdb::usableGrids() const {
     return scalarNames(offers);
+}
+
+SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& messages) {
+    const auto choice = chooseGrid(offers, request);
+    if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar)
+        levelSetIntoFog(*grids[choice->grid], path, messages);
+    return field(request, messages);
 }
 
 SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& messages) const {

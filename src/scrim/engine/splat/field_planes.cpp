@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
+
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -22,10 +25,25 @@ int bandTilesFor(const Mat4& rsFromIs, Kernel kernel) {
     return static_cast<int>((block + 2 * kernelExtent(kernel, row) + 3) / kTileEdge) + 4;
 }
 
+// How often voxels may double before a footprint is many texels wide: then there are few of them, and all that is left
+// to save is lost to how finely tables know their places.
+int coarserLevels(const Mat4& rsFromIs) {
+    constexpr double kWidest = 4;  // edge of a voxel, in texels and in sheets
+    double edge = 0;
+    for (int axis = 0; axis < 3; ++axis) edge = std::max(edge, glm::length(Vec3(rsFromIs[axis])));
+    int levels = 0;
+    while (levels < 20 && 2 * edge <= kWidest) {
+        edge *= 2;
+        ++levels;
+    }
+    return levels;
+}
+
 }  // namespace
 
-FieldPlanes::Splatter FieldPlanes::splatterFor(const std::vector<ViewField>& fields) const {
+FieldPlanes::Splatter FieldPlanes::splatterFor(const Placement& placement) const {
     const Settings& s = m_settings;
+    const std::vector<ViewField>& fields = placement.fields;
     const Mat4 tsFromIs = m_sheets.tsFrom(fields.front().wsFromIs);
     if (!m_lattice.parallel()) {
         std::vector<WarpedSplatter> splatters;
@@ -35,6 +53,7 @@ FieldPlanes::Splatter FieldPlanes::splatterFor(const std::vector<ViewField>& fie
     }
     FieldSplatter splatter(*fields.front().field, m_lattice.rsFromTs * tsFromIs, m_dials.kernel, s.stepsPerVoxel,
                            s.scale, s.most, m_simd);
+    if (!placement.values.empty()) splatter.useValues(placement.values);
     for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
     return splatter;
 }
@@ -51,19 +70,49 @@ FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, 
                          const Dials& dials, const Sheets& sheets, const Lattice& lattice, int batchSheets)
     : m_lattice(lattice), m_sheets(sheets), m_dials(dials), m_settings(settings), m_simd(dials.simd) {
     for (const std::vector<ViewField>& fields : placements) {
-        m_placements.push_back({fields, reachOf(fields.front(), dials, sheets), std::nullopt});
-        if (lattice.parallel() && placements.size() > 1)
-            m_bandTiles = std::max(
-                m_bandTiles, bandTilesFor(lattice.rsFromTs * sheets.tsFrom(fields.front().wsFromIs), dials.kernel));
+        if (fields.size() == 1)
+            placeTiles(fields.front());
+        else
+            place(fields);
     }
-    if (placements.size() == 1) {
+    if (m_placements.size() == 1) {
         Placement& one = m_placements.front();
         one.reach = {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()};
-        one.splatter.emplace(splatterFor(one.fields));
+        one.splatter.emplace(splatterFor(one));
         if (const auto* splatter = std::get_if<FieldSplatter>(&*one.splatter)) m_bandTiles = splatter->bandTiles();
     }
     for (std::size_t f = 0; f < placements.front().size(); ++f)
         m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
+}
+
+void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*> values) {
+    const ViewField& first = fields.front();
+    if (m_lattice.parallel())
+        m_bandTiles =
+            std::max(m_bandTiles, bandTilesFor(m_lattice.rsFromTs * m_sheets.tsFrom(first.wsFromIs), m_dials.kernel));
+    const Reach reach = reachOf(first, m_dials, m_sheets);
+    m_placements.push_back({std::move(fields), std::move(values), reach, std::nullopt});
+}
+
+// A field without large constant tiles as it is; of others, blocks and each level of tiles for itself.
+void FieldPlanes::placeTiles(const ViewField& field) {
+    if (m_lattice.parallel() && !field.field->tiles.empty()) {
+        TileLevels tiles(*field.field, m_dials.kernel,
+                         coarserLevels(m_lattice.rsFromTs * m_sheets.tsFrom(field.wsFromIs)));
+        if (!tiles.levels().empty()) {
+            auto blocks = std::make_shared<SparseField>(*field.field);
+            blocks->tiles.clear();
+            if (!blocks->blockOrigins.empty()) place({{blocks, field.wsFromIs}});
+            Mat4 wsFromLevel = field.wsFromIs;
+            for (const TileLevel& level : tiles.levels()) {
+                if (!level.field->empty()) place({{level.field, wsFromLevel}}, level.values);
+                for (int axis = 0; axis < 3; ++axis) wsFromLevel[axis] *= 2;
+            }
+            m_tiles.push_back(std::move(tiles));
+            return;
+        }
+    }
+    place({field});
 }
 
 // Those that the batch reaches are there, and no others.
@@ -75,7 +124,7 @@ void FieldPlanes::prepare() {
         if (reaches && !placement.splatter) missing.push_back(&placement);
     }
     parallelFor(missing.size(), [&](std::size_t i) {
-        missing[i]->splatter.emplace(splatterFor(missing[i]->fields));
+        missing[i]->splatter.emplace(splatterFor(*missing[i]));
         if (auto* own = std::get_if<FieldSplatter>(&*missing[i]->splatter)) own->useBands(m_bandTiles);
     });
     std::size_t bytes = 0;
@@ -186,9 +235,15 @@ std::size_t FieldPlanes::placementBytes(const ViewField& field, const Settings& 
     const std::size_t sum = field.field->blockCount() * 8;
     if (!lattice.parallel()) return sum;  // one small table
     const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
-    const FootprintTable::Steps steps = footprintSteps(rsFromIs, settings.stepsPerVoxel);
-    return sum +
-           FootprintTable::bytes(dials.kernel, rsFromIs, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
+    std::size_t tables = 0;
+    Mat4 rsFromLevel = rsFromIs;
+    for (int level = field.field->tiles.empty() ? 0 : coarserLevels(rsFromIs); level >= 0; --level) {
+        const FootprintTable::Steps steps = footprintSteps(rsFromLevel, settings.stepsPerVoxel);
+        tables +=
+            FootprintTable::bytes(dials.kernel, rsFromLevel, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
+        for (int axis = 0; axis < 3; ++axis) rsFromLevel[axis] *= 2;
+    }
+    return sum + tables;
 }
 
 }  // namespace scrim

@@ -7,6 +7,7 @@
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/splat/splatter.h>
+#include <scrim/engine/splat/tile_levels.h>
 
 #include <limits>
 #include <optional>
@@ -71,13 +72,16 @@ class FieldPlanes {
     };
     struct Placement {
         std::vector<ViewField> fields;
+        std::vector<const float*> values;  // of the first field's blocks, where it does not hold them itself
         Reach reach;
         std::optional<Splatter> splatter;
     };
     static Reach reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets);
     static std::size_t placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
                                       const Sheets& sheets, const Lattice& lattice);
-    Splatter splatterFor(const std::vector<ViewField>& fields) const;
+    void place(std::vector<ViewField> fields, std::vector<const float*> values = {});
+    void placeTiles(const ViewField& field);
+    Splatter splatterFor(const Placement& placement) const;
     void prepare();
     int bands() const;
 
@@ -86,6 +90,7 @@ class FieldPlanes {
     const Dials& m_dials;
     Settings m_settings;
     Simd m_simd;
+    std::vector<TileLevels> m_tiles;  // of the placements that have large ones
     std::vector<Placement> m_placements;
     int m_bandTiles = 0;                     // at whose bands all take turns
     std::size_t m_mostBytes = 0;             // of splatters, in any batch

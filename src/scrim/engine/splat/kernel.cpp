@@ -7,6 +7,7 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace scrim {
 namespace {
@@ -80,7 +81,37 @@ bool FieldProbe::emptyAround(const Vec3& is, double radius) const {
 
 LinearProbe::LinearProbe(const SparseField& field) : m_index(std::make_shared<const BlockIndex>(field)) {}
 
+bool LinearProbe::evenHere(const Vec3& is, double radius) const {
+    const Vec3 first = double(kBlockEdge) * Vec3(m_cube), last = first + double(m_place.cubes * kBlockEdge - 1);
+    return !m_place.values && glm::all(glm::greaterThanEqual(is - radius, first)) &&
+           glm::all(glm::lessThanEqual(is + radius, last));
+}
+
+double LinearProbe::evenAlong(const Vec3& is, const Vec3& direction, double radius) const {
+    if (placeOf(Int3(glm::floor(is))).values) return -1;
+    if (!evenHere(is, radius)) {
+        constexpr int kMost = 2;  // cubes along an axis, of a box that reaches into few
+        const Int3 first = Int3(glm::floor(is - radius)) >> 3, last = Int3(glm::ceil(is + radius)) >> 3;
+        if (glm::any(glm::greaterThan(last - first, Int3(kMost)))) return -1;
+        for (int x = first.x; x <= last.x; ++x)
+            for (int y = first.y; y <= last.y; ++y)
+                for (int z = first.z; z <= last.z; ++z)
+                    if (const BlockIndex::Place place = m_index->at({x, y, z});
+                        place.values || place.constant != m_place.constant)
+                        return -1;
+        return 0;
+    }
+    const Vec3 first = double(kBlockEdge) * Vec3(m_cube), last = first + double(m_place.cubes * kBlockEdge - 1);
+    double way = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis)
+        if (direction[axis] != 0)
+            way = std::min(
+                way, ((direction[axis] > 0 ? last[axis] - radius : first[axis] + radius) - is[axis]) / direction[axis]);
+    return std::max(way, 0.0);
+}
+
 double LinearProbe::value(const Vec3& is) const {
+    if (evenHere(is, 0)) return m_place.constant;
     const Vec3 floor = glm::floor(is), f = is - floor;
     const Int3 base(floor);
     const bool within = (base.x & 7) < 7 && (base.y & 7) < 7 && (base.z & 7) < 7;
@@ -97,9 +128,9 @@ double LinearProbe::value(const Vec3& is) const {
 
 const BlockIndex::Place& LinearProbe::placeOf(const Int3& is) const {
     const Int3 cube = is >> 3;
-    if (cube != m_cube) {
+    if ((cube & ~(m_place.cubes - 1)) != m_cube) {
         m_place = m_index->at(cube);
-        m_cube = cube;
+        m_cube = cube & ~(m_place.cubes - 1);
     }
     return m_place;
 }

@@ -50,13 +50,17 @@ class LinearProbe {
 
     /// The field at `is` (index space).
     double value(const Vec3& is) const;
+    /// How far `is` can go along `direction`, in its length, with the field known to be the same within `radius` voxels
+    /// along each axis; below 0 where it is not known to be here.
+    double evenAlong(const Vec3& is, const Vec3& direction, double radius) const;
 
   private:
+    bool evenHere(const Vec3& is, double radius) const;  // in what was asked for last
     const BlockIndex::Place& placeOf(const Int3& is) const;
 
-    std::shared_ptr<const BlockIndex> m_index;  // the same for all copies
+    std::shared_ptr<const BlockIndex> m_index;             // the same for all copies
     mutable Int3 m_cube{std::numeric_limits<int>::min()};  // that was asked for last; at first no voxel's
-    mutable BlockIndex::Place m_place;          // what fills it
+    mutable BlockIndex::Place m_place;                     // what fills it
 };
 
 }  // namespace scrim

@@ -54,6 +54,9 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
       m_pieces(m_table),
       m_order(tsFromIs) {
     m_table.dropWeights();
+    std::vector<const float*>& values = m_values.emplace_back();
+    if (field.blockValues)
+        for (std::size_t b = 0; b < field.blockCount(); ++b) values.push_back(field.block(b));
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
         lattice.include(transformVector(tsFromIs, corner));
@@ -123,7 +126,7 @@ bool haveOneTopology(const SparseField& field, const SparseField& other) {
 
 void FieldSplatter::join(const SparseField& field) {
     static constexpr std::array<float, kBlockVoxels> kNothing{};
-    std::vector<const float*>& values = m_joined.emplace_back();
+    std::vector<const float*>& values = m_values.emplace_back();
     std::size_t own = 0;
     for (const Int3& origin : m_field.blockOrigins) {
         const bool has = own < field.blockCount() && field.blockOrigins[own] == origin;
@@ -179,8 +182,8 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
         // Blocks lie all over the memory, and each is soon done: the next but one is fetched meanwhile.
         if (constexpr std::size_t kAhead = 2; i + kAhead < blocks.size()) prefetchBlock(blocks[i + kAhead].first);
         const auto& [b, ts] = blocks[i];
-        std::array<const float*, BlockSplat::kMost> values{m_field.block(b)};
-        for (std::size_t f = 0; f < m_joined.size(); ++f) values[f + 1] = m_joined[f][b];
+        std::array<const float*, BlockSplat::kMost> values{};
+        for (std::size_t f = 0; f < m_values.size(); ++f) values[f] = m_values[f][b];
         splatOneBlock(ts, values.data(), target);
     }
 
@@ -206,8 +209,7 @@ int FieldSplatter::bandOf(const Vec3& ts, const Target& target) const {
 
 void FieldSplatter::prefetchBlock(std::uint32_t b) const {
     constexpr int kLine = 16;  // floats
-    for (int i = 0; i < kBlockVoxels; i += kLine) __builtin_prefetch(m_field.block(b) + i);
-    for (const auto& values : m_joined)
+    for (const auto& values : m_values)
         for (int i = 0; i < kBlockVoxels; i += kLine) __builtin_prefetch(values[b] + i);
 }
 

@@ -17,6 +17,7 @@
 #include <functional>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace scrim {
@@ -39,6 +40,9 @@ class FieldSplatter {
     /// Has `field`, which must outlive this, share the footprints of the first field: it is splatted beside it, with
     /// the same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
     void join(const SparseField& field);
+
+    /// Takes the values of the field's blocks from elsewhere, 512 each.
+    void useValues(std::vector<const float*> values) { m_values.front() = std::move(values); }
 
     /// Sheets that a footprint may reach.
     int footprintSheets() const { return m_table.sheets(); }
@@ -73,7 +77,7 @@ class FieldSplatter {
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
 
     const SparseField& m_field;
-    std::vector<std::vector<const float*>> m_joined;  // of each field that joined, its values for each block of m_field
+    std::vector<std::vector<const float*>> m_values;  // of each block, of the first field and of those that joined it
     Mat4 m_tsFromIs;
     Real m_scale, m_most;
     Simd m_simd;
