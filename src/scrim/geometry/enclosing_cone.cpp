@@ -43,8 +43,9 @@ Cone coneOfThree(const Vec3& a, const Vec3& b, const Vec3& c) {
 // Of so many directions only those are worth a look that a cone around all may touch.
 constexpr std::size_t kMany = 256;
 
-// The corners of the directions' convex hull, which are all that their cone may touch; all directions where they do not
-// lie well within a hemisphere. Seen from the middle on a plane, great circles are straight lines: A. M. Andrew's
+}  // namespace
+
+// Seen from the middle on a plane, great circles are straight lines: A. M. Andrew's
 // monotone chain finds the hull there.
 std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     Vec3 sum(0);
@@ -84,8 +85,6 @@ std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     for (const Place& place : hull) corners.push_back(directions[place.direction]);
     return corners.empty() ? directions : corners;
 }
-
-}  // namespace
 
 // The cap around points of a sphere is cut out by their smallest enclosing ball, so Welzl's algorithm serves:
 // the cone is fixed by at most three of the directions. Written as three nested loops instead of a recursion;

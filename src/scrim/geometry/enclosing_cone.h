@@ -20,8 +20,12 @@ struct Cone {
 /// hemisphere, cosAngle is <= 0 and the axis is of no use.
 Cone enclosingCone(const std::vector<Vec3>& directions);
 
-/// The same of a set that grows: asking what it would be with a few directions more takes one look at those that are
-/// there, and none where they cannot matter.
+/// Those of `directions` that a cone around all of them and any others may touch: the corners of their convex hull. All
+/// of them where they do not lie well within a hemisphere.
+std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions);
+
+/// The cone around a set that grows: asking what it would be with a few directions more takes one look at those that
+/// are there, and none where they cannot matter.
 class GrowingCone {
   public:
     explicit GrowingCone(std::vector<Vec3> directions);

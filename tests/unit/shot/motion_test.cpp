@@ -306,8 +306,8 @@ TEST_F(MotionBlur, OfOneVoxelOfAnySpeedIsThatOfAllOthers) {
         ASSERT_EQ(messages.size(), 1u);
         EXPECT_NE(messages[0].find("fewer than one in 5,000 voxels of a velocity go up to"), std::string::npos)
             << messages[0];
-        // The smoke is nowhere near that voxel: bits differ by rounding alone.
-        EXPECT_LT(farthest(frame, plain), 2e-3) << speed;
+        // One voxel goes another way, and no faster than four times what is usual: a trace of one in 27,588.
+        EXPECT_LT(farthest(frame, plain), 5e-3) << speed;
         EXPECT_GT(mean(frame), 0.1);
     }
 }

@@ -119,6 +119,7 @@ Vec3 meanDirection(const std::vector<Vec3>& directions) {
 
 struct Item {
     LightPart part;
+    std::vector<Vec3> corners;  // those of its directions that matter to cones, for which every group asks
     bool sameSide;
     double slant;      // of the best sweep for this part alone
     double meanSlant;  // over both sides that serve the part, by their shares
@@ -151,11 +152,14 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
         const double same = shareOfSameSide(glm::dot(mean, axis) / glm::length(mean), fade);
         double meanSlant = 0;
         const std::size_t first = items.size();
+        const std::vector<Vec3> outer = cornersOf(part.wsDirections);
         for (const bool sameSide : {true, false}) {
             const double share = sameSide ? same : 1 - same;
             if (share <= 0) continue;
-            const double slant = angleOf(groupCone(eye.wsDirections, {&part}, sameSide).cosAngle);
-            items.push_back({part, sameSide, slant, 0, mean, scene.lights[part.light].name});
+            std::vector<Vec3> all = turnedEye(eye.wsDirections, sameSide);
+            all.insert(all.end(), outer.begin(), outer.end());
+            const double slant = angleOf(enclosingCone(all).cosAngle);
+            items.push_back({part, outer, sameSide, slant, 0, mean, scene.lights[part.light].name});
             items.back().part.share = share;
             meanSlant += share * slant;
         }
@@ -222,8 +226,7 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
         double bestSlant = limit;
         for (std::size_t g = 0; g < groups.size(); ++g) {
             if (groups[g].sameSide != item.sameSide) continue;
-            const double slant =
-                angleOf(cones[g].with(item.part.wsDirections, std::cos(bestSlant) - kCosSlack).cosAngle);
+            const double slant = angleOf(cones[g].with(item.corners, std::cos(bestSlant) - kCosSlack).cosAngle);
             if (slant <= bestSlant) {
                 bestSlant = slant;
                 best = g;
@@ -236,7 +239,7 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
         }
         groups[best].parts.push_back(item.part);
         groupOf.push_back(best);
-        cones[best].add(item.part.wsDirections);
+        cones[best].add(item.corners);
     }
     if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
     sharePrimary(items, groupOf, scene.dials.crossFade.value_or(kCrossFade), groups);
