@@ -34,20 +34,20 @@ def machine_problem(job):
 
 
 def render_command(job, task, memory, progress):
-    command = [job["scrim"], "render", job["scene"], *job["arguments"], "--frames", frames_text(task.frames),
+    command = [job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={frames_text(task.frames)}",
                "--skip-existing", "--memory", str(int(memory * PART_OF_MEMORY)), "--progress", progress]
     if task.tile < 0:
         command += ["-o", job["output"]]
         if job["deep"]:
             command += ["--deep", job["deep"]]
         return command
-    folder = job.path("tiles", str(task.tile))
-    os.makedirs(folder, exist_ok=True)
-    command += ["--crop=" + ",".join(map(str, job["crops"][task.tile])), "-o", os.path.join(folder, "flat.######.exr")]
+    os.makedirs(job.path("tiles", str(task.tile)), exist_ok=True)
+    command += ["--crop=" + ",".join(map(str, job["crops"][task.tile])),
+                "-o", job.tile_pattern(task.tile, "flat.######.exr")]
     if job["deep"]:
-        command += ["--deep", os.path.join(folder, "deep.######.exr")]
+        command += ["--deep", job.tile_pattern(task.tile, "deep.######.exr")]
     if job["preview"]:  # the whole gets one later
-        command += ["--preview", os.path.join(folder, "preview.######.png")]
+        command += ["--preview", job.tile_pattern(task.tile, "preview.######.png")]
     if job["merge_compression"]:
         command += ["--set", 'output.compression="zip"']
     return command
@@ -64,7 +64,7 @@ def merge_commands(job, frame):
             command += ["--compression", job["merge_compression"]]
         commands.append(command)
     if job["preview"]:
-        commands.append([job["scrim"], "render", job["scene"], *job["arguments"], "--frames", str(frame), "-q",
+        commands.append([job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={frame}", "-q",
                          "--skip-existing", "-o", job["output"], *(["--deep", job["deep"]] if job["deep"] else []),
                          "--preview", job["preview"]])
     return commands
@@ -105,7 +105,7 @@ class Runner:
 
 def remove_tiles(job, frame):
     for tile in job.tiles():
-        for path in job.parts(frame, tile) + [at_frame(job.path("tiles", str(tile), "preview.######.png"), frame)]:
+        for path in job.parts(frame, tile) + [at_frame(job.tile_pattern(tile, "preview.######.png"), frame)]:
             if os.path.isfile(path):
                 os.unlink(path)
 
