@@ -12,7 +12,7 @@
 namespace scrim::test {
 namespace {
 
-constexpr int kRender = 1, kOutput = 4, kMemory = 33;
+constexpr int kRender = 1, kInput = 3, kOutput = 4, kMemory = 33;
 
 /// Runs the program after `before`, with `redirections`.
 ProgramOptions shell(const std::string& before, const std::string& redirections = "") {
@@ -106,6 +106,27 @@ TEST_F(Limits, OfMemoryAreToldWhicheverTheyAre) {
         }
         EXPECT_GT(done, 0);
     }
+}
+
+// Its own limit of time, and not that of the process, is up to the file; neither is want of memory.
+TEST_F(Limits, OfTimeAreToldWhoseverTheyAre) {
+    ProgramOptions given = shell("");
+    given.environment = {{"SCRIM_PLUGIN_PATH", SCRIM_BAD_SOURCES}};
+    const auto source = [&](const std::string& act) {
+        write("in", "abc");
+        write("source.toml", kCamera + kLight +
+                                 "[[volume]]\nsource = \"readsfile\"\nparameters = { file = \"in\", act = \"" + act +
+                                 "\" }\n");
+    };
+    source("have had its time");
+    expectFailure({"render", "source.toml", "--threads", "1"}, kInput,
+                  "source 'readsfile': in: reading it did not come to an end in 0 seconds of processor time", given);
+    source("loop");
+    given.shell = "ulimit -t 1; exec \"$0\" \"$@\"";
+    expectFailure({"render", "source.toml", "--threads", "1"}, kRender,
+                  "source 'readsfile': in: reading it takes more processor time than a process may; raise the limit "
+                  "(ulimit -t)",
+                  given);
 }
 
 TEST_F(Limits, DoNotHideWhatIsDamaged) {
