@@ -119,14 +119,33 @@ TEST_F(Limits, OfTimeAreToldWhoseverTheyAre) {
                                  "\" }\n");
     };
     source("have had its time");
-    expectFailure({"render", "source.toml", "--threads", "1"}, kInput,
-                  "source 'readsfile': in: reading it did not come to an end in 0 seconds of processor time", given);
+    expectFailure(
+        {"render", "source.toml", "--threads", "1"}, kInput,
+        "source.toml:11:10: source 'readsfile': in: reading it did not come to an end in 0 seconds of processor time",
+        given);
     source("loop");
     given.shell = "ulimit -t 1; exec \"$0\" \"$@\"";
     expectFailure({"render", "source.toml", "--threads", "1"}, kRender,
-                  "source 'readsfile': in: reading it takes more processor time than a process may; raise the limit "
+                  "source.toml:11:10: source 'readsfile': in: reading it takes more processor time than a process may; "
+                  "raise the limit "
                   "(ulimit -t)",
                   given);
+}
+
+TEST_F(Limits, OfMemoryAreNotTheFaultOfAMesh) {
+    std::string points = "v 0 0 0\nv 1 0 0\n";
+    for (int i = 0; i < 100000; ++i) points += "v 0 1 0\n";
+    for (int i = 0; i < 100000; ++i) points += "f 1 2 3\n";
+    write("mesh.obj", points);
+    write("mesh.toml", kCamera + kVolume + kLight + "[[mesh]]\nname = \"floor\"\nfile = \"mesh.obj\"\n");
+    int told = 0;
+    for (const int kilobytes : {120000, 160000, 200000, 240000}) {
+        const ProgramResult result =
+            run({"render", "mesh.toml", "-q"}, shell("ulimit -v " + std::to_string(kilobytes)));
+        EXPECT_EQ(result.status, kMemory) << kilobytes << ": " << result.err;
+        told += result.err.find("mesh 'floor': mesh.obj: ") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_GT(told, 0);
 }
 
 TEST_F(Limits, DoNotHideWhatIsDamaged) {

@@ -63,6 +63,8 @@ class LimitForNow {
         const rlimit now{std::min(value, m_before.rlim_cur), m_before.rlim_max};
         ::setrlimit(resource, &now);
     }
+    /// Whether this process may take less than `value` anyway.
+    bool isLess(rlim_t value) const { return m_known && m_before.rlim_cur < value; }
     ~LimitForNow() {
         if (m_known) ::setrlimit(m_resource, &m_before);
     }
@@ -134,11 +136,16 @@ std::string runAlone(const std::function<std::string()>& work, const ApartLimits
     // How much address space is in use is told by a file, which such a process cannot open. What it has besides when it
     // begins is little.
     constexpr rlim_t kBesides = rlim_t{1} << 28;
-    const LimitForNow memory(RLIMIT_DATA, kBesides + limits.moreMemory);
+    const rlim_t most = kBesides + limits.moreMemory;
+    const LimitForNow memory(RLIMIT_DATA, most), space(RLIMIT_AS, RLIM_INFINITY);
+    const bool lacks = memory.isLess(most) || space.isLess(most);
+#else
+    const bool lacks = false;
 #endif
     try {
         return work();
     } catch (const std::bad_alloc&) {
+        if (lacks) throw;
         throw std::runtime_error(kTooLarge);
     }
 }
