@@ -4,6 +4,7 @@
 import ctypes
 import json
 import os
+import re
 import selectors
 import shutil
 import signal
@@ -46,6 +47,11 @@ def find_program(preference=""):
             "the program scrim was not found: name it in the add-on's preferences, in $SCRIM, or add it to PATH"
         )
     return found
+
+
+def pattern_of(path):
+    """As what the program writes to, and scenes name: "####" and others would stand for the frame there."""
+    return re.sub(r"[$#%]", r"$\g<0>", path)
 
 
 def _die_with(parent):

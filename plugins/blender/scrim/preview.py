@@ -85,7 +85,7 @@ class Preview:
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
-        arguments = [program, "render", engine.write_scene(folder, content), "-o", self.picture, "-q"]
+        arguments = [program, "render", engine.write_scene(folder, content), "-o", child.pattern_of(self.picture), "-q"]
         arguments += ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
         self.process = child.Background(arguments, os.path.join(folder, "told"))
         self.say("...")
