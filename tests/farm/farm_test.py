@@ -326,11 +326,13 @@ class Submitted(unittest.TestCase):
             for frame in (1, 2):
                 subprocess.run([SCRIM, "make", "noise", "resolution=16", "-q", "-o", f"s#.{frame}.vdb"], check=True,
                                cwd=place, timeout=60)
+            self.submit(place, "s#.1.vdb", "--frames", "1", "--res", "32x24")
+            self.assertIn("1 of 1 frames are there", self.run_tasks(os.path.join(place, "s#.1.farm"), "1"))
             self.submit(place, "s$#.#.vdb", "--frames", "1-2", "--chunk", "2", "--res", "32x24")
             self.assertIn("2 of 2 frames are there", self.run_tasks(os.path.join(place, "s#.farm"), "1-2"))
             self.assertEqual(os.listdir(folder), ["do$lar##"])
             self.assertEqual(sorted(os.listdir(place)), [
-                "s#.0001.exr", "s#.0002.exr", "s#.1.vdb", "s#.2.vdb", "s#.farm"])
+                "s#.0001.exr", "s#.0002.exr", "s#.1.0001.exr", "s#.1.farm", "s#.1.vdb", "s#.2.vdb", "s#.farm"])
 
 
 if __name__ == "__main__":

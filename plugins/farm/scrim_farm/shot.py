@@ -83,7 +83,8 @@ def check_options(options):
 
 
 def stem_of(path):
-    return without_frame(os.path.splitext(os.path.basename(path))[0]).rstrip(".")
+    stem = os.path.splitext(os.path.basename(path))[0]
+    return stem if os.path.exists(path) else without_frame(stem).rstrip(".")
 
 
 def check_outputs(outputs, frames):
