@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import os
+import resource
 import stat
 import subprocess
 import sys
@@ -30,6 +31,7 @@ statuses = open(path).read().split()
 status = int(statuses.pop(0)) if statuses else 0
 open(path, "w").write(" ".join(statuses))
 print("scrim: error: reason", status, file=sys.stderr)
+while status == 99: pass
 if status in (0, 5):
     out = sys.argv[sys.argv.index("-o") + 1]
     frames = next((word[9:] for word in sys.argv if word.startswith("--frames=")), "1")
@@ -148,7 +150,7 @@ class Folder(unittest.TestCase):
             json.dump(self.data | more, out)
         return Job(self.folder)
 
-    def run_frame(self, frame, *statuses, memory=1 << 30, tile=-1, kind="render"):
+    def run_frame(self, frame, *statuses, memory=1 << 30, tile=-1, kind="render", before=lambda: None):
         """Runs a task in a process of its own, as farms do, once for each status."""
         with open(os.path.join(self.folder, "statuses"), "w", encoding="utf-8") as out:
             out.write(" ".join(map(str, statuses)))
@@ -156,7 +158,7 @@ class Folder(unittest.TestCase):
                 "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
                 f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
         command = [sys.executable, "-B", "-c", code]
-        return [subprocess.run(command, capture_output=True, check=False, timeout=60).returncode
+        return [subprocess.run(command, capture_output=True, check=False, timeout=60, preexec_fn=before).returncode
                 for _ in statuses]
 
     def next(self, job):
@@ -191,6 +193,16 @@ class Folder(unittest.TestCase):
         again, _, given_up = self.next(job)
         self.assertNotIn(1, again)
         self.assertEqual(given_up[1], "memory: scrim: error: reason 33")
+
+    def test_a_limit_of_time_is_no_want_of_memory(self):
+        job = self.job()
+        for frame, limits in ((1, (1, 1)), (2, (1, 9))):
+            def limit(most=limits):
+                resource.setrlimit(resource.RLIMIT_CPU, most)
+
+            self.assertEqual(self.run_frame(frame, 99, before=limit), [1])
+            self.assertEqual(self.next(job)[2][frame], "fatal: it takes more processor time than a process may; raise "
+                                                       "the limit (ulimit -t)")
 
     def test_retries_end(self):
         job = self.job()

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import platform
+import resource
 import shlex
 import signal
 import subprocess
@@ -70,6 +71,17 @@ def merge_commands(job, frame):
     return commands
 
 
+def seconds_of_children():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def was_out_of_time(status, seconds):
+    """Whether a program was killed since it took as much processor time as this process gives (ulimit -t)."""
+    most = resource.getrlimit(resource.RLIMIT_CPU)[0]
+    return -status in (signal.SIGKILL, signal.SIGXCPU) and most != resource.RLIM_INFINITY and seconds + 0.1 >= most
+
+
 class Runner:
     """One program after the other; a signal to stop reaches the one that runs."""
 
@@ -90,6 +102,7 @@ class Runner:
         if self.stopped:
             return 128 + self.stopped
         print("+", shlex.join(command), flush=True)
+        before = seconds_of_children()
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace") as self.child:
             if self.stopped:  # in the meantime
                 self.child.send_signal(self.stopped)
@@ -98,6 +111,9 @@ class Runner:
                 sys.stderr.flush()
                 self.last = line.strip() or self.last
             status = self.child.wait()
+        if was_out_of_time(status, seconds_of_children() - before):
+            self.last = "it takes more processor time than a process may; raise the limit (ulimit -t)"
+            return 1  # neither memory nor another attempt would help
         if status < 0:
             self.last = f"killed by {signal.Signals(-status).name}"
         return status if status >= 0 else 128 - status
