@@ -81,7 +81,12 @@ if [ "$preset" = "release" ] && [ "$failed" -eq 0 ]; then
     tests/install/check.sh "$build" || failed=1
     if [ "$python" = yes ]; then
         stage python
-        tests/python/run.sh "$build" || failed=1
+        tests/python/run.sh "$build" | tee "$logs/python" || failed=1
+        counted() { # WORD: how many pytest's last line says
+            tail -n 1 "$logs/python" | grep -oE "[0-9]+ $1" | cut -d' ' -f1 || echo 0
+        }
+        passed=$((passed + $(counted passed))) skipped=$((skipped + $(counted skipped)))
+        broken=$((broken + $(counted failed) + $(counted error)))
     else
         echo "== the Python module was neither built nor tested: PyPI could not be reached"
     fi

@@ -69,7 +69,7 @@ void bake(const SceneOptions& options) {
     Console console(options.verbose, options.quiet);
     SceneInput input = inputOf(options);
     if (options.printScene) return printOut(input.printedToml(renderOptionsOf(options, console.sink())));
-    const FramePath output{"", options.baked};
+    const FramePath output = pathFrom("--output", options.baked);
     claim(input, options, output);
     Progress progress(options.progress, console);
     progress.setFrameCount(static_cast<int>(input.frames().size()));

@@ -19,7 +19,7 @@ namespace {
 
 constexpr std::array<std::pair<int, const char*>, 9> kStatuses{{
     {0, "Done."},
-    {1, "The render failed."},
+    {1, "The render failed, or a limit of the system was met (ulimit)."},
     {2, "The command line is wrong."},
     {3, "An input is missing or bad."},
     {4, "The output could not be written."},

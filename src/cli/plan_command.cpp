@@ -22,6 +22,19 @@ struct PlannedFrame {
     std::string text;
 };
 
+/// What a render of the frame writes: as patterns that hold from any folder, and by their names.
+Json outputsOf(const SceneInput& input, int frame) {
+    Json out = Json::object();
+    const auto add = [&](const char* key, const FramePath& path) {
+        if (path.pattern.empty()) return;
+        out[key] = {{"pattern", absolutePattern(path.folder, path.pattern)}, {"path", path.outputAt(frame)}};
+    };
+    add("file", input.output());
+    add("deep", input.deep());
+    add("preview", input.preview());
+    return out;
+}
+
 PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
     double tolerance = 0;
     std::string quality;
@@ -33,8 +46,11 @@ PlannedFrame planFrame(SceneInput& input, int frame, RenderOptions options) {
     const ShotPlan plan = input.shot().plan(frame, options);
     if (plan.skipped) return {};
     PlannedFrame planned;
-    planned.json = {
-        {"input", input.name()}, {"frame", frame}, {"field_bytes", plan.fieldBytes}, {"plan", Json::parse(plan.json)}};
+    planned.json = {{"input", input.name()},
+                    {"frame", frame},
+                    {"field_bytes", plan.fieldBytes},
+                    {"outputs", outputsOf(input, frame)},
+                    {"plan", Json::parse(plan.json)}};
     planned.text = fmt::format("{}, frame {}\n{}{:<23} {}\n", input.name(), frame, plan.table, "memory of the fields",
                                bytesText(plan.fieldBytes));
     if (tolerance > 0) {

@@ -23,20 +23,6 @@
 namespace scrim::cli {
 namespace {
 
-/// A path of the command line, relative to the current folder, that may name variables of the environment.
-FramePath pathFrom(const std::string& option, const std::string& text) {
-    if (text.empty()) throw Error(ErrorKind::usage, option + ": the name is empty");
-    const auto environment = [](const std::string& name) -> std::optional<std::string> {
-        const char* value = std::getenv(name.c_str());
-        return value == nullptr ? std::nullopt : std::optional<std::string>(value);
-    };
-    try {
-        return {"", expandVariables(text, environment, option)};
-    } catch (const Error& error) {
-        throw Error(ErrorKind::usage, error.what());
-    }
-}
-
 std::string quoted(const std::string& text) {
     std::string out(1, '"');
     for (const char c : text) {
@@ -82,6 +68,19 @@ std::string rangeText(const std::vector<int>& frames) {
 }
 
 }  // namespace
+
+FramePath pathFrom(const std::string& option, const std::string& text) {
+    if (text.empty()) throw Error(ErrorKind::usage, option + ": the name is empty");
+    const auto environment = [](const std::string& name) -> std::optional<std::string> {
+        const char* value = std::getenv(name.c_str());
+        return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+    };
+    try {
+        return {"", expandVariables(text, environment, option)};
+    } catch (const Error& error) {
+        throw Error(ErrorKind::usage, error.what());
+    }
+}
 
 SceneInput::SceneInput(const std::string& path, const SceneOptions& options, const SceneInput* sharing)
     : m_options(options),
@@ -177,7 +176,7 @@ std::string SceneInput::printedToml(const RenderOptions& options) {
         return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", quoted(m_options.output));
     // Paths of the command line are relative to the current folder, those of a scene to its own.
     const bool here = m_shot.isAsset() || std::filesystem::path(name()).parent_path().empty();
-    const std::string file = here ? m_options.output : (std::filesystem::current_path() / m_options.output).string();
+    const std::string file = here ? m_options.output : absolutePattern("", m_options.output);
     return m_shot.toml({fmt::format("output.file={}", quoted(file))}, options);
 }
 

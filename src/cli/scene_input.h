@@ -15,6 +15,10 @@
 
 namespace scrim::cli {
 
+/// What a command writes, as `option` names it: relative to the current folder, with variables of the environment.
+/// Throws Error(usage).
+FramePath pathFrom(const std::string& option, const std::string& text);
+
 class SceneInput {
   public:
     /// Opens the shot, and tells which frames there are. `options` must outlive this. `sharing`: another input of the

@@ -52,13 +52,16 @@ namespace {
 }
 
 constexpr rlim_t kMostAnsweredFiles = 64;
+/// Seconds between SIGXCPU, which says that it was time that was wanting, and SIGKILL, which says nothing.
+constexpr rlim_t kGrace = 2;
 
-/// To `most`, or to what this process was given, if that is less: nobody but root raises a limit.
-bool limit(__rlimit_resource resource, rlim_t most) {
+/// To `most`, or to what this process was given, if that is less: nobody but root raises a limit. So much `beyond` it
+/// no signal is asked any more.
+bool limit(__rlimit_resource resource, rlim_t most, rlim_t beyond = 0) {
     rlimit given{};
     if (::getrlimit(resource, &given) != 0) return false;
-    most = std::min({most, given.rlim_cur, given.rlim_max});  // "infinity" is the largest number
-    const rlimit both{most, most};
+    const rlim_t soft = std::min({most, given.rlim_cur, given.rlim_max});  // "infinity" is the largest number
+    const rlimit both{soft, std::min(soft + beyond, given.rlim_max)};
     return ::setrlimit(resource, &both) == 0;
 }
 
@@ -198,7 +201,7 @@ bool hasFilter() {
 
 bool confine(const Limits& limits, Files files) {
     bool good = ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
-    good = limit(RLIMIT_CORE, 0) && limit(RLIMIT_CPU, limits.seconds) && dropCapabilities() && good;
+    good = limit(RLIMIT_CORE, 0) && limit(RLIMIT_CPU, limits.seconds, kGrace) && dropCapabilities() && good;
     // What it hands over lies in memory, too. To hand over more is an error, not a crash.
     std::signal(SIGXFSZ, SIG_IGN);
     good = limit(RLIMIT_FSIZE, limits.memory) && good;

@@ -27,6 +27,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -189,10 +190,13 @@ class Server {
         }
         LoadAnswer answer;
         int status = 0;
-        for (pid_t ended; (ended = ::waitpid(-1, &status, WNOHANG)) > 0;)
+        rusage used{};
+        const auto microseconds = [](const timeval& t) { return std::int64_t{1000000} * t.tv_sec + t.tv_usec; };
+        for (pid_t ended; (ended = ::wait4(-1, &status, WNOHANG, &used)) > 0;)
             for (std::size_t i = 0; i < m_jobs.size(); ++i) {
                 if (m_jobs[i].child != ended) continue;
                 answer.status = status;
+                answer.microseconds = microseconds(used.ru_utime) + microseconds(used.ru_stime);
                 if (m_jobs[i].control >= 0) {
                     (void)::send(m_jobs[i].control, &answer, sizeof answer, MSG_NOSIGNAL);
                     ::close(m_jobs[i].control);

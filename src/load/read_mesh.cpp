@@ -4,6 +4,7 @@
 #include "answered_calls.h"
 
 #include <scrim/base/error.h>
+#include <scrim/base/system_error.h>
 #include <scrim/volume/mesh_transfer.h>
 #include <scrim/volume/read_fields.h>
 
@@ -12,6 +13,12 @@
 #include <dlfcn.h>
 
 namespace scrim::load {
+namespace {
+
+/// Enough for the module and the libraries that it brings.
+constexpr std::size_t kModuleBytes = std::size_t{1} << 30;
+
+}  // namespace
 
 ReadMesh::ReadMesh(int transfer, LoadRequest request, int input) : m_transfer(transfer), m_request(std::move(request)) {
     void* module = ::dlopen(m_request.source.c_str(), RTLD_LAZY | RTLD_LOCAL);
@@ -21,6 +28,7 @@ ReadMesh::ReadMesh(int transfer, LoadRequest request, int input) : m_transfer(tr
     } else {
         const char* reason = ::dlerror();
         m_problem = "cannot load '" + m_request.source + "', which reads meshes: " + (reason ? reason : "");
+        m_lacksMemory = limitsMemory(kModuleBytes);
     }
     if (hasFilter()) AnsweredCalls::install(m_request.path, input);
 }
@@ -28,7 +36,7 @@ ReadMesh::ReadMesh(int transfer, LoadRequest request, int input) : m_transfer(tr
 void ReadMesh::run() const {
     try {
         readWithErrors(m_request.path, [&] {
-            if (m_module == nullptr) throw Error(ErrorKind::render, m_problem);
+            if (m_module == nullptr) throw Error(m_lacksMemory ? ErrorKind::memory : ErrorKind::render, m_problem);
             sendMesh(m_transfer, m_module->read(m_request.path, true));
         });
     } catch (const Error& error) {

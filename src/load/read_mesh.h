@@ -25,7 +25,8 @@ class ReadMesh {
     int m_transfer;
     LoadRequest m_request;
     const MeshModule* m_module = nullptr;
-    std::string m_problem;  ///< of a module that cannot be loaded
+    std::string m_problem;       ///< of a module that cannot be loaded
+    bool m_lacksMemory = false;  ///< which may be why
 };
 
 }  // namespace scrim::load

@@ -5,6 +5,7 @@
 #include "../../plugins/sources/mesh/mesh.h"
 
 #include <exception>
+#include <new>
 
 namespace {
 
@@ -17,7 +18,7 @@ scrim::FileMesh read(const std::string& path, bool alone) {
         for (const mesh::Point& p : file.points) out.mesh.points.emplace_back(p[0], p[1], p[2]);
         out.mesh.triangles = std::move(file.triangles);
     } catch (const std::bad_alloc&) {
-        out.problem = path + ": not enough memory for the mesh";
+        throw;
     } catch (const std::exception& error) {
         out.problem = error.what();
     }

@@ -182,6 +182,17 @@ def test_pictures_of_skies_are_linked_or_written(world):
     assert os.path.samefile(linked, picture.filepath) and "#" not in linked
 
 
+def test_files_are_named_whatever_their_folder_is_called(tmp_path):
+    folder = tmp_path / "a##b do$lar %04d"
+    folder.mkdir()
+    picture = SimpleNamespace(
+        filepath=str(folder / "s.hdr"), library=None, source="FILE", packed_file=None,
+        colorspace_settings=SimpleNamespace(name="sRGB"),
+    )  # fmt: skip
+    (folder / "s.hdr").write_text("x")
+    assert Fixture(folder).exporter.texture(picture)["file"] == f"{tmp_path}/a$#$#b do$$lar $%04d/sky0.hdr"
+
+
 # Volumes
 
 

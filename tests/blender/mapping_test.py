@@ -252,6 +252,28 @@ def test_a_child_is_cancelled(tmp_path):
         os.kill(int((tmp_path / "pid").read_text()), 0)
 
 
+def test_a_child_in_the_background_may_say_much(tmp_path):
+    """More than pipes hold: 200 KiB of warnings, and as much on standard output."""
+    line = "scrim: warning: " + "w" * 1000
+    many = f"for i in $(seq 200); do echo '{line}' >&2; echo '{line}'; done; echo 'scrim: error: why' >&2; exit 3"
+    background = child.Background([script(tmp_path, many)], str(tmp_path / "told"))
+    deadline = time.monotonic() + 10
+    while not background.ended():
+        if time.monotonic() > deadline:
+            background.stop()
+            pytest.fail("it was stopped by what it says")
+        time.sleep(0.01)
+    status, told = background.result()
+    assert (status, len(told), child.reason(status, told)) == (3, 201, "why")
+
+
+def test_a_child_in_the_background_is_stopped(tmp_path):
+    background = child.Background([script(tmp_path, "echo begun >&2; exec sleep 60")], str(tmp_path / "told"))
+    assert not background.ended()
+    background.stop()
+    assert background.ended() and background.result()[0] < 0
+
+
 def test_a_child_ends_with_its_parent(tmp_path):
     """The parent ends as SIGTERM ends Blender: without a word."""
     program = script(tmp_path, f"echo $$ > {tmp_path}/pid; exec sleep 60")

@@ -3,11 +3,14 @@
 #include "errors/program_test.h"
 
 #include <scrim/image/exr_read.h>
+#include <scrim/scene/frame_path.h>
+#include <scrim/scene/quality.h>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <random>
 #include <sstream>
 
@@ -222,6 +225,43 @@ TEST_F(CliUse, PlanIsJsonOrATable) {
     for (const char* word : {"shadows", "of 'key'", "group 1", "slant", "sheets", "raster", "batch", "memory"})
         EXPECT_NE(table.find(word), std::string::npos) << word << "\n" << table;
     EXPECT_FALSE(exists("scene.exr"));
+}
+
+TEST_F(CliUse, PlanSaysWhatARenderTakesAndWrites) {
+    std::filesystem::create_directory(file("a##b$"));
+    write("a##b$/moves.toml", "[variables]\nSHOT = \"s##\"\n" + kCamera + "[[volume]]\nfile = \"../smoke.vdb\"\n" +
+                                  kLight + "[output]\nfile = \"${SHOT}.$$.exr\"\ndeep = \"/deep.%02d.exr\"\n");
+    const auto planned = [&](const std::string& key) {
+        const auto json =
+            nlohmann::json::parse(runWell({"plan", "a##b$/moves.toml", "--frames", "7", "--json", "--quality", "draft",
+                                           "--crop", "3,2,20,22", "--set", "render.antialias=3", "--set", key})
+                                      .out);
+        return json.at(0);
+    };
+    const auto still = planned("render.lod=0"), moves = planned("camera.fov={keys=[[1, 35], [9, 36]]}");
+    const auto& render = still.at("plan").at("render");
+    EXPECT_EQ(render.size(), dialTable().size());
+    EXPECT_EQ(render.at("antialias"), 3);
+    EXPECT_EQ(render.at("kernel"), "linear");
+    EXPECT_GT(render.at("texel").get<double>(), 0);
+    EXPECT_EQ(render.at("cross_fade"), 0);
+    EXPECT_EQ(moves.at("plan").at("render").at("cross_fade"), "always");
+    EXPECT_EQ(still.at("plan").at("window"), nlohmann::json::array({3, 2, 20, 22}));
+    const std::string folder = std::filesystem::canonical(file("a##b$")).string(), deep = "/deep.%02d.exr";
+    const nlohmann::json outputs = {
+        {"file", {{"pattern", patternOf(folder) + "/s##.$$.exr"}, {"path", "a##b$/s07.$.exr"}}},
+        {"deep", {{"pattern", deep}, {"path", "/deep.07.exr"}}}};
+    EXPECT_EQ(still.at("outputs"), outputs);
+    // Of the command line, relative to the current folder.
+    const auto given = nlohmann::json::parse(
+        runWell({"plan", "a##b$/moves.toml", "--json", "--frames", "-2", "-o", "x.####.exr", "--preview", "y.png"})
+            .out);
+    EXPECT_EQ(given.at(0).at("outputs").at("file").at("path"), "x.-002.exr");
+    EXPECT_EQ(given.at(0).at("outputs").at("preview").at("path"), "y.png");
+    ProgramOptions there;
+    there.shell = "cd 'a##b$'; exec \"$0\" \"$@\"";
+    const std::string printed = runWell({"render", "../scene.toml", "-o", "x.####.exr", "--print-scene"}, there).out;
+    EXPECT_NE(printed.find("file = '" + patternOf(folder) + "/x.####.exr'"), std::string::npos) << printed;
 }
 
 TEST_F(CliUse, InfoIsJsonOrATable) {

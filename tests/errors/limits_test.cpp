@@ -12,7 +12,7 @@
 namespace scrim::test {
 namespace {
 
-constexpr int kRender = 1, kOutput = 4, kMemory = 33;
+constexpr int kRender = 1, kInput = 3, kOutput = 4, kMemory = 33;
 
 /// Runs the program after `before`, with `redirections`.
 ProgramOptions shell(const std::string& before, const std::string& redirections = "") {
@@ -106,6 +106,46 @@ TEST_F(Limits, OfMemoryAreToldWhicheverTheyAre) {
         }
         EXPECT_GT(done, 0);
     }
+}
+
+// Its own limit of time, and not that of the process, is up to the file; neither is want of memory.
+TEST_F(Limits, OfTimeAreToldWhoseverTheyAre) {
+    ProgramOptions given = shell("");
+    given.environment = {{"SCRIM_PLUGIN_PATH", SCRIM_BAD_SOURCES}};
+    const auto source = [&](const std::string& act) {
+        write("in", "abc");
+        write("source.toml", kCamera + kLight +
+                                 "[[volume]]\nsource = \"readsfile\"\nparameters = { file = \"in\", act = \"" + act +
+                                 "\" }\n");
+    };
+    source("have had its time");
+    expectFailure(
+        {"render", "source.toml", "--threads", "1"}, kInput,
+        "source.toml:11:10: source 'readsfile': in: reading it did not come to an end in 0 seconds of processor time",
+        given);
+    source("loop");
+    given.shell = "ulimit -t 1; exec \"$0\" \"$@\"";
+    expectFailure({"render", "source.toml", "--threads", "1"}, kRender,
+                  "source.toml:11:10: source 'readsfile': in: reading it takes more processor time than a process may; "
+                  "raise the limit "
+                  "(ulimit -t)",
+                  given);
+}
+
+TEST_F(Limits, OfMemoryAreNotTheFaultOfAMesh) {
+    std::string points = "v 0 0 0\nv 1 0 0\n";
+    for (int i = 0; i < 100000; ++i) points += "v 0 1 0\n";
+    for (int i = 0; i < 100000; ++i) points += "f 1 2 3\n";
+    write("mesh.obj", points);
+    write("mesh.toml", kCamera + kVolume + kLight + "[[mesh]]\nname = \"floor\"\nfile = \"mesh.obj\"\n");
+    int told = 0;
+    for (const int kilobytes : {120000, 160000, 200000, 240000}) {
+        const ProgramResult result =
+            run({"render", "mesh.toml", "-q"}, shell("ulimit -v " + std::to_string(kilobytes)));
+        EXPECT_EQ(result.status, kMemory) << kilobytes << ": " << result.err;
+        told += result.err.find("mesh 'floor': mesh.obj: ") != std::string::npos ? 1 : 0;
+    }
+    EXPECT_GT(told, 0);
 }
 
 TEST_F(Limits, DoNotHideWhatIsDamaged) {

@@ -4,6 +4,7 @@ import contextlib
 import io
 import json
 import os
+import resource
 import stat
 import subprocess
 import sys
@@ -14,8 +15,9 @@ HERE = os.path.dirname(os.path.realpath(__file__))
 FARM = os.path.join(HERE, "..", "..", "plugins", "farm")
 sys.path.insert(0, FARM)
 from scrim_farm import slurm  # noqa: E402
-from scrim_farm.job import FarmError, Job, Task, at_frame, crops_of, frames_text, parse_frames, result_of  # noqa: E402
-from scrim_farm.shot import picture_of, render_block, resolved_sets  # noqa: E402
+from scrim_farm.job import FarmError, Job, Task, at_frame, crops_of, frames_text, parse_frames  # noqa: E402
+from scrim_farm.job import pattern_of, result_of, without_frame  # noqa: E402
+from scrim_farm.shot import resolved_sets  # noqa: E402
 from scrim_farm.status import next_tasks  # noqa: E402
 
 SCRIM = os.environ.get("SCRIM", "scrim")
@@ -29,13 +31,38 @@ statuses = open(path).read().split()
 status = int(statuses.pop(0)) if statuses else 0
 open(path, "w").write(" ".join(statuses))
 print("scrim: error: reason", status, file=sys.stderr)
+while status == 99: pass
 if status in (0, 5):
     out = sys.argv[sys.argv.index("-o") + 1]
-    frames = sys.argv[sys.argv.index("--frames") + 1] if "--frames" in sys.argv else "1"
+    frames = next((word[9:] for word in sys.argv if word.startswith("--frames=")), "1")
     for frame in frames.split(","):
         open(re.sub("#+", lambda m: frame.zfill(len(m[0])), out), "w").write("picture")
 sys.exit(status)
 """
+
+
+SCENE = """[camera]
+position = [0, 0, 3]
+target = [0, 0, 0]
+resolution = [32, 24]
+[[volume]]
+source = "noise"
+parameters = { resolution = 16 }
+"""
+# All that a pattern may hold, and what looks like it.
+PATTERNS = ("####", "%04d", "$F4", "#", "%d", "$F", "$F0", "$F12", "%4d", "%0d", "%00d", "%03d", "%s", "100%", "$$", "$#",
+            "$%", "$$F4", "$#$#", "$%04d", "$#####", "##$F2%02d", "$F4000", "$F99999999999", "%099999999999d")
+
+
+def planned(folder, *arguments):
+    """What `scrim plan` says of SCENE there."""
+    with open(os.path.join(folder, "shot.toml"), "w", encoding="utf-8") as out:
+        out.write(SCENE)
+    done = subprocess.run([SCRIM, "plan", "shot.toml", "--json", *arguments], capture_output=True, text=True,
+                          check=False, timeout=60, cwd=folder)
+    if done.returncode != 0:
+        raise AssertionError(done.stderr)
+    return json.loads(done.stdout)
 
 
 class Texts(unittest.TestCase):
@@ -46,9 +73,19 @@ class Texts(unittest.TestCase):
             with self.assertRaisesRegex(FarmError, "expected a range such as 1-48x2,60"):
                 parse_frames(wrong)
 
-    def test_a_frame_stands_in_any_pattern(self):
-        self.assertEqual([at_frame(p, 7) for p in ("a.####.exr", "a.%03d.exr", "a.$F4.exr", "a.exr")],
-                         ["a.0007.exr", "a.007.exr", "a.0007.exr", "a.exr"])
+    def test_patterns_and_frames_are_those_of_scrim(self):
+        pattern = ".".join(PATTERNS) + ".exr"
+        with tempfile.TemporaryDirectory() as folder:
+            said = planned(folder, "--frames=7,12345-12347x2,-12--11", "-o", pattern)
+        self.assertEqual(sorted(plan["frame"] for plan in said), parse_frames("7,12345-12347x2,-12--11"))
+        for plan in said:
+            self.assertEqual(plan["outputs"]["file"]["path"], at_frame(pattern, plan["frame"]))
+        self.assertEqual(at_frame(pattern, -2).split(".")[:3], ["-002", "-002", "-002"])
+
+    def test_every_name_has_a_pattern(self):
+        for name in (*PATTERNS, "do$lar", "plain"):
+            self.assertEqual(at_frame(pattern_of(name), 7), name)
+        self.assertEqual([without_frame(p) for p in ("a.####", "a$#1.%04d", "%4d.$F")], ["a.", "a#1.", "%4d."])
 
     def test_crops_share_the_picture(self):
         crops = crops_of([-2, -1, 65, 40], 3, 2)
@@ -59,20 +96,23 @@ class Texts(unittest.TestCase):
             crops_of([0, 0, 20, 40], 3, 2)
 
     def test_what_tasks_would_choose_is_resolved(self):
-        plan = "cross-fade   off  nothing moves, or the dial is 0\npreset  'draft'\n[render]\nquality = \"draft\"\n" \
-               "texel = 0.4\nmemory of the fields   3 MB\n"
-        self.assertEqual(render_block(plan), {"quality": '"draft"', "texel": "0.4"})
-        self.assertEqual(resolved_sets(plan, {}, ""), ['render.quality="draft"', "render.texel=0.4",
-                                                       "render.cross_fade=0", 'render.simd="avx2"'])
-        moves = plan.replace("off  nothing moves, or the dial is 0", "off  no light is near it")
-        self.assertIn('render.cross_fade="always"', resolved_sets(moves, {}, ""))
-        given = {"render": {"cross_fade": 3, "simd": "sse4"}}
-        self.assertEqual(resolved_sets("", given, ""), [])
-        self.assertEqual(resolved_sets("", given, "avx512"), ['render.simd="avx512"'])
+        render = {"texel": 0.4, "cross_fade": 0, "splat": "shared", "simd": "auto"}
+        self.assertEqual(resolved_sets(render, {}, ""), ["render.texel=0.4", "render.cross_fade=0",
+                                                         'render.splat="shared"', 'render.simd="avx2"'])
+        self.assertEqual(resolved_sets(render, {"tolerance": 0.01}, "sse4"),
+                         ["render.cross_fade=0", 'render.simd="sse4"'])
+        self.assertIn('render.simd="avx512"', resolved_sets(render | {"simd": "avx512"}, {}, ""))
 
-    def test_the_picture_has_pixels_and_not_rays(self):
-        effects = [{"name": "shadows", "reason": "of 'key'"}, {"name": "antialiasing", "reason": "3 x 3 rays a pixel"}]
-        self.assertEqual(picture_of({"region": [-6, -6, 966, 726], "effects": effects}), [-2, -2, 322, 242])
+    def test_the_plan_says_what_a_render_chooses(self):
+        with tempfile.TemporaryDirectory() as folder:
+            [still] = planned(folder, "--set", "render.antialias=3", "--crop=3,2,20,22", "--quality", "draft")
+            [moves] = planned(folder, "--set", "camera.position={keys=[[1, [0, 0, 3]], [2, [0, 1, 3]]]}")
+            [again] = planned(folder, *(word for key, value in moves["plan"]["render"].items()
+                                        for word in ("--set", f"render.{key}={json.dumps(value)}")))
+        self.assertEqual(still["plan"]["window"], [3, 2, 20, 22])
+        self.assertEqual(still["plan"]["render"]["antialias"], 3)
+        self.assertEqual([plan["plan"]["render"]["cross_fade"] for plan in (still, moves)], [0, "always"])
+        self.assertEqual(again["plan"]["render"], moves["plan"]["render"])
 
     def test_an_exit_status_says_what_becomes_of_a_task(self):
         wanted = {0: "done", 1: "fatal", 2: "fatal", 3: "fatal", 4: "retry", 5: "warned", 33: "memory",
@@ -110,7 +150,7 @@ class Folder(unittest.TestCase):
             json.dump(self.data | more, out)
         return Job(self.folder)
 
-    def run_frame(self, frame, *statuses, memory=1 << 30, tile=-1, kind="render"):
+    def run_frame(self, frame, *statuses, memory=1 << 30, tile=-1, kind="render", before=lambda: None):
         """Runs a task in a process of its own, as farms do, once for each status."""
         with open(os.path.join(self.folder, "statuses"), "w", encoding="utf-8") as out:
             out.write(" ".join(map(str, statuses)))
@@ -118,7 +158,7 @@ class Folder(unittest.TestCase):
                 "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
                 f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
         command = [sys.executable, "-B", "-c", code]
-        return [subprocess.run(command, capture_output=True, check=False, timeout=60).returncode
+        return [subprocess.run(command, capture_output=True, check=False, timeout=60, preexec_fn=before).returncode
                 for _ in statuses]
 
     def next(self, job):
@@ -153,6 +193,16 @@ class Folder(unittest.TestCase):
         again, _, given_up = self.next(job)
         self.assertNotIn(1, again)
         self.assertEqual(given_up[1], "memory: scrim: error: reason 33")
+
+    def test_a_limit_of_time_is_no_want_of_memory(self):
+        job = self.job()
+        for frame, limits in ((1, (1, 1)), (2, (1, 9))):
+            def limit(most=limits):
+                resource.setrlimit(resource.RLIMIT_CPU, most)
+
+            self.assertEqual(self.run_frame(frame, 99, before=limit), [1])
+            self.assertEqual(self.next(job)[2][frame], "fatal: it takes more processor time than a process may; raise "
+                                                       "the limit (ulimit -t)")
 
     def test_retries_end(self):
         job = self.job()
@@ -238,6 +288,63 @@ class Command(unittest.TestCase):
         self.refuses(["a.toml", "--frames", "1", "--memory", "8 GB", *on], 2,
                      "--memory 8 GB: expected a size such as 8G or 512M")
         self.refuses(["a.toml", "--frames", "1", "--set", 'output.file="${SHOT}.exr"', *on], 3, "SHOT")
+
+
+class Submitted(unittest.TestCase):
+    """Jobs whose tasks are run one after the other, as Open Job Description would."""
+
+    def submit(self, place, *arguments):
+        done = subprocess.run([os.path.join(FARM, "scrim-submit"), *arguments, "--on", "openjd", "--scrim", SCRIM,
+                               "--cpus", "1"], capture_output=True, text=True, cwd=place, check=False, timeout=60)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
+    def run_tasks(self, folder, frames):
+        """Those of all steps of the template; the last is the check."""
+        with open(os.path.join(folder, "template.json"), encoding="utf-8") as text:
+            template = json.load(text)
+        for step in template["steps"]:
+            space = step.get("parameterSpace", {"taskParameterDefinitions": []})["taskParameterDefinitions"]
+            tiles = next((int(p["range"].split("-")[1]) + 1 for p in space if p["name"] == "Tile"), 1)
+            for tile in range(tiles):
+                words = step["script"]["actions"]["onRun"]["args"][1:]
+                for name, value in (("Param.Folder", folder), ("Task.Param.Frame", frames),
+                                    ("Task.Param.Tile", str(tile))):
+                    words = [word.replace("{{" + name + "}}", value) for word in words]
+                done = subprocess.run([os.path.join(FARM, "scrim-submit"), *words], capture_output=True, text=True,
+                                      cwd=folder, check=False, timeout=60)
+                self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def test_folders_and_frames_may_have_any_name(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = os.path.join(folder, "a##b %04d do$lar")
+            os.mkdir(place)
+            with open(os.path.join(place, "shot.toml"), "w", encoding="utf-8") as out:
+                out.write(SCENE + '[output]\nfile = "out$$%02d/p.$F4.exr"\ndeep = "deep.####.exr"\n'
+                                  'preview = "${NAME}.%03d.png"\n[variables]\nNAME = "small"\n')
+            self.submit(place, "shot.toml", "--frames=-2--1", "--tiles", "2x1", "--chunk", "2", "--quality", "draft")
+            said = self.run_tasks(os.path.join(place, "shot.farm"), "-2--1")
+            self.assertIn("2 of 2 frames are there", said)
+            self.assertEqual(os.listdir(folder), ["a##b %04d do$lar"])
+            self.assertEqual(sorted(os.listdir(place)), [
+                "deep.-001.exr", "deep.-002.exr", "out$-1", "out$-2", "shot.farm", "shot.toml", "small.-01.png",
+                "small.-02.png"])
+            self.assertEqual(os.listdir(os.path.join(place, "out$-2")), ["p.-002.exr"])
+
+    def test_a_sequence_of_files_is_found_from_the_folder_of_the_job(self):
+        with tempfile.TemporaryDirectory() as folder:
+            place = os.path.join(folder, "do$lar##")
+            os.mkdir(place)
+            for frame in (1, 2):
+                subprocess.run([SCRIM, "make", "noise", "resolution=16", "-q", "-o", f"s#.{frame}.vdb"], check=True,
+                               cwd=place, timeout=60)
+            self.submit(place, "s#.1.vdb", "--frames", "1", "--res", "32x24")
+            self.assertIn("1 of 1 frames are there", self.run_tasks(os.path.join(place, "s#.1.farm"), "1"))
+            self.submit(place, "s$#.#.vdb", "--frames", "1-2", "--chunk", "2", "--res", "32x24")
+            self.assertIn("2 of 2 frames are there", self.run_tasks(os.path.join(place, "s#.farm"), "1-2"))
+            self.assertEqual(os.listdir(folder), ["do$lar##"])
+            self.assertEqual(sorted(os.listdir(place)), [
+                "s#.0001.exr", "s#.0002.exr", "s#.1.0001.exr", "s#.1.farm", "s#.1.vdb", "s#.2.vdb", "s#.farm"])
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ std::string act(const std::string& what, const std::string& file) {
     const std::string folder = file.substr(0, file.rfind('/') + 1);
     if (what == "crash") std::raise(SIGSEGV);
     if (what == "abort") std::abort();
+    if (what == "have had its time") std::raise(SIGXCPU);
     if (what == "make a socket") (void)::socket(AF_INET, SOCK_STREAM, 0);
     if (what == "write") std::ofstream(folder + "written").put('x');
     if (what == "fork") return ::fork() < 0 ? "no process" : "a process";

@@ -4,6 +4,7 @@
 import ctypes
 import json
 import os
+import re
 import selectors
 import shutil
 import signal
@@ -48,6 +49,11 @@ def find_program(preference=""):
     return found
 
 
+def pattern_of(path):
+    """As what the program writes to, and scenes name: "####" and others would stand for the frame there."""
+    return re.sub(r"[$#%]", r"$\g<0>", path)
+
+
 def _die_with(parent):
     """For the child, before it becomes the program: it ends when the thread that waits for it does. Blender ends at
     once on SIGTERM, and would leave it behind."""
@@ -61,13 +67,9 @@ def _die_with(parent):
     return prepare
 
 
-def start(arguments):
+def _start(arguments, stdout, stderr):
     return subprocess.Popen(
-        arguments,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        preexec_fn=_die_with(os.getpid()),
+        arguments, stdin=subprocess.DEVNULL, stdout=stdout, stderr=stderr, preexec_fn=_die_with(os.getpid())
     )
 
 
@@ -79,6 +81,27 @@ def stop(process):
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+
+
+class Background:
+    """A child that nobody waits for. What it writes on stderr goes into the file `told`: a pipe that is read at its
+    end alone would stop it once it is full."""
+
+    def __init__(self, arguments, told):
+        self.told = told
+        with open(told, "wb") as file:
+            self.process = _start(arguments, subprocess.DEVNULL, file)
+
+    def ended(self):
+        return self.process.poll() is not None
+
+    def result(self):
+        """Of one that has ended: its exit status, and the lines that it wrote on stderr."""
+        with open(self.told, encoding="utf-8", errors="replace") as file:
+            return self.process.returncode, file.read().splitlines()
+
+    def stop(self):
+        stop(self.process)
 
 
 class _Lines:
@@ -95,7 +118,7 @@ class _Lines:
 def run(arguments, progress=lambda part: None, cancelled=lambda: False):
     """Runs the program to its end. `progress` gets 0 to 1, `cancelled` is asked now and then, both by this thread.
     Gives the exit status and the lines that it wrote on stderr; raises Cancelled."""
-    process = start(arguments)
+    process = _start(arguments, subprocess.PIPE, subprocess.PIPE)
     told = []
     try:
         with selectors.DefaultSelector() as selector:

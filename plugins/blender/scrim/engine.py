@@ -142,8 +142,8 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         x0, y0, wide, high = self.window(scene.render, width, height)
         picture = os.path.join(folder, "picture.exr")
         stats = os.path.join(folder, "stats.json")
-        arguments = [program, "render", write_scene(folder, content), "-o", picture, "--stats", stats]
-        arguments += arguments_for(scene, folder) + ["--progress", "json"]
+        arguments = [program, "render", write_scene(folder, content), "-o", child.pattern_of(picture)]
+        arguments += arguments_for(scene, folder) + ["--stats", stats, "--progress", "json"]
         top = height - y0 - high
         if (wide, high) != (width, height):
             arguments += ["--crop", f"{x0},{top},{x0 + wide},{top + high}"]

@@ -138,7 +138,7 @@ class Exporter:
         in_object = data.render.space == "OBJECT"
         density, keys = medium.keys(formulae.object_density(matrix) if in_object else 1.0)
         keys["scattering"] = self.settings.scattering.lower()
-        out = {"name": self.names.of(thing.name), "file": self.volume_file(thing)}
+        out = {"name": self.names.of(thing.name), "file": child.pattern_of(self.volume_file(thing))}
         out.update(transform=self.moves.transform(key, self.warn, name), density=density, medium=keys)
         if self.moves.shutter and data.velocity_grid:
             out.update(self.velocity(data, grids, name))
@@ -281,7 +281,7 @@ class Exporter:
             image.pixels.foreach_get(pixels)
             pixels = pixels.reshape(height, width, -1)[::-1]
             exr.write(path, pixels[:, :, :3] if image.channels >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2))
-        return {"file": path, "colorspace": image.colorspace_settings.name}
+        return {"file": child.pattern_of(path), "colorspace": image.colorspace_settings.name}
 
     # Solids
 
@@ -307,7 +307,7 @@ class Exporter:
         self.files[path] = path
         meshes.write_ply(path, points, corners)
         name = f"'{thing.name}'"
-        out = {"name": self.names.of(thing.name), "file": path}
+        out = {"name": self.names.of(thing.name), "file": child.pattern_of(path)}
         out["transform"] = self.moves.transform(key, self.warn, name)
         seen = thing.visible_camera
         out.update(holdout=bool(seen and self.settings.solids == "HOLDOUT"), shadows=bool(shadows))

@@ -44,9 +44,7 @@ class Preview:
     def stop(self):
         if self.process is None:
             return
-        child.stop(self.process)
-        for pipe in (self.process.stdout, self.process.stderr):
-            pipe.close()
+        self.process.stop()
         self.process = None
         shutil.rmtree(os.path.dirname(self.picture), ignore_errors=True)
 
@@ -87,8 +85,9 @@ class Preview:
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
-        arguments = [program, "render", engine.write_scene(folder, content), "-o", self.picture, "-q"]
-        self.process = child.start(arguments + ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)])
+        arguments = [program, "render", engine.write_scene(folder, content), "-o", child.pattern_of(self.picture), "-q"]
+        arguments += ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
+        self.process = child.Background(arguments, os.path.join(folder, "told"))
         self.say("...")
         if not self.polled:
             self.polled = True
@@ -96,7 +95,7 @@ class Preview:
 
     def poll(self):
         """By a timer: asks for a redraw when the child has ended."""
-        if self.process is not None and self.process.poll() is None:
+        if self.process is not None and not self.process.ended():
             return POLL_SECONDS
         self.polled = False
         engine = self.engine()
@@ -107,7 +106,7 @@ class Preview:
     def draw(self, context, depsgraph):
         if self.view is not None and view_of(context) != self.view:
             self.update(context, depsgraph)
-        if self.process is not None and self.process.poll() is not None:
+        if self.process is not None and self.process.ended():
             self.careful(self.take)
         if self.texture is None:
             return
@@ -119,10 +118,10 @@ class Preview:
 
     def take(self):
         """The picture of the child that has ended, as a texture."""
-        _, told = self.process.communicate()
-        status, self.process = self.process.returncode, None
+        status, told = self.process.result()
+        self.process = None
         if status != 0:
-            raise child.Failure(child.reason(status, told.decode(errors="replace").splitlines()))
+            raise child.Failure(child.reason(status, told))
         picture = exr.read(self.picture)
         left, top, right, bottom = picture.display_window
         width, height = right - left + 1, bottom - top + 1

@@ -64,16 +64,16 @@ def parser():
     out.add_argument("--man", action="store_true", help=argparse.SUPPRESS)
     # What the farm calls.
     out.add_argument("--task", nargs=3, metavar=("FOLDER", "ARRAY", "INDEX"), help=argparse.SUPPRESS)
-    out.add_argument("--openjd-task", nargs="+", metavar="FOLDER KIND FRAMES [TILE]", help=argparse.SUPPRESS)
+    out.add_argument("--openjd-task", nargs="+", metavar="FOLDER KIND [TILE]", help=argparse.SUPPRESS)
     out.add_argument("--follow", nargs=2, metavar=("FOLDER", "ROUND"), help=argparse.SUPPRESS)
     return out
 
 
-def openjd_task(words):
-    folder, kind, frames = words[:3]
+def openjd_task(words, frames):
+    folder, kind = words[:2]
     job = Job(folder)
     # Chunks may be written as 1,2,3 or 1-3:2.
-    tile = int(words[3]) if len(words) > 3 else -1
+    tile = int(words[2]) if len(words) > 2 else -1
     return run_task(job, Task(kind, tuple(parse_frames(frames.replace(":", "x"))), tile), progress="openjd")
 
 
@@ -107,7 +107,7 @@ def run(options):
         task, memory = slurm.task_of(job, array, int(index))
         return run_task(job, task, memory)
     if options.openjd_task:
-        return openjd_task(options.openjd_task)
+        return openjd_task(options.openjd_task, options.frames)
     if options.follow:
         return slurm.follow(Job(options.follow[0]), int(options.follow[1]))
     if options.status:

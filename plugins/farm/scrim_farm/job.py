@@ -45,7 +45,7 @@ def parse_frames(text):
     """"1-48x2,60": as scrim's --frames has it."""
     frames = []
     for part in text.split(","):
-        match = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part.strip())
+        match = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part.strip(" "), re.ASCII)
         if not match or (match[3] and int(match[3]) == 0) or (match[2] and int(match[2]) < int(match[1])):
             raise FarmError(f"--frames {text}: expected a range such as 1-48x2,60")
         first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
@@ -65,16 +65,32 @@ def frames_text(frames):
     return ",".join(parts)
 
 
+# Of a pattern, as scrim has it (scene/frame_path.h): a plain character, or what stands for the frame.
+PLACE = re.compile(r"\$([$#%])|(#+)|\$F(\d*)|%(0\d+)?d", re.ASCII)
+MOST_DIGITS = 20
+
+
 def at_frame(pattern, frame):
-    """The path of a frame: ####, %04d and $F4 stand for it."""
-    sign, digits = ("-", str(-frame)) if frame < 0 else ("", str(frame))
+    """The path of a frame: ####, %04d and $F4 stand for it, $$, $# and $% for the second of these characters."""
 
-    def padded(width):
-        return sign + digits.rjust(width, "0")
+    def piece(match):
+        plain, hashes, houdini, printf = match.groups()
+        if plain:
+            return plain
+        digits = len(hashes) if hashes else int(houdini or printf or 1)
+        digits = 1 if not hashes and digits > 0x7FFFFFFF else min(max(digits, 1), MOST_DIGITS)
+        return format(frame, f"0{digits}d")
 
-    pattern = re.sub(r"#+", lambda m: padded(len(m[0])), pattern)
-    pattern = re.sub(r"%0?(\d*)d", lambda m: padded(int(m[1] or 0)), pattern)
-    return re.sub(r"\$F(\d?)", lambda m: padded(int(m[1] or 0)), pattern)
+    return PLACE.sub(piece, pattern)
+
+
+def pattern_of(path):
+    """The pattern that names `path`, whatever is in it."""
+    return re.sub(r"[$#%]", r"$\g<0>", path)
+
+
+def without_frame(pattern):
+    return PLACE.sub(lambda match: match[1] or "", pattern)
 
 
 def crops_of(picture, columns, rows):
@@ -145,12 +161,19 @@ class Job:
         """The pictures of a frame that the shot ends with."""
         return [at_frame(p, frame) for p in (self["output"], self["deep"]) if p]
 
+    def output_folders(self):
+        patterns = [p for p in (self["output"], self["deep"], self["preview"]) if p]
+        return sorted({os.path.dirname(at_frame(p, frame)) for p in patterns for frame in self["frames"]})
+
     def parts(self, frame, tile):
         """The pictures that a render task makes of a frame: those of `outputs`, or tiles of them."""
         if tile < 0:
             return self.outputs(frame)
         names = ["flat.######.exr"] + (["deep.######.exr"] if self["deep"] else [])
-        return [at_frame(self.path("tiles", str(tile), name), frame) for name in names]
+        return [at_frame(self.tile_pattern(tile, name), frame) for name in names]
+
+    def tile_pattern(self, tile, name):
+        return os.path.join(pattern_of(self.path("tiles", str(tile))), name)
 
     def is_done(self, task, frame):
         if all(map(os.path.isfile, self.outputs(frame))):

@@ -16,7 +16,7 @@ def action(arguments, timeout):
 def render_step(job, timeout):
     definitions = [{"name": "Frame", "type": "CHUNK[INT]", "range": "{{Param.Frames}}",
                     "chunks": {"defaultTaskCount": job["chunk"], "rangeConstraint": "CONTIGUOUS"}}]
-    arguments = ["--openjd-task", "{{Param.Folder}}", "render", "{{Task.Param.Frame}}"]
+    arguments = ["--frames={{Task.Param.Frame}}", "--openjd-task", "{{Param.Folder}}", "render"]
     if job.tiled:
         definitions.append({"name": "Tile", "type": "INT", "range": f"0-{len(job['crops']) - 1}"})
         arguments.append("{{Task.Param.Tile}}")
@@ -29,7 +29,7 @@ def render_step(job, timeout):
 def merge_step(job, timeout):
     definitions = [{"name": "Frame", "type": "CHUNK[INT]", "range": "{{Param.Frames}}",
                     "chunks": {"defaultTaskCount": job["chunk"], "rangeConstraint": "CONTIGUOUS"}}]
-    arguments = ["--openjd-task", "{{Param.Folder}}", "merge", "{{Task.Param.Frame}}"]
+    arguments = ["--frames={{Task.Param.Frame}}", "--openjd-task", "{{Param.Folder}}", "merge"]
     return {"name": "Merge", "dependencies": [{"dependsOn": "Render"}],
             "parameterSpace": {"taskParameterDefinitions": definitions},
             "script": {"actions": {"onRun": action(arguments, timeout)}}}
@@ -64,7 +64,7 @@ def write_bundle(job, python):
              "parameter_values.json": {"parameterValues": [{"name": "Frames", "value": frames_text(job["frames"])}]},
              "asset_references.json": {"assetReferences": {
                  "inputs": {"filenames": [job["scene"]], "directories": [os.path.dirname(job["scene"])]},
-                 "outputs": {"directories": sorted({os.path.dirname(p) for p in (job["output"], job["deep"]) if p})}}}}
+                 "outputs": {"directories": job.output_folders()}}}}
     for name, content in files.items():
         write_json(job.path(name), content)
     return [job.path(name) for name in files]

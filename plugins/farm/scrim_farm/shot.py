@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import tomllib
 
-from .job import FarmError, at_frame, crops_of, parse_frames, write_json
+from .job import FarmError, Job, at_frame, crops_of, parse_frames, pattern_of, without_frame, write_json
 
 SIMD_FLAGS = {"sse4": ("sse4_1", "sse4_2"), "avx2": ("avx2", "fma", "bmi2", "f16c"),
               "avx512": ("avx512f", "avx512bw", "avx512dq", "avx512vl", "avx512cd")}
@@ -24,7 +24,7 @@ def run_scrim(command):
         lines = done.stderr.strip().splitlines() or [f"{command[0]} ended with status {done.returncode}"]
         raise FarmError(lines[-1].removeprefix("scrim: error: "), done.returncode if done.returncode > 0 else 1)
     for line in done.stderr.splitlines():
-        if "warning" in line:
+        if line.startswith("scrim: warning: "):
             print(line)
     return done.stdout
 
@@ -36,37 +36,12 @@ def parse_size(text):
     return int(match[1]) << {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}[match[2]]
 
 
-def render_block(plan):
-    """What the preset chose, of the text of `scrim plan`: lines 'key = value' behind [render]."""
-    lines = plan.splitlines()
-    if "[render]" not in lines:
-        return {}
-    chosen = {}
-    for line in lines[lines.index("[render]") + 1 :]:
-        match = re.fullmatch(r"(\w+) = (.+)", line)
-        if not match:
-            break
-        chosen[match[1]] = match[2]
-    return chosen
-
-
-def resolved_sets(plan, scene, simd):
-    """--set arguments that leave a task nothing to choose."""
-    given = scene.get("render", {})
-    sets = render_block(plan)
-    if "cross_fade" not in given or given["cross_fade"] == "auto":
-        still = re.search(r"^cross-fade .*nothing moves, or the dial is 0", plan, re.MULTILINE)
-        sets["cross_fade"] = "0" if still else '"always"'
-    if given.get("simd", "auto") == "auto" or simd:
-        sets["simd"] = f'"{simd or "avx2"}"'
-    return [f"render.{key}={value}" for key, value in sets.items()]
-
-
-def picture_of(plan):
-    """The pixels of the picture, with its overscan: x0, y0, x1, y1, of `scrim plan --json`, which has rays."""
-    reasons = [effect["reason"] for effect in plan["effects"] if effect["name"] == "antialiasing"]
-    rays = int(re.match(r"(\d+) x \1 rays a pixel", reasons[0])[1])
-    return [edge // rays for edge in plan["region"]]
+def resolved_sets(render, given, simd):
+    """--set arguments that leave a task nothing to choose. `render`: of `scrim plan --json`; `given`: of the scene."""
+    if "tolerance" in given:  # which chooses picture by picture
+        render = {key: render[key] for key in ("cross_fade", "simd")}
+    machine = "avx2" if render["simd"] == "auto" else render["simd"]
+    return [f"render.{key}={json.dumps(value)}" for key, value in (render | {"simd": simd or machine}).items()]
 
 
 def memory_of(crops, plan_of):
@@ -74,19 +49,6 @@ def memory_of(crops, plan_of):
     meanwhile, and a reserve."""
     plan = plan_of("--crop=" + ",".join(map(str, crops[len(crops) // 2])))
     return int((plan["plan"]["bytes"] + 3 * plan["field_bytes"]) / 0.85) + GIB // 2
-
-
-def output_of(scene, key, folder, default):
-    """The pattern that the scene gives, from the root of the file system on."""
-    pattern = scene.get("output", {}).get(key, default)
-    if isinstance(pattern, dict):
-        pattern = pattern.get("file", "")
-    if not pattern:
-        return ""
-    if re.search(r"\$(?!F\d?)", pattern):
-        raise FarmError(f"the scene's output.{key} is '{pattern}'; a farm may have other variables: give it as an "
-                        "option")
-    return os.path.normpath(os.path.join(folder, pattern))
 
 
 def arguments_of(options):
@@ -121,34 +83,57 @@ def check_options(options):
 
 
 def stem_of(path):
-    return os.path.splitext(os.path.basename(path))[0].replace("#", "").rstrip(".")
+    stem = os.path.splitext(os.path.basename(path))[0]
+    return stem if os.path.exists(path) else without_frame(stem).rstrip(".")
+
+
+def check_outputs(outputs, frames):
+    """That frames have files of their own, whose names are known."""
+    for pattern in (output["pattern"] for output in outputs.values()):
+        if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
+            raise FarmError(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
+        if "\ufffd" in pattern:
+            raise FarmError(f"the name of the output is not UTF-8: '{pattern}'")
 
 
 class Shot:
     """The scene of a job, with all that is resolved of it."""
 
     def __init__(self, options, scrim, frame, folder):
-        self.scrim, self.frame = scrim, str(frame)
+        self.scrim, self.frame = scrim, frame
         self.path, self.arguments = os.path.abspath(options.scene), arguments_of(options)
-        self.folder = os.path.dirname(self.path)  # that its pictures are relative to
         if not self.path.endswith(".toml"):
             self._frame_asset(options, os.path.join(folder, "shot.toml"))
         self.scene = tomllib.loads(self._ask("render", "--print-scene"))
-        if "tolerance" in self.scene.get("render", {}) and options.tiles != "1x1":
+        given = self.scene.get("render", {})
+        if "tolerance" in given and options.tiles != "1x1":
             raise FarmError("a tolerance is searched for picture by picture, so tiles of it would not fit together; "
                             "choose --tiles 1x1 or a preset: --set 'render.quality=\"standard\"'")
-        for value in resolved_sets(self._ask("plan"), self.scene, options.simd):
+        planned = self.plan(*self._outputs_of(options))
+        self.window, self.outputs = planned["plan"]["window"], planned["outputs"]
+        for value in resolved_sets(planned["plan"]["render"], given, options.simd):
             self.arguments += ["--set", value]
 
     def _ask(self, command, *more):
-        return run_scrim([self.scrim, command, self.path, *self.arguments, "--frames", self.frame, *more])
+        return run_scrim([self.scrim, command, self.path, *self.arguments, f"--frames={self.frame}", *more])
 
     def _frame_asset(self, options, path):
-        """An asset's scene is made here, so that all frames are framed alike."""
+        """An asset's scene is made here, so that all frames are framed alike. It must name its files from the root of
+        the file system on, since it is elsewhere."""
+        if not os.path.exists(self.path):  # a sequence
+            self.path = os.path.join(pattern_of(os.getcwd()), options.scene)
         text = self._ask("render", *(["--up", options.up] if options.up else []), "--print-scene")
         with open(path, "w", encoding="utf-8") as out:
             out.write(text)
         self.path, self.arguments = path, []
+
+    def _outputs_of(self, options):
+        """What the command line says of them."""
+        given = ["--deep", options.deep] if options.deep else []
+        if options.output:
+            return [*given, "-o", options.output]
+        has_own = "file" in self.scene.get("output", {})
+        return given if has_own else [*given, "-o", pattern_of(stem_of(options.scene)) + ".####.exr"]
 
     def plan(self, *more):
         planned = json.loads(self._ask("plan", "--json", *more))
@@ -160,17 +145,6 @@ class Shot:
         with open(self.path, "rb") as text:
             return hashlib.sha256(text.read()).hexdigest()
 
-    def outputs(self, options, frames):
-        """Patterns of the flat, the deep and the preview pictures; "" where there are none."""
-        usual = os.path.join(os.getcwd(), stem_of(options.scene) + ".####.exr")
-        output = os.path.abspath(options.output or output_of(self.scene, "file", self.folder, usual))
-        deep = os.path.abspath(options.deep) if options.deep else output_of(self.scene, "deep", self.folder, "")
-        preview = output_of(self.scene, "preview", self.folder, "")
-        for pattern in filter(None, (output, deep, preview)):
-            if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
-                raise FarmError(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
-        return output, deep, preview
-
 
 def make_job(options):
     """The folder of a new job, whose tasks are not submitted yet."""
@@ -178,8 +152,9 @@ def make_job(options):
     for name in ("", "state", "log", "tiles", "submitted"):
         os.makedirs(os.path.join(folder, name), exist_ok=True)
     shot = Shot(options, scrim, frames[0], folder)
-    crops = crops_of(picture_of(shot.plan()["plan"]), *tiles)
-    output, deep, preview = shot.outputs(options, frames)
+    crops = crops_of(shot.window, *tiles)
+    check_outputs(shot.outputs, frames)
+    output, deep, preview = (shot.outputs.get(key, {"pattern": ""})["pattern"] for key in ("file", "deep", "preview"))
     memory = parse_size(options.memory) if options.memory else memory_of(crops, shot.plan)
     compression = shot.scene.get("output", {}).get("compression", "zip")
     job = {
@@ -192,7 +167,7 @@ def make_job(options):
         "cpus": options.cpus, "retries": options.retries, "pause": options.pause, "keep_tiles": options.keep_tiles,
         "at_once": options.at_once, "sbatch": options.sbatch, "time": options.time,
     }
-    for pattern in filter(None, (output, deep)):
-        os.makedirs(os.path.dirname(pattern), exist_ok=True)
     write_json(os.path.join(folder, "job.json"), job)
+    for path in Job(folder).output_folders():
+        os.makedirs(path, exist_ok=True)
     return folder

@@ -47,7 +47,8 @@ class Submission:
         return path
 
     def _sbatch(self, name, arguments, options):
-        log = self.job.path("log", f"{name}-%A_%a.log" if "--task" in arguments else f"{name}-%j.log")
+        folder = self.job.path("log").replace("%", "%%")  # Slurm has patterns of its own
+        log = os.path.join(folder, f"{name}-%A_%a.log" if "--task" in arguments else f"{name}-%j.log")
         command = ["sbatch", "--parsable", f"--job-name={self.job['name']}-{name}", f"--output={log}",
                    "--open-mode=append", "--requeue", "--nodes=1", "--ntasks=1", *options]
         if self.job["time"]:

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import platform
+import resource
 import shlex
 import signal
 import subprocess
@@ -34,20 +35,20 @@ def machine_problem(job):
 
 
 def render_command(job, task, memory, progress):
-    command = [job["scrim"], "render", job["scene"], *job["arguments"], "--frames", frames_text(task.frames),
+    command = [job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={frames_text(task.frames)}",
                "--skip-existing", "--memory", str(int(memory * PART_OF_MEMORY)), "--progress", progress]
     if task.tile < 0:
         command += ["-o", job["output"]]
         if job["deep"]:
             command += ["--deep", job["deep"]]
         return command
-    folder = job.path("tiles", str(task.tile))
-    os.makedirs(folder, exist_ok=True)
-    command += ["--crop=" + ",".join(map(str, job["crops"][task.tile])), "-o", os.path.join(folder, "flat.######.exr")]
+    os.makedirs(job.path("tiles", str(task.tile)), exist_ok=True)
+    command += ["--crop=" + ",".join(map(str, job["crops"][task.tile])),
+                "-o", job.tile_pattern(task.tile, "flat.######.exr")]
     if job["deep"]:
-        command += ["--deep", os.path.join(folder, "deep.######.exr")]
+        command += ["--deep", job.tile_pattern(task.tile, "deep.######.exr")]
     if job["preview"]:  # the whole gets one later
-        command += ["--preview", os.path.join(folder, "preview.######.png")]
+        command += ["--preview", job.tile_pattern(task.tile, "preview.######.png")]
     if job["merge_compression"]:
         command += ["--set", 'output.compression="zip"']
     return command
@@ -64,10 +65,21 @@ def merge_commands(job, frame):
             command += ["--compression", job["merge_compression"]]
         commands.append(command)
     if job["preview"]:
-        commands.append([job["scrim"], "render", job["scene"], *job["arguments"], "--frames", str(frame), "-q",
+        commands.append([job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={frame}", "-q",
                          "--skip-existing", "-o", job["output"], *(["--deep", job["deep"]] if job["deep"] else []),
                          "--preview", job["preview"]])
     return commands
+
+
+def seconds_of_children():
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def was_out_of_time(status, seconds):
+    """Whether a program was killed since it took as much processor time as this process gives (ulimit -t)."""
+    most = resource.getrlimit(resource.RLIMIT_CPU)[0]
+    return -status in (signal.SIGKILL, signal.SIGXCPU) and most != resource.RLIM_INFINITY and seconds + 0.1 >= most
 
 
 class Runner:
@@ -90,6 +102,7 @@ class Runner:
         if self.stopped:
             return 128 + self.stopped
         print("+", shlex.join(command), flush=True)
+        before = seconds_of_children()
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace") as self.child:
             if self.stopped:  # in the meantime
                 self.child.send_signal(self.stopped)
@@ -98,6 +111,9 @@ class Runner:
                 sys.stderr.flush()
                 self.last = line.strip() or self.last
             status = self.child.wait()
+        if was_out_of_time(status, seconds_of_children() - before):
+            self.last = "it takes more processor time than a process may; raise the limit (ulimit -t)"
+            return 1  # neither memory nor another attempt would help
         if status < 0:
             self.last = f"killed by {signal.Signals(-status).name}"
         return status if status >= 0 else 128 - status
@@ -105,7 +121,7 @@ class Runner:
 
 def remove_tiles(job, frame):
     for tile in job.tiles():
-        for path in job.parts(frame, tile) + [at_frame(job.path("tiles", str(tile), "preview.######.png"), frame)]:
+        for path in job.parts(frame, tile) + [at_frame(job.tile_pattern(tile, "preview.######.png"), frame)]:
             if os.path.isfile(path):
                 os.unlink(path)
 

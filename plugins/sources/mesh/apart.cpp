@@ -25,10 +25,15 @@ namespace mesh {
 namespace {
 
 constexpr int kPollMilliseconds = 100;
+constexpr rlim_t kGrace = 2;  // seconds between SIGXCPU, which says that it was time that was wanting, and SIGKILL
 constexpr char kDone = 'd', kFailed = 'f';  // the first byte of what the child says
 
-void limit(decltype(RLIMIT_AS) resource, rlim_t value) {
-    const rlimit both{value, value};
+/// To `value`, or to what this process was given, if that is less. So much `beyond` it no signal is asked any more.
+void limit(decltype(RLIMIT_AS) resource, rlim_t value, rlim_t beyond = 0) {
+    rlimit given{};
+    if (::getrlimit(resource, &given) != 0) return;
+    const rlim_t soft = std::min({value, given.rlim_cur, given.rlim_max});
+    const rlimit both{soft, std::min(soft + beyond, given.rlim_max)};
     ::setrlimit(resource, &both);
 }
 
@@ -58,6 +63,8 @@ class LimitForNow {
         const rlimit now{std::min(value, m_before.rlim_cur), m_before.rlim_max};
         ::setrlimit(resource, &now);
     }
+    /// Whether this process may take less than `value` anyway.
+    bool isLess(rlim_t value) const { return m_known && m_before.rlim_cur < value; }
     ~LimitForNow() {
         if (m_known) ::setrlimit(m_resource, &m_before);
     }
@@ -85,7 +92,7 @@ rlim_t secondsUsed() {
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
     limit(RLIMIT_CORE, 0);
-    limit(RLIMIT_CPU, limits.seconds);
+    limit(RLIMIT_CPU, limits.seconds, kGrace);
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
     limit(RLIMIT_AS, addressSpaceInUse() + limits.moreMemory);
 #endif
@@ -101,9 +108,23 @@ rlim_t secondsUsed() {
     ::_exit(0);
 }
 
-std::string deathOf(int status) {
+/// Whether a child that used so much was ended by this process's own limit of processor time.
+bool limitsTime(const rusage& used) {
+    rlimit given{};
+    if (::getrlimit(RLIMIT_CPU, &given) != 0 || given.rlim_cur == RLIM_INFINITY) return false;
+    constexpr long kMicroseconds = 1000000, kRounding = 100000;
+    const long microseconds = kMicroseconds * (used.ru_utime.tv_sec + used.ru_stime.tv_sec) + used.ru_utime.tv_usec +
+                              used.ru_stime.tv_usec + kRounding;
+    return static_cast<rlim_t>(microseconds / kMicroseconds) >= given.rlim_cur;
+}
+
+std::string deathOf(int status, const rusage& used) {
     if (!WIFSIGNALED(status)) return fmt::format("its reader ended with status {}", WEXITSTATUS(status));
-    if (WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) return "its reader did not come to an end";
+    const int number = WTERMSIG(status);
+    if ((number == SIGXCPU || number == SIGKILL) && limitsTime(used))
+        return "reading it takes more processor time than a process may; raise the limit (ulimit -t)";
+    if (number == SIGXCPU) return "its reader did not come to an end";
+    if (number == SIGKILL) return "its reader was killed (signal SIGKILL), probably for want of memory";
     return fmt::format("its reader crashed ({})", ::strsignal(WTERMSIG(status)));
 }
 
@@ -115,11 +136,16 @@ std::string runAlone(const std::function<std::string()>& work, const ApartLimits
     // How much address space is in use is told by a file, which such a process cannot open. What it has besides when it
     // begins is little.
     constexpr rlim_t kBesides = rlim_t{1} << 28;
-    const LimitForNow memory(RLIMIT_DATA, kBesides + limits.moreMemory);
+    const rlim_t most = kBesides + limits.moreMemory;
+    const LimitForNow memory(RLIMIT_DATA, most), space(RLIMIT_AS, RLIM_INFINITY);
+    const bool lacks = memory.isLess(most) || space.isLess(most);
+#else
+    const bool lacks = false;
 #endif
     try {
         return work();
     } catch (const std::bad_alloc&) {
+        if (lacks) throw;
         throw std::runtime_error(kTooLarge);
     }
 }
@@ -161,11 +187,12 @@ std::string runApart(const std::function<std::string()>& work, const ApartLimits
     ::close(ends[0]);
     if (stopped || outOfMemory) ::kill(child, SIGKILL);
     int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+    rusage used{};
+    while (::wait4(child, &status, 0, &used) < 0 && errno == EINTR) {
     }
     if (stopped) return "";
     if (outOfMemory) throw std::bad_alloc();
-    if (said.empty() || !WIFEXITED(status) || WEXITSTATUS(status) != 0) throw std::runtime_error(deathOf(status));
+    if (said.empty() || !WIFEXITED(status) || WEXITSTATUS(status) != 0) throw std::runtime_error(deathOf(status, used));
     const char first = said[0];
     said.erase(0, 1);
     if (first == kFailed) throw std::runtime_error(said);

@@ -14,8 +14,8 @@ struct ApartLimits {
     unsigned seconds = 60;         ///< of processor time
 };
 
-/// The text `work` returns, computed in this process, within the limits: out of memory is thrown as runApart does, out
-/// of time ends the process by SIGXCPU.
+/// The text `work` returns, computed in this process, within the limits: out of memory is thrown as runApart does, or
+/// as std::bad_alloc where this process has less than the limits allow; out of time ends the process by SIGXCPU.
 std::string runAlone(const std::function<std::string()>& work, const ApartLimits& limits);
 
 /// The text `work` returns, computed in a child process. What `work` throws is thrown here with its text; a child that

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <new>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -164,6 +165,7 @@ std::string importMesh(const std::string& bytes, const std::string& ending) {
         importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate, ending.c_str() + 1);
     if (scene == nullptr) {
         const std::string_view reason = importer.GetErrorString();
+        if (reason == std::bad_alloc().what()) throw std::bad_alloc();
         throw std::runtime_error(fmt::format("cannot be read: {}", reason.substr(0, 300)));
     }
     Mesh mesh;

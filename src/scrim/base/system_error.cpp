@@ -43,6 +43,12 @@ bool limitsFileSizes() {
     return limitOf(RLIMIT_FSIZE) != RLIM_INFINITY;
 }
 
+bool limitsTime(std::chrono::microseconds used) {
+    constexpr std::chrono::milliseconds kRounding{100};  // of what is counted by ticks of a clock
+    const rlim_t most = limitOf(RLIMIT_CPU);
+    return most != RLIM_INFINITY && used + kRounding >= std::chrono::seconds(most);
+}
+
 bool limitsMemory(std::size_t bytes) {
     return std::min(limitOf(RLIMIT_AS), limitOf(RLIMIT_DATA)) < bytes;
 }

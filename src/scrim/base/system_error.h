@@ -5,6 +5,7 @@
 
 #include <scrim/base/error.h>
 
+#include <chrono>
 #include <cstddef>
 #include <string>
 
@@ -18,6 +19,9 @@ std::string systemErrorText(int errorNumber);
 
 /// Whether files of this process may not grow beyond some size (ulimit -f).
 bool limitsFileSizes();
+
+/// Whether a child that took so much processor time was ended by the limit of this process (ulimit -t).
+bool limitsTime(std::chrono::microseconds used);
 
 /// Whether the memory of this process may not grow to `bytes` (ulimit -v, ulimit -d).
 bool limitsMemory(std::size_t bytes);

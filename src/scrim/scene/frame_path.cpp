@@ -18,6 +18,8 @@ namespace {
 
 /// More digits than any frame has would only make names longer than a file system takes.
 constexpr int kMostDigits = 20;
+/// What a pattern is made of, and what a '$' before it makes plain.
+constexpr std::string_view kSpecial = "$#%";
 
 /// A pattern is a sequence of literal texts and places for the frame.
 struct Piece {
@@ -60,6 +62,11 @@ std::optional<std::pair<Piece, std::size_t>> placeAt(const std::string& pattern,
     return std::nullopt;
 }
 
+/// Bytes of what stands for one character at `i`: 2 of "$$", "$#" and "$%", whose second it is.
+std::size_t characterAt(const std::string& pattern, std::size_t i) {
+    return pattern[i] == '$' && i + 1 < pattern.size() && kSpecial.find(pattern[i + 1]) != kSpecial.npos ? 2 : 1;
+}
+
 std::vector<Piece> piecesOf(const std::string& pattern) {
     std::vector<Piece> pieces;
     const auto literal = [&](char c) {
@@ -71,8 +78,8 @@ std::vector<Piece> piecesOf(const std::string& pattern) {
             pieces.push_back(place->first);
             i += place->second;
         } else {
-            literal(pattern[i]);
-            i += pattern.compare(i, 2, "$$") == 0 ? 2 : 1;
+            i += characterAt(pattern, i);
+            literal(pattern[i - 1]);
         }
     }
     return pieces;
@@ -112,7 +119,10 @@ std::optional<int> frameIn(const std::string& name, const std::vector<Piece>& pi
 /// The name that `pattern` would be if nothing in it stood for the frame.
 std::string nameOf(const std::string& pattern) {
     std::string name;
-    for (std::size_t i = 0; i < pattern.size(); i += pattern.compare(i, 2, "$$") == 0 ? 2 : 1) name += pattern[i];
+    for (std::size_t i = 0; i < pattern.size();) {
+        i += characterAt(pattern, i);
+        name += pattern[i - 1];
+    }
     return name;
 }
 
@@ -126,8 +136,8 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
             continue;
         }
         const char next = i + 1 < pattern.size() ? pattern[i + 1] : '\0';
-        if (next == '$') {
-            out += "$$";
+        if (characterAt(pattern, i) == 2) {
+            out += {'$', next};
             ++i;
         } else if (next == '{') {
             const std::size_t end = pattern.find('}', i);
@@ -148,15 +158,35 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
         } else if (next == 'F' && (i + 2 >= pattern.size() || !isNameCharacter(pattern[i + 2], true))) {
             out += '$';
         } else {
-            refuse(where, pattern, "has a '$' that begins none of ${NAME}, $F, $F4 and $$ (a dollar sign)");
+            refuse(where, pattern, "has a '$' that begins none of ${NAME}, $F, $F4, $$ (a dollar sign), $# and $%");
         }
     }
     return out;
 }
 
+std::string patternOf(const std::string& path) {
+    std::string pattern;
+    for (const char c : path) {
+        if (kSpecial.find(c) != kSpecial.npos) pattern += '$';
+        pattern += c;
+    }
+    return pattern;
+}
+
+std::string absolutePattern(const std::string& folder, const std::string& pattern) {
+    const std::filesystem::path whole = std::filesystem::absolute(folder.empty() ? "." : folder);
+    return pathIn(patternOf(whole.lexically_normal().string()), pattern);
+}
+
 bool hasFrame(const std::string& pattern) {
     const std::vector<Piece> pieces = piecesOf(pattern);
     return std::any_of(pieces.begin(), pieces.end(), [](const Piece& piece) { return piece.digits > 0; });
+}
+
+std::string withoutFrame(const std::string& pattern) {
+    std::string rest;
+    for (const Piece& piece : piecesOf(pattern)) rest += piece.literal;
+    return rest;
 }
 
 std::string expandFrame(const std::string& pattern, int frame) {
@@ -180,7 +210,7 @@ std::string FramePath::at(int frame) const {
 }
 
 std::string FramePath::outputAt(int frame) const {
-    return pathIn(folder, literal ? pattern : expandFrame(pattern, frame));
+    return pathIn(folder, expandFrame(pattern, frame));
 }
 
 std::vector<int> existingFrames(const FramePath& path) {

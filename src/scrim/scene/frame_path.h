@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // File names with a frame in them. "####", "%04d" and "$F4" stand for the frame with at least four digits,
-// "%d" and "$F" for the bare number, "$$" for a dollar sign. "${NAME}" stands for a variable. What stands for
-// the frame may be in a file's name or in the names of its folders. OpenImageIO has patterns, too, but no "$F4".
+// "%d" and "$F" for the bare number; "$$", "$#" and "$%" for the second of these characters. "${NAME}" stands for a
+// variable. What stands for the frame may be in a file's name or in the names of its folders. OpenImageIO has patterns,
+// too, but no "$F4". plugins/farm/scrim_farm/job.py says the same once more, and a test of it compares the two.
 #pragma once
 
 #include <functional>
@@ -22,6 +23,15 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
 /// Whether `pattern` names different files for different frames.
 bool hasFrame(const std::string& pattern);
 
+/// The pattern that names `path`, whatever is in it, at all frames.
+std::string patternOf(const std::string& path);
+
+/// `pattern` as it is from the root of the file system on, where it is relative to `folder` ("": the current one).
+std::string absolutePattern(const std::string& folder, const std::string& pattern);
+
+/// `pattern` without what stands for the frame.
+std::string withoutFrame(const std::string& pattern);
+
 /// `pattern` with the frame put in. Negative frames are written as printf does: "-005".
 std::string expandFrame(const std::string& pattern, int frame);
 
@@ -33,14 +43,13 @@ std::string pathIn(const std::string& folder, const std::string& path);
 struct FramePath {
     std::string folder;
     std::string pattern;
-    bool literal = false;  ///< the pattern is a name as it stands, whatever it holds
 
     /// To read: a file that there is by the very name of the pattern ("take#2.vdb") is that file at all frames.
     bool hasFrame() const;
     std::string at(int frame) const;
 
     /// To write: whatever there is.
-    bool outputHasFrame() const { return !literal && scrim::hasFrame(pattern); }
+    bool outputHasFrame() const { return scrim::hasFrame(pattern); }
     std::string outputAt(int frame) const;
 };
 

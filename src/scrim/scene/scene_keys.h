@@ -346,7 +346,8 @@ struct SceneKeys : Section {
                   "Lengths are world units, angles degrees, times frames. Colours are scene-linear in the working "
                   "space (ACEScg unless an OpenColorIO config says otherwise). Paths are relative to the scene file; "
                   "####, %04d and $F4 stand for the frame, ${NAME} for a key of [variables] or else of the "
-                  "environment. Values marked * may be keyed. What is not known here is an error that says where and "
+                  "environment, and $$, $# and $% for $, # and % themselves. Values marked * may be keyed. What is not "
+                  "known here is an error that says where and "
                   "what is. --set camera.fov=20 puts any value in place, and takes away what would contradict it.") {}
     const Key& sceneVersion = integer("scene_version", 1, kSceneVersion, "", 1,
                                       "The defaults that its author knew: where one changed later a warning says so.");

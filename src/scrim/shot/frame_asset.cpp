@@ -221,21 +221,9 @@ bool isAssetFile(const std::string& path) {
 std::string volumeNameOf(const std::string& pattern) {
     std::filesystem::path path = std::filesystem::path(pattern).filename();
     if (lowerCase(path.string()).ends_with(".nii.gz")) path = path.stem();
-    const std::string stem = path.stem().string();
-    std::string name;
-    for (std::size_t i = 0; i < stem.size(); ++i) {
-        // What stands for the frame (frame_path.h).
-        if (stem[i] == '#') continue;
-        if (stem[i] == '%' || (stem[i] == '$' && i + 1 < stem.size() && stem[i + 1] == 'F')) {
-            const bool printf = stem[i] == '%';
-            if (!printf) ++i;
-            while (i + 1 < stem.size() && std::isdigit(static_cast<unsigned char>(stem[i + 1])) != 0) ++i;
-            if (printf && i + 1 < stem.size() && stem[i + 1] == 'd') ++i;
-            continue;
-        }
-        const bool plain = std::isalnum(static_cast<unsigned char>(stem[i])) != 0 || stem[i] == '_' || stem[i] == '-';
-        name += plain ? stem[i] : '_';
-    }
+    std::string name = withoutFrame(path.stem().string());
+    for (char& c : name)
+        if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-') c = '_';
     name.erase(name.find_last_not_of("_-") + 1);
     return name.empty() ? "volume" : name;
 }

@@ -19,10 +19,7 @@ namespace {
 /// `path` as a scene would name it, literally where there is such a file.
 std::string assetPattern(const std::string& path) {
     std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) return path;
-    std::string pattern;
-    for (const char c : path) pattern.append(c == '$' ? 2 : 1, c);
-    return pattern;
+    return std::filesystem::exists(path, ignored) ? patternOf(path) : path;
 }
 
 }  // namespace
@@ -103,7 +100,7 @@ Scene ShotText::at(int frame, const ColourConfig& colour, double within) const {
         const bool sequence = m_asset && FramePath{"", m_assetPattern}.hasFrame();
         const bool turns = m_turntable > 0 && !sequence;
         const std::string name = std::filesystem::path(sequence ? m_assetPattern : m_path).stem().string();
-        output.path = {"", name + (turns ? ".####.exr" : ".exr"), !sequence && !turns};
+        output.path = {"", (sequence ? name : patternOf(name)) + (turns ? ".####.exr" : ".exr")};
     }
     output.file = output.path.outputAt(frame);
     if (!output.preview.path.pattern.empty()) output.preview.file = output.preview.path.outputAt(frame);

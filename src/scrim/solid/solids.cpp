@@ -2,6 +2,7 @@
 #include <scrim/solid/solids.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/system_error.h>
 
 #include <algorithm>
 #include <array>
@@ -20,10 +21,17 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kRoles = 3;
 
+/// Embree does not always say that it was memory that was wanting.
+ErrorKind unlessLimited(ErrorKind kind) {
+    constexpr std::size_t kEnough = std::size_t{1} << 30;
+    return limitsMemory(kEnough) ? ErrorKind::memory : kind;
+}
+
 // For the whole process; Embree then shares its threads' memory. Only rays are asked of it, one at a time.
 RTCDevice device() {
     static const RTCDevice one = rtcNewDevice(nullptr);
-    if (one == nullptr) throw Error(ErrorKind::render, "Embree, which traces rays to meshes, cannot be started");
+    if (one == nullptr)
+        throw Error(unlessLimited(ErrorKind::render), "Embree, which traces rays to meshes, cannot be started");
     return one;
 }
 
@@ -84,7 +92,7 @@ struct Solids::Traced {
         rtcReleaseGeometry(geometry);
         rtcCommitScene(scene);
         if (const RTCError error = rtcGetDeviceError(device()); error != RTC_ERROR_NONE)
-            throw Error(error == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::memory : ErrorKind::render,
+            throw Error(error == RTC_ERROR_OUT_OF_MEMORY ? ErrorKind::memory : unlessLimited(ErrorKind::render),
                         fmt::format("Embree could not take the meshes (error {})", static_cast<int>(error)));
     }
 

@@ -194,7 +194,8 @@ std::string signalName(int signal) {
                                           : fmt::format("{:.0f} minutes", static_cast<double>(seconds) / 60)));
 }
 
-void checkStatus(int status, const std::string& path, const LoadLimits& limits) {
+void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLimits& limits) {
+    const int status = answer.status;
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
     if (WIFEXITED(status) && WEXITSTATUS(status) == kNotConfined)
         throw Error(ErrorKind::render,
@@ -204,8 +205,16 @@ void checkStatus(int status, const std::string& path, const LoadLimits& limits) 
     if (WIFEXITED(status))
         throw Error(ErrorKind::input,
                     fmt::format("{}: damaged: reading it failed (exit status {})", path, WEXITSTATUS(status)));
+    // What ends a child that had all its time: SIGXCPU, or SIGKILL where no time is left after it.
+    const std::chrono::microseconds used(answer.microseconds);
+    if ((WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) && limitsTime(used))
+        throw Error(ErrorKind::render, fmt::format("{}: reading it takes more processor time than a process may; raise "
+                                                   "the limit (ulimit -t)",
+                                                   path));
     if (WTERMSIG(status) == SIGXCPU)
-        throw Error(ErrorKind::input, fmt::format("{}: damaged: reading it did not come to an end", path));
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: reading it did not come to an end in {:.0f} seconds of processor time", path,
+                                std::chrono::duration<double>(used).count()));
     // Nobody but the system's guard against running out of memory kills a child like that.
     if (WTERMSIG(status) == SIGKILL)
         throw Error(ErrorKind::memory,
@@ -281,7 +290,7 @@ void LoadJob::wait(const Checkpoint& checkpoint) {
     if (answer.problem != 0)
         throw Error(kindOfSystemError(answer.problem, ErrorKind::render),
                     fmt::format("{}: cannot start a process to read it: {}", m_path, systemErrorText(answer.problem)));
-    checkStatus(answer.status, m_path, m_limits);
+    checkStatus(answer, m_path, m_limits);
 }
 
 }  // namespace scrim

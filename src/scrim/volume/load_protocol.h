@@ -24,8 +24,9 @@ enum LoadDescriptor : std::uint32_t { kControl, kTransfer, kInput, kBeside, kStd
 
 /// What goes back through `control`.
 struct LoadAnswer {
-    std::int32_t status = 0;   ///< what waitpid says
-    std::int32_t problem = 0;  ///< the error number of what kept a child from being started; 0: nothing did
+    std::int32_t status = 0;        ///< what waitpid says
+    std::int32_t problem = 0;       ///< the error number of what kept a child from being started; 0: nothing did
+    std::int64_t microseconds = 0;  ///< of processor time that the child took
 };
 
 /// Exit status of a child that cannot do without what it must not have.

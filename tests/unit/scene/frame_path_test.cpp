@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 
 namespace scrim {
@@ -50,10 +51,30 @@ TEST(FramePath, LeavesOtherTextAlone) {
     EXPECT_EQ(expandFrame("%4d%s%0d", 1), "%4d%s%0d");
     EXPECT_EQ(expandFrame("cost$$F4.vdb", 1), "cost$F4.vdb");
     EXPECT_EQ(expandFrame("", 1), "");
+    EXPECT_EQ(expandFrame("a$#$#b$%04d.$####.$$##", 7), "a##b%04d.#007.$07");
+    EXPECT_FALSE(hasFrame("a$#$%04d"));
+    EXPECT_EQ(withoutFrame("a$#1.####.%4d.$F4b%d"), "a#1..%4d.b");
     EXPECT_FALSE(hasFrame("a.0001.vdb"));
     EXPECT_FALSE(hasFrame("cost$$F4.vdb"));
     EXPECT_TRUE(hasFrame("a.#.vdb"));
     EXPECT_TRUE(hasFrame("$F/a.vdb"));
+}
+
+TEST(FramePath, HasAPatternForEveryName) {
+    for (const std::string name : {"a##b", "100%04d$F4", "$$#%", "do$lar/${HOME}/$HOME", "plain"}) {
+        const std::string pattern = patternOf(name);
+        EXPECT_FALSE(hasFrame(pattern)) << pattern;
+        EXPECT_EQ(expandFrame(expandVariables(pattern, lookUp, "x"), 7), name) << pattern;
+    }
+    EXPECT_EQ(patternOf("plain/a.exr"), "plain/a.exr");
+}
+
+TEST(FramePath, IsTheSameFromTheRootOn) {
+    EXPECT_EQ(expandFrame(absolutePattern("/jobs/a##b/do$lar", "p.$F4.exr"), 7), "/jobs/a##b/do$lar/p.0007.exr");
+    EXPECT_EQ(absolutePattern("/jobs", "/other/p.####.exr"), "/other/p.####.exr");
+    EXPECT_EQ(expandFrame(absolutePattern("", "p.exr"), 1), (std::filesystem::current_path() / "p.exr").string());
+    EXPECT_EQ(expandFrame(absolutePattern("here", "p.exr"), 1),
+              (std::filesystem::current_path() / "here/p.exr").string());
 }
 
 TEST(FramePath, LimitsTheNumberOfDigits) {
@@ -64,7 +85,7 @@ TEST(FramePath, LimitsTheNumberOfDigits) {
 
 TEST(FramePath, ExpandsVariablesOnce) {
     EXPECT_EQ(expandVariables("/jobs/${SHOT}/${CACHE_2}", lookUp, "x"), "/jobs/sq010/sh020/smoke.####.vdb");
-    EXPECT_EQ(expandVariables("a.$F4.$F.$$.vdb", lookUp, "x"), "a.$F4.$F.$$.vdb");
+    EXPECT_EQ(expandVariables("a.$F4.$F.$$.$#.$%.vdb", lookUp, "x"), "a.$F4.$F.$$.$#.$%.vdb");
 }
 
 TEST(FramePath, RefusesVariablesItDoesNotKnow) {
@@ -78,7 +99,7 @@ TEST(FramePath, RefusesVariablesItDoesNotKnow) {
               "letters, digits and '_'");
     EXPECT_EQ(variableError("$HOME/a.vdb"),
               "scene.toml:3:8: the path '$HOME/a.vdb' has a '$' that begins none of "
-              "${NAME}, $F, $F4 and $$ (a dollar sign)");
+              "${NAME}, $F, $F4, $$ (a dollar sign), $# and $%");
 }
 
 TEST(FramePath, SearchesOnlyThePatternForFrames) {
@@ -153,14 +174,6 @@ TEST(FramePath, OfAFileByThatVeryNameIsThatFile) {
         EXPECT_TRUE(path.outputHasFrame()) << name;
         EXPECT_EQ(path.outputAt(7), folder.file(expandFrame(name, 7)));
     }
-}
-
-TEST(FramePath, ThatIsLiteralHasNoFrame) {
-    const FramePath path{"folder", "take#2.$$.exr", true};
-    EXPECT_FALSE(path.hasFrame());
-    EXPECT_FALSE(path.outputHasFrame());
-    EXPECT_EQ(path.at(7), "folder/take#2.$$.exr");
-    EXPECT_EQ(path.outputAt(7), "folder/take#2.$$.exr");
 }
 
 }  // namespace

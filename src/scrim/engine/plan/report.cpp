@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/effects.h>
+#include <scrim/scene/quality.h>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,18 @@ Json groupJson(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
             {"batch_sheets", group.batchSheets},
             {"bytes", group.bytes},
             {"lights", lights}};
+}
+
+/// The [render] block that renders as this plan does. What stays "auto" depends on the frame or the machine.
+Json renderJson(Dials dials) {
+    if (!dials.crossFade) dials.crossFade = kCrossFade;
+    Json out = Json::object();
+    for (const DialInfo& dial : dialTable()) {
+        const std::string text = dialText(dials, dial.name);
+        const bool isWord = std::isdigit(static_cast<unsigned char>(text.front())) == 0;
+        out[dial.name] = isWord ? Json(text) : Json::parse(text);
+    }
+    return out;
 }
 
 std::string lightLine(const ViewScene& scene, const Plan& plan, const LightPlan& light) {
@@ -117,7 +131,10 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups) groups.push_back(groupJson(scene, plan, group));
     const PixelWindow& r = plan.region;
     const double times = renders(scene);
+    const int rays = scene.dials.antialias;
     Json out{{"voxel", plan.voxel},
+             {"render", renderJson(scene.dials)},
+             {"window", {r.x0 / rays, r.y0 / rays, r.x1 / rays, r.y1 / rays}},
              {"region", {r.x0, r.y0, r.x1, r.y1}},
              {"splat", plan.perView ? "per-view" : "shared"},
              {"shade", plan.shadeAtPixels ? "pixel" : "texel"},
