@@ -13,7 +13,7 @@ namespace {
 // Cosine slack within which a direction counts as inside: rounding of dot products of unit vectors.
 constexpr double kSlack = 1e-13;
 
-bool holds(const Cone& cone, const Vec3& d) {
+bool inside(const Cone& cone, const Vec3& d) {
     return glm::dot(cone.axis, d) >= cone.cosAngle - kSlack;
 }
 
@@ -97,13 +97,13 @@ Cone enclosingCone(const std::vector<Vec3>& directions) {
 
     Cone cone{d[0], 1};
     for (std::size_t i = 1; i < d.size(); ++i) {
-        if (holds(cone, d[i])) continue;
+        if (inside(cone, d[i])) continue;
         cone = {d[i], 1};
         for (std::size_t j = 0; j < i; ++j) {
-            if (holds(cone, d[j])) continue;
+            if (inside(cone, d[j])) continue;
             cone = coneOfTwo(d[i], d[j]);
             for (std::size_t k = 0; k < j; ++k)
-                if (!holds(cone, d[k])) cone = coneOfThree(d[i], d[j], d[k]);
+                if (!inside(cone, d[k])) cone = coneOfThree(d[i], d[j], d[k]);
         }
     }
     // Directions wider than a hemisphere make the construction above meaningless: check it.
@@ -125,8 +125,12 @@ void GrowingCone::findRim() {
         if (m_rim.size() < kEnough && glm::dot(m_cone.axis, d) <= m_cone.cosAngle + kTouches) m_rim.push_back(d);
 }
 
+bool GrowingCone::holds(const std::vector<Vec3>& directions) const {
+    return std::all_of(directions.begin(), directions.end(), [&](const Vec3& d) { return inside(m_cone, d); });
+}
+
 Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
-    if (std::all_of(more.begin(), more.end(), [&](const Vec3& d) { return holds(m_cone, d); })) return m_cone;
+    if (holds(more)) return m_cone;
     // The cone around a part is no wider than that around all. The part grows by what its cone leaves out most, until
     // that is nothing, or the cone too wide to matter.
     std::vector<Vec3> part = m_rim;

@@ -31,6 +31,8 @@ class GrowingCone {
     explicit GrowingCone(std::vector<Vec3> directions);
 
     const Cone& cone() const { return m_cone; }
+    /// Do all of these lie within the cone?
+    bool holds(const std::vector<Vec3>& directions) const;
     /// The cone around all directions and `more`. Where it is wider than `cosMost` says, any cone that is.
     Cone with(const std::vector<Vec3>& more, double cosMost) const;
     void add(const std::vector<Vec3>& more);

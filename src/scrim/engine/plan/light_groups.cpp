@@ -232,6 +232,9 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
                 best = g;
             }
         }
+        // A group that leans further takes what makes it lean no further: a window that other lights have, too.
+        for (std::size_t g = 0; g < groups.size() && best == groups.size(); ++g)
+            if (groups[g].sameSide == item.sameSide && cones[g].holds(item.corners)) best = g;
         if (best == groups.size()) {
             groups.push_back({});
             groups.back().sameSide = item.sameSide;
