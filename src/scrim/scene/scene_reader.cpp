@@ -2,6 +2,7 @@
 #include <scrim/scene/scene_reader.h>
 
 #include <scrim/base/error.h>
+#include <scrim/scene/check_scene.h>
 #include <scrim/scene/read_sections.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/toml_text.h>
@@ -130,17 +131,6 @@ bool movesBetween(const toml::node& node, double begin, double end) {
     });
 }
 
-/// What the shutter means for the scene, which is complete but for that.
-void readShutterOf(const toml::table& tree, Scene& scene) {
-    const Shutter& shutter = *scene.shutter;
-    scene.movesWithin = movesBetween(tree, scene.frame + shutter.open, scene.frame + shutter.close);
-    if (scene.output.deep.file.empty()) return;
-    throw Error(ErrorKind::input,
-                fmt::format("{}: {} does not go with {} of [camera]: a deep pixel has one depth for "
-                            "each thing, and what moves has many; expected one of them",
-                            scene.lines->of("output.deep"), keysOf<OutputKeys>().deep, keysOf<CameraKeys>().shutter));
-}
-
 /// A solid that catches shadows shows them in layers.
 void addShadowLayer(Scene& scene) {
     std::vector<Layer>& layers = scene.output.layers;
@@ -227,7 +217,9 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     std::map<std::string, std::string> lines;
     addLines(tree, "", lines);
     scene.lines = std::make_shared<const SceneLines>(std::move(lines));
-    if (scene.shutter) readShutterOf(tree, scene);
+    if (const auto& shutter = scene.shutter)
+        scene.movesWithin = movesBetween(tree, frame + shutter->open, frame + shutter->close);
+    checkScene(scene);
     return scene;
 }
 

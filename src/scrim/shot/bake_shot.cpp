@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
 #include <scrim/engine/light/baked_light.h>
 #include <scrim/engine/plan/plan.h>
@@ -191,7 +192,7 @@ void warnOfLooks(const Scene& scene, const MessageSink& messages) {
 BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, const RenderOptions& options) {
     Shot::Content& content = *shot.m_content;
     BakedShot out;
-    TaskArena(options.threads).run([&] {
+    const auto bake = [&] {
         Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
         const BakeWants wants{wantedLights(scene, request), request.emission};
         const std::string space = scene.output.colorspace;
@@ -220,7 +221,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         out.metadata = {{"scrim:version", scrimVersion()},
                         {"scrim:frame", fmt::format("{}", frame)},
                         {"scrim:scene", content.text ? content.text->toml({}) : std::string()}};
-    });
+    };
+    withErrors([&] { TaskArena(options.threads).run(bake); });
     return out;
 }
 
