@@ -74,7 +74,8 @@ class Shot {
     ShotPlan plan(int frame, const RenderOptions& options = {});
     ShotPlan plan(Scene scene, const RenderOptions& options = {});
 
-    /// Loads what the frame needs, plans, renders and verifies it. Pixels do not depend on the number of threads.
+    /// Loads what the frame needs, plans, renders and verifies it. Pixels do not depend on the number of threads. All
+    /// of them are finite: throws Error(render) where light is brighter than floats reach.
     ShotFrame render(int frame, const RenderOptions& options = {});
     /// The same for a scene of `scene()` that was changed by hand. The metadata still has the text of the shot. Keys
     /// are values of the frame then, and do not blur it; velocities do.
