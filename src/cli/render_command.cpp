@@ -52,7 +52,8 @@ class RenderRun {
     std::optional<int> frameAfter(const SceneInput& input, int frame);
     RenderOptions optionsOf(const SceneInput& input, int frame);
     void announce(int frame, double seconds);
-    void write(ShotFrame& frame, bool withPreview);
+    void write(const SceneInput& input, ShotFrame& frame);
+    void openDisplay();
     void warnOfLostDisplay();
     void keepMissed(const ShotReport& report);
 
@@ -75,7 +76,7 @@ void RenderRun::run() {
     FileClaims claims;
     claimInputs(inputs, m_options, claims);
     claimOutputs(inputs, m_options, claims);
-    if (!m_options.display.empty()) m_display.emplace(m_options.display);
+    openDisplay();
     for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);
     if (!m_options.stats.empty()) m_stats.emplace(m_options.stats);
     setExrThreads(threadCount());
@@ -139,6 +140,17 @@ void RenderRun::keepMissed(const ShotReport& report) {
                      report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
 }
 
+/// A viewer that is not there is no reason not to render.
+void RenderRun::openDisplay() {
+    if (m_options.display.empty()) return;
+    try {
+        m_display.emplace(m_options.display);
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::output) throw;
+        m_console.warning(fmt::format("{}; pictures are rendered and not shown", error.what()));
+    }
+}
+
 /// Once: pictures are rendered and written all the same.
 void RenderRun::warnOfLostDisplay() {
     const std::string problem = m_display ? m_display->problem() : "";
@@ -148,10 +160,18 @@ void RenderRun::warnOfLostDisplay() {
 }
 
 /// The preview is written last: the picture is what matters.
-void RenderRun::write(ShotFrame& frame, bool withPreview) {
+void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
     frame.write("", m_console.sink());
-    if (frame.hasDeep()) frame.writeDeep("", m_console.sink());
-    if (withPreview) frame.preview();
+    if (!input.deep().pattern.empty()) frame.writeDeep("", m_console.sink());
+    if (!input.preview().pattern.empty()) frame.preview();
+    // Whatever was asked for by whichever way is there, or the program does not end well.
+    const int number = frame.report().frame;
+    for (const FramePath& promised : {input.output(), input.deep(), input.preview()}) {
+        if (promised.pattern.empty()) continue;
+        const std::string path = promised.outputAt(number);
+        if (std::error_code ignored; !std::filesystem::exists(path, ignored))
+            throw Error(ErrorKind::output, fmt::format("frame {}: '{}' was asked for, and is not there", number, path));
+    }
 }
 
 /// Whether there is a whole picture, and a whole deep one where that is asked for; both are then left alone.
@@ -212,7 +232,7 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     keepMissed(report);
     if (m_display) m_display->finish(rendered.image());
     throwIfInterrupted();
-    write(rendered, !input.preview().pattern.empty());
+    write(input, rendered);
     m_console.line(summaryLine(report));
     m_console.detail(detailLines(report));
     if (m_stats) m_stats->add(report);

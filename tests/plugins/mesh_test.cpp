@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 namespace scrim::test {
 namespace {
 
@@ -84,6 +86,22 @@ TEST_F(MeshSource, SurfacesAloneAreSheets) {
     EXPECT_NEAR(mass(f), 3 * (0.5 * s + border * kPi * s * s / 6), 3 * 0.5 * s * 0.05);
     EXPECT_GT(valueAt(f, Vec3(0.25, 0.25, 0.001)), 2.6);
     EXPECT_EQ(valueAt(f, Vec3(0.25, 0.25, 0.11)), 0);
+}
+
+// A hundred thousand times the same triangle is that triangle, and takes no longer.
+TEST_F(MeshSource, TrianglesThatLieOnOneAnotherCountOnce) {
+    constexpr int kTriangles = 100'000;
+    constexpr unsigned kPatience = 20;  // seconds, after which the test ends by a signal
+    std::string same;
+    for (int i = 0; i < kTriangles; ++i)
+        same += fmt::format("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {} {} {}\n", 3 * i + 1 + i % 3, 3 * i + 1 + (i + 1) % 3,
+                            3 * i + 1 + (i + 2) % 3);
+    ::alarm(kPatience);
+    const Parameters sheet{{"fill", "false"}};
+    const SparseField many = fog(write("many.obj", same), sheet), one = fog(write("one.obj", kTriangle), sheet);
+    ::alarm(0);
+    EXPECT_EQ(many.blockOrigins, one.blockOrigins);
+    EXPECT_EQ(mass(many), mass(one));
 }
 
 TEST_F(MeshSource, BadFilesAreRefused) {
