@@ -30,7 +30,7 @@ using Change = std::function<void(Scene&)>;
 
 SparseField fog() {
     FieldBuilder builder("density", Mat4(1.0));
-    builder.addBlock(Int3(-4), std::vector<float>(kBlockVoxels, 1.0f).data());
+    builder.addBlock(Int3(0), std::vector<float>(kBlockVoxels, 1.0f).data());
     return builder.finish();
 }
 
@@ -202,6 +202,14 @@ TEST(Checks, WantOfMemoryIsAnError) {
     options.change = [](Scene&) { std::vector<double>().reserve(std::vector<double>().max_size() + 1); };
     EXPECT_EQ(errorOf(ErrorKind::memory, [&] { shot.plan(1, options); }),
               "out of memory: more was asked for at once than any machine has");
+}
+
+TEST(Checks, LightBeyondFloatsIsAnError) {
+    Shot shot = plainShot();
+    RenderOptions options;
+    options.change = [](Scene& scene) { scene.lights[0].intensity = Rgb(0, 1e45, 0); };
+    const std::string message = errorOf(ErrorKind::render, [&] { shot.render(3, options); });
+    EXPECT_EQ(message.rfind("frame 3: 'G' is ", 0), 0u) << message;
 }
 
 // The checks hold for what readers make, too: none of them may refuse what a scene usually is.
