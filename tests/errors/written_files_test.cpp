@@ -89,7 +89,6 @@ TEST_F(WrittenFiles, WithLinesInTheirNamesArePrintedAsAnyOther) {
     EXPECT_TRUE(exists(name));
     for (const char* input : {"scene.toml", "smoke.vdb"}) {
         const std::string printed = runWell({"render", input, "-o", name, "--print-scene"}).out;
-        EXPECT_NE(printed.find(R"(file = "a\)"), std::string::npos) << printed;
         std::filesystem::remove(file(name));
         write("printed.toml", printed);
         runWell({"render", "printed.toml", "--res", "16x12"});

@@ -173,7 +173,7 @@ TEST(Checks, WhatGoesTogetherInNoFileDoesNotInCode) {
             s.shutter = Shutter{-0.25, 0.25};
             s.output.deep.file = "deep.exr";
         });
-    expectRefused("[output]: 'fps' is 0; expected a number greater than 0 and of at most 1e+06 frames a second",
+    expectRefused("[output]: 'fps' is 0; expected a number greater than 0 and of at most 1000000 frames a second",
                   [](Scene& s) { s.output.fps = 0; });
 }
 
