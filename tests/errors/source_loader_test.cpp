@@ -200,7 +200,10 @@ TEST_F(SourceLoader, ThreadsOfTheHostMayHoldLocks) {
     ::alarm(kPatience);
     std::atomic<bool> done{false};
     std::thread host([&] {
-        while (!done) std::locale::global(std::locale::classic());
+        const std::locale own(std::locale::classic(), new std::numpunct<char>);
+        while (!done)
+            for (const std::locale& other : {own, std::locale::classic(), own}) std::locale::global(other);
+        std::locale::global(std::locale::classic());
     });
     constexpr int kLoads = 200, kGuardedLoads = 5;
     for (int i = 0; i < kLoads; ++i) {
