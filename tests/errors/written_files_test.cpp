@@ -48,6 +48,11 @@ TEST_F(WrittenFiles, AreFinite) {
               std::string::npos)
         << result.err;
     for (const char* name : {"x.exr", "x.png", "d.exr"}) EXPECT_FALSE(exists(name)) << name;
+    expectFailure({"bake", "scene.toml", "-o", "light.vdb", "--set", "light.key.intensity=1e30", "--set",
+                   "light.key.exposure=64"},
+                  kFailed,
+                  "frame 1: the grid 'key' is infinite, or no number, in places; nothing is written. Light that is "
+                  "brighter than floats reach makes such values");
 }
 
 TEST_F(WrittenFiles, OfHalvesAreClampedAndToldSo) {

@@ -2,6 +2,7 @@
 #include <scrim/shot/bake_shot.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/finite.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
@@ -218,6 +219,12 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
                             isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wants);
         }
         out.grids = maker.take();
+        for (const VdbGrid& grid : out.grids)
+            if (!allFinite(grid.values))
+                throw Error(ErrorKind::render,
+                            fmt::format("frame {}: the grid '{}' is infinite, or no number, in places; nothing is "
+                                        "written. Light that is brighter than floats reach makes such values",
+                                        frame, grid.name));
         out.metadata = {{"scrim:version", scrimVersion()},
                         {"scrim:frame", fmt::format("{}", frame)},
                         {"scrim:scene", content.text ? content.text->toml({}) : std::string()}};

@@ -2,6 +2,7 @@
 #include <scrim/shot/frame_output.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/finite.h>
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_deep.h>
@@ -14,9 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 namespace scrim {
@@ -97,19 +96,6 @@ ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
         return {layer.channels, layer.data, true};
     if (isShare(content.kinds[i])) return {layer.channels, layer.data};
     return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
-}
-
-/// Of infinities, and of what is no number, all bits of the exponent are set.
-bool isFinite(float value) {
-    constexpr std::uint32_t kExponent = 0x7f800000;
-    return (std::bit_cast<std::uint32_t>(value) & kExponent) != kExponent;
-}
-
-/// A pass over memory that costs next to nothing beside the render.
-bool allFinite(const std::vector<float>& values) {
-    bool all = true;
-    for (const float value : values) all &= isFinite(value);
-    return all;
 }
 
 [[noreturn]] void refuseValue(int frame, float value, const std::string& channel, int x, int y) {
