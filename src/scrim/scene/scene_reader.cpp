@@ -86,6 +86,12 @@ void addLines(const toml::table& table, const std::string& prefix, std::map<std:
     }
 }
 
+std::map<std::string, std::string> linesOf(const toml::table& tree) {
+    std::map<std::string, std::string> lines;
+    addLines(tree, "", lines);
+    return lines;
+}
+
 /// Does any value in it have keys?
 bool hasKeys(const toml::node& node) {
     if (const toml::array* list = node.as_array())
@@ -214,9 +220,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     root.finish();
     addShadowLayer(scene);
     scene.warnings = *context.warnings;
-    std::map<std::string, std::string> lines;
-    addLines(tree, "", lines);
-    scene.lines = std::make_shared<const SceneLines>(std::move(lines));
+    scene.lines = std::make_shared<const SceneLines>(linesOf(tree));
     if (const auto& shutter = scene.shutter)
         scene.movesWithin = movesBetween(tree, frame + shutter->open, frame + shutter->close);
     checkScene(scene);
