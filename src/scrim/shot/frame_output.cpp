@@ -182,16 +182,18 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
     options.half = output.half;
     options.compression = output.compression;
     options.acesContainer = output.half && content.layers.empty() && colour.isAces2065(output.colorspace);
+    const bool converts = output.colorspace != colour.workingSpace();
     std::vector<ExrLayer> layers;
     for (std::size_t i = 0; i < content.layers.size(); ++i) {
         layers.push_back(exrLayer(content, i));
-        checkFinite(content.report.frame, content.image.window, layers.back().channels, layers.back().data);
+        if (converts)
+            checkFinite(content.report.frame, content.image.window, layers.back().channels, layers.back().data);
         // Where nothing is everything comes through: readers take what lies beyond the data window for 0.
         options.wholeWindow = options.wholeWindow || isShare(content.kinds[i]);
     }
     Image image = content.image;
     colour.convert(image, colour.workingSpace(), output.colorspace);
-    checkFinite(content.report.frame, image.window, kRgba, image.rgba);
+    if (converts) checkFinite(content.report.frame, image.window, kRgba, image.rgba);
     return writeExr(path, image, options, attributesOf(content), layers);
 }
 
