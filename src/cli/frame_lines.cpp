@@ -52,10 +52,4 @@ std::string detailLines(const ShotReport& r) {
         double(count("buffer_bytes")) / (1 << 20), double(r.peakBytes) / (1 << 20));
 }
 
-std::string reportsAsJson(const std::vector<ShotReport>& reports) {
-    Json all = Json::array();
-    for (const ShotReport& report : reports) all.push_back(Json::parse(reportAsJson(report)));
-    return all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
 }  // namespace scrim::cli

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program says of a rendered frame: the line at its end, the details below it, and --stats.
+// What the program says of a rendered frame: the line at its end, and the details below it.
 #pragma once
 
 #include <scrim/shot/shot_frame.h>
 
 #include <string>
-#include <vector>
 
 namespace scrim::cli {
 
@@ -13,8 +12,5 @@ namespace scrim::cli {
 std::string summaryLine(const ShotReport& report);
 /// The stages and the work, several lines without the last newline.
 std::string detailLines(const ShotReport& report);
-
-/// All frames, as an array.
-std::string reportsAsJson(const std::vector<ShotReport>& reports);
 
 }  // namespace scrim::cli

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGINT and SIGTERM: the first asks the work to stop at the next safe place, and ends the program within a second where
+// SIGINT and SIGTERM: the first asks the work to stop at the next safe place, and ends the program in a second where
 // none comes; a second one ends it at once. Either way no half-written file stays behind.
 #pragma once
 

@@ -26,10 +26,8 @@
 
 #include <csignal>
 #include <cstdio>
-#include <new>
 #include <sstream>
 #include <string>
-#include <system_error>
 #include <vector>
 
 namespace scrim::cli {
@@ -250,15 +248,9 @@ int main(int argc, char** argv) {
     using namespace scrim;
     openStandardStreams();
     try {
-        return cli::run({argv + 1, argv + argc});
+        return withErrors([&] { return cli::run({argv + 1, argv + argc}); });
     } catch (const Error& error) {
         return cli::fail(cli::statusOf(error.kind()), error.what());
-    } catch (const std::bad_alloc&) {
-        return cli::fail(cli::kMemoryStatus, "out of memory");
-    } catch (const std::system_error& error) {
-        if (error.code() == std::errc::resource_unavailable_try_again)
-            return cli::fail(cli::kMemoryStatus, "out of memory, or of threads (ulimit -v, ulimit -u)");
-        return cli::fail(cli::statusOf(kindOfSystemError(error.code().value(), ErrorKind::render)), error.what());
     } catch (const std::exception& error) {
         return cli::fail(1, error.what());
     }

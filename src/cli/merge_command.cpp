@@ -50,6 +50,9 @@ void merge(const MergeOptions& options) {
             fmt::format("{}: the tiles were compressed with loss, and are once more; render tiles with "
                         "another compression, and merge them with --compression dwaa",
                         options.output));
+    if (!merged.notFinite.empty())
+        console.warning(fmt::format("{}: holds values that are infinite or no numbers, as '{}' does", options.output,
+                                    shortened(merged.notFinite)));
     if (!merged.leftOut.empty())
         console.warning(fmt::format("{}: left out what tiles say of themselves: {}", options.output,
                                     fmt::join(merged.leftOut, ", ")));

@@ -8,6 +8,7 @@
 #include "interrupt.h"
 #include "progress.h"
 #include "scene_input.h"
+#include "stats_file.h"
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
@@ -51,7 +52,8 @@ class RenderRun {
     std::optional<int> frameAfter(const SceneInput& input, int frame);
     RenderOptions optionsOf(const SceneInput& input, int frame);
     void announce(int frame, double seconds);
-    void write(ShotFrame& frame, bool withPreview);
+    void write(const SceneInput& input, ShotFrame& frame);
+    void openDisplay();
     void warnOfLostDisplay();
     void keepMissed(const ShotReport& report);
 
@@ -59,8 +61,9 @@ class RenderRun {
     Console m_console;
     Progress m_progress;
     std::set<std::string> m_whole;  // pictures that were there
-    std::vector<ShotReport> m_reports;
-    std::vector<std::string> m_missed;  // tolerances
+    std::optional<StatsFile> m_stats;
+    std::size_t m_missed = 0;  // tolerances
+    std::string m_firstMissed;
     std::optional<DisplayServer> m_display;
 };
 
@@ -73,8 +76,9 @@ void RenderRun::run() {
     FileClaims claims;
     claimInputs(inputs, m_options, claims);
     claimOutputs(inputs, m_options, claims);
-    if (!m_options.display.empty()) m_display.emplace(m_options.display);
+    openDisplay();
     for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);
+    if (!m_options.stats.empty()) m_stats.emplace(m_options.stats);
     setExrThreads(threadCount());
     int count = 0;
     for (const SceneInput& input : inputs) count += static_cast<int>(input.frames().size());
@@ -85,12 +89,11 @@ void RenderRun::run() {
             m_progress.beginFrame(frame);
             renderFrame(input, frame);
             m_progress.endFrame();
-            // After each frame: what a killed run did is known up to there.
-            if (!m_options.stats.empty()) writeWholeFile(m_options.stats, reportsAsJson(m_reports));
         }
-    if (m_missed.empty()) return;
-    const std::string others = m_missed.size() > 1 ? fmt::format(" (and {} more frames)", m_missed.size() - 1) : "";
-    throw Error(ErrorKind::accuracy, m_missed.front() + others);
+    if (m_stats) m_stats->finish();
+    if (m_missed == 0) return;
+    const std::string others = m_missed > 1 ? fmt::format(" (and {} more frames)", m_missed - 1) : "";
+    throw Error(ErrorKind::accuracy, m_firstMissed + others);
 }
 
 /// Tells how long a verification will take, where that is worth a line.
@@ -115,8 +118,7 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
     if (m_options.verbose) options.planned = [this](const ShotPlan& plan) { m_console.detail(plan.table); };
     options.change = [this, &input](Scene& scene) {
         input.change(scene);
-        for (const std::string& path :
-             {scene.output.file, scene.output.deep.file, scene.output.preview.file, m_options.stats})
+        for (const std::string& path : {scene.output.file, scene.output.deep.file, scene.output.preview.file})
             checkWritable(path);
         if (!scene.output.preview.file.empty()) pictureModulePath();
     };
@@ -124,16 +126,29 @@ RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
 }
 
 void RenderRun::keepMissed(const ShotReport& report) {
+    const auto keep = [this](const std::string& text) {
+        if (m_missed++ == 0) m_firstMissed = text;
+    };
     if (report.scattering && !report.scattering->converged)
-        m_missed.push_back(
+        keep(
             fmt::format("frame {}: written, but a further sweep would have changed the light that scatters more than "
                         "once by {:.2g}, more than render.scatter_error = {:.2g}",
                         report.frame, report.scattering->change, report.scattering->wanted));
     if (!report.tolerance || report.tolerance->met) return;
-    m_missed.push_back(
-        fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}", report.frame,
-                    report.tolerance->bound, report.tolerance->wanted,
-                    report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+    keep(fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}",
+                     report.frame, report.tolerance->bound, report.tolerance->wanted,
+                     report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+}
+
+/// A viewer that is not there is no reason not to render.
+void RenderRun::openDisplay() {
+    if (m_options.display.empty()) return;
+    try {
+        m_display.emplace(m_options.display);
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::output) throw;
+        m_console.warning(fmt::format("{}; pictures are rendered and not shown", error.what()));
+    }
 }
 
 /// Once: pictures are rendered and written all the same.
@@ -145,10 +160,18 @@ void RenderRun::warnOfLostDisplay() {
 }
 
 /// The preview is written last: the picture is what matters.
-void RenderRun::write(ShotFrame& frame, bool withPreview) {
+void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
     frame.write("", m_console.sink());
-    if (frame.hasDeep()) frame.writeDeep("", m_console.sink());
-    if (withPreview) frame.preview();
+    if (!input.deep().pattern.empty()) frame.writeDeep("", m_console.sink());
+    if (!input.preview().pattern.empty()) frame.preview();
+    // Whatever was asked for by whichever way is there, or the program does not end well.
+    const int number = frame.report().frame;
+    for (const FramePath& promised : {input.output(), input.deep(), input.preview()}) {
+        if (promised.pattern.empty()) continue;
+        const std::string path = promised.outputAt(number);
+        if (std::error_code ignored; !std::filesystem::exists(path, ignored))
+            throw Error(ErrorKind::output, fmt::format("frame {}: '{}' was asked for, and is not there", number, path));
+    }
 }
 
 /// Whether there is a whole picture, and a whole deep one where that is asked for; both are then left alone.
@@ -209,10 +232,10 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     keepMissed(report);
     if (m_display) m_display->finish(rendered.image());
     throwIfInterrupted();
-    write(rendered, !input.preview().pattern.empty());
+    write(input, rendered);
     m_console.line(summaryLine(report));
     m_console.detail(detailLines(report));
-    m_reports.push_back(report);
+    if (m_stats) m_stats->add(report);
     warnOfLostDisplay();
 }
 

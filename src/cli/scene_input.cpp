@@ -23,20 +23,10 @@
 namespace scrim::cli {
 namespace {
 
-std::string quoted(const std::string& text) {
-    std::string out(1, '"');
-    for (const char c : text) {
-        if (c == '"' || c == '\\') out += '\\';
-        out += c;
-    }
-    out += '"';
-    return out;
-}
-
 /// What the command line changes in the scene, in the order of being applied.
 std::vector<std::string> overridesOf(const SceneOptions& options) {
     std::vector<std::string> overrides;
-    if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", quoted(options.quality)));
+    if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", tomlString(options.quality)));
     if (options.tolerance > 0) overrides.push_back(fmt::format("render.tolerance={}", options.tolerance));
     overrides.insert(overrides.end(), options.sets.begin(), options.sets.end());
     return overrides;
@@ -171,13 +161,17 @@ std::string SceneInput::printedToml(const RenderOptions& options) {
                                 "names it; rename it, or make a link to it",
                                 name()));
     if (m_options.output.empty()) return m_shot.toml({}, options);
+    if (!isUtf8(m_options.output))
+        throw Error(ErrorKind::usage,
+                    "--output: the name is not UTF-8, which all text of scenes is: no scene can be "
+                    "printed that names it");
     // The text that frames an asset stays as readable as it is.
     if (m_shot.isAsset() && overridesOf(m_options).empty())
-        return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", quoted(m_options.output));
+        return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", tomlString(m_options.output));
     // Paths of the command line are relative to the current folder, those of a scene to its own.
     const bool here = m_shot.isAsset() || std::filesystem::path(name()).parent_path().empty();
     const std::string file = here ? m_options.output : absolutePattern("", m_options.output);
-    return m_shot.toml({fmt::format("output.file={}", quoted(file))}, options);
+    return m_shot.toml({fmt::format("output.file={}", tomlString(file))}, options);
 }
 
 std::vector<SceneInput> openInputs(const SceneOptions& options) {

@@ -12,8 +12,7 @@ namespace {
 scrim::FileMesh read(const std::string& path, bool alone) {
     scrim::FileMesh out;
     try {
-        mesh::Mesh file = mesh::readMesh(
-            path, [] { return true; }, alone);
+        mesh::Mesh file = mesh::readMesh(path, alone);
         out.mesh.points.reserve(file.points.size());
         for (const mesh::Point& p : file.points) out.mesh.points.emplace_back(p[0], p[1], p[2]);
         out.mesh.triangles = std::move(file.triangles);

@@ -13,8 +13,10 @@
 #include "support/source_files.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <fstream>
+#include <locale>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -188,6 +190,31 @@ TEST_F(SourceLoader, SaysWhatThisProcessSaysOfBadFiles) {
     write("far.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
     write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     for (const char* name : {"none.ply", "x.stl", "far.obj", "open.obj"}) expectSameRefusal("mesh", name);
+}
+
+// A process with threads that is forked, and goes on as itself, waits for ever for the locks that other threads held
+// then: here the one of the locale, which whoever reads or writes numbers asks for.
+TEST_F(SourceLoader, ThreadsOfTheHostMayHoldLocks) {
+    write("cube.obj", kCubeObj);
+    constexpr unsigned kPatience = 60;  // seconds, after which the test ends by a signal
+    ::alarm(kPatience);
+    std::atomic<bool> done{false};
+    std::thread host([&] {
+        const std::locale own(std::locale::classic(), new std::numpunct<char>);
+        while (!done)
+            for (const std::locale& other : {own, std::locale::classic(), own}) std::locale::global(other);
+        std::locale::global(std::locale::classic());
+    });
+    constexpr int kLoads = 200, kGuardedLoads = 5;
+    for (int i = 0; i < kLoads; ++i) {
+        EXPECT_FALSE(loadMesh(file("cube.obj"), {}).triangles.empty());
+        if (i % 20 != 0) continue;
+        EXPECT_GT(sourceFields("mesh", with("cube.obj", {{"resolution", "8"}}), {}, {}).at(0).activeVoxels, 0u);
+    }
+    for (int i = 0; i < kGuardedLoads; ++i) EXPECT_FALSE(loadMesh(file("cube.obj"), kGuarded).triangles.empty());
+    done = true;
+    host.join();
+    ::alarm(0);
 }
 
 TEST_F(SourceLoader, FilesOfOneFolderBelongTogetherAndNoOthers) {

@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -18,9 +22,43 @@ namespace {
 constexpr double kMostVoxels = 16384;    // along an axis
 constexpr double kFarthest = 1 << 28;    // from the origin, in voxels
 constexpr double kRounding = 1e-4;       // of distances in single precision, in parts of the ramp
+constexpr double kCrowded = 4;           // times that triangles cover the box around them
 constexpr double kMostBand = 536870912;  // voxels near surfaces: 2 GB of distances
 
 using Vec3 = openvdb::Vec3d;
+
+/// One number for all points of a place.
+std::vector<std::uint32_t> placesOf(const std::vector<Point>& points) {
+    std::vector<std::uint32_t> order(points.size()), places(points.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return points[a] < points[b]; });
+    for (std::size_t i = 0; i < order.size(); ++i)
+        places[order[i]] = i > 0 && points[order[i]] == points[order[i - 1]] ? places[order[i - 1]] : order[i];
+    return places;
+}
+
+/// Without triangles that have the corners of another: they change no distance, and each costs as much as the first.
+Mesh withoutDoubles(const Mesh& mesh) {
+    using Triangle = std::array<std::uint32_t, 3>;
+    const std::vector<std::uint32_t> places = placesOf(mesh.points);
+    std::vector<std::pair<Triangle, std::uint32_t>> keys;
+    keys.reserve(mesh.triangles.size());
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        Triangle corners = mesh.triangles[i];
+        for (std::uint32_t& corner : corners) corner = places[corner];
+        std::sort(corners.begin(), corners.end());
+        keys.emplace_back(corners, i);
+    }
+    std::sort(keys.begin(), keys.end());
+    const auto end =
+        std::unique(keys.begin(), keys.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
+    std::vector<std::uint32_t> kept;
+    for (auto key = keys.begin(); key != end; ++key) kept.push_back(key->second);
+    std::sort(kept.begin(), kept.end());
+    Mesh out{mesh.points, {}};
+    for (const std::uint32_t i : kept) out.triangles.push_back(mesh.triangles[i]);
+    return out;
+}
 
 /// What OpenVDB's tool asks of a mesh.
 class Adapter {
@@ -42,8 +80,9 @@ class Adapter {
     double m_voxel;
 };
 
-/// Refuses what would not fit, from the triangles' extent and area.
-void checkSize(const Adapter& mesh, double halfBand) {
+/// Refuses what would not fit, from the triangles' extent and area. Returns how many times the triangles would cover
+/// the faces of the box around them.
+double checkSize(const Adapter& mesh, double halfBand) {
     Vec3 lower(std::numeric_limits<double>::infinity()), upper(-lower);
     double area = 0;
     for (std::size_t i = 0; i < mesh.polygonCount(); ++i) {
@@ -69,6 +108,7 @@ void checkSize(const Adapter& mesh, double halfBand) {
             fmt::format("about {:.3g} voxels lie near the surface, expected at most {:.3g}: choose a larger 'voxel' or "
                         "a smaller 'soft'",
                         band, kMostBand));
+    return area / (2 * (extent.x() * extent.y() + extent.y() * extent.z() + extent.z() * extent.x()));
 }
 
 class Emitter {
@@ -130,10 +170,12 @@ class Emitter {
 }  // namespace
 
 int emitFog(const scrim_host* host, const Mesh& mesh, const Fog& fog) {
-    const Adapter adapter(mesh, fog.voxel);
     // Beyond the band distances are cut off, which must not matter to the ramp.
     const double halfBand = (fog.fill ? 0.5 : 1.0) * fog.soft / fog.voxel + 1;
-    checkSize(adapter, halfBand);
+    // So much surface in so little space lies on itself as a rule, which is looked for then alone.
+    const bool crowded = checkSize(Adapter(mesh, fog.voxel), halfBand) > kCrowded;
+    const Mesh distinct = crowded ? withoutDoubles(mesh) : Mesh();
+    const Adapter adapter(crowded ? distinct : mesh, fog.voxel);
 
     const double shift = 0.5 * fog.voxel, v = fog.voxel;
     const double worldFromIndex[16] = {v, 0, 0, shift, 0, v, 0, shift, 0, 0, v, shift, 0, 0, 0, 1};

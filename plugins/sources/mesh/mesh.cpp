@@ -54,8 +54,7 @@ int run(const scrim_host* host, const scrim_value* values) {
     const std::string path = values[kFile].text;
     if (path.empty()) throw std::runtime_error("expected 'file', a .obj or .ply file");
     const bool alone = host->struct_size >= sizeof(scrim_host) && host->alone != 0;
-    const Mesh mesh = readMesh(
-        path, [host] { return host->progress(host, 0) == 0; }, alone);
+    const Mesh mesh = readMesh(path, alone);
     if (const int stop = host->progress(host, 0.2); stop != 0) return stop;
 
     Fog fog;

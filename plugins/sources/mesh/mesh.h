@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,10 +19,10 @@ struct Mesh {
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// The triangles of an OBJ or PLY file; polygons are cut into triangles, all else is left out. At least one triangle,
-/// or none where `goOn`, which is asked now and then, said false. Throws std::runtime_error "`path`: ..." where there
-/// is no triangle or the file is missing or damaged. `alone`: this process was made for that, and may crash.
-Mesh readMesh(const std::string& path, const std::function<bool()>& goOn, bool alone);
+/// The triangles of an OBJ or PLY file, at least one; polygons are cut into triangles, all else is left out. Throws
+/// std::runtime_error "`path`: ..." where there is no triangle or the file is missing or damaged. `alone`: this process
+/// was made for that, and gets limits; where it was not, a damaged file may crash it.
+Mesh readMesh(const std::string& path, bool alone);
 
 struct Fog {
     double voxel = 1;    ///< edge, in world units; voxel i has its centre at (i + 0.5) voxel

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes through Assimp. Its readers crash or hang on many a damaged file, so they run in a process of their own, with
-// all other formats switched off.
+// Meshes through Assimp, with all formats but OBJ and PLY switched off. Its readers crash or hang on many a damaged
+// file: whoever cannot trust a file has it read by a process of its own (VolumeLoading::guarded). Nothing is forked
+// here, since a process with threads may hold locks that a fork would wait for for ever.
 #include "mesh.h"
 
-#include "apart.h"
+#include "alone.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -29,8 +29,8 @@ namespace {
 
 constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 31;  // what Assimp's counters take
 
-// What a reader may use before its file counts as damaged: several times what sound ones took when tried (some 20 bytes
-// a byte, 20 MB a second).
+// What a reader that is alone may use before its file counts as damaged: several times what sound ones took when tried
+// (some 20 bytes a byte, 20 MB a second).
 constexpr std::uint64_t kMemory = std::uint64_t{1} << 30, kMemoryPerByte = 100;
 constexpr unsigned kSeconds = 3;
 constexpr std::size_t kBytesPerSecond = 1'000'000;
@@ -140,25 +140,7 @@ void append(const aiMesh& part, Mesh& mesh) {
     }
 }
 
-template <typename T>
-void put(std::string& bytes, const std::vector<T>& items) {
-    const std::uint64_t count = items.size();
-    bytes.append(reinterpret_cast<const char*>(&count), sizeof count);
-    bytes.append(reinterpret_cast<const char*>(items.data()), count * sizeof(T));
-}
-
-template <typename T>
-std::vector<T> take(std::string_view& bytes) {
-    std::uint64_t count = 0;
-    std::memcpy(&count, bytes.data(), sizeof count);
-    std::vector<T> items(count);
-    if (count > 0) std::memcpy(items.data(), bytes.data() + sizeof count, count * sizeof(T));
-    bytes.remove_prefix(sizeof count + count * sizeof(T));
-    return items;
-}
-
-/// In that process: the mesh as `take` takes it.
-std::string importMesh(const std::string& bytes, const std::string& ending) {
+Mesh importMesh(const std::string& bytes, const std::string& ending) {
     Assimp::Importer importer;
     keepReader(importer, ending);
     const aiScene* scene =
@@ -170,31 +152,31 @@ std::string importMesh(const std::string& bytes, const std::string& ending) {
     }
     Mesh mesh;
     for (unsigned i = 0; i < scene->mNumMeshes; ++i) append(*scene->mMeshes[i], mesh);
-    std::string out;
-    put(out, mesh.points);
-    put(out, mesh.triangles);
-    return out;
+    return mesh;
+}
+
+/// The same within what such a file may take.
+Mesh importAlone(const std::string& bytes, const std::string& ending) {
+    const AloneLimits limits(kMemory + kMemoryPerByte * bytes.size(),
+                             kSeconds + static_cast<unsigned>(bytes.size() / kBytesPerSecond));
+    try {
+        return importMesh(bytes, ending);
+    } catch (const std::bad_alloc&) {
+        if (limits.lackMemory()) throw;
+        throw std::runtime_error("it needs more memory than a file of its size should");
+    }
 }
 
 }  // namespace
 
-Mesh readMesh(const std::string& path, const std::function<bool()>& goOn, bool alone) {
+Mesh readMesh(const std::string& path, bool alone) {
     const std::string ending = endingOf(path);
     if (ending != ".obj" && ending != ".ply") refuse(path, "expected a file that ends in .obj or .ply");
     const std::string bytes = bytesOf(path);
     if (ending == ".ply") checkPlyHeader(bytes, path);
-
-    ApartLimits limits;
-    limits.moreMemory = kMemory + kMemoryPerByte * bytes.size();
-    limits.seconds = kSeconds + static_cast<unsigned>(bytes.size() / kBytesPerSecond);
     Mesh mesh;
     try {
-        const auto import = [&] { return importMesh(bytes, ending); };
-        const std::string read = alone ? runAlone(import, limits) : runApart(import, limits, goOn);
-        if (read.empty()) return mesh;
-        std::string_view rest = read;
-        mesh.points = take<Point>(rest);
-        mesh.triangles = take<std::array<std::uint32_t, 3>>(rest);
+        mesh = alone ? importAlone(bytes, ending) : importMesh(bytes, ending);
     } catch (const std::runtime_error& error) {
         refuse(path, error.what());
     }

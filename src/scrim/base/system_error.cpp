@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <new>
+#include <stdexcept>
 #include <system_error>
 
 #include <fcntl.h>
@@ -28,6 +30,20 @@ ErrorKind kindOfSystemError(int errorNumber, ErrorKind otherwise) {
             return ErrorKind::render;
         default:
             return otherwise;
+    }
+}
+
+void throwAsError() {
+    try {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorKind::memory, "out of memory");
+    } catch (const std::length_error&) {
+        throw Error(ErrorKind::memory, "out of memory: more was asked for at once than any machine has");
+    } catch (const std::system_error& error) {
+        if (error.code() == std::errc::resource_unavailable_try_again)
+            throw Error(ErrorKind::memory, "out of memory, or of threads (ulimit -v, ulimit -u)");
+        throw Error(kindOfSystemError(error.code().value(), ErrorKind::render), error.what());
     }
 }
 

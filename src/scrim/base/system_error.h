@@ -14,6 +14,20 @@ namespace scrim {
 /// Of an error number: `memory` for want of it, `render` for want of descriptors, else `otherwise`.
 ErrorKind kindOfSystemError(int errorNumber, ErrorKind otherwise);
 
+/// In a catch block: throws what was caught. What there was no memory for (std::bad_alloc, a size that no container can
+/// have, no further thread) is an Error(memory), any other std::system_error one as kindOfSystemError says.
+[[noreturn]] void throwAsError();
+
+/// Runs `task`; what it throws is thrown as throwAsError does.
+template <typename Task>
+auto withErrors(const Task& task) {
+    try {
+        return task();
+    } catch (...) {
+        throwAsError();
+    }
+}
+
 /// "No space left on device"; of limits also how they are raised.
 std::string systemErrorText(int errorNumber);
 

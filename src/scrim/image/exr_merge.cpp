@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/image/exr_merge.h>
 
+#include <scrim/base/finite.h>
 #include <scrim/base/parallel.h>
 #include <scrim/image/exr_header.h>
 #include <scrim/image/exr_tile.h>
@@ -15,6 +16,7 @@
 #include <OpenEXR/ImfPartType.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 
@@ -58,6 +60,31 @@ struct Stripe {
         return std::size_t(y - window.y0) * std::size_t(window.width()) + std::size_t(x - window.x0);
     }
 };
+
+bool isFiniteHalf(std::uint16_t bits) {
+    constexpr std::uint16_t kExponent = 0x7c00;
+    return (bits & kExponent) != kExponent;
+}
+
+template <typename Value, typename Check>
+bool allOf(const std::vector<char>& bytes, const Check& check) {
+    bool all = true;
+    for (std::size_t i = 0; i + sizeof(Value) <= bytes.size(); i += sizeof(Value)) {
+        Value value{};
+        std::memcpy(&value, bytes.data() + i, sizeof value);
+        all &= check(value);
+    }
+    return all;
+}
+
+bool holdsFinite(const Stripe& part, const std::vector<Channel>& channels) {
+    for (std::size_t c = 0; c < part.storage.size(); ++c) {
+        const std::vector<char>& bytes = part.storage[c];
+        if (channels[c].type == Imf::HALF && !allOf<std::uint16_t>(bytes, isFiniteHalf)) return false;
+        if (channels[c].type == Imf::FLOAT && !allOf<float>(bytes, isFinite)) return false;
+    }
+    return true;
+}
 
 /// A tile that is open, flat or deep.
 class OpenTile {
@@ -144,6 +171,7 @@ class Joiner {
     }
 
     const std::vector<Channel>& channels() const { return m_channels; }
+    const std::string& notFinite() const { return m_notFinite; }
 
     /// Valid until the next call.
     const Stripe& stripe(const PixelWindow& rows) {
@@ -153,6 +181,7 @@ class Joiner {
         for (OpenTile& tile : m_tiles) {
             if (intersection(tile.tile().crop, rows).empty()) continue;
             m_parts.push_back(std::make_unique<Stripe>(tile.read(rows)));
+            if (m_notFinite.empty() && !holdsFinite(*m_parts.back(), m_channels)) m_notFinite = tile.tile().path;
             for (const OpenTile* other : before) compare(tile.tile(), other->tile(), *m_parts.back());
             paste(*m_parts.back());
             before.push_back(&tile);
@@ -196,6 +225,7 @@ class Joiner {
     std::vector<OpenTile> m_tiles;
     std::vector<std::unique_ptr<Stripe>> m_parts;
     std::unique_ptr<Stripe> m_whole;
+    std::string m_notFinite;  // the first tile that held what is not
 };
 
 /// Calls `write` with the stripes of `window`, one after the other.
@@ -283,6 +313,7 @@ MergedExr mergeExr(const std::vector<std::string>& paths, const std::string& pat
         else
             writeFlat(stream, header, merged.window, joiner, checkpoint);
         stream.close();
+        merged.notFinite = joiner.notFinite();
         return merged;
     });
 }

@@ -14,6 +14,7 @@ struct MergedExr {
     PixelWindow window;                ///< the data window that was written
     bool deep = false;                 ///< is it a deep picture?
     bool lossyTwice = false;           ///< what the compression of the tiles lost is lost of them once more
+    std::string notFinite;             ///< the first tile with values that are infinite or no numbers; "": none has any
     std::vector<std::string> leftOut;  ///< attributes that say something of each tile and nothing of the whole
 };
 

@@ -131,8 +131,10 @@ std::string cropText(const PixelWindow& window) {
 }
 
 ExrTile readExrTile(const std::string& path) {
-    if (std::error_code ignored; !std::filesystem::is_regular_file(path, ignored))
-        refuse(path, "there is no such file");
+    std::error_code ignored;
+    const std::filesystem::file_status status = std::filesystem::status(path, ignored);
+    if (!std::filesystem::exists(status)) refuse(path, "there is no such file");
+    if (!std::filesystem::is_regular_file(status)) refuse(path, "it is not a regular file");
     if (!isWholeExr(path)) refuse(path, "it is no OpenEXR file, or not all of one: it was broken off");
     ExrTile tile;
     tile.path = path;

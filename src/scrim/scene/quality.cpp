@@ -255,6 +255,11 @@ void setDialFromText(Dials& dials, const std::string& name, const std::string& t
     setDial(dials, name, text, where);
 }
 
+void checkDials(const Dials& dials, const std::string& where) {
+    Dials turned;
+    for (const Dial& dial : allDials()) setDialFromText(turned, dial.info.name, dial.get(dials), where);
+}
+
 std::string dialText(const Dials& dials, const std::string& name) {
     return dialNamed(name, "dialText").get(dials);
 }

@@ -34,6 +34,9 @@ void setDial(Dials& dials, const std::string& name, const DialValue& value, cons
 /// The same from text, as on a command line: "0.5", "bilinear".
 void setDialFromText(Dials& dials, const std::string& name, const std::string& text, const std::string& where);
 
+/// Throws as setDial where one of them stands where it could not be turned to.
+void checkDials(const Dials& dials, const std::string& where);
+
 /// The value of one dial as text that `setDialFromText` takes. Throws Error(input) on an unknown name.
 std::string dialText(const Dials& dials, const std::string& name);
 

@@ -12,8 +12,6 @@
 namespace scrim {
 namespace {
 
-constexpr double kMostTint = 1e6, kMostLight = 1e30;
-
 /// A colour with components from 0 to `most` in the working space, too. Conversions may miss the limits by their
 /// rounding.
 Rgb readBounded(const TomlValue& value, const ReadContext& context, double most) {

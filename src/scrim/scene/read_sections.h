@@ -70,6 +70,8 @@ Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, b
 Mat3 wsFromOrbit(const Vec3& up);
 /// Four rows of four numbers that act on column vectors; invertible and affine.
 Mat4 readMatrix(const TomlValue& value);
+/// Whether the linear part can be inverted, judged by its shape and not by its size.
+bool isInvertible(const Mat4& m);
 /// The map of a volume's transform.
 Mat4 readTransform(TomlTable table, const ReadContext& context);
 SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadContext& context);

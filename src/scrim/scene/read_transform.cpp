@@ -33,8 +33,9 @@ Mat3 rotation(int axis, double degrees) {
     return m;
 }
 
-/// Whether the linear part can be inverted, judged by its shape and not by its size.
-bool invertible(const Mat4& m) {
+}  // namespace
+
+bool isInvertible(const Mat4& m) {
     double volume = 1;
     Mat3 shape(1.0);
     for (int i = 0; i < 3; ++i) {
@@ -48,8 +49,6 @@ bool invertible(const Mat4& m) {
     return std::isfinite(volume) && volume > 0 && std::abs(determinant) > 1e-9;
 }
 
-}  // namespace
-
 Mat4 readMatrix(const TomlValue& value) {
     Mat4 m(1.0);
     const auto rows = value.items(4);
@@ -62,7 +61,7 @@ Mat4 readMatrix(const TomlValue& value) {
             fmt::format("the last row of '{}' is not 0, 0, 0, 1; expected an affine matrix that acts on column "
                         "vectors, with the translation in its last column",
                         value.name()));
-    if (!invertible(m))
+    if (!isInvertible(m))
         value.fail(fmt::format("'{}' cannot be inverted; expected one that keeps volume", value.name()));
     return m;
 }

@@ -2,6 +2,7 @@
 #include <scrim/scene/scene_reader.h>
 
 #include <scrim/base/error.h>
+#include <scrim/scene/check_scene.h>
 #include <scrim/scene/read_sections.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/toml_text.h>
@@ -85,6 +86,12 @@ void addLines(const toml::table& table, const std::string& prefix, std::map<std:
     }
 }
 
+std::map<std::string, std::string> linesOf(const toml::table& tree) {
+    std::map<std::string, std::string> lines;
+    addLines(tree, "", lines);
+    return lines;
+}
+
 /// Does any value in it have keys?
 bool hasKeys(const toml::node& node) {
     if (const toml::array* list = node.as_array())
@@ -128,17 +135,6 @@ bool movesBetween(const toml::node& node, double begin, double end) {
         const bool isKeys = entry.first.str() == keysOf<KeyedKeys>().keys.name && entry.second.is_array();
         return isKeys ? changesBetween(*entry.second.as_array(), begin, end) : moves(entry.second);
     });
-}
-
-/// What the shutter means for the scene, which is complete but for that.
-void readShutterOf(const toml::table& tree, Scene& scene) {
-    const Shutter& shutter = *scene.shutter;
-    scene.movesWithin = movesBetween(tree, scene.frame + shutter.open, scene.frame + shutter.close);
-    if (scene.output.deep.file.empty()) return;
-    throw Error(ErrorKind::input,
-                fmt::format("{}: {} does not go with {} of [camera]: a deep pixel has one depth for "
-                            "each thing, and what moves has many; expected one of them",
-                            scene.lines->of("output.deep"), keysOf<OutputKeys>().deep, keysOf<CameraKeys>().shutter));
 }
 
 /// A solid that catches shadows shows them in layers.
@@ -224,10 +220,10 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     root.finish();
     addShadowLayer(scene);
     scene.warnings = *context.warnings;
-    std::map<std::string, std::string> lines;
-    addLines(tree, "", lines);
-    scene.lines = std::make_shared<const SceneLines>(std::move(lines));
-    if (scene.shutter) readShutterOf(tree, scene);
+    scene.lines = std::make_shared<const SceneLines>(linesOf(tree));
+    if (const auto& shutter = scene.shutter)
+        scene.movesWithin = movesBetween(tree, frame + shutter->open, frame + shutter->close);
+    checkScene(scene);
     return scene;
 }
 

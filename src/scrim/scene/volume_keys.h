@@ -145,6 +145,9 @@ struct BlackbodyKeys : Section {
                                    "power of temperature, as it is.");
 };
 
+/// The most that a part of an extinction tint may be, and of the colours of a ramp.
+inline constexpr double kMostTint = 1e6, kMostLight = 1e30;
+
 struct MediumKeys : Section {
     MediumKeys()
         : Section("medium", "[volume.medium]", "What the volume above it does to light: smoke, clouds, fire.") {}

@@ -2,7 +2,9 @@
 #include <scrim/shot/bake_shot.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/finite.h>
 #include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
 #include <scrim/engine/light/baked_light.h>
 #include <scrim/engine/plan/plan.h>
@@ -191,7 +193,7 @@ void warnOfLooks(const Scene& scene, const MessageSink& messages) {
 BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, const RenderOptions& options) {
     Shot::Content& content = *shot.m_content;
     BakedShot out;
-    TaskArena(options.threads).run([&] {
+    const auto bake = [&] {
         Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
         const BakeWants wants{wantedLights(scene, request), request.emission};
         const std::string space = scene.output.colorspace;
@@ -217,10 +219,17 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
                             isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wants);
         }
         out.grids = maker.take();
+        for (const VdbGrid& grid : out.grids)
+            if (!allFinite(grid.values))
+                throw Error(ErrorKind::render,
+                            fmt::format("frame {}: the grid '{}' is infinite, or no number, in places; nothing is "
+                                        "written. Light that is brighter than floats reach makes such values",
+                                        frame, grid.name));
         out.metadata = {{"scrim:version", scrimVersion()},
                         {"scrim:frame", fmt::format("{}", frame)},
                         {"scrim:scene", content.text ? content.text->toml({}) : std::string()}};
-    });
+    };
+    withErrors([&] { TaskArena(options.threads).run(bake); });
     return out;
 }
 

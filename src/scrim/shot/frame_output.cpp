@@ -2,6 +2,7 @@
 #include <scrim/shot/frame_output.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/finite.h>
 #include <scrim/base/version.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_deep.h>
@@ -14,6 +15,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace scrim {
@@ -96,6 +98,39 @@ ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
     return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
 }
 
+[[noreturn]] void refuseValue(int frame, float value, const std::string& channel, int x, int y) {
+    throw Error(
+        ErrorKind::render,
+        fmt::format("frame {}: '{}' is {} at pixel {},{}; nothing is written. Light that is brighter than floats "
+                    "reach makes such values; if there is none in the scene, please report it",
+                    frame, channel, std::isnan(value) ? "no number" : "infinite", x, y));
+}
+
+/// `channels` interleaved values a pixel of `window`.
+void checkFinite(int frame, const PixelWindow& window, const std::vector<std::string>& channels,
+                 const std::vector<float>& values) {
+    if (allFinite(values)) return;
+    const auto at = std::size_t(std::find_if_not(values.begin(), values.end(), isFinite) - values.begin());
+    const std::size_t pixel = at / channels.size(), width = std::size_t(window.width());
+    refuseValue(frame, values[at], channels[at % channels.size()], window.x0 + static_cast<int>(pixel % width),
+                window.y0 + static_cast<int>(pixel / width));
+}
+
+const std::vector<std::string> kRgba{"R", "G", "B", "A"};
+
+void checkFinite(int frame, const DeepImage& deep) {
+    for (std::size_t y = 0; y < deep.rows.size(); ++y)
+        for (std::size_t i = 0; i < deep.rows[y].pieces.size(); ++i)
+            for (std::size_t c = 0; c < kRgba.size(); ++c) {
+                const float value = deep.rows[y].pieces[i].shown[c];
+                if (isFinite(value)) continue;
+                const auto& first = deep.rows[y].first;
+                const auto x = std::upper_bound(first.begin(), first.end(), i) - first.begin() - 1;
+                refuseValue(frame, value, kRgba[c], deep.window.x0 + static_cast<int>(x),
+                            deep.window.y0 + static_cast<int>(y));
+            }
+}
+
 PixelWindow displayWindowOf(const Scene& scene) {
     return {0, 0, scene.camera.resolution.x, scene.camera.resolution.y};
 }
@@ -133,6 +168,11 @@ void takeFrame(ShotFrame::Content& content, Frame frame) {
         content.kinds.push_back(layer.layer);
         content.layers.push_back(shotLayer(content.scene, std::move(layer)));
     }
+    // Here, and for what is converted once more where that is: no file, preview or array holds anything else.
+    const int number = content.report.frame;
+    checkFinite(number, content.image.window, kRgba, content.image.rgba);
+    for (const ShotLayer& layer : content.layers) checkFinite(number, content.image.window, layer.channels, layer.data);
+    if (content.deep) checkFinite(number, *content.deep);
 }
 
 std::size_t writeFrame(const ShotFrame::Content& content, const std::string& path) {
@@ -142,14 +182,18 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
     options.half = output.half;
     options.compression = output.compression;
     options.acesContainer = output.half && content.layers.empty() && colour.isAces2065(output.colorspace);
+    const bool converts = output.colorspace != colour.workingSpace();
     std::vector<ExrLayer> layers;
     for (std::size_t i = 0; i < content.layers.size(); ++i) {
         layers.push_back(exrLayer(content, i));
+        if (converts)
+            checkFinite(content.report.frame, content.image.window, layers.back().channels, layers.back().data);
         // Where nothing is everything comes through: readers take what lies beyond the data window for 0.
         options.wholeWindow = options.wholeWindow || isShare(content.kinds[i]);
     }
     Image image = content.image;
     colour.convert(image, colour.workingSpace(), output.colorspace);
+    if (converts) checkFinite(content.report.frame, image.window, kRgba, image.rgba);
     return writeExr(path, image, options, attributesOf(content), layers);
 }
 
@@ -161,6 +205,7 @@ std::size_t writeFrameDeep(const ShotFrame::Content& content, const std::string&
         return writeDeepExr(path, *content.deep, options, attributesOf(content));
     DeepImage deep = *content.deep;
     convertDeep(deep, content.colour, output.colorspace);
+    checkFinite(content.report.frame, deep);
     return writeDeepExr(path, deep, options, attributesOf(content));
 }
 

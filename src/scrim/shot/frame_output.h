@@ -28,7 +28,7 @@ struct ShotFrame::Content {
     double previewExposure = 0;  ///< stops
 };
 
-/// Takes the picture and the layers of `frame`.
+/// Takes the picture and the layers of `frame`. Throws Error(render) where any of it is infinite or no number.
 void takeFrame(ShotFrame::Content& content, Frame frame);
 
 /// Writes an OpenEXR file. Returns how many values were clamped. Throws Error.

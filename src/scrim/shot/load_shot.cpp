@@ -4,11 +4,14 @@
 #include <scrim/base/error.h>
 #include <scrim/shot/view_motion.h>
 
+#include <scrim/scene/check_scene.h>
 #include <scrim/scene/layer_names.h>
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 namespace scrim {
@@ -105,6 +108,19 @@ void warnOfColdFire(const Scene& scene, const Fields& fields, const MessageSink&
         }
 }
 
+/// Of options that a program filled in by itself.
+void checkOptions(const RenderOptions& options) {
+    const auto check = [](const char* name, double value, double low) {
+        if (!(value >= low && std::isfinite(value)))
+            throw Error(ErrorKind::usage, fmt::format("RenderOptions::{} is {}; expected a number{}", name, value,
+                                                      std::isfinite(low) ? fmt::format(" of at least {}", low) : ""));
+    };
+    check("threads", options.threads, 0);
+    check("verify", options.verify, 0);
+    check("verifyLimit", options.verifyLimit, 0);
+    check("previewExposure", options.previewExposure, -std::numeric_limits<double>::infinity());
+}
+
 }  // namespace
 
 ViewScene LoadedShot::view(const RenderOptions& options, double lod, VolumesOf volumesOf) const {
@@ -163,10 +179,12 @@ void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& o
 }
 
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores) {
+    checkOptions(options);
     if (options.tolerance) scene.tolerance = *options.tolerance;
     if (options.change) options.change(scene);
     if (scene.output.colorspace.empty()) scene.output.colorspace = stores.colour.workingSpace();
     for (SceneVolume& volume : scene.volumes) keepOneScale(volume);
+    checkScene(scene);
     return scene;
 }
 

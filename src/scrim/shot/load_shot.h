@@ -64,7 +64,8 @@ LoadOptions limited(LoadOptions load, const RenderOptions& options);
 /// Lets `store` load as `load` and `options` say.
 void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options);
 
-/// The scene as the options change it. A scene that was built in code gets defaults for what it leaves out.
+/// The scene as the options change it, checked (scene/check_scene.h). A scene that was built in code gets defaults for
+/// what it leaves out.
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores);
 
 /// Loads what `scene` names. Returns nothing where a file is missing and such a frame is to be skipped; the message

@@ -3,7 +3,9 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
 #include <scrim/base/timed.h>
+#include <scrim/scene/check_scene.h>
 #include <scrim/scene/quality.h>
 #include <scrim/scene/plate_camera.h>
 #include <scrim/shot/frame_output.h>
@@ -27,21 +29,19 @@
 namespace scrim {
 namespace {
 
-/// Runs `task` with so many threads, and returns what it returned.
+/// Runs `task` with so many threads, and returns what it returned. All that it throws is an Error.
 template <typename Task>
 auto withThreads(int threads, const Task& task) {
-    std::optional<decltype(task())> result;
-    TaskArena(threads).run([&] { result.emplace(task()); });
-    return std::move(*result);
+    return withErrors([&] {
+        std::optional<decltype(task())> result;
+        TaskArena(threads).run([&] { result.emplace(task()); });
+        return std::move(*result);
+    });
 }
 
 /// Reading files begins sooner where the program that does it starts now.
 void warmLoaderOf(const LoadOptions& load, LoadedFiles files = LoadedFiles::volumes) {
     if (load.volumes == VolumeLoading::guarded) warmLoader(load.loader, files);
-}
-
-std::shared_ptr<ShotStores> storesFor(const std::shared_ptr<ShotStores>& shared, const OpenOptions& options) {
-    return shared ? shared : std::make_shared<ShotStores>(ColourConfig::open(options.ocio));
 }
 
 std::string promiseText(const std::string& preset, const PromisedDials& promised, const std::string& block) {
@@ -228,30 +228,38 @@ Shot::Shot(Shot&&) noexcept = default;
 Shot& Shot::operator=(Shot&&) noexcept = default;
 Shot::~Shot() = default;
 
-Shot Shot::open(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options) {
+Shot Shot::withStores(const OpenOptions& options) {
     Shot shot(std::make_unique<Content>());
-    if (isAssetFile(path)) warmLoaderOf(options.load);
     Content& content = *shot.m_content;
-    content.stores = storesFor(options.shareWith ? options.shareWith->m_content->stores : nullptr, options);
-    content.text.emplace(path, overrides, options);
-    shot.begin(options);
+    content.stores = options.shareWith ? options.shareWith->m_content->stores
+                                       : std::make_shared<ShotStores>(ColourConfig::open(options.ocio));
+    content.load = options.load;
     return shot;
+}
+
+Shot Shot::open(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options) {
+    return withErrors([&] {
+        if (isAssetFile(path)) warmLoaderOf(options.load);
+        Shot shot = withStores(options);
+        shot.m_content->text.emplace(path, overrides, options);
+        shot.begin(options);
+        return shot;
+    });
 }
 
 Shot Shot::parse(const std::string& toml, const std::string& name, const std::string& folder,
                  const std::vector<std::string>& overrides, const OpenOptions& options) {
-    Shot shot(std::make_unique<Content>());
-    Content& content = *shot.m_content;
-    content.stores = storesFor(options.shareWith ? options.shareWith->m_content->stores : nullptr, options);
-    content.text.emplace(SceneText{name, folder, toml}, overrides, options);
-    shot.begin(options);
-    return shot;
+    return withErrors([&] {
+        Shot shot = withStores(options);
+        shot.m_content->text.emplace(SceneText{name, folder, toml}, overrides, options);
+        shot.begin(options);
+        return shot;
+    });
 }
 
 void Shot::begin(const OpenOptions& options) {
     Content& content = *m_content;
     content.path = content.text->path();
-    content.load = options.load;
     content.opened = content.text->at(options.checkedFrame, content.stores->colour);
     for (const SceneVolume& volume : content.opened.volumes)
         if (!volume.file.empty() || !fileIn(volume.parameters).empty()) warmLoaderOf(options.load);
@@ -260,13 +268,14 @@ void Shot::begin(const OpenOptions& options) {
 }
 
 Shot Shot::make(Scene scene, const OpenOptions& options) {
-    Shot shot(std::make_unique<Content>());
-    Content& content = *shot.m_content;
-    content.stores = storesFor(options.shareWith ? options.shareWith->m_content->stores : nullptr, options);
-    content.path = scene.file;
-    content.load = options.load;
-    content.opened = std::move(scene);
-    return shot;
+    return withErrors([&] {
+        checkScene(scene);
+        Shot shot = withStores(options);
+        Content& content = *shot.m_content;
+        content.path = scene.file;
+        content.opened = std::move(scene);
+        return shot;
+    });
 }
 
 const std::string& Shot::path() const {

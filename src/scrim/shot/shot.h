@@ -28,7 +28,9 @@ struct BakeRequest;
 /// Shots share no state: any number of them may be used at the same time, each from one thread at a time. Only volume
 /// sources of others may forbid that (volume/scrim_source.h). Nothing is printed, and no signal is handled.
 ///
-/// All members throw Error; those that take RenderOptions also what its functions throw.
+/// All members throw Error, of the kind `memory` where there is not enough of it; those that take RenderOptions also
+/// what its functions throw. A scene that was built in code, or changed, is held to the ranges of files whenever it is
+/// used (scene/check_scene.h).
 class Shot {
   public:
     /// Opens a scene (.toml) or an asset (.vdb, or a scan: .nrrd, .nhdr, .nii, .nii.gz), which is framed and lit. An
@@ -42,7 +44,7 @@ class Shot {
     static Shot parse(const std::string& toml, const std::string& name, const std::string& folder,
                       const std::vector<std::string>& overrides = {}, const OpenOptions& options = {});
 
-    /// A shot of a scene that was built in code; its values are not checked as those of a file are. `resolution` and
+    /// A shot of a scene that was built in code, whose values are checked as those of a file are. `resolution` and
     /// `checkedFrame` of the options do not count.
     static Shot make(Scene scene, const OpenOptions& options = {});
 
@@ -72,7 +74,8 @@ class Shot {
     ShotPlan plan(int frame, const RenderOptions& options = {});
     ShotPlan plan(Scene scene, const RenderOptions& options = {});
 
-    /// Loads what the frame needs, plans, renders and verifies it. Pixels do not depend on the number of threads.
+    /// Loads what the frame needs, plans, renders and verifies it. Pixels do not depend on the number of threads. All
+    /// of them are finite: throws Error(render) where light is brighter than floats reach.
     ShotFrame render(int frame, const RenderOptions& options = {});
     /// The same for a scene of `scene()` that was changed by hand. The metadata still has the text of the shot. Keys
     /// are values of the frame then, and do not blur it; velocities do.
@@ -92,6 +95,8 @@ class Shot {
   private:
     struct Content;
     explicit Shot(std::unique_ptr<Content> content);
+    /// An empty one.
+    static Shot withStores(const OpenOptions& options);
     /// Reads the text that it holds.
     void begin(const OpenOptions& options);
     friend class ShotStudy;                                                                       // study/shot_study.h

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
 #include <scrim/base/timed.h>
 #include <scrim/scene/frame_path.h>
 #include <scrim/shot/frame_output.h>
@@ -26,6 +27,12 @@ void warnOfClamped(std::size_t values, const std::string& file, const std::strin
         notify(messages, Severity::warning,
                fmt::format("{}: {} values beyond the range of half floats were clamped; {} = \"float\" keeps them",
                            file, values, key));
+}
+
+/// Runs `task` with so many threads. All that it throws is an Error.
+template <typename Task>
+void withThreads(int threads, const Task& task) {
+    withErrors([&] { TaskArena(threads).run(task); });
 }
 
 }  // namespace
@@ -74,7 +81,7 @@ void ShotFrame::write(const std::string& path, const MessageSink& messages) {
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.file, "picture");
     checkExr(file, "picture");
-    TaskArena(report.threads).run([&] {
+    withThreads(report.threads, [&] {
         const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrame(*m_content, file); });
         report.file = file;
         warnOfClamped(clamped, file, "type", messages);
@@ -91,7 +98,7 @@ void ShotFrame::writeDeep(const std::string& path, const MessageSink& messages) 
     const std::string file = pathOf(path, m_content->scene.output.deep.file, "deep picture");
     checkExr(file, "deep picture");
     if (!hasDeep()) throw Error(ErrorKind::usage, "the frame has no deep picture: the scene did not ask for one");
-    TaskArena(report.threads).run([&] {
+    withThreads(report.threads, [&] {
         const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrameDeep(*m_content, file); });
         warnOfClamped(clamped, file, "deep_type", messages);
     });
@@ -101,7 +108,7 @@ void ShotFrame::writeDeep(const std::string& path, const MessageSink& messages) 
 void ShotFrame::preview(const std::string& path) {
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.preview.file, "preview");
-    TaskArena(report.threads).run([&] { timed(report.seconds.write, [&] { writeFramePreview(*m_content, file); }); });
+    withThreads(report.threads, [&] { timed(report.seconds.write, [&] { writeFramePreview(*m_content, file); }); });
     report.peakBytes = peakResidentBytes();
 }
 

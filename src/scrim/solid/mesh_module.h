@@ -17,8 +17,7 @@ struct FileMesh {
 };
 
 struct MeshModule {
-    /// Reads an OBJ or PLY file. `alone`: this process was made for that, and may crash; else the module lets a process
-    /// of its own read.
+    /// Reads an OBJ or PLY file. `alone`: this process was made for that, and gets limits. A damaged file may crash it.
     FileMesh (*read)(const std::string& path, bool alone);
 };
 

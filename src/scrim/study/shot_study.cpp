@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/study/shot_study.h>
 
+#include <scrim/base/system_error.h>
 #include <scrim/scene/quality.h>
 #include <scrim/shot/shot_content.h>
 
@@ -8,10 +9,12 @@ namespace scrim {
 
 ShotStudy::ShotStudy(Shot& shot, int frame, const RenderOptions& options) : m_options(options) {
     m_options.missing = MissingPolicy::error;
-    Shot::Content& content = *shot.m_content;
-    Scene scene = withOptions(content.sceneAt(frame, m_options), m_options, *content.stores);
-    content.keepPromise(scene, m_options, ShotUse::plan);
-    m_loaded = *loadShot(*content.stores, content.load, std::move(scene), m_options, VolumesOf::scene, ShotUse::plan);
+    m_loaded = withErrors([&] {
+        Shot::Content& content = *shot.m_content;
+        Scene scene = withOptions(content.sceneAt(frame, m_options), m_options, *content.stores);
+        content.keepPromise(scene, m_options, ShotUse::plan);
+        return *loadShot(*content.stores, content.load, std::move(scene), m_options, VolumesOf::scene, ShotUse::plan);
+    });
 }
 
 ViewScene ShotStudy::viewWith(const Dials& dials, VolumesOf volumesOf) {
@@ -31,8 +34,8 @@ Study ShotStudy::run(double budget, const ProgressSink& progress) {
     options.preset = [this](const std::string& name) {
         return promisedDials(viewWith(*presetDials(name), VolumesOf::picture), name).dials;
     };
-    return runStudy([this](const Dials& dials) { return viewWith(dials, VolumesOf::picture); }, m_loaded.scene.dials,
-                    options, progress);
+    const auto view = [this](const Dials& dials) { return viewWith(dials, VolumesOf::picture); };
+    return withErrors([&] { return runStudy(view, m_loaded.scene.dials, options, progress); });
 }
 
 }  // namespace scrim

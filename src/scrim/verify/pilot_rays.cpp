@@ -149,8 +149,10 @@ class PilotScene {
     }
 
   private:
+    // 0, 0, 0 where the light itself is.
     static Vec3 toLight(const Light& light, const Vec3& from) {
-        return light.distant() ? -light.wsDirection : glm::normalize(light.wsPosition - from);
+        const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
+        return way == Vec3(0) ? way : glm::normalize(way);
     }
     Stuff stuffAt(const Vec3& ws) const {
         Stuff sum;
@@ -212,6 +214,7 @@ class PilotScene {
     }
     void addLight(const PilotLight& l, const Vec3& at, double jitter, double* light) const {
         const Vec3 way = toLight(*l.light, at);
+        if (way == Vec3(0)) return;
         double power = l.power, most = kFar;
         if (!l.light->distant()) {
             most = glm::distance(l.light->wsPosition, at);

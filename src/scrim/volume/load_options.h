@@ -8,7 +8,8 @@
 namespace scrim {
 
 enum class VolumeLoading {
-    /// In this process. OpenVDB's reader can crash on a damaged file, and then this process crashes.
+    /// In this process, and no other. Readers (OpenVDB's, Assimp's) can crash on a damaged file, and then this process
+    /// crashes.
     plain,
     /// In a child process that can do nothing but read, under limits of memory and time, and slides' pictures, too. So
     /// do volume sources that are given a `file` (scrim_source.h): they find that file and one other of its folder.

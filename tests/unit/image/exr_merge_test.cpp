@@ -15,6 +15,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 namespace scrim {
 namespace {
@@ -121,6 +122,16 @@ TEST_F(ExrMerge, OfFlatTilesIsTheFileOfTheWhole) {
         EXPECT_FALSE(merged.deep);
         EXPECT_TRUE(merged.leftOut.empty());
         EXPECT_TRUE(bytesOf(file("merged.exr")) == bytesOf(file("whole.exr"))) << compression;
+    }
+}
+
+TEST_F(ExrMerge, NamesATileThatHoldsWhatIsNotFinite) {
+    EXPECT_EQ(mergeExr(flatTiles(), file("merged.exr")).notFinite, "");
+    for (const float odd : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+        const auto paths = tiles(kTiles, [&](const std::string& path, const PixelWindow& crop) {
+            writeFlat(path, crop, options(), crop == kTiles.back() ? odd : 0);
+        });
+        EXPECT_EQ(mergeExr(paths, file("merged.exr")).notFinite, paths.back());
     }
 }
 

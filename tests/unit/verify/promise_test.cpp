@@ -59,6 +59,21 @@ TEST(PromisedDials, SayWhereTheFinestDoNotKeepIt) {
     EXPECT_LT(chosen.dials.texel, 0.11);
 }
 
+// There the light comes from nowhere in particular.
+TEST(PromisedDials, AreNumbersWithALightInTheMiddle) {
+    ViewScene scene = smoke(10, 0.3, 40);
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene.volumes[0], scene.dials.kernel)) ws.include(corner);
+    Light lamp;
+    lamp.kind = Light::Point{};
+    lamp.wsPosition = ws.center();
+    scene.lights = {lamp};
+    const double error = pilotError(scene, 64);
+    EXPECT_GT(error, 0);
+    EXPECT_LT(error, 1);
+    EXPECT_LE(promisedDials(scene, "standard").dials.texel, 2);
+}
+
 TEST(PromisedDials, MakeSheetsThickerWhereLightFallsAlongTheView) {
     ViewScene scene = smoke(10, 0.3, 40);
     const Vec3 view = viewingAxis(scene.camera), across(view.y, view.z, view.x);
@@ -114,8 +129,8 @@ TEST(Presets, KeepTheirPromisesInThinAndDenseCoarseAndFineSmoke) {
         }
 }
 
-// No light shines, and yet there is something to be seen: fire, the sky's glow, or only what covers. Small balls of smoke
-// have most of it at their edges: up to 2.5 times what is promised.
+// No light shines, and yet there is something to be seen: fire, the sky's glow, or only what covers. Small balls of
+// smoke have most of it at their edges: up to 2.5 times what is promised.
 TEST(Presets, LeaveLittleMoreThanTheyPromiseWithoutALight) {
     enum { fire, glowOnly, ambient, dark };
     for (const int what : {fire, glowOnly, ambient, dark})

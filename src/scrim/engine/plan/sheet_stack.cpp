@@ -78,7 +78,7 @@ double rampAt(const Vec2& ramp, double position) {
 
 // `count`, rounded up; `what` it counts.
 int addressable(double count, const std::string& what) {
-    if (count <= kMostAddressed) return static_cast<int>(std::ceil(count));  // a NaN is refused
+    if (std::isfinite(count) && count <= kMostAddressed) return static_cast<int>(std::ceil(count));
     throw Error(
         ErrorKind::render,
         fmt::format("a sweep would have {:.3g} {}, at most {} can be addressed; texel and sheet_thickness are in units "

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/check_scene.h>
+
+#include <scrim/base/error.h>
+#include <scrim/scene/quality.h>
+#include <scrim/scene/read_ramp.h>
+#include <scrim/scene/read_sections.h>
+#include <scrim/scene/scene_keys.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+/// What axes and directions that were computed in floats miss their lengths and right angles by, and more.
+constexpr double kRounding = 1e-4;
+
+bool isFinite(const Vec3& v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+std::string textOf(const Vec3& v) {
+    return fmt::format("{}, {}, {}", v.x, v.y, v.z);
+}
+
+/// The checks of one thing of the scene, which messages call `of`: "light 'key'".
+class Check {
+  public:
+    Check(const Scene& scene, std::string of) : m_where(scene.file.empty() ? "" : scene.file + ": "), m_of(of) {}
+
+    [[noreturn]] void refuse(const std::string& name, const std::string& found, const std::string& expected) const {
+        throw Error(ErrorKind::input,
+                    fmt::format("{}{}: '{}' is {}; expected {}", m_where, m_of, name, found, expected));
+    }
+    void number(const Key& key, double value, const Range& range) const {
+        if (!range.holds(value)) refuse(key.name, fmt::format("{}", value), "a number" + range.text());
+    }
+    void number(const Key& key, double value) const { number(key, value, key.range); }
+    /// Some numbers of a key that has more than one.
+    void numbers(const Key& key, const std::vector<double>& values) const {
+        for (const double value : values)
+            if (!key.range.holds(value))
+                refuse(key.name, fmt::format("{}", fmt::join(values, ", ")),
+                       fmt::format("{}, each{}", key.form, key.range.text()));
+    }
+    void point(const Key& key, const Vec3& p) const { numbers(key, {p.x, p.y, p.z}); }
+    void direction(const Key& key, const Vec3& v) const {
+        if (!isFinite(v) || v == Vec3(0)) refuse(key.name, textOf(v), "a direction");
+    }
+    void unit(const Key& key, const Vec3& v) const {
+        if (!(std::abs(glm::length(v) - 1) <= kRounding)) refuse(key.name, textOf(v), "a direction of length 1");
+    }
+    /// Colours of other spaces may have a part below 0 in the working space, but no light takes any away.
+    void light(const Key& key, const Rgb& rgb) const {
+        if (!isFinite(rgb) || rgb.x + rgb.y + rgb.z < 0)
+            refuse(key.name, textOf(rgb), "light: finite numbers, of a sum of at least 0");
+    }
+    void colour(const Key& key, const Rgb& rgb, double most) const {
+        for (int c = 0; c < 3; ++c)
+            if (!(rgb[c] >= 0 && rgb[c] <= most))
+                refuse(key.name, textOf(rgb), fmt::format("numbers from 0 to {:g}", most));
+    }
+    void transform(const Key& key, const Mat4& m) const {
+        for (int column = 0; column < 4; ++column) numbers(key, {m[column][0], m[column][1], m[column][2]});
+        if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1 || !isInvertible(m))
+            refuse(key.name, "none that can be inverted", "an affine one that keeps volume");
+    }
+    /// Ascending, its values from 0 to `most`, and 0 at 0. `ends` gives the least and the most of a point's value.
+    template <typename T, typename Ends>
+    void ramp(const Key& key, const std::vector<std::pair<double, T>>& points, double most, const Ends& ends) const {
+        if (points.empty()) return;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto [low, high] = ends(points[i].second);
+            if (!std::isfinite(points[i].first) || (i > 0 && !(points[i].first > points[i - 1].first)))
+                refuse(key.name, fmt::format("{} at its point {}", points[i].first, i + 1), "ascending values");
+            if (!(low >= 0 && high <= most))
+                refuse(key.name, fmt::format("{} at its point {}", low >= 0 ? high : low, i + 1),
+                       fmt::format("numbers from 0 to {:g}", most));
+        }
+        if (points.size() < 2) refuse(key.name, "a list of one point", "at least two");
+        if (!keepsZero(points)) refuse(key.name, "more than 0 at 0", "0, since empty space is never looked at");
+    }
+
+  private:
+    std::string m_where, m_of;
+};
+
+void checkCamera(const Check& check, const Scene& scene) {
+    const CameraKeys& k = keysOf<CameraKeys>();
+    const Camera& camera = scene.camera;
+    check.point(k.position, camera.wsPosition);
+    const Mat3 product = glm::transpose(camera.wsFromCamera) * camera.wsFromCamera;
+    for (int i = 0; i < 3; ++i)
+        if (!(glm::length(product[i] - Mat3(1.0)[i]) <= kRounding))
+            check.refuse(k.matrix.name, "no frame of axes", "three of length 1, at right angles");
+    if (!(glm::determinant(camera.wsFromCamera) > 0)) check.refuse(k.matrix.name, "mirrored", "a right-handed frame");
+    if (camera.type == CameraType::perspective)
+        check.number(k.fov, camera.fov);
+    else
+        check.number(k.height, camera.height);
+    check.number(k.near, camera.near);
+    check.numbers(k.resolution, {double(camera.resolution.x), double(camera.resolution.y)});
+    check.number(k.pixelAspect, camera.pixelAspect);
+    check.numbers(k.shift, {camera.shift.x, camera.shift.y});
+    check.number(k.overscan, scene.overscan);
+    if (!scene.shutter) return;
+    check.numbers(k.shutter, {scene.shutter->open, scene.shutter->close});
+    if (!(scene.shutter->close > scene.shutter->open))
+        check.refuse(k.shutter.name, fmt::format("[{}, {}]", scene.shutter->open, scene.shutter->close),
+                     "it to close after it opens");
+}
+
+void checkKind(const Check& check, const Light& light) {
+    const LightKeys& k = keysOf<LightKeys>();
+    if (const auto* sun = std::get_if<Light::Distant>(&light.kind)) return check.number(k.angle, sun->angle);
+    if (const Light::Dome* dome = light.dome()) return check.number(k.rotation, dome->rotation);
+    if (const Light::Area* area = light.area()) {
+        const bool rectangle = area->shape == AreaShape::rectangle;
+        if (!rectangle) return check.number(k.radius, area->radius, Range::positiveLength());
+        check.number(k.width, area->width);
+        return check.number(k.height, area->height);
+    }
+    check.number(k.radius, light.point().radius);
+    const Light::Spot* spot = light.spot();
+    if (spot == nullptr) return;
+    check.number(k.cone, spot->coneAngle);
+    check.number(k.blend, spot->blend);
+}
+
+void checkLight(const Check& check, const Light& light) {
+    const LightKeys& k = keysOf<LightKeys>();
+    checkKind(check, light);
+    check.point(k.position, light.wsPosition);
+    check.unit(k.direction, light.wsDirection);
+    check.direction(k.up, light.wsUp);
+    check.light(k.intensity, light.intensity);
+    if (light.samples != 0) check.number(k.samples, light.samples);
+    if (!light.slide) return;
+    const SlideKeys& s = keysOf<SlideKeys>();
+    check.number(s.fov, light.slide->fov);
+    check.number(s.width, light.slide->width);
+    if (light.slide->height != 0) check.number(s.height, light.slide->height);
+    check.number(s.roll, light.slide->roll);
+}
+
+void checkPhase(const Check& check, const Phase& phase) {
+    const PhaseKeys& k = keysOf<PhaseKeys>();
+    const bool twoLobe = phase.type == PhaseType::twoLobe;
+    if (phase.type != PhaseType::rayleigh) check.number(twoLobe ? k.g1 : k.g, phase.g);
+    if (twoLobe) check.number(k.g2, phase.g2);
+    check.number(k.blend, phase.blend);
+    // No file says the strength; other things than air are mixed of it and of what is isotropic.
+    if (!(phase.strength >= 0 && phase.strength <= 1))
+        check.refuse("strength", fmt::format("{}", phase.strength), "a number from 0 to 1");
+}
+
+void checkEmission(const Check& check, const Emission& emission) {
+    const EmissionKeys& k = keysOf<EmissionKeys>();
+    check.number(k.scale, emission.scale);
+    const auto ends = [](const Rgb& rgb) {
+        return isFinite(rgb) ? std::pair(std::min({rgb.x, rgb.y, rgb.z}), std::max({rgb.x, rgb.y, rgb.z}))
+                             : std::pair(std::nan(""), std::nan(""));
+    };
+    if (!emission.blackbody) return check.ramp(k.ramp, emission.ramp, kMostLight, ends);
+    const BlackbodyKeys& b = keysOf<BlackbodyKeys>();
+    check.number(b.scale, emission.kelvinScale);
+    check.number(b.offset, emission.kelvinOffset);
+}
+
+void checkMedium(const Check& check, const SceneVolume& volume) {
+    const MediumKeys& k = keysOf<MediumKeys>();
+    const OctavesKeys& o = keysOf<OctavesKeys>();
+    const Medium& medium = volume.medium;
+    check.colour(k.albedo, medium.albedo, 1);
+    check.colour(k.extinctionTint, medium.extinctionTint, kMostTint);
+    checkPhase(check, medium.phase);
+    check.number(o.count, medium.octaves.count);
+    check.number(o.extinction, medium.octaves.extinction);
+    check.number(o.contribution, medium.octaves.contribution);
+    check.number(o.phase, medium.octaves.phase);
+    if (volume.albedoGrid) check.number(keysOf<AlbedoGridKeys>().scale, volume.albedoGrid->scale);
+    for (const Emission& emission : volume.emission) checkEmission(check, emission);
+}
+
+void checkClassified(const Check& check, const Classified& classified) {
+    const ClassifiedKeys& k = keysOf<ClassifiedKeys>();
+    const TransferKeys& t = keysOf<TransferKeys>();
+    const std::vector<TransferPoint>& points = classified.transfer;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        check.number(t.value, points[i].value);
+        check.number(t.extinction, points[i].extinction);
+        check.light(t.color, points[i].color);
+        if (i > 0 && points[i].value < points[i - 1].value)
+            check.refuse(k.transfer.name, fmt::format("{} after {}", points[i].value, points[i - 1].value),
+                         "ascending values");
+    }
+    if (points.size() < 2) check.refuse(k.transfer.name, fmt::format("{} points", points.size()), "at least two");
+    if (points.back().value <= 0) check.refuse(k.transfer.name, "nothing above 0", "its last point above 0");
+    if (classify(classified, 0).extinction > 0)
+        check.refuse(k.transfer.name, "more than 0 at 0", "no extinction there: empty space is never looked at");
+    check.number(k.ambient, classified.ambient);
+    check.number(k.diffuse, classified.diffuse);
+    check.number(k.specular, classified.specular);
+    check.number(k.exponent, classified.exponent);
+}
+
+void checkVolume(const Check& check, const SceneVolume& volume) {
+    const DensityKeys& d = keysOf<DensityKeys>();
+    check.transform(keysOf<TransformKeys>().matrix, volume.wsFromAsset);
+    check.number(keysOf<FrameKeys>().speed, volume.frameMap.speed);
+    check.number(keysOf<FrameKeys>().offset, volume.frameMap.offset);
+    check.number(d.scale, volume.densityScale);
+    check.ramp(d.ramp, volume.ramp, std::numeric_limits<double>::max(), [](double v) { return std::pair(v, v); });
+    if (volume.velocity) check.number(keysOf<VelocityKeys>().scale, volume.velocity->scale);
+    checkMedium(check, volume);
+    if (volume.classified) checkClassified(check, *volume.classified);
+}
+
+void checkOutput(const Check& check, const Scene& scene) {
+    const OutputKeys& k = keysOf<OutputKeys>();
+    const SceneOutput& output = scene.output;
+    check.number(k.fps, output.fps);
+    check.number(k.deepTolerance, output.deep.tolerance);
+    check.number(keysOf<HoldoutKeys>().background, output.holdout.background);
+    if (!scene.shutter || output.deep.file.empty()) return;
+    const std::string line = scene.lines ? scene.lines->of("output.deep") : "";
+    const std::string& where = line.empty() ? scene.file : line;
+    throw Error(ErrorKind::input,
+                fmt::format("{}{} does not go with {} of [camera]: a deep pixel has one depth for each thing, and what "
+                            "moves has many; expected one of them",
+                            where.empty() ? "" : where + ": ", k.deep, keysOf<CameraKeys>().shutter));
+}
+
+}  // namespace
+
+void checkScene(const Scene& scene) {
+    const auto named = [&](const char* what, const std::string& name) {
+        return Check(scene, fmt::format("{} '{}'", what, shortened(name, 60)));
+    };
+    checkCamera(Check(scene, "[camera]"), scene);
+    for (const SceneVolume& volume : scene.volumes) checkVolume(named("volume", volume.name), volume);
+    for (const SceneMesh& mesh : scene.meshes)
+        named("mesh", mesh.name).transform(keysOf<TransformKeys>().matrix, mesh.wsFromMesh);
+    for (const Light& light : scene.lights) checkLight(named("light", light.name), light);
+    Check(scene, "[ambient]").light(keysOf<AmbientKeys>().color, scene.ambient);
+    checkDials(scene.dials, scene.file.empty() ? "[render]" : scene.file + ": [render]");
+    Check(scene, "[render]").number(keysOf<RenderKeys>().tolerance, scene.tolerance);
+    checkOutput(Check(scene, "[output]"), scene);
+}
+
+}  // namespace scrim
