@@ -17,7 +17,7 @@ grep -qs '^SCRIM_BUILD_TESTS:BOOL=ON' "$build/CMakeCache.txt" && without_tests="
 # shellcheck disable=SC2086 # several words are meant
 bash "$root/src/cmake/configure.sh" release "$build" $without_tests
 echo "== building the program (some minutes the first time)"
-cmake --build "$build" --target scrim_cli scrim_source_noise -- --quiet
+cmake --build "$build" --target scrim_cli -- --quiet
 
 mkdir -p "$out"
 if [ ! -f "$out/smoke.vdb" ]; then

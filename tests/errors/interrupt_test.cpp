@@ -68,7 +68,7 @@ class Interrupt : public ProgramTest {
 
 TEST_F(Interrupt, IsAnsweredWithinASecondAtAnyMoment) {
     const char* const asked = std::getenv("SCRIM_INTERRUPT_MOMENTS");
-    const int moments = asked != nullptr ? std::atoi(asked) : 3;
+    const int moments = asked != nullptr ? std::atoi(asked) : 5;
     const auto scenes = heavyScenes();
     const std::set<std::string> before = listing();
     std::mt19937 random(11);
@@ -78,7 +78,7 @@ TEST_F(Interrupt, IsAnsweredWithinASecondAtAnyMoment) {
         for (int i = 0; i < moments; ++i) {
             // Early moments are in reading and planning.
             const double part = std::uniform_real_distribution<double>(0, 1)(random);
-            const auto delay = std::chrono::duration<double>(3 * part * part);
+            const auto delay = std::chrono::duration<double>(1.5 * part * part);
             RunningProgram program(m_folder.path(), arguments);
             std::this_thread::sleep_for(delay);
             program.sendSignal(SIGTERM);

@@ -119,7 +119,9 @@ TEST(Sizes, BeyondThirtyTwoBitsAreRenderedOrRefused) {
     }
     std::printf("%d rendered, %d of them beyond 2^31 floats a sheet; %d refused\n", rendered, large, refused);
     EXPECT_GT(rendered, runs / 4);
-    if (runs >= 100) EXPECT_GT(large, runs / 20);
+    if (runs >= 100) {
+        EXPECT_GT(large, runs / 20);
+    }
 }
 
 }  // namespace

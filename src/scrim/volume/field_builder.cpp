@@ -185,6 +185,13 @@ bool originLess(const Int3& a, const Int3& b) {
     return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
 }
 
+bool haveOneTopology(const SparseField& field, const SparseField& other) {
+    if (!field.tiles.empty() || !other.tiles.empty() || field.wsFromIs != other.wsFromIs) return false;
+    // Both are in lattice order.
+    return std::includes(field.blockOrigins.begin(), field.blockOrigins.end(), other.blockOrigins.begin(),
+                         other.blockOrigins.end(), originLess);
+}
+
 std::string toText(const Int3& p) {
     return fmt::format("{}, {}, {}", p.x, p.y, p.z);
 }

@@ -17,6 +17,10 @@ namespace scrim {
 /// Lattice order of origins: ascending x, then y, then z.
 bool originLess(const Int3& a, const Int3& b);
 
+/// Do all blocks of `other` lie where `field` has blocks, on the same lattice, and has neither any tiles? Then both are
+/// splatted by one walk: a colour costs one, not three.
+bool haveOneTopology(const SparseField& field, const SparseField& other);
+
 /// "x, y, z", for messages.
 std::string toText(const Int3& p);
 

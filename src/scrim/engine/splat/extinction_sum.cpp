@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/splat/splat_block.h>
+#include <scrim/volume/field_builder.h>
 
 #include <algorithm>
 

@@ -96,9 +96,9 @@ void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*>
 
 // A field without large constant tiles as it is; of others, blocks and each level of tiles for itself.
 void FieldPlanes::placeTiles(const ViewField& field) {
-    if (m_lattice.parallel() && !field.field->tiles.empty()) {
-        TileLevels tiles(*field.field, m_dials.kernel,
-                         coarserLevels(m_lattice.rsFromTs * m_sheets.tsFrom(field.wsFromIs)));
+    const std::span<const double> weights = twoScaleWeights(m_dials.kernel);
+    if (m_lattice.parallel() && !field.field->tiles.empty() && !weights.empty()) {
+        TileLevels tiles(*field.field, weights, coarserLevels(m_lattice.rsFromTs * m_sheets.tsFrom(field.wsFromIs)));
         if (!tiles.levels().empty()) {
             auto blocks = std::make_shared<SparseField>(*field.field);
             blocks->tiles.clear();

@@ -7,7 +7,7 @@
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/splat/splatter.h>
-#include <scrim/engine/splat/tile_levels.h>
+#include <scrim/volume/tile_levels.h>
 
 #include <limits>
 #include <optional>

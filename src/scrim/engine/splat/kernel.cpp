@@ -54,6 +54,14 @@ double kernelValue(Kernel kernel, const Vec3& o) {
     return 0;
 }
 
+std::span<const double> twoScaleWeights(Kernel kernel) {
+    // 1/2, 1, 1/2; and 1, 4, 6, 4, 1 eighths.
+    static constexpr double kLinear[] = {1, 0.5}, kCubic[] = {6.0 / 8, 4.0 / 8, 1.0 / 8};
+    if (kernel == Kernel::linear) return kLinear;
+    if (kernel == Kernel::bspline) return kCubic;
+    return {};
+}
+
 FieldProbe::FieldProbe(const SparseField& field, Kernel kernel) : m_index(field), m_kernel(kernel) {}
 
 double FieldProbe::voxel(const Int3& is) const {

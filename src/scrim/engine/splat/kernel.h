@@ -9,6 +9,7 @@
 
 #include <limits>
 #include <memory>
+#include <span>
 
 namespace scrim {
 
@@ -18,6 +19,10 @@ double kernelExtent(Kernel kernel, const Vec3& row);
 
 /// The kernel at `offset` (index space, voxels) from a voxel's centre. Its integral over index space is 1.
 double kernelValue(Kernel kernel, const Vec3& offset);
+
+/// The kernel of voxels twice as large is the sum of such kernels: their weights, by the distance along each axis from
+/// its middle, in voxels. Empty where it is not (the Gaussian's).
+std::span<const double> twoScaleWeights(Kernel kernel);
 
 class FieldProbe {
   public:

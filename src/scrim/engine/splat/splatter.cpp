@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/splat/splatter.h>
 
-#include <scrim/volume/field_builder.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -115,13 +113,6 @@ std::vector<std::uint32_t> FieldSplatter::tilesTouching(int firstSheet, int last
     }
     std::sort(tiles.begin(), tiles.end());
     return tiles;
-}
-
-bool haveOneTopology(const SparseField& field, const SparseField& other) {
-    if (!field.tiles.empty() || !other.tiles.empty() || field.wsFromIs != other.wsFromIs) return false;
-    // Both are in lattice order.
-    return std::includes(field.blockOrigins.begin(), field.blockOrigins.end(), other.blockOrigins.begin(),
-                         other.blockOrigins.end(), originLess);
 }
 
 void FieldSplatter::join(const SparseField& field) {

@@ -25,10 +25,6 @@ namespace scrim {
 /// Says of a box of tiles that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
 using TileCull = std::function<bool(const Box2<int>&)>;
 
-/// Do all blocks of `other` lie where `field` has blocks, on the same lattice, and has neither any tiles? Then both are
-/// splatted by one walk: a colour costs one, not three.
-bool haveOneTopology(const SparseField& field, const SparseField& other);
-
 /// Splats a field onto the sheets' own texels, or onto the cells of a parallel view.
 class FieldSplatter {
   public:

@@ -5,12 +5,12 @@
 // rounding: a level set of radius 500 has 5 10^8 voxels, and needs 10^7 footprints.
 #pragma once
 
-#include <scrim/scene/dials.h>
 #include <scrim/volume/sparse_field.h>
 
 #include <array>
 #include <map>
 #include <memory>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -26,9 +26,11 @@ struct TileLevel {
 
 class TileLevels {
   public:
-    /// At most `levels` beside the field's own. None at all where no region is large enough, or where the kernel has no
-    /// such relation (the Gaussian): then the tiles have to be splatted as they are.
-    TileLevels(const SparseField& field, Kernel kernel, int levels);
+    /// At most `levels` beside the field's own. None at all where no region is large enough: then the tiles have to be
+    /// splatted as they are.
+    /// `weights`: of the voxels 0, 1, ... away from a coarser one along an axis, with which their kernels add up to its
+    /// kernel. Fewer than 4.
+    TileLevels(const SparseField& field, std::span<const double> weights, int levels);
     TileLevels(TileLevels&&) = default;
 
     /// Level k is number k. Together they are the field's tiles.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/splat/tile_levels.h>
+#include <scrim/volume/tile_levels.h>
 
 #include <scrim/volume/block_index.h>
 #include <scrim/volume/field_builder.h>
@@ -13,15 +13,6 @@
 
 namespace scrim {
 namespace {
-
-// Weights of the voxels around a coarser one that reconstruct the same, by their distance along an axis. The linear
-// kernel: 1/2, 1, 1/2; cubic B-splines: 1, 4, 6, 4, 1 eighths.
-std::span<const double> twoScaleWeights(Kernel kernel) {
-    static constexpr double kLinear[] = {1, 0.5}, kCubic[] = {6.0 / 8, 4.0 / 8, 1.0 / 8};
-    if (kernel == Kernel::linear) return kLinear;
-    if (kernel == Kernel::bspline) return kCubic;
-    return {};
-}
 
 // Does visit return true of all cubes of 8^3 in the hull of the box [lower, upper], of cubes?
 template <class Visit>
@@ -154,9 +145,7 @@ class TileLevels::Split {
     std::vector<std::pair<Int3, const Block*>> m_rests;
 };
 
-TileLevels::TileLevels(const SparseField& field, Kernel kernel, int levels) {
-    const std::span<const double> weights = twoScaleWeights(kernel);
-    if (weights.empty()) return;
+TileLevels::TileLevels(const SparseField& field, std::span<const double> weights, int levels) {
     SparseField tiles = field;
     for (int level = 0; level < levels; ++level) {
         Split split(*this, weights, tiles);
