@@ -41,7 +41,7 @@ Cone coneOfThree(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 // Of so many directions only those are worth a look that a cone around all may touch.
-constexpr std::size_t kMany = 256;
+constexpr std::size_t kMany = 32;
 
 }  // namespace
 

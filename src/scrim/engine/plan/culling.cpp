@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/plan/culling.h>
 
+#include <scrim/base/parallel.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/shade/surface.h>
 #include <scrim/geometry/sheets.h>
@@ -232,10 +233,12 @@ void includeSlice(const Points& hull, double lower, double upper, Bounds& box) {
 // The points, and where the light's rays to them come from: the front of the stack, or the light within it.
 Points withWayOf(const Light& light, const Sheets& sheets, const Points& points) {
     Points hull = points;
+    bool within = false;
     for (const Vec3& p : points) {
         Vec3 back = light.distant() ? sheets.tsVector(light.wsDirection) : p - sheets.tsPoint(light.wsPosition);
         if (!light.distant() && p.z - back.z > 0) {
-            hull.push_back(p - back);  // the light itself
+            if (!within) hull.push_back(p - back);  // the light itself
+            within = true;
             continue;
         }
         back.z = std::max(back.z, 1e-6);
@@ -287,12 +290,15 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
     const Points eye(box.begin(), box.end());
     std::vector<Points> hulls{eye};
     for (const Light* light : shadowed) hulls.push_back(withWayOf(*light, sheets, eye));
-    for (int n = 0; n < sheets.count; ++n) {
-        checkpoint();
+    checkpoint();
+    parallelFor(needed.sheets.size(), [&](std::size_t sheet) {
+        const auto n = static_cast<int>(sheet);
         Bounds slice;
         for (const Points& hull : hulls) includeSlice(hull, n - reach, n + 1 + reach, slice);
-        needed.sheets[n] = tilesAround(slice, sheets);
-        if (needed.sheets[n].empty()) continue;
+        needed.sheets[sheet] = tilesAround(slice, sheets);
+    });
+    for (int n = 0; n < sheets.count; ++n) {
+        if (needed.sheets[std::size_t(n)].empty()) continue;
         if (needed.last == 0) needed.first = n;
         needed.last = n + 1;
     }

@@ -226,7 +226,9 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
         double bestSlant = limit;
         for (std::size_t g = 0; g < groups.size(); ++g) {
             if (groups[g].sameSide != item.sameSide) continue;
-            const double slant = angleOf(cones[g].with(item.corners, std::cos(bestSlant) - kCosSlack).cosAngle);
+            const double cosMost = std::cos(bestSlant) - kCosSlack;
+            if (cones[g].cone().cosAngle < cosMost) continue;  // it leans too far already
+            const double slant = angleOf(cones[g].with(item.corners, cosMost).cosAngle);
             if (slant <= bestSlant) {
                 bestSlant = slant;
                 best = g;
