@@ -45,10 +45,10 @@ class Interrupt : public ProgramTest {
         write("suns.toml", suns);
         write("sky.toml", kCamera + kVolume + "[[light]]\ntype = \"dome\"\nsamples = 4096\n");
         write("made.toml", kCamera + fmt::format(fmt::runtime(noise), 900) + kLight);
-        write("scattered.toml",
-              kCamera + fmt::format(fmt::runtime(noise), 128) + "scattering = \"full\"\nalbedo = 0.999\n" + kLight);
+        write("scattered.toml", kCamera + fmt::format(fmt::runtime(noise), 128) +
+                                    "[volume.medium]\nscattering = \"full\"\nalbedo = [0.99, 0.99, 0.99]\n" + kLight);
         write("moved.toml", kCamera +
-                                "[[volume]]\nfile = \"mad.vdb\"\ngrid = \"density\"\nvelocity = { grid = [\"vx\", "
+                                "[[volume]]\nfile = \"mad.vdb\"\nvelocity = { grid = [\"vx\", "
                                 "\"vy\", \"vz\"] }\n" +
                                 kLight);
         return {{"tile", {"render", "huge.vdb", "--set", "render.texel=0.2"}},
@@ -58,10 +58,10 @@ class Interrupt : public ProgramTest {
                 {"made", {"render", "made.toml"}},
                 {"scattered", {"render", "scattered.toml", "--set", "render.scatter_cell=0.5"}},
                 {"moved",
-                 {"render", "moved.toml", "--set", "render.shutter=[-0.25,0.25]", "--set",
+                 {"render", "moved.toml", "--set", "camera.shutter=[-0.25,0.25]", "--set",
                   "render.shutter_samples=1024", "--res", "2048x2048"}},
                 {"verified", {"render", "scene.toml", "--res", "1024x1024", "--verify", "1000000"}},
-                {"studied", {"study", "scene.toml", "--res", "1024x1024"}},
+                {"studied", {"study", "scene.toml", "--res", "1024x1024", "-o", "studied"}},
                 {"fine", {"render", "scene.toml", "--res", "8192x8192", "--quality", "ultra"}}};
     }
 };
