@@ -61,14 +61,15 @@ FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
         const Vec3 edges(tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]);
         return glm::length(edges);
     };
-    // Steps of a texel are powers of two. Six a voxel instead of eight cost thin media 0.7 % of error.
-    constexpr double kEnough = 0.95;
-    const auto steps = [&](double voxel) {
+    // Powers of two. Six steps of texels a voxel instead of eight cost thin media 0.7 % of error; of sheets six will
+    // do.
+    constexpr double kTexels = 0.95, kSheets = 0.75;
+    const auto steps = [&](double voxel, double enough) {
         int n = 2;
-        while (n < 128 && n * voxel < kEnough * stepsPerVoxel) n *= 2;
+        while (n < 128 && n * voxel < enough * stepsPerVoxel) n *= 2;
         return n;
     };
-    return {steps(std::min(voxelAlong(0), voxelAlong(1))), steps(voxelAlong(2))};
+    return {steps(std::min(voxelAlong(0), voxelAlong(1)), kTexels), steps(voxelAlong(2), kSheets)};
 }
 
 FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup)
