@@ -136,20 +136,24 @@ void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks
 // 400,000 of them. Ascending by their origins.
 void joinTiles(std::vector<ConstantTile>& tiles) {
     const auto byOrigin = [](const ConstantTile& a, const ConstantTile& b) { return originLess(a.origin, b.origin); };
-    constexpr int kLargest = 1 << 20;
+    constexpr int kLargest = 4096;  // as OpenVDB's own
     std::map<int, std::vector<ConstantTile>> byEdge;
     for (const ConstantTile& tile : tiles) byEdge[tile.edge].push_back(tile);
     tiles.clear();
     for (auto now = byEdge.begin(); now != byEdge.end(); ++now) {  // what is joined comes later in the map
         auto& [edge, own] = *now;
+        if (edge >= kLargest) {
+            tiles.insert(tiles.end(), own.begin(), own.end());
+            continue;
+        }
         const auto cubeOf = [half = edge](const ConstantTile& tile) { return tile.origin & ~(2 * half - 1); };
         std::sort(own.begin(), own.end(), [&](const ConstantTile& a, const ConstantTile& b) {
             const Int3 cubeA = cubeOf(a), cubeB = cubeOf(b);
             return originLess(cubeA, cubeB) || (cubeA == cubeB && a.value < b.value);
         });
         for (std::size_t i = 0; i < own.size();) {
-            const bool joins = edge < kLargest && i + 8 <= own.size() && cubeOf(own[i]) == cubeOf(own[i + 7]) &&
-                               own[i].value == own[i + 7].value;
+            const bool joins =
+                i + 8 <= own.size() && cubeOf(own[i]) == cubeOf(own[i + 7]) && own[i].value == own[i + 7].value;
             if (joins)
                 byEdge[2 * edge].push_back({cubeOf(own[i]), 2 * edge, own[i].value});
             else

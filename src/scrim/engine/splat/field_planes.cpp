@@ -96,8 +96,12 @@ void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*>
 
 // A field without large constant tiles as it is; of others, blocks and each level of tiles for itself.
 void FieldPlanes::placeTiles(const ViewField& field) {
+    // Tiles that only a source can make are cut where they are splatted: their hulls alone are too much.
+    constexpr int kLargest = 4096;
+    const std::vector<ConstantTile>& all = field.field->tiles;
+    const bool cuts = std::all_of(all.begin(), all.end(), [](const ConstantTile& t) { return t.edge <= kLargest; });
     const std::span<const double> weights = twoScaleWeights(m_dials.kernel);
-    if (m_lattice.parallel() && !field.field->tiles.empty() && !weights.empty()) {
+    if (m_lattice.parallel() && !all.empty() && cuts && !weights.empty()) {
         TileLevels tiles(*field.field, weights, coarserLevels(m_lattice.rsFromTs * m_sheets.tsFrom(field.wsFromIs)));
         if (!tiles.levels().empty()) {
             auto blocks = std::make_shared<SparseField>(*field.field);
