@@ -150,7 +150,7 @@ TEST_P(Baked, AgreesWithBruteForce) {
                 const Reference::Sample sample = reference.sample(ws, {0, 0, -1});
                 Rgb expected = sample.source;
                 const double own =
-                    volume.medium.densityScale * FieldProbe(*volume.field, Kernel::linear).voxel(Int3(voxel.is));
+                    volume.medium.densityScale * FieldSampler(*volume.field, Kernel::linear).voxel(Int3(voxel.is));
                 if (!all) expected *= 4 * kPi / (own * glm::max(volume.medium.extinctionTint, 1e-9));
                 const Rgb error = at(values, voxel) - expected;
                 square += glm::dot(error, error) / 3 / 60;

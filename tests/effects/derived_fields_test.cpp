@@ -5,7 +5,7 @@
 
 #include <scrim/shot/assemble.h>
 #include <scrim/shot/derived_fields.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace scrim::test {
 namespace {
 
 double voxelOf(const FieldPointer& field, const Int3& at) {
-    return FieldProbe(*field, Kernel::linear).voxel(at);
+    return FieldSampler(*field, Kernel::linear).voxel(at);
 }
 
 TEST(ScatteringFields, AreDensityTimesAlbedoAtTheDensitysVoxels) {

@@ -41,7 +41,7 @@ std::shared_ptr<VolumeMotion> flowing(const ViewVolume& volume, const Int3& lowe
     motion->least = Vec3(-most);
     motion->most = Vec3(most);
     motion->wsPerVelocity = Mat3(1.0);
-    const FieldProbe probe(*volume.field, Kernel::linear);
+    const FieldSampler probe(*volume.field, Kernel::linear);
     for (int c = 0; c < 3; ++c)
         motion->flow.push_back(
             {makeField(lower, upper, 1,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenes.h"
 
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ Medium& medium(ViewScene& scene) {
 }
 
 ViewField scaled(const ViewVolume& volume, const std::function<double(const Vec3&)>& factor) {
-    const FieldProbe probe(*volume.field, Kernel::linear);
+    const FieldSampler probe(*volume.field, Kernel::linear);
     return {
         makeField(Int3(-kRadius), Int3(kRadius), 1, [&](const Vec3& is) { return factor(is) * probe.voxel(Int3(is)); }),
         volume.wsFromIs};

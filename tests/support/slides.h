@@ -2,7 +2,7 @@
 // Slides made in code, and lights that shine through them.
 #pragma once
 
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/slide_map.h>
 
 #include <functional>
 #include <memory>

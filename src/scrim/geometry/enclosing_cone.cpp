@@ -52,8 +52,8 @@ std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     for (const Vec3& d : directions) sum += d;
     if (glm::length(sum) < 1e-3 * double(directions.size())) return directions;
     const Vec3 z = glm::normalize(sum);
-    const Vec3 x = glm::normalize(glm::cross(z, std::abs(z.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
-    const Vec3 y = glm::cross(z, x);
+    const Mat3 frame = frameAround(z);
+    const Vec3 &x = frame[0], &y = frame[1];
     struct Place {
         Vec2 at;
         std::size_t direction;

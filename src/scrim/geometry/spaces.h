@@ -7,6 +7,9 @@
 // Everything here is double; float begins only once coordinates are local to a sheet or a leaf.
 #pragma once
 
+#include <cmath>
+
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
@@ -30,6 +33,17 @@ inline Vec3 transformPoint(const Mat4& m, const Vec3& p) {
 /// Vector (no translation) `v` under the affine map `m`.
 inline Vec3 transformVector(const Mat4& m, const Vec3& v) {
     return Vec3(m[0]) * v.x + Vec3(m[1]) * v.y + Vec3(m[2]) * v.z;
+}
+
+/// A coordinate axis that is not near to the unit vector `axis`.
+inline Vec3 apartFrom(const Vec3& axis) {
+    return std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+}
+
+/// An orthonormal frame whose third column is the unit vector `axis`.
+inline Mat3 frameAround(const Vec3& axis) {
+    const Vec3 x = glm::normalize(glm::cross(axis, apartFrom(axis)));
+    return {x, glm::cross(axis, x), axis};
 }
 
 }  // namespace scrim

@@ -3,22 +3,12 @@
 // meanings stand in one table in quality.h.
 #pragma once
 
+#include <scrim/volume/kernel.h>
+
 #include <optional>
 #include <string>
 
 namespace scrim {
-
-/// How a voxel spreads into the space around it (ZC02 section 2).
-enum class Kernel {
-    linear,    ///< trilinear tent: an exact partition of unity, what ray marchers show
-    gaussian,  ///< exp(-2 r^2) cut off at radius 2 voxels, ZC02's usual choice; ripples by about 1 %
-    bspline,   ///< cubic B-spline, an exact and smooth partition of unity; blurs
-};
-
-/// Half the edge of the box (index space, voxels) outside of which the kernel is 0.
-inline double kernelRadius(Kernel kernel) {
-    return kernel == Kernel::linear ? 1.0 : 2.0;
-}
 
 enum class ShadowFilter { bilinear, nearest };
 enum class ShadeMode { automatic, texel, pixel };

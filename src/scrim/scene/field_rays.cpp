@@ -149,12 +149,7 @@ float usualMost(const SparseField& field) {
 }
 
 FieldRays::FieldRays(const SparseField& field)
-    : m_index(field), m_isBounds(isOccupied(field)), m_isFromWs(glm::inverse(field.wsFromIs)) {}
-
-double FieldRays::valueAt(const Vec3& isPoint) const {
-    if (!m_isBounds.contains(isPoint)) return 0;  // nor need it be anywhere near a whole number
-    return m_index.voxel(Int3(glm::floor(isPoint + 0.5)));
-}
+    : m_sampler(field), m_isBounds(isOccupied(field)), m_isFromWs(glm::inverse(field.wsFromIs)) {}
 
 double FieldRays::integral(const Vec3& wsOrigin, const Vec3& wsDirection) const {
     if (m_isBounds.empty()) return 0;
@@ -167,7 +162,7 @@ double FieldRays::integral(const Vec3& wsOrigin, const Vec3& wsDirection) const 
     const int steps = static_cast<int>(std::clamp(std::ceil(isLength - kRounding), 1.0, double(kMostSteps)));
     const double step = (t1 - t0) / steps;
     double sum = 0;
-    for (int i = 0; i < steps; ++i) sum += valueAt(o + (t0 + (i + 0.5) * step) * d);
+    for (int i = 0; i < steps; ++i) sum += m_sampler.nearest(o + (t0 + (i + 0.5) * step) * d);
     return sum * step * glm::length(wsDirection);
 }
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <scrim/geometry/bounds.h>
-#include <scrim/volume/block_index.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <vector>
 
@@ -36,12 +36,10 @@ class FieldRays {
     double integral(const Vec3& wsOrigin, const Vec3& wsDirection) const;
 
     /// Of the voxel whose cell holds the point; 0 outside.
-    double value(const Vec3& wsPoint) const { return valueAt(transformPoint(m_isFromWs, wsPoint)); }
+    double value(const Vec3& wsPoint) const { return m_sampler.nearest(transformPoint(m_isFromWs, wsPoint)); }
 
   private:
-    double valueAt(const Vec3& isPoint) const;
-
-    BlockIndex m_index;
+    FieldSampler m_sampler;
     Bounds m_isBounds;
     Mat4 m_isFromWs{1.0};
 };

@@ -2,8 +2,8 @@
 #include <scrim/shot/derived_fields.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/splat/kernel.h>
 #include <scrim/volume/field_builder.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <algorithm>
 
@@ -27,11 +27,11 @@ float ramped(const Ramp& ramp, double value) {
 }
 
 // An albedo grid at the voxels of another grid.
-class AlbedoProbe {
+class AlbedoAt {
   public:
-    AlbedoProbe(const SparseField& density, const std::array<FieldPointer, 3>& albedo, const ColourGrid& look)
+    AlbedoAt(const SparseField& density, const std::array<FieldPointer, 3>& albedo, const ColourGrid& look)
         : m_look(look), m_toAlbedo(glm::inverse(albedo[0]->wsFromIs) * density.wsFromIs), m_aligned(true) {
-        for (std::size_t c = 0; c < 3; ++c) m_probes.emplace_back(*albedo[c], Kernel::linear);
+        for (std::size_t c = 0; c < 3; ++c) m_samplers.emplace_back(*albedo[c]);
         constexpr double kRounding = 1e-9;
         for (int axis = 0; axis < 4; ++axis)
             for (int row = 0; row < 3; ++row)
@@ -40,8 +40,8 @@ class AlbedoProbe {
     Rgb at(const Int3& voxel) const {
         Rgb value;
         for (int c = 0; c < 3; ++c) {
-            const FieldProbe& probe = m_probes[c];
-            value[c] = m_aligned ? probe.voxel(voxel) : probe.value(transformPoint(m_toAlbedo, Vec3(voxel)));
+            const FieldSampler& sampler = m_samplers[c];
+            value[c] = m_aligned ? sampler.voxel(voxel) : sampler.value(transformPoint(m_toAlbedo, Vec3(voxel)));
         }
         return glm::clamp(m_look.scale * (m_look.workingFromGrid * value), Rgb(0), Rgb(1));
     }
@@ -50,7 +50,7 @@ class AlbedoProbe {
     const ColourGrid& m_look;
     Mat4 m_toAlbedo;
     bool m_aligned;
-    std::vector<FieldProbe> m_probes;
+    std::vector<FieldSampler> m_samplers;
 };
 
 // All blocks that a field's voxels lie in, tiles cut into them.
@@ -123,20 +123,20 @@ FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
 
 std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
                                            const ColourGrid& look) {
-    const AlbedoProbe probe(density, albedo, look);
-    return productFields(density, [&](const Int3& voxel) { return probe.at(voxel); });
+    const AlbedoAt albedoAt(density, albedo, look);
+    return productFields(density, [&](const Int3& voxel) { return albedoAt.at(voxel); });
 }
 
 std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& assetFromIs,
                                      const std::vector<FieldPointer>& velocity, const Vec3& least) {
-    std::vector<FieldProbe> probes;
-    std::vector<Mat4> toProbe;
+    std::vector<FieldSampler> parts;
+    std::vector<Mat4> toPart;
     for (const FieldPointer& part : velocity) {
-        probes.emplace_back(*part, Kernel::linear);
-        toProbe.push_back(glm::inverse(part->wsFromIs) * assetFromIs);
+        parts.emplace_back(*part);
+        toPart.push_back(glm::inverse(part->wsFromIs) * assetFromIs);
     }
     return productFields(density, [&](const Int3& voxel) {
-        const auto part = [&](int i) { return probes[i].value(transformPoint(toProbe[i], Vec3(voxel))); };
+        const auto part = [&](int i) { return parts[i].value(transformPoint(toPart[i], Vec3(voxel))); };
         return glm::max(Vec3(part(0) - part(1), part(2) - part(3), part(4) - part(5)) - least, Vec3(0));
     });
 }

@@ -3,13 +3,12 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/scene/field_rays.h>
-#include <scrim/volume/block_index.h>
 #include <scrim/volume/field_builder.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -22,24 +21,21 @@ namespace {
 class FieldMap {
   public:
     explicit FieldMap(const SparseField& field)
-        : m_field(field), m_index(field), m_isFromWs(glm::inverse(field.wsFromIs)), m_isBounds(field.isBounds()) {
-        m_isBounds.lower -= 1.0;
-        m_isBounds.upper += 1.0;
+        : m_field(field), m_sampler(field), m_isFromWs(glm::inverse(field.wsFromIs)) {
         for (std::size_t b = 0; b < field.blockCount(); ++b)
             m_most.push_back(*std::max_element(field.block(b), field.block(b) + kBlockVoxels));
         for (const ConstantTile& tile : field.tiles) m_most.push_back(tile.value);
     }
     const SparseField& field() const { return m_field; }
-    const BlockIndex& index() const { return m_index; }
     const Mat4& wsFromIs() const { return m_field.wsFromIs; }
     const Mat4& isFromWs() const { return m_isFromWs; }
-    // Is nothing there, for samples of the linear kernel?
-    bool outside(const Vec3& is) const { return !m_isBounds.contains(is); }
+    double at(const Vec3& is) const { return m_sampler.value(is); }
+    double atWs(const Vec3& ws) const { return at(transformPoint(m_isFromWs, ws)); }
     // The largest value that samples in the box (index space) can have, or whether there is any.
     float most(const Bounds& is) const {
         float most = 0;
-        m_index.visit(cubeOf(is.lower - 1.0), cubeOf(glm::ceil(is.upper) + 1.0),
-                      [&](const BlockIndex::Place&, std::uint32_t i) { most = std::max(most, m_most[i]); });
+        m_sampler.index().visit(cubeOf(is.lower - 1.0), cubeOf(glm::ceil(is.upper) + 1.0),
+                                [&](const BlockIndex::Place&, std::uint32_t i) { most = std::max(most, m_most[i]); });
         return most;
     }
     static Int3 cubeOf(const Vec3& is) {
@@ -50,43 +46,9 @@ class FieldMap {
 
   private:
     const SparseField& m_field;
-    BlockIndex m_index;
+    FieldSampler m_sampler;
     Mat4 m_isFromWs;
-    Bounds m_isBounds;
     std::vector<float> m_most;
-};
-
-// Trilinear samples, which remember the block that the one before was in. For one thread.
-class Sampler {
-  public:
-    explicit Sampler(const FieldMap& map) : m_map(map) {}
-
-    double at(const Vec3& is) {
-        if (m_map.outside(is)) return 0;  // nor need it be anywhere near a whole number
-        const Vec3 floor = glm::floor(is), f = is - floor;
-        const Int3 base(floor);
-        double sum = 0;
-        for (int corner = 0; corner < 8; ++corner) {
-            const Int3 step(corner & 1, corner >> 1 & 1, corner >> 2);
-            const Vec3 w = glm::mix(1.0 - f, f, Vec3(step));
-            const double weight = w.x * w.y * w.z;
-            if (weight > 0) sum += weight * voxel(base + step);
-        }
-        return sum;
-    }
-    double atWs(const Vec3& ws) { return at(transformPoint(m_map.isFromWs(), ws)); }
-
-  private:
-    double voxel(const Int3& at) {
-        if (const Int3 cube = at >> 3; cube != m_cube) {
-            m_place = m_map.index().at(cube);
-            m_cube = cube;
-        }
-        return m_place.voxel(at);
-    }
-    const FieldMap& m_map;
-    Int3 m_cube{std::numeric_limits<int>::min()};  // no voxel's
-    BlockIndex::Place m_place;
 };
 
 // The blocks that the box (index space) touches.
@@ -126,6 +88,17 @@ Bounds rangeOf(double time, const Vec3& positive, const Vec3& negative) {
 struct FieldMover::Parts {
     std::vector<FieldMap> maps;  // as FieldPath::parts
 
+    // The velocity at a place of asset space.
+    Vec3 at(const Vec3& ws) const {
+        Vec3 v;
+        for (int axis = 0; axis < 3; ++axis)
+            v[axis] = maps[std::size_t(2 * axis)].atWs(ws) - maps[std::size_t(2 * axis + 1)].atWs(ws);
+        return v;
+    }
+
+    // The mean velocity of what `field` holds, weighted by its values.
+    Vec3 mean(const SparseField& field) const;
+
     // What the velocity is, at most, where samples of the box (asset space) are taken.
     Bounds range(const Bounds& ws, double time) const {
         Vec3 positive, negative;
@@ -140,29 +113,13 @@ struct FieldMover::Parts {
 
 namespace {
 
-// Velocities at places, for one thread.
-class VelocitySampler {
-  public:
-    explicit VelocitySampler(const std::vector<FieldMap>& maps) {
-        for (const FieldMap& map : maps) m_samplers.emplace_back(map);
-    }
-    Vec3 at(const Vec3& ws) {
-        Vec3 v;
-        for (int axis = 0; axis < 3; ++axis)
-            v[axis] = m_samplers[std::size_t(2 * axis)].atWs(ws) - m_samplers[std::size_t(2 * axis + 1)].atWs(ws);
-        return v;
-    }
-
-  private:
-    std::vector<Sampler> m_samplers;
-};
-
 Int3 voxelOf(int i) {
     return {i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge};
 }
 
-// Of a field's velocity, weighted by its values.
-Vec3 meanVelocity(const std::vector<FieldMap>& velocity, const SparseField& field) {
+}  // namespace
+
+Vec3 FieldMover::Parts::mean(const SparseField& field) const {
     struct Sum {
         Vec3 v{0};
         double weight = 0;
@@ -170,15 +127,14 @@ Vec3 meanVelocity(const std::vector<FieldMap>& velocity, const SparseField& fiel
     // A voxel or two may be a million times as fast as all others, and must not move the whole lattice.
     Bounds usual;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-        usual.upper[int(axis)] = usualMost(velocity[2 * axis].field());
-        usual.lower[int(axis)] = -usualMost(velocity[2 * axis + 1].field());
+        usual.upper[int(axis)] = usualMost(maps[2 * axis].field());
+        usual.lower[int(axis)] = -usualMost(maps[2 * axis + 1].field());
     }
     // Of a tile its middle tells.
     std::vector<Sum> sums(field.blockCount() + field.tiles.size());
     parallelFor(sums.size(), [&](std::size_t b) {
-        VelocitySampler sampler(velocity);
         const auto add = [&](const Vec3& is, double weight) {
-            sums[b].v += weight * glm::clamp(sampler.at(transformPoint(field.wsFromIs, is)), usual.lower, usual.upper);
+            sums[b].v += weight * glm::clamp(at(transformPoint(field.wsFromIs, is)), usual.lower, usual.upper);
             sums[b].weight += weight;
         };
         if (b < field.blockCount()) {
@@ -198,8 +154,6 @@ Vec3 meanVelocity(const std::vector<FieldMap>& velocity, const SparseField& fiel
     return all.weight > 0 ? all.v / all.weight : Vec3(0);
 }
 
-}  // namespace
-
 Bounds FieldPath::range() const {
     Vec3 positive(0), negative(0);
     for (int axis = 0; axis < 3 && moves(); ++axis) {
@@ -212,7 +166,7 @@ Bounds FieldPath::range() const {
 FieldMover::FieldMover(FieldPath path, const SparseField& weight) : m_path(std::move(path)) {
     auto parts = std::make_unique<Parts>();
     for (const FieldPointer& part : m_path.parts) parts->maps.emplace_back(*part);
-    m_mean = m_path.time * meanVelocity(parts->maps, weight);
+    m_mean = m_path.time * parts->mean(weight);
     m_parts = std::move(parts);
 }
 
@@ -257,12 +211,10 @@ FieldPointer FieldMover::operator()(const FieldPointer& field) const {
     for (Int3& origin : found) origin *= kBlockEdge;
     const std::vector<Int3> origins = found;
     pieces.fill = [&, wsFromIs = pieces.wsFromIs](std::size_t b, float* to) {
-        Sampler values(from);
-        VelocitySampler velocity(m_parts->maps);
         for (int i = 0; i < kBlockVoxels; ++i) {
             const Vec3 is(origins[b] + voxelOf(i));
-            const Vec3 way = m_path.time * velocity.at(transformPoint(wsFromIs, is)) - m_mean;
-            to[i] = static_cast<float>(values.at(is - linear * way));
+            const Vec3 way = m_path.time * m_parts->at(transformPoint(wsFromIs, is)) - m_mean;
+            to[i] = static_cast<float>(from.at(is - linear * way));
         }
     };
     return std::make_shared<SparseField>(buildField(std::move(pieces)));

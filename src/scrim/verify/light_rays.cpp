@@ -18,10 +18,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Directions around `axis` to within the angle whose 1 - cos is `depth`, solid angles in proportion.
 Vec3 inCone(const Vec3& axis, double depth, const Vec2& p) {
-    const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-    const Vec3 x = glm::normalize(glm::cross(axis, other)), y = glm::cross(axis, x);
+    const Mat3 frame = frameAround(axis);
     const double lower = p.x * depth, r = std::sqrt(std::max(0.0, lower * (2 - lower)));
-    return (1 - lower) * axis + r * (std::cos(2 * kPi * p.y) * x + std::sin(2 * kPi * p.y) * y);
+    return (1 - lower) * axis + r * (std::cos(2 * kPi * p.y) * frame[0] + std::sin(2 * kPi * p.y) * frame[1]);
 }
 
 // Where in the running sums `part` of the last lies, and how far into that entry.

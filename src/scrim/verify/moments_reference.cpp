@@ -26,8 +26,8 @@ bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
 MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth) {
     if (!truth.moments) {
         Moment& still = m_levels.emplace_back().emplace_back();
-        still.reference = std::make_unique<const Reference>(truth, ReferenceOptions{}, &m_probes);
-        still.paths = std::make_unique<const PathTracer>(truth, &m_probes);
+        still.reference = std::make_unique<const Reference>(truth, ReferenceOptions{}, &m_samplers);
+        still.paths = std::make_unique<const PathTracer>(truth, &m_samplers);
         return;
     }
     // Nothing goes further than about two pixels between two moments of the first level, if there is a limit to that.
@@ -51,8 +51,8 @@ const std::vector<MomentsReference::Moment>& MomentsReference::momentsOf(std::si
             Moment& moment = made.emplace_back();
             const double t = moments.open + (double(i) + 0.5 + side) * length;
             moment.scene = std::make_unique<const ViewScene>(moments.at(t));
-            moment.reference = std::make_unique<const Reference>(*moment.scene, ReferenceOptions{}, &m_probes);
-            if (level == 0) moment.paths = std::make_unique<const PathTracer>(*moment.scene, &m_probes);
+            moment.reference = std::make_unique<const Reference>(*moment.scene, ReferenceOptions{}, &m_samplers);
+            if (level == 0) moment.paths = std::make_unique<const PathTracer>(*moment.scene, &m_samplers);
         }
     return made;
 }

@@ -38,7 +38,7 @@ class MomentsReference {
     std::vector<std::array<double, 4>> meansOver(std::span<const VerifiedPixel> pixels, std::size_t level);
 
     const ViewScene& m_truth;
-    FieldProbes m_probes;
+    FieldSamplers m_samplers;
     std::size_t m_intervals = 1;                // of the first level
     std::vector<std::vector<Moment>> m_levels;  // made when they are needed
     std::array<double, 4> m_brightest{};        // of all means so far

@@ -29,10 +29,9 @@ double most(const Rgb& v) {
 
 // A unit vector at an angle to `axis` whose cosine is given, turned around it by `turn`.
 Vec3 around(const Vec3& axis, double cosine, double turn) {
-    const Vec3 other = std::abs(axis.x) > 0.7 ? Vec3(0, 1, 0) : Vec3(1, 0, 0);
-    const Vec3 u = glm::normalize(glm::cross(other, axis)), v = glm::cross(axis, u);
+    const Mat3 frame = frameAround(axis);
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
-    return glm::normalize(sine * std::cos(turn) * u + sine * std::sin(turn) * v + cosine * axis);
+    return glm::normalize(frame * Vec3(sine * std::cos(turn), sine * std::sin(turn), cosine));
 }
 
 // The cosine that a share `u` of all light is scattered below, of a Henyey-Greenstein lobe.
@@ -56,26 +55,17 @@ struct PathTracer::Random {
     double free() { return -std::log(1 - next()); }  // a length, in mean free paths
 };
 
-PathTracer::PathTracer(const ViewScene& scene, FieldProbes* shared) : m_scene(scene) {
+PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(scene) {
     m_any = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
     if (!m_any) return;
-    for (const Light& light : scene.lights) {
-        m_slides.push_back(light.slide && !light.extended() ? std::optional(slideMap(light)) : std::nullopt);
-        m_extents.push_back(light.extended() ? std::optional<LightRays>(std::in_place, light) : std::nullopt);
-    }
-    FieldProbes own;
-    FieldProbes& probes = shared ? *shared : own;
-    const auto probe = [&](const ViewField& field) {
-        return Probe{probeOf(*field.field, scene.dials.kernel, probes), glm::inverse(field.wsFromIs)};
-    };
-    for (const ViewVolume& volume : scene.volumes) {
-        Volume& v = m_volumes.emplace_back();
-        v.look = &volume;
-        if (!volume.field->empty()) v.density = probe({volume.field, volume.wsFromIs});
-        for (const ViewField& field : volume.scatter) v.scatter.push_back(probe(field));
-        for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty()) v.emission.emplace_back(probe(emission.field), emission.color);
-    }
+    for (const Light& light : scene.lights)
+        if (light.extended())
+            m_lights.emplace_back(std::in_place_type<LightRays>, light);
+        else
+            m_lights.emplace_back(std::in_place_type<LightAt>, light);
+    FieldSamplers own;
+    for (const ViewVolume& volume : scene.volumes)
+        m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);
     measure();
 }
 
@@ -110,21 +100,21 @@ void PathTracer::measure() {
             }
         for (const ConstantTile& tile : f.tiles) add(tile.origin, tile.origin + tile.edge - 1, tile.value);
     };
-    for (const Volume& v : m_volumes) {
-        if (v.density) {
+    for (const ViewVolume& volume : m_scene.volumes) {
+        if (!volume.field->empty()) {
             std::fill(ofField.begin(), ofField.end(), 0.0);
             double steepest = 0;
-            if (v.look->classified)
+            if (volume.classified)
                 for (int i = 0; i <= 1000; ++i)
-                    steepest = std::max(
-                        steepest, 1.1 * classify(*v.look->classified, 1e-3 * i * v.look->field->maxValue).extinction);
-            mark({v.look->field, v.look->wsFromIs}, [&](std::size_t box, double value) {
-                const double here = v.look->classified ? steepest : value * v.look->medium.mostExtinction();
+                    steepest = std::max(steepest,
+                                        1.1 * classify(*volume.classified, 1e-3 * i * volume.field->maxValue).extinction);
+            mark({volume.field, volume.wsFromIs}, [&](std::size_t box, double value) {
+                const double here = volume.classified ? steepest : value * volume.medium.mostExtinction();
                 ofField[box] = std::max(ofField[box], here);
             });
             for (std::size_t i = 0; i < m_majorants.size(); ++i) m_majorants[i] += ofField[i];
         }
-        for (const ViewEmission& emission : v.look->emission)
+        for (const ViewEmission& emission : volume.emission)
             mark(emission.field, [&](std::size_t box, double) { glows[box] = true; });
     }
     // Where something glows flights stop now and then, to gather it.
@@ -132,26 +122,11 @@ void PathTracer::measure() {
         if (glows[i]) m_majorants[i] = std::max(m_majorants[i], 2 / m_edge);
 }
 
-Rgb PathTracer::extinctionOf(const Volume& v, const Vec3& ws) const {
-    if (!v.density) return Rgb(0);
-    const double value = v.density->value(ws);
-    if (v.look->classified) return Rgb(classify(*v.look->classified, value).extinction);
-    return v.look->medium.densityScale * value * v.look->medium.extinctionTint;
-}
-
-// Of a volume that scatters more than once.
-Rgb PathTracer::scatteringOf(const Volume& v, const Vec3& ws) const {
-    const Medium& medium = v.look->medium;
-    if (v.scatter.empty()) return extinctionOf(v, ws) * medium.albedo;
-    return medium.densityScale * Rgb(v.scatter[0].value(ws), v.scatter[1].value(ws), v.scatter[2].value(ws)) *
-           medium.extinctionTint;
-}
-
 PathTracer::Matter PathTracer::matterAt(const Vec3& ws) const {
     Matter matter;
-    for (const Volume& v : m_volumes) {
-        matter.extinction += extinctionOf(v, ws);
-        for (const auto& [probe, colour] : v.emission) matter.emission += probe.value(ws) * colour;
+    for (const VolumeOptics& v : m_volumes) {
+        matter.extinction += v.extinction(ws);
+        matter.emission += v.emission(ws);
     }
     return matter;
 }
@@ -232,44 +207,27 @@ double PathTracer::solidAhead(SolidRole role, const Vec3& ws, const Vec3& direct
     return m_scene.solids ? m_scene.solids->firstHit(role, ws, direction, begin, kInfinity) : kInfinity;
 }
 
-PathTracer::Incident PathTracer::incident(std::size_t index, const Vec3& ws, Random& random) const {
-    const Light& light = m_scene.lights[index];
-    Incident out;
-    if (m_extents[index]) {
-        const double u = random.next(), v = random.next();
-        const LightRay ray = m_extents[index]->ray(ws, {u, v});
-        return {ray.weight, ray.toLight, ray.distance};
-    }
-    out = {light.intensity, -light.wsDirection, kInfinity};
-    if (!light.distant()) {
-        const Vec3 way = light.wsPosition - ws;
-        out.distance = glm::length(way);
-        if (out.distance == 0) return {};
-        out.toLight = way / out.distance;
-        const Light::Point& point = light.point();
-        if (point.decay) out.irradiance /= std::max(out.distance * out.distance, point.radius * point.radius);
-        if (const Light::Spot* spot = light.spot()) {
-            const double half = glm::radians(0.5 * spot->coneAngle);
-            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - spot->blend), half - 1e-4));
-            out.irradiance *= glm::smoothstep(outer, inner, -glm::dot(out.toLight, light.wsDirection));
-        }
-    }
-    if (light.slide) out.irradiance *= slideValue(light, *m_slides[index], ws);
-    return out;
+// Light straight from a light, before anything takes some of it; of an extended one along a ray drawn at random.
+Arriving PathTracer::arriving(std::size_t index, const Vec3& ws, Random& random) const {
+    if (const LightAt* light = std::get_if<LightAt>(&m_lights[index])) return light->at(ws);
+    const double u = random.next(), v = random.next();
+    const LightRay ray = std::get<LightRays>(m_lights[index]).ray(ws, {u, v});
+    return {ray.weight, -ray.toLight, ray.distance};
 }
 
 // Radiance that a unit of the volume's scattering coefficient sends back along `direction`, of light straight from
 // lights.
-Rgb PathTracer::lit(const Volume& v, const Vec3& ws, const Vec3& direction, Random& random) const {
+Rgb PathTracer::lit(const VolumeOptics& v, const Vec3& ws, const Vec3& direction, Random& random) const {
     Rgb sum(0);
     for (std::size_t i = 0; i < m_scene.lights.size(); ++i) {
-        if (!v.look->lights.empty() && !v.look->lights[i]) continue;
-        const Incident in = incident(i, ws, random);
+        const ViewVolume& volume = v.volume();
+        if (!volume.lights.empty() && !volume.lights[i]) continue;
+        const Arriving in = arriving(i, ws, random);
         if (in.irradiance == Rgb(0)) continue;
-        Rgb light = in.irradiance * phaseValue(v.look->medium.phase, glm::dot(in.toLight, direction));
+        Rgb light = in.irradiance * phaseValue(volume.medium.phase, -glm::dot(in.travel, direction));
         if (m_scene.lights[i].shadows) {
-            if (solidAhead(SolidRole::shadow, ws, in.toLight, 0) < in.distance) continue;
-            light *= transmittance(ws, in.toLight, in.distance, random);
+            if (solidAhead(SolidRole::shadow, ws, -in.travel, 0) < in.distance) continue;
+            light *= transmittance(ws, -in.travel, in.distance, random);
         }
         sum += light;
     }
@@ -290,8 +248,8 @@ Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const
         Rgb extinction(0), all(0);
         std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
         for (std::size_t i = 0; i < m_volumes.size(); ++i) {
-            extinction += extinctionOf(m_volumes[i], ws);
-            if (scattersFully(*m_volumes[i].look)) parts[i] = scatteringOf(m_volumes[i], ws);
+            extinction += m_volumes[i].extinction(ws);
+            if (scattersFully(m_volumes[i].volume())) parts[i] = m_volumes[i].scattering(ws);
             all += parts[i];
         }
         if (most(all) <= 0) return sum;
@@ -307,7 +265,7 @@ Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const
             weight *= 2;
         }
         // Backwards along the light: its cosine is that of the two ways of the path.
-        const Phase& phase = m_volumes[volume].look->medium.phase;
+        const Phase& phase = m_volumes[volume].volume().medium.phase;
         double cosine = 0;
         if (phase.type == PhaseType::rayleigh) {
             cosine = 2 * random.next() - 1;

@@ -5,15 +5,13 @@
 // ordinates or shadow buffers. Its noise is known, and is told.
 #pragma once
 
-#include <scrim/engine/light/slide_map.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/scene/light_at.h>
+#include <scrim/scene/optics.h>
 #include <scrim/scene/view_scene.h>
-#include <scrim/verify/field_probes.h>
 #include <scrim/verify/light_rays.h>
 
 #include <cstdint>
-#include <memory>
-#include <optional>
+#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -27,8 +25,8 @@ struct Estimate {
 
 class PathTracer {
   public:
-    /// `scene` must outlive this. `probes`: as for a Reference.
-    explicit PathTracer(const ViewScene& scene, FieldProbes* probes = nullptr);
+    /// `scene` must outlive this. `samplers`: as for a Reference.
+    explicit PathTracer(const ViewScene& scene, FieldSamplers* samplers = nullptr);
 
     /// Does anything scatter light more than once?
     bool any() const { return m_any; }
@@ -39,17 +37,6 @@ class PathTracer {
 
   private:
     struct Random;
-    struct Probe {
-        std::shared_ptr<const FieldProbe> field;
-        Mat4 isFromWs{1.0};
-        double value(const Vec3& ws) const { return field->value(transformPoint(isFromWs, ws)); }
-    };
-    struct Volume {
-        std::optional<Probe> density;
-        std::vector<Probe> scatter;
-        std::vector<std::pair<Probe, Rgb>> emission;
-        const ViewVolume* look = nullptr;
-    };
     // What is at a point.
     struct Matter {
         Rgb extinction{0}, emission{0};
@@ -60,31 +47,21 @@ class PathTracer {
         Vec3 ws{0};
         Rgb weight{1}, glow{0};
     };
-    // Light that reaches a point, before anything takes some of it.
-    struct Incident {
-        Rgb irradiance{0};
-        Vec3 toLight{0};
-        double distance = 0;
-    };
-
     Matter matterAt(const Vec3& ws) const;
-    Rgb extinctionOf(const Volume& volume, const Vec3& ws) const;
-    Rgb scatteringOf(const Volume& volume, const Vec3& ws) const;
     void measure();
     template <class Visit>
     void forCells(const Vec3& ws, const Vec3& direction, double from, double length, const Visit& visit) const;
     Flight fly(const Vec3& ws, const Vec3& direction, double from, double length, Random& random) const;
     Rgb transmittance(const Vec3& ws, const Vec3& direction, double length, Random& random) const;
-    Incident incident(std::size_t light, const Vec3& ws, Random& random) const;
-    Rgb lit(const Volume& volume, const Vec3& ws, const Vec3& direction, Random& random) const;
+    Arriving arriving(std::size_t light, const Vec3& ws, Random& random) const;
+    Rgb lit(const VolumeOptics& volume, const Vec3& ws, const Vec3& direction, Random& random) const;
     Rgb path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held, Random& random) const;
     double solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const;
 
     const ViewScene& m_scene;
     bool m_any = false;
-    std::vector<Volume> m_volumes;
-    std::vector<std::optional<SlideMap>> m_slides;
-    std::vector<std::optional<LightRays>> m_extents;
+    std::vector<VolumeOptics> m_volumes;
+    std::vector<std::variant<LightAt, LightRays>> m_lights;  // as they are extended or not
     // The most extinction that there is in each box of a grid around everything.
     Bounds m_wsBounds;
     Int3 m_size{0};

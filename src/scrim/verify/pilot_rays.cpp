@@ -3,19 +3,17 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/plan/sub_lights.h>
-#include <scrim/engine/splat/kernel.h>
-#include <scrim/scene/classified.h>
+#include <scrim/scene/light_at.h>
+#include <scrim/scene/optics.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include <glm/ext/scalar_constants.hpp>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 
 namespace scrim {
 namespace {
@@ -40,44 +38,24 @@ struct Stuff {
 
 class PilotVolume {
   public:
-    explicit PilotVolume(const ViewVolume& volume)
-        : m_volume(volume), m_field(*volume.field), m_isFromWs(glm::inverse(volume.wsFromIs)) {
-        const Mat3 rows = glm::transpose(Mat3(m_isFromWs));
-        m_voxels = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});
+    PilotVolume(const ViewVolume& volume, FieldSamplers& samplers) : optics(volume, Kernel::linear, samplers) {
         for (const ViewEmission& emission : volume.emission)
-            if (!emission.field.field->empty())
-                m_glow.push_back({LinearProbe(*emission.field.field), glm::inverse(emission.field.wsFromIs),
-                                  kFourPi * glm::dot(emission.color, Rgb(1.0 / 3))});
+            m_glow.push_back(kFourPi * glm::dot(emission.color, Rgb(1.0 / 3)));
     }
 
     Stuff at(const Vec3& ws) const {
         Stuff out;
-        const double value = m_field.value(transformPoint(m_isFromWs, ws));
-        if (value != 0)
-            out.extinction = m_volume.classified ? classify(*m_volume.classified, value).extinction
-                                                 : value * m_volume.medium.mostExtinction();
-        for (const Glow& glow : m_glow)
-            out.glow += glow.scale * std::max(glow.field.value(transformPoint(glow.isFromWs, ws)), 0.0);
+        if (const double value = optics.density(ws); value != 0)
+            out.extinction = mostExtinctionOf(optics.volume(), value);
+        for (std::size_t i = 0; i < m_glow.size(); ++i)
+            out.glow += m_glow[i] * std::max(optics.emissionField(i, ws), 0.0);
         return out;
     }
 
-    // How far along `way` it is known to be the same as far as `reach` (world units) around; below 0: not even here.
-    double evenAlong(const Vec3& ws, const Vec3& way, double reach) const {
-        if (!m_glow.empty()) return -1;
-        return m_field.evenAlong(transformPoint(m_isFromWs, ws), transformVector(m_isFromWs, way), reach * m_voxels);
-    }
+    VolumeOptics optics;
 
   private:
-    struct Glow {
-        LinearProbe field;
-        Mat4 isFromWs;
-        double scale;
-    };
-    const ViewVolume& m_volume;
-    LinearProbe m_field;
-    Mat4 m_isFromWs;
-    double m_voxels;  // along any axis that a world unit may span
-    std::vector<Glow> m_glow;
+    std::vector<double> m_glow;  // of each emission
 };
 
 struct PilotLight {
@@ -85,14 +63,15 @@ struct PilotLight {
     double power;  // irradiance; radiant intensity
 };
 
-// The scene as pilots see it. Volumes remember their last block: every thread takes a copy.
+// The scene as pilots see it.
 class PilotScene {
   public:
     explicit PilotScene(const ViewScene& scene) {
         std::vector<Bounds> bounds;
+        FieldSamplers samplers;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty() && volume.emission.empty()) continue;
-            m_volumes.emplace_back(volume);
+            m_volumes.emplace_back(volume, samplers);
             Bounds& own = bounds.emplace_back();
             for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) own.include(corner);
             m_bounds.include(own);
@@ -115,8 +94,9 @@ class PilotScene {
             axis = glm::dot(way, axis) >= 0 ? axis + way : axis - way;
         }
         axis = glm::normalize(axis);
-        m_u = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0)));
-        m_v = glm::cross(axis, m_u);
+        const Mat3 frame = frameAround(axis);
+        m_u = frame[0];
+        m_v = frame[1];
     }
 
     // Radiance of a ray, through the field and through texels of it; nothing where the ray meets nothing.
@@ -156,10 +136,10 @@ class PilotScene {
     }
     Stuff stuffAt(const Vec3& ws) const {
         Stuff sum;
-        if (!m_cells)
+        if (m_cells.empty())
             for (const PilotVolume& volume : m_volumes) sum.add(volume.at(ws), 1);
         else if (m_bounds.contains(ws))
-            for (const std::uint32_t v : (*m_cells)[cellOf(ws)]) sum.add(m_volumes[v].at(ws), 1);
+            for (const std::uint32_t v : m_cells[cellOf(ws)]) sum.add(m_volumes[v].at(ws), 1);
         return sum;
     }
     // Of thousands of instances a point lies in a few: which, is known for each cell of a grid.
@@ -175,7 +155,7 @@ class PilotScene {
     void sortIntoCells(const std::vector<Bounds>& of) {
         constexpr std::size_t kFew = 8;
         if (m_volumes.size() <= kFew) return;
-        auto cells = std::make_shared<Cells>(std::size_t(kCells) * kCells * kCells);
+        m_cells.resize(std::size_t(kCells) * kCells * kCells);
         for (std::size_t v = 0; v < of.size(); ++v) {
             Int3 first, last;
             for (int axis = 0; axis < 3; ++axis) {
@@ -185,15 +165,14 @@ class PilotScene {
             for (int x = first.x; x <= last.x; ++x)
                 for (int y = first.y; y <= last.y; ++y)
                     for (int z = first.z; z <= last.z; ++z)
-                        (*cells)[std::size_t((x * kCells + y) * kCells + z)].push_back(static_cast<std::uint32_t>(v));
+                        m_cells[std::size_t((x * kCells + y) * kCells + z)].push_back(static_cast<std::uint32_t>(v));
         }
-        m_cells = std::move(cells);
     }
     // How many steps along a ray from `at` on meet the same as there, in the field and in texels; 0: none is known to.
     int evenSteps(const Vec3& at, const Vec3& direction, double step) const {
         constexpr double kReach = 2.25;  // texels: two along one axis, one along the other
         if (m_volumes.size() != 1) return 0;
-        const double way = m_volumes.front().evenAlong(at, direction, kReach * m_voxel);
+        const double way = m_volumes.front().optics.evenAlong(at, direction, kReach * m_voxel);
         return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
     }
     // Between the four prefiltered texels around: f - 1/12 (second differences), from which what a bilinear look-up
@@ -242,7 +221,7 @@ class PilotScene {
     }
 
     std::vector<PilotVolume> m_volumes;
-    std::shared_ptr<const Cells> m_cells;  // null: there are few volumes
+    Cells m_cells;  // empty: there are few volumes
     std::vector<PilotLight> m_lights;
     double m_ambient = 0;
     Bounds m_bounds;
@@ -266,10 +245,9 @@ double pilotError(const ViewScene& given, int rays) {
         double squares = 0, values = 0;
         int count = 0;
     };
-    const PilotScene whole(scene);
+    const PilotScene pilots(scene);
     std::vector<Sums> sums(kTasks);
     parallelFor(kTasks, [&](std::size_t task) {
-        const PilotScene pilots(whole);
         Sums& own = sums[task];
         for (int i = static_cast<int>(task); i < kMostTries * rays && own.count * kTasks < rays; i += kTasks) {
             const double x = place(i, 0.7548776662466927) * size.x, y = place(i, 0.5698402909980532) * size.y;

@@ -22,9 +22,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Empty space is measured in balls of this many voxels: half a block's edge.
-constexpr double kEmptyRadius = 4;
-
 // A step passes over at most this many pixels of a slide, unless that takes more than so many steps for one.
 constexpr double kSlidePixels = 0.5;
 constexpr double kMostSlideSteps = 64;
@@ -46,79 +43,34 @@ Vec2 lotOf(const Vec3& ws, std::size_t light) {
 
 }  // namespace
 
-struct Reference::Velocity {
-    std::vector<Probe> parts;
-    Mat3 wsPath;
-    double mostWay = 0;  // world units
-
-    Vec3 wayAt(const Vec3& ws) const {
-        Vec3 v;
-        for (int axis = 0; axis < 3; ++axis)
-            v[axis] = parts[std::size_t(2 * axis)].value(ws) - parts[std::size_t(2 * axis + 1)].value(ws);
-        return wsPath * v;
-    }
-};
-
-Vec3 Reference::Probe::is(const Vec3& ws) const {
-    return transformPoint(isFromWs, velocity ? ws - velocity->wayAt(ws) : ws);
-}
-
-Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, FieldProbes* shared)
+Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, FieldSamplers* shared)
     : m_scene(scene), m_options(options), m_voxel(voxelUnit(scene)) {
     m_step = options.step * m_voxel;
     // A transfer function may jump within a voxel.
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
-    for (const Light& light : scene.lights) {
-        m_slides.push_back(light.slide && !light.extended() ? std::optional(slideMap(light)) : std::nullopt);
-        m_extents.push_back(light.extended() ? std::optional<LightRays>(std::in_place, light) : std::nullopt);
-    }
+    for (const Light& light : scene.lights)
+        if (light.extended())
+            m_lights.emplace_back(std::in_place_type<LightRays>, light);
+        else
+            m_lights.emplace_back(std::in_place_type<LightAt>, light);
     // What n x n rays miss shrinks at least as 1 / n^2, and the samples along an eye's ray miss different things.
     constexpr int kFewest = 6, kMost = 24;
     if (m_options.lightRays == 0)
         m_options.lightRays =
             std::clamp(static_cast<int>(std::lround(0.8 / std::sqrt(scene.dials.lightError))), kFewest, kMost);
-    FieldProbes own;
-    FieldProbes& probes = shared ? *shared : own;
-    for (const ViewVolume& volume : scene.volumes) {
-        Volume& v = m_volumes.emplace_back();
-        v.look = &volume;
-        const std::shared_ptr<const Velocity> velocity = velocityOf(volume, probes);
-        const auto probe = [&](const ViewField& field) {
-            Probe out = probeOf(field, scene.dials.kernel, probes);
-            out.velocity = velocity;
-            return out;
-        };
-        if (!volume.field->empty()) v.density.emplace(probe({volume.field, volume.wsFromIs}));
-        for (const ViewField& field : volume.scatter) v.scatter.push_back(probe(field));
-        for (const ViewEmission& emission : volume.emission)
-            v.emission.push_back({probe(emission.field), emission.color});
-    }
-}
-
-// Velocities are linear between their voxels, whatever the kernel of what they move is.
-std::shared_ptr<const Reference::Velocity> Reference::velocityOf(const ViewVolume& volume, FieldProbes& probes) const {
-    if (!volume.velocity) return nullptr;
-    auto out = std::make_shared<Velocity>();
-    for (const ViewField& part : volume.velocity->parts) out->parts.push_back(probeOf(part, Kernel::linear, probes));
-    out->wsPath = volume.velocity->wsPath;
-    for (const Vec3& way : volume.velocity->wsRange().corners())
-        out->mostWay = std::max(out->mostWay, glm::length(way));
-    return out;
-}
-
-Reference::Probe Reference::probeOf(const ViewField& field, Kernel kernel, FieldProbes& probes) const {
-    const Mat4 isFromWs = glm::inverse(field.wsFromIs);
-    double longest = 0;
-    for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
-    return {scrim::probeOf(*field.field, kernel, probes), isFromWs, longest * std::sqrt(3.0), nullptr};
+    FieldSamplers own;
+    for (const ViewVolume& volume : scene.volumes)
+        m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);
 }
 
 // The part of a step that the pixels of slides allow: light that varies within a step would be missed.
 double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) const {
     double most = 1;
-    for (const auto& map : m_slides) {
+    for (const auto& light : m_lights) {
+        const LightAt* plain = std::get_if<LightAt>(&light);
+        const SlideMap* map = plain ? plain->slide() : nullptr;
         if (!map) continue;
         const Vec3 a = map->homogeneous(ws), b = map->homogeneous(ws + step * direction);
         if (a.z > 0 && b.z > 0)
@@ -131,55 +83,16 @@ double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) 
 
 Rgb Reference::extinction(const Vec3& ws) const {
     Rgb sum(0);
-    for (const Volume& v : m_volumes) sum += extinction(v, ws);
+    for (const VolumeOptics& v : m_volumes) sum += v.extinction(ws);
     return sum;
-}
-
-Rgb Reference::extinction(const Volume& v, const Vec3& ws) const {
-    if (!v.density) return Rgb(0);
-    const double value = v.density->value(ws);
-    if (v.look->classified) return Rgb(classify(*v.look->classified, value).extinction);
-    return v.look->medium.densityScale * value * v.look->medium.extinctionTint;
-}
-
-// Scattering coefficient of a medium.
-Rgb Reference::scattering(const Volume& v, const Vec3& ws) const {
-    const Medium& medium = v.look->medium;
-    if (v.scatter.empty()) return extinction(v, ws) * medium.albedo;
-    const Rgb value(v.scatter[0].value(ws), v.scatter[1].value(ws), v.scatter[2].value(ws));
-    return medium.densityScale * value * medium.extinctionTint;
-}
-
-// Central differences over a voxel on either side, along the lattice's axes.
-Vec3 Reference::gradient(const Volume& v, const Vec3& ws) const {
-    const Vec3 is = transformPoint(v.density->isFromWs, ws);
-    const Mat3 wsFromIs = glm::inverse(Mat3(v.density->isFromWs));
-    Vec3 difference;
-    for (int axis = 0; axis < 3; ++axis) {
-        Vec3 step(0);
-        step[axis] = 1;
-        if (v.density->velocity) {
-            const Vec3 wsStep = wsFromIs * step;
-            difference[axis] = v.density->value(ws + wsStep) - v.density->value(ws - wsStep);
-        } else {
-            difference[axis] = v.density->field->value(is + step) - v.density->field->value(is - step);
-        }
-    }
-    return glm::transpose(Mat3(v.density->isFromWs)) * (0.5 * difference);
 }
 
 // A distance within which all fields are 0; 0 where none is known.
 double Reference::emptyDistance(const Vec3& ws) const {
     double distance = kInfinity;
-    const auto isEmpty = [&](const Probe& probe) {
-        distance = std::min(distance, kEmptyRadius / probe.isPerWs);
-        const double way = probe.velocity ? probe.velocity->mostWay * probe.isPerWs : 0;
-        return probe.field->emptyAround(transformPoint(probe.isFromWs, ws), kEmptyRadius + way);
-    };
-    for (const Volume& v : m_volumes) {
-        if (v.density && !isEmpty(*v.density)) return 0;
-        for (const Volume::Emission& e : v.emission)
-            if (!isEmpty(e.probe)) return 0;
+    for (const VolumeOptics& v : m_volumes) {
+        distance = std::min(distance, v.emptyDistance(ws));
+        if (distance == 0) break;
     }
     return distance;
 }
@@ -208,11 +121,11 @@ Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
 }
 
 // Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
-Rgb Reference::reflect(const Volume& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
-    const Classified& look = *v.look->classified;
-    const ClassifiedValue value = classify(look, v.density->value(ws));
+Rgb Reference::reflect(const VolumeOptics& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
+    const Classified& look = *v.volume().classified;
+    const ClassifiedValue value = classify(look, v.density(ws));
     if (value.extinction == 0) return Rgb(0);
-    const Vec3 slope = gradient(v, ws);
+    const Vec3 slope = v.gradient(ws);
     const double length = glm::length(slope);
     const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
     const Reflected share = phong(look, normal, normalWeight(look, length, m_voxel), toLight, toEye);
@@ -232,31 +145,14 @@ bool Reference::blocked(const Vec3& ws, const Vec3& toLight, double distance) co
 // Radiance per world unit that one light adds at `ws`.
 Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const {
     const Light& light = m_scene.lights[index];
-    Vec3 travel = light.wsDirection;
-    double irradiance = 1, distance = 0;
-    if (!light.distant()) {
-        travel = ws - light.wsPosition;
-        distance = glm::length(travel);
-        if (distance == 0) return Rgb(0);
-        travel /= distance;
-        const Light::Point& point = light.point();
-        if (point.decay) irradiance = 1 / std::max(distance * distance, point.radius * point.radius);
-        if (const Light::Spot* spot = light.spot()) {
-            const double half = glm::radians(0.5 * spot->coneAngle);
-            const double outer = std::cos(half), inner = std::cos(std::min(half * (1 - spot->blend), half - 1e-4));
-            const double t = std::clamp((glm::dot(travel, light.wsDirection) - outer) / (inner - outer), 0.0, 1.0);
-            irradiance *= t * t * (3 - 2 * t);
-        }
-    }
-    Rgb arriving = light.intensity * irradiance;
-    if (light.slide) arriving *= slideValue(light, *m_slides[index], ws);
-    if (arriving == Rgb(0)) return arriving;
+    const Arriving arriving = std::get<LightAt>(m_lights[index]).at(ws);
+    if (arriving.irradiance == Rgb(0)) return Rgb(0);
     Rgb tau(0);
     if (light.shadows) {
-        if (blocked(ws, -travel, light.distant() ? kInfinity : distance)) return Rgb(0);
-        tau = opticalDepth(light.distant() ? farAway(ws, -travel) : light.wsPosition, ws);
+        if (blocked(ws, -arriving.travel, arriving.distance)) return Rgb(0);
+        tau = opticalDepth(light.distant() ? farAway(ws, -arriving.travel) : light.wsPosition, ws);
     }
-    return arriving * towardsEye(index, ws, travel, eye, tau);
+    return arriving.irradiance * towardsEye(index, ws, arriving.travel, eye, tau);
 }
 
 // The same of a light with an extent: n x n places of the square of its rays, which an additive recurrence spreads
@@ -268,7 +164,7 @@ Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& ey
     Rgb sum(0);
     for (int i = 0; i < n * n; ++i) {
         const Vec2 place = glm::fract(offset + double(i) * Vec2(0.7548776662466927, 0.5698402909980532));
-        const LightRay ray = m_extents[index]->ray(ws, place);
+        const LightRay ray = std::get<LightRays>(m_lights[index]).ray(ws, place);
         if (ray.weight == Rgb(0)) continue;
         Rgb tau(0);
         if (m_scene.lights[index].shadows) {
@@ -285,14 +181,15 @@ Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& ey
 Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye,
                           const Rgb& tau) const {
     Rgb sum(0);
-    for (const Volume& v : m_volumes) {
-        if (!v.density || v.look->holdout || (!v.look->lights.empty() && !v.look->lights[index])) continue;
-        if (v.look->classified) {
+    for (const VolumeOptics& v : m_volumes) {
+        const ViewVolume& volume = v.volume();
+        if (!v.hasDensity() || volume.holdout || (!volume.lights.empty() && !volume.lights[index])) continue;
+        if (volume.classified) {
             sum += reflect(v, ws, -travel, -eye) * glm::exp(-tau);
             continue;
         }
-        const Medium& medium = v.look->medium;
-        const Rgb coefficient = scattering(v, ws);
+        const Medium& medium = volume.medium;
+        const Rgb coefficient = v.scattering(ws);
         for (int n = 0; n < medium.octaves.count; ++n) {
             const Phase phase = flattened(medium.phase, std::pow(medium.octaves.phase, n));
             sum += std::pow(medium.octaves.contribution, n) * phaseValue(phase, -glm::dot(travel, eye)) * coefficient *
@@ -304,23 +201,24 @@ Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel,
 
 Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
     Sample out;
-    for (const Volume& v : m_volumes) {
-        const Rgb own = extinction(v, ws);
+    for (const VolumeOptics& v : m_volumes) {
+        const Rgb own = v.extinction(ws);
         out.extinction += own;
-        if (v.look->holdout) continue;
+        if (v.volume().holdout) continue;
         out.seen += own;
-        for (const Volume::Emission& e : v.emission) out.source += e.probe.value(ws) * e.color;
+        out.source += v.emission(ws);
     }
     if (most(out.seen) == 0) return out;
     for (std::size_t i = 0; i < m_scene.lights.size(); ++i)
-        out.source += m_extents[i] ? scatterExtended(i, ws, eye) : scatter(i, ws, eye);
-    for (const Volume& v : m_volumes) {
-        if (!v.density || v.look->holdout) continue;
-        if (v.look->classified) {
-            const ClassifiedValue value = classify(*v.look->classified, v.density->value(ws));
-            out.source += value.extinction * v.look->classified->ambient * value.color * m_scene.ambient;
-        } else if (!scattersFully(*v.look)) {  // what that makes of ambient light is the path tracer's
-            out.source += scattering(v, ws) * m_scene.ambient;
+        out.source += m_scene.lights[i].extended() ? scatterExtended(i, ws, eye) : scatter(i, ws, eye);
+    for (const VolumeOptics& v : m_volumes) {
+        const ViewVolume& volume = v.volume();
+        if (!v.hasDensity() || volume.holdout) continue;
+        if (volume.classified) {
+            const ClassifiedValue value = classify(*volume.classified, v.density(ws));
+            out.source += value.extinction * volume.classified->ambient * value.color * m_scene.ambient;
+        } else if (!scattersFully(volume)) {  // what that makes of ambient light is the path tracer's
+            out.source += v.scattering(ws) * m_scene.ambient;
         }
     }
     return out;

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 // The brute-force reference: one pixel at a time, double precision, small adaptive steps, a shadow ray marched
 // from every sample to every light. Slow, and meant to be obviously right: everything else is judged by it.
+//
+// It shares with the engine what a scene means: how a kernel reconstructs a field (volume/field_sampler), what a volume
+// does to light and what a light sends (scene/optics, scene/light_at). How light is carried is computed here alone.
 #pragma once
 
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/light_at.h>
+#include <scrim/scene/optics.h>
 #include <scrim/scene/view_scene.h>
-#include <scrim/engine/splat/kernel.h>
-#include <scrim/verify/field_probes.h>
 #include <scrim/verify/light_rays.h>
 
 #include <array>
 #include <limits>
-#include <map>
-#include <memory>
-#include <optional>
+#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -32,9 +32,9 @@ struct ReferenceOptions {
 
 class Reference {
   public:
-    /// `scene` must outlive this, and so must the fields of `probes`, which get what is not among them yet; null: they
-    /// are this one's own. Of a scene of moments it sees the one that the scene is.
-    explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {}, FieldProbes* probes = nullptr);
+    /// `scene` must outlive this, and so must the fields of `samplers`, which get what is not among them yet; null: it
+    /// has its own. Of a scene of moments it sees the one that the scene is.
+    explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {}, FieldSamplers* samplers = nullptr);
 
     /// Premultiplied RGBA along the ray through raster position (x, y). A pixel's centre is at + 1/2.
     std::array<double, 4> ray(double x, double y) const;
@@ -55,35 +55,9 @@ class Reference {
     Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
 
   private:
-    // Where velocities take fields from.
-    struct Velocity;
-    struct Probe {
-        std::shared_ptr<const FieldProbe> field;
-        Mat4 isFromWs;
-        double isPerWs;                            // longest index-space length of a world unit
-        std::shared_ptr<const Velocity> velocity;  // null: the field is where it is
-
-        Vec3 is(const Vec3& ws) const;
-        double value(const Vec3& ws) const { return field->value(is(ws)); }
-    };
-    struct Volume {
-        std::optional<Probe> density;  // none where it is empty
-        std::vector<Probe> scatter;    // of the three channels, where the albedo is a grid
-        struct Emission {
-            Probe probe;
-            Rgb color;
-        };
-        std::vector<Emission> emission;
-        const ViewVolume* look;
-    };
-    Probe probeOf(const ViewField& field, Kernel kernel, FieldProbes& probes) const;
-    std::shared_ptr<const Velocity> velocityOf(const ViewVolume& volume, FieldProbes& probes) const;
     Rgb extinction(const Vec3& ws) const;
     double emptyDistance(const Vec3& ws) const;
-    Rgb extinction(const Volume& volume, const Vec3& ws) const;
-    Rgb scattering(const Volume& volume, const Vec3& ws) const;
-    Vec3 gradient(const Volume& volume, const Vec3& ws) const;
-    Rgb reflect(const Volume& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
+    Rgb reflect(const VolumeOptics& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
     bool blocked(const Vec3& ws, const Vec3& toLight, double distance) const;
     Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
@@ -94,9 +68,8 @@ class Reference {
 
     const ViewScene& m_scene;
     ReferenceOptions m_options;
-    std::vector<Volume> m_volumes;
-    std::vector<std::optional<SlideMap>> m_slides;    // one a light
-    std::vector<std::optional<LightRays>> m_extents;  // the same
+    std::vector<VolumeOptics> m_volumes;
+    std::vector<std::variant<LightAt, LightRays>> m_lights;  // as they are extended or not
     Bounds m_wsBounds;
     double m_voxel, m_step;
 };

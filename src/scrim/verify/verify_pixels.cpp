@@ -2,7 +2,7 @@
 #include <scrim/verify/verify_pixels.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/kernel.h>
 #include <scrim/verify/split_mix.h>
 
 #include <algorithm>

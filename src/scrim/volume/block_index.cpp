@@ -7,26 +7,49 @@
 
 namespace scrim {
 
+// At most 1 MB: enough for a box of 4,096^3 voxels.
+void BlockIndex::makeTable() {
+    constexpr double kMostPages = 1 << 18;
+    if (glm::any(glm::greaterThan(m_lower, m_upper))) return;
+    m_firstPage = m_lower >> 3;
+    const Vec3 size = Vec3(m_upper >> 3) - Vec3(m_firstPage) + 1.0;
+    if (size.x * size.y * size.z > kMostPages) return;
+    for (int axis = 0; axis < 3; ++axis) m_tableSize[std::size_t(axis)] = static_cast<std::uint32_t>(size[axis]);
+    m_table.assign(std::size_t(size.x * size.y * size.z), kNothing);
+}
+
+std::uint32_t& BlockIndex::pageNumber(const Int3& page) {
+    if (m_table.empty()) return m_pages.try_emplace(page, kNothing).first->second;
+    const Int3 at = page - m_firstPage;
+    return m_table[(std::size_t(at.x) * m_tableSize[1] + std::size_t(at.y)) * m_tableSize[2] + std::size_t(at.z)];
+}
+
 std::uint32_t& BlockIndex::entry(const Int3& cube) {
-    const auto [found, isNew] = m_pages.try_emplace(cube >> 3, static_cast<std::uint32_t>(m_entries.size()));
-    if (isNew) m_entries.emplace_back().fill(kNothing);
-    return m_entries[found->second][inPage(cube)];
+    std::uint32_t& number = pageNumber(cube >> 3);
+    if (number == kNothing) {
+        number = static_cast<std::uint32_t>(m_entries.size());
+        m_entries.emplace_back().fill(kNothing);
+        m_pageOf.push_back(cube >> 3);
+    }
+    return m_entries[number][inPage(cube)];
 }
 
 BlockIndex::BlockIndex(const SparseField& field)
     : m_field(field), m_lower(std::numeric_limits<int>::max()), m_upper(std::numeric_limits<int>::min()) {
+    const auto include = [&](const Int3& first, const Int3& last) {
+        m_lower = glm::min(m_lower, first);
+        m_upper = glm::max(m_upper, last);
+        m_isBounds.include(Vec3(first) * double(kBlockEdge));
+        m_isBounds.include(Vec3(last) * double(kBlockEdge) + double(kBlockEdge - 1));
+    };
+    for (const Int3& origin : field.blockOrigins) include(origin >> 3, origin >> 3);
+    for (const ConstantTile& tile : field.tiles) include(firstCube(tile), lastCube(tile));
+    makeTable();
     std::uint32_t number = 0;
-    for (const Int3& origin : field.blockOrigins) {
-        const Int3 cube = origin >> 3;
-        entry(cube) = number++;
-        m_lower = glm::min(m_lower, cube);
-        m_upper = glm::max(m_upper, cube);
-    }
+    for (const Int3& origin : field.blockOrigins) entry(origin >> 3) = number++;
     std::set<int> large;
     for (const ConstantTile& tile : field.tiles) {
         const Int3 first = firstCube(tile), last = lastCube(tile);
-        m_lower = glm::min(m_lower, first);
-        m_upper = glm::max(m_upper, last);
         if (const int edge = tile.edge / kBlockEdge; edge > kPageEdge) {
             large.insert(edge);
             m_large.emplace(first, number++);
@@ -41,8 +64,8 @@ BlockIndex::BlockIndex(const SparseField& field)
 }
 
 BlockIndex::Place BlockIndex::at(const Int3& cube) const {
-    if (const auto page = m_pages.find(cube >> 3); page != m_pages.end()) {
-        const std::uint32_t number = m_entries[page->second][inPage(cube)];
+    if (const std::uint32_t page = pageAt(cube >> 3); page != kNothing) {
+        const std::uint32_t number = m_entries[page][inPage(cube)];
         return number == kNothing ? Place{} : placeOf(number);
     }
     for (const int edge : m_largeEdges)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds what a field holds at a place: pages of 8^3 cubes, by one hash; a cube is a block, a part of a constant tile,
+// Finds what a field holds at a place: pages of 8^3 cubes, by one table; a cube is a block, a part of a constant tile,
 // or empty.
 //
 // A level set of radius 500 has 10^5 blocks, and rays through it ask 10^8 times, so that no look-up may scan tiles or
@@ -48,6 +48,8 @@ class BlockIndex {
     bool anyIn(const Bounds& is) const;
     /// The value of voxel `is`; 0 where it is not active.
     double voxel(const Int3& is) const { return at(is >> 3).voxel(is); }
+    /// Box around the centres of all voxels of blocks and tiles, index space; empty where there are none.
+    const Bounds& isBounds() const { return m_isBounds; }
 
   private:
     struct Hash {
@@ -63,6 +65,19 @@ class BlockIndex {
 
     static std::size_t inPage(const Int3& cube) { return std::size_t(blockOffset(cube.x & 7, cube.y & 7, cube.z & 7)); }
     std::uint32_t& entry(const Int3& cube);
+    std::uint32_t& pageNumber(const Int3& page);
+    /// kNothing where nothing is.
+    std::uint32_t pageAt(const Int3& page) const {
+        if (m_table.empty()) {
+            const auto found = m_pages.find(page);
+            return found == m_pages.end() ? kNothing : found->second;
+        }
+        const Int3 at = page - m_firstPage;
+        const auto x = std::uint32_t(at.x), y = std::uint32_t(at.y), z = std::uint32_t(at.z);
+        if (x >= m_tableSize[0] || y >= m_tableSize[1] || z >= m_tableSize[2]) return kNothing;
+        return m_table[(std::size_t(x) * m_tableSize[1] + y) * m_tableSize[2] + z];
+    }
+    void makeTable();
     Place placeOf(std::uint32_t number) const {
         if (number < m_field.blockCount()) return {m_field.block(number)};
         const ConstantTile& tile = m_field.tiles[number - m_field.blockCount()];
@@ -73,7 +88,13 @@ class BlockIndex {
 
     const SparseField& m_field;
     Int3 m_lower, m_upper;  // cubes of all that there is; m_upper below m_lower where there is nothing
-    std::unordered_map<Int3, std::uint32_t, Hash> m_pages;  // by their first cubes over 8
+    Bounds m_isBounds;
+    // Pages by their first cubes over 8: a table of their box, or a hash where that would be too large.
+    std::vector<std::uint32_t> m_table;
+    Int3 m_firstPage{0};
+    std::array<std::uint32_t, 3> m_tableSize{};
+    std::unordered_map<Int3, std::uint32_t, Hash> m_pages;
+    std::vector<Int3> m_pageOf;  // of each of the entries
     std::vector<Page> m_entries;
     // Tiles of more than a page, by their first cubes, and their edges in cubes, ascending.
     std::unordered_map<Int3, std::uint32_t, Hash> m_large;
@@ -102,15 +123,15 @@ void BlockIndex::visit(const Int3& lower, const Int3& upper, const Visit& visit)
     };
     const Int3 firstPage = a >> 3, lastPage = b >> 3;
     const Vec3 pages = Vec3(lastPage) - Vec3(firstPage) + 1.0;
-    if (pages.x * pages.y * pages.z > double(m_pages.size())) {
-        for (const auto& [page, i] : m_pages) visitPage(page, m_entries[i]);
+    if (pages.x * pages.y * pages.z > double(m_entries.size())) {
+        for (std::size_t i = 0; i < m_entries.size(); ++i) visitPage(m_pageOf[i], m_entries[i]);
         return;
     }
     for (int x = firstPage.x; x <= lastPage.x; ++x)
         for (int y = firstPage.y; y <= lastPage.y; ++y)
             for (int z = firstPage.z; z <= lastPage.z; ++z)
-                if (const auto found = m_pages.find({x, y, z}); found != m_pages.end())
-                    visitPage({x, y, z}, m_entries[found->second]);
+                if (const std::uint32_t page = pageAt({x, y, z}); page != kNothing)
+                    visitPage({x, y, z}, m_entries[page]);
 }
 
 }  // namespace scrim

@@ -13,12 +13,13 @@
 namespace scrim::test {
 namespace {
 
-// Blocks, and tiles of several sizes, far from the origin on either side of it.
-SparseField mixedField() {
+// Blocks, and tiles of several sizes, on either side of the origin; `far`: one block is so far away that no table holds
+// them all.
+SparseField mixedField(bool far = true) {
     FieldBuilder builder("mixed", Mat4(1.0));
     std::vector<float> values(kBlockVoxels);
     for (int i = 0; i < kBlockVoxels; ++i) values[std::size_t(i)] = static_cast<float>(i % 7);
-    for (const Int3& origin : {Int3(0, 0, 0), Int3(8, 0, 0), Int3(-16, -8, 24), Int3(1 << 26, 0, 0)})
+    for (const Int3& origin : {Int3(0, 0, 0), Int3(8, 0, 0), Int3(-16, -8, 24), Int3(far ? 1 << 26 : 512, 0, 0)})
         builder.addBlock(origin, values.data());
     builder.addTile({{16, 0, 0}, 8, 2.5f});
     builder.addTile({{64, 0, 0}, 64, 3.5f});
@@ -39,18 +40,22 @@ double scanned(const SparseField& field, const Int3& is) {
 }
 
 TEST(BlockIndex, FindsWhatAScanOfAllBlocksAndTilesFinds) {
-    const SparseField field = mixedField();
-    const BlockIndex index(field);
-    std::mt19937 random(3);
-    const auto near = [&] { return static_cast<int>(random() % 320) - 150; };
-    int found = 0;
-    for (int i = 0; i < 20000; ++i) {
-        const Int3 is(near() + (i % 10 == 0 ? 1 << 26 : 0), near(), near());
-        const double expected = scanned(field, is);
-        ASSERT_EQ(index.voxel(is), expected) << toText(is);
-        found += expected > 0;
+    for (const bool far : {true, false}) {
+        const SparseField field = mixedField(far);
+        const BlockIndex index(field);
+        std::mt19937 random(3);
+        const auto near = [&] { return static_cast<int>(random() % 320) - 150; };
+        int found = 0;
+        for (int i = 0; i < 20000; ++i) {
+            const Int3 is(near() + (i % 10 == 0 ? (far ? 1 << 26 : 512) : 0), near(), near());
+            const double expected = scanned(field, is);
+            ASSERT_EQ(index.voxel(is), expected) << toText(is) << (far ? ", by a hash" : ", by a table");
+            found += expected > 0;
+        }
+        EXPECT_GT(found, 500);
+        EXPECT_EQ(index.isBounds().lower, field.isBounds().lower);
+        EXPECT_EQ(index.isBounds().upper, field.isBounds().upper);
     }
-    EXPECT_GT(found, 500);
 }
 
 // Places 2^24 voxels apart, and more, are not mistaken for one another.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/volume/tile_levels.h>
 
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/field_sampler.h>
 #include <scrim/volume/field_builder.h>
 
 #include <gtest/gtest.h>
@@ -46,17 +46,17 @@ TEST_P(Levels, SumUpToTheFieldsTiles) {
     const TileLevels levels(field, twoScaleWeights(GetParam()), 3);
     ASSERT_GE(levels.levels().size(), 3u);
     field.blockOrigins.clear();
-    const FieldProbe tiles(field, GetParam());
+    const FieldSampler tiles(field, GetParam());
     std::vector<SparseField> fields;
     for (const TileLevel& level : levels.levels()) fields.push_back(whole(level));
-    std::vector<FieldProbe> probes;
+    std::vector<FieldSampler> probes;
     for (const SparseField& one : fields) probes.emplace_back(one, GetParam());
     std::mt19937 random(7);
     std::uniform_real_distribution<double> along(-103, 134);
     for (int i = 0; i < 20'000; ++i) {
         const Vec3 is(along(random), along(random), along(random));
         double sum = 0, scale = 1;
-        for (const FieldProbe& probe : probes) {
+        for (const FieldSampler& probe : probes) {
             sum += probe.value(is / scale);
             scale *= 2;
         }

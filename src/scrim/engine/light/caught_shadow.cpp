@@ -2,7 +2,7 @@
 #include <scrim/engine/light/caught_shadow.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/scene/optics.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,7 +13,6 @@
 
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 
 namespace scrim {
 namespace {
@@ -21,13 +20,14 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Optical depth along world-space segments, by steps of a voxel with two points of Gauss' quadrature in each: exact for
-// the cubics of a trilinear field within a cell. Every thread takes a copy.
+// the cubics of a trilinear field within a cell.
 class Marcher {
   public:
     explicit Marcher(const ViewScene& scene) : m_step(voxelUnit(scene)) {
+        FieldSamplers samplers;
         for (const ViewVolume& volume : scene.volumes) {
             if (volume.field->empty()) continue;
-            m_volumes.push_back({LinearProbe(*volume.field), glm::inverse(volume.wsFromIs), &volume});
+            m_volumes.emplace_back(volume, Kernel::linear, samplers);
             for (const Vec3& corner : wsCorners(volume, scene.dials.kernel)) m_wsBounds.include(corner);
         }
     }
@@ -47,28 +47,15 @@ class Marcher {
     }
 
   private:
-    struct Volume {
-        LinearProbe field;
-        Mat4 isFromWs;
-        const ViewVolume* look;
-    };
-
     Rgb extinction(const Vec3& ws) const {
         Rgb sum(0);
-        for (const Volume& v : m_volumes) {
-            const double value = v.field.value(transformPoint(v.isFromWs, ws));
-            if (value == 0) continue;
-            if (v.look->classified)
-                sum += Rgb(classify(*v.look->classified, value).extinction);
-            else
-                sum += v.look->medium.densityScale * value * v.look->medium.extinctionTint;
-        }
+        for (const VolumeOptics& volume : m_volumes) sum += volume.extinction(ws);
         return sum;
     }
 
     double m_step;
     Bounds m_wsBounds;
-    std::vector<Volume> m_volumes;
+    std::vector<VolumeOptics> m_volumes;
 };
 
 // The point of the first solid on the ray of raster position (x, y), if that catches shadows.
@@ -140,13 +127,12 @@ std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, F
         if (!caught.parts.empty()) layers.push_back(std::move(caught));
     }
     if (layers.empty() || !scene.solids || !scene.solids->any(SolidRole::catcher)) return 0;
-    const Marcher one(scene);
+    const Marcher marcher(scene);
     const int n = scene.dials.antialias;
     const RayFamily rays = wsRays(supersampled(scene.camera, n));
     const PixelWindow& region = scene.region;
     std::atomic<std::uint64_t> marched = 0;
     const auto catchRow = [&](std::size_t row) {
-        const Marcher marcher = one;
         const int y = region.y0 + static_cast<int>(row);
         std::uint64_t count = 0;
         for (int x = region.x0; x < region.x1; ++x) {

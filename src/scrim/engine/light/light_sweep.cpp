@@ -2,12 +2,10 @@
 #include <scrim/engine/light/light_sweep.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/light_at.h>
 
 #include <algorithm>
 #include <cmath>
-
-#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -156,15 +154,14 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
     out.radius2 = static_cast<Real>(radius * radius);
     if (const Light::Spot* spot = light.spot()) {
-        const double half = glm::radians(0.5 * spot->coneAngle);
+        const SpotEdges edges(*spot);
         const Vec3 axis = sheets.ssFromWs * light.wsDirection;
         out.spot = true;
         out.axisU = static_cast<Real>(axis.x);
         out.axisV = static_cast<Real>(axis.y);
         out.axisW = static_cast<Real>(axis.z);
-        out.cosOuter = static_cast<Real>(std::cos(half));
-        // A cone without a blend still has an edge of some width: a hundredth of a degree.
-        out.cosInner = static_cast<Real>(std::cos(std::min(half * (1 - spot->blend), half - 1e-4)));
+        out.cosOuter = static_cast<Real>(edges.outer);
+        out.cosInner = static_cast<Real>(edges.inner);
     }
     if (light.element()) {
         const Vec3 axis = sheets.ssFromWs * light.wsDirection;

@@ -12,7 +12,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/slide_map.h>
 
 namespace scrim {
 

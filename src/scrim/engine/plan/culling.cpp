@@ -113,8 +113,7 @@ bool scatters(const ViewVolume& volume) {
 bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     if (light.extended()) return true;
     if (light.distant()) {
-        const Vec3 other = std::abs(light.wsDirection.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-        const Mat3 alongLight = sweepRotation(light.wsDirection, other);
+        const Mat3 alongLight = sweepRotation(light.wsDirection, apartFrom(light.wsDirection));
         const auto boxOf = [&](const std::vector<Vec3>& points) {
             Bounds box;
             for (const Vec3& p : points) box.include(alongLight * p);

@@ -2,7 +2,7 @@
 #include <scrim/engine/plan/light_groups.h>
 
 #include <scrim/base/error.h>
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/slide_map.h>
 #include <scrim/geometry/enclosing_cone.h>
 
 #include <algorithm>
@@ -266,13 +266,12 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
 }
 
 std::vector<Vec3> rimOfCone(const Vec3& axis, double angle) {
-    const Vec3 other = std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-    const Vec3 x = glm::normalize(glm::cross(axis, other)), y = glm::cross(axis, x);
+    const Mat3 frame = frameAround(axis);
     std::vector<Vec3> directions;
     constexpr int kPoints = 16;
     for (int i = 0; i < kPoints; ++i) {
         const double t = 2 * std::numbers::pi * i / kPoints;
-        directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * x + std::sin(t) * y));
+        directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * frame[0] + std::sin(t) * frame[1]));
     }
     return directions;
 }

@@ -5,7 +5,7 @@
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/light/light_sweep.h>
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/rasters.h>
 #include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/engine/splat/extinction_sum.h>

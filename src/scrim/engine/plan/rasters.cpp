@@ -3,8 +3,8 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/composite/eye_rays.h>
-#include <scrim/engine/light/slide_map.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/scene/slide_map.h>
+#include <scrim/volume/kernel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -100,8 +100,8 @@ Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, c
     Vec3 along = sheets.ssFromWs * meanOf(part.wsDirections);
     if (std::abs(along.z) < kLeastRise) along = glm::normalize(Vec3(along.x, along.y, kLeastRise));
     const Vec3 normal = planeNormal(scene, light, sheets, along);
-    const Vec3 other = std::abs(normal.x) < 0.7 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
-    const Vec3 ey = glm::normalize(glm::cross(normal, other)), ex = glm::cross(ey, normal);
+    const Mat3 frame = frameAround(normal);
+    const Vec3 ey = frame[0], ex = -frame[1];
 
     auto extent = Box2<double>::nothing();
     if (distant) {

@@ -14,7 +14,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/geometry/spaces.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/kernel.h>
 
 #include <array>
 #include <cstddef>

@@ -8,7 +8,6 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
-#include <glm/trigonometric.hpp>
 
 namespace scrim {
 namespace {
@@ -25,44 +24,15 @@ double meanOverCell(double t) {
     return half < 1e-4 ? 1 : std::sinh(half) / half;
 }
 
-}  // namespace
-
-FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const Light& light)
-    : m_scene(scene), m_media(media), m_light(light) {
-    if (light.slide) m_slide = slideMap(light);
-}
-
-// Before anything takes some of it.
-Arriving FirstCollisions::unattenuated(const Vec3& ws) const {
-    Arriving out{m_light.intensity, Rgb(0), m_light.wsDirection, kInfinity};
-    if (!m_light.distant()) {
-        const Light::Point& point = m_light.point();
-        const Vec3 way = ws - m_light.wsPosition;
-        out.distance = glm::length(way);
-        if (out.distance > 0) out.travel = way / out.distance;
-        if (point.decay) {
-            // At least as near as a cell's points are to its middle in the mean.
-            const double least = std::max(point.radius, kNearest * m_media.grid.edge());
-            out.irradiance /= std::max(glm::dot(way, way), least * least);
-        }
-        const double along = glm::dot(out.travel, m_light.wsDirection);
-        if (const Light::Spot* spot = m_light.spot()) {
-            const double half = 0.5 * glm::radians(spot->coneAngle);
-            const double outer = std::cos(half), inner = std::cos(half * (1 - spot->blend));
-            const double t =
-                inner > outer ? std::clamp((along - outer) / (inner - outer), 0.0, 1.0) : (along > outer ? 1.0 : 0.0);
-            out.irradiance *= t * t * (3 - 2 * t);
-        }
-        if (m_light.element()) out.irradiance *= std::max(along, 0.0);
-    }
-    if (m_slide) out.irradiance *= slideValue(m_light, *m_slide, ws);
-    return out;
-}
+// Without what scatters straight on, and of that.
+struct Depths {
+    Rgb tau{0}, straight{0};
+};
 
 // From cell to cell, and past blocks in which nothing is at a time (J. Amanatides and A. Woo, A Fast Voxel Traversal
 // Algorithm for Ray Tracing, 1987).
-FirstCollisions::Depths FirstCollisions::opticalDepths(const Vec3& ws, const Vec3& direction, double distance) const {
-    const CellGrid& grid = m_media.grid;
+Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance) {
+    const CellGrid& grid = media.grid;
     const Vec3 origin = grid.csFromWs(ws);
     const double length = distance / grid.edge();  // directions are unit in cells, too
     const Int3 size = grid.blocks() * kCellEdge;
@@ -74,7 +44,7 @@ FirstCollisions::Depths FirstCollisions::opticalDepths(const Vec3& ws, const Vec
         each[axis] = 1 / std::abs(direction[axis]);
         next[axis] = (cell[axis] + (step[axis] > 0 ? 1 : 0) - origin[axis]) / direction[axis];
     }
-    const bool grey = m_media.extinction.size() == 1, straight = !m_media.straight.empty();
+    const bool grey = media.extinction.size() == 1, straight = !media.straight.empty();
     Depths out;
     Rgb& tau = out.tau;
     double t = 0;
@@ -84,13 +54,13 @@ FirstCollisions::Depths FirstCollisions::opticalDepths(const Vec3& ws, const Vec
         const double end = std::min(next[axis], length);
         if (index >= 0) {
             const double way = (end - t) * grid.edge();
-            tau.x += way * m_media.extinction[0][std::size_t(index)];
+            tau.x += way * media.extinction[0][std::size_t(index)];
             if (!grey) {
-                tau.y += way * m_media.extinction[1][std::size_t(index)];
-                tau.z += way * m_media.extinction[2][std::size_t(index)];
+                tau.y += way * media.extinction[1][std::size_t(index)];
+                tau.z += way * media.extinction[2][std::size_t(index)];
             }
-            for (std::size_t c = 0; straight && c < m_media.straight.size(); ++c)
-                out.straight[int(c)] += way * m_media.straight[c][std::size_t(index)];
+            for (std::size_t c = 0; straight && c < media.straight.size(); ++c)
+                out.straight[int(c)] += way * media.straight[c][std::size_t(index)];
             if (std::min({tau.x, grey ? kInfinity : tau.y, grey ? kInfinity : tau.z}) > kMostTau) break;
         }
         t = next[axis];
@@ -101,16 +71,22 @@ FirstCollisions::Depths FirstCollisions::opticalDepths(const Vec3& ws, const Vec
     return grey ? Depths{Rgb(tau.x), Rgb(out.straight.x)} : out;
 }
 
-Arriving FirstCollisions::at(std::size_t cell) const {
+}  // namespace
+
+// Light is at least as near as a cell's points are to its middle in the mean.
+FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const Light& light)
+    : m_scene(scene), m_media(media), m_light(light), m_unattenuated(light, kNearest * media.grid.edge()) {}
+
+ArrivingInCell FirstCollisions::at(std::size_t cell) const {
     const Vec3 ws = m_media.grid.wsCenter(cell);
-    Arriving out = unattenuated(ws);
+    ArrivingInCell out{m_unattenuated.at(ws)};
     if (out.irradiance == Rgb(0) || !m_light.shadows) return out;
     const Vec3 toLight = -out.travel;
     if (m_scene.solids && m_scene.solids->firstHit(SolidRole::shadow, ws, toLight, 0, out.distance) < kInfinity) {
         out.irradiance = Rgb(0);
         return out;
     }
-    const Depths depths = opticalDepths(ws, toLight, out.distance);
+    const Depths depths = opticalDepths(m_media, ws, toLight, out.distance);
     // A cube's mean chord along a direction is its volume over its shadow.
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
     for (int c = 0; c < 3; ++c)

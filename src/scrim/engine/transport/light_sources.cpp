@@ -82,7 +82,7 @@ struct Collisions {
             std::vector<Real> row(values);
             for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) {
                 if (solver.rowOf(cell) < 0 || (straight.empty() && !scatters(cell))) continue;
-                const Arriving arriving = rays.at(cell);
+                const ArrivingInCell arriving = rays.at(cell);
                 if (!(arriving.irradiance[colour] > 0)) continue;
                 addStraight(arriving, cell, std::size_t(solver.rowOf(cell)), straight);
                 for (std::size_t k = 0; k < classes.size(); ++k) {
@@ -106,7 +106,7 @@ struct Collisions {
 
   private:
     // Where phase functions are mixed, each class sees the beam as if its own had spread it.
-    void addStraight(const Arriving& arriving, std::size_t cell, std::size_t row, StraightLight& straight) const {
+    void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row, StraightLight& straight) const {
         if (straight.empty() || arriving.straightDepth[colour] == 0) return;
         const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));
         for (std::size_t k = 0; k < classes.size(); ++k) {

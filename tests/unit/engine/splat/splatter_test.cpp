@@ -7,7 +7,7 @@
 #include "support/fields.h"
 
 #include <scrim/engine/splat/splatter.h>
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,7 @@ Splatted splat(const SparseField& field, const Stage& stage, Kernel kernel, int 
 }
 
 // Mean of the reconstructed field over sheet n at texel (x, y): two Gauss points in each of 16 steps.
-double slabMean(const FieldProbe& probe, const Mat4& isFromTs, int x, int y, int n) {
+double slabMean(const FieldSampler& probe, const Mat4& isFromTs, int x, int y, int n) {
     constexpr int kSteps = 16;
     const double gauss = 0.5 / std::sqrt(3.0);
     double sum = 0;
@@ -94,7 +94,7 @@ std::shared_ptr<SparseField> noiseField() {
 // RMS difference to the brute force at 400 random texels within the field's bounds.
 double rmsError(const SparseField& field, const Stage& stage, Kernel kernel, int steps) {
     const Splatted sheets = splat(field, stage, kernel, steps);
-    const FieldProbe probe(field, kernel);
+    const FieldSampler probe(field, kernel);
     const Mat4 isFromTs = glm::inverse(stage.tsFromIs);
     std::mt19937 random(29);
     const auto below = [&](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };

@@ -4,7 +4,7 @@
 
 #include "support/fields.h"
 
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <gtest/gtest.h>
 
@@ -42,7 +42,7 @@ Mat4 leaning() {
 }
 
 // Mean of the field along the ray through cell (x, y) within sheet n.
-double meanAlongRay(const FieldProbe& probe, const Mat4& isFromTs, const Lattice& raster, int x, int y, int n) {
+double meanAlongRay(const FieldSampler& probe, const Mat4& isFromTs, const Lattice& raster, int x, int y, int n) {
     const Mat3 plane = glm::inverse(raster.fromPlane(n + 0.5));
     const Vec3 p = plane * Vec3(x, y, 1);
     const Vec3 ray = raster.rayThrough(x, y), middle(p.x / p.z, p.y / p.z, n + 0.5);
@@ -64,7 +64,7 @@ TEST(WarpedSplatter, CellsHoldTheMeanOfTheFieldAlongTheirRays) {
     for (int p = 0; p < 20; ++p) planes.finish(p);
     EXPECT_GT(footprints, field->activeVoxels);
 
-    const FieldProbe probe(*field, Kernel::linear);
+    const FieldSampler probe(*field, Kernel::linear);
     const Mat4 isFromTs = glm::inverse(tsFromIs);
     double squares = 0, sum = 0, largest = 0;
     int count = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/slide_map.h>
 
 #include <scrim/geometry/camera.h>
 

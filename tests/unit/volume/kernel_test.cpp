@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The kernels by their definition: what a field is made of.
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/kernel.h>
 
 #include "support/fields.h"
 

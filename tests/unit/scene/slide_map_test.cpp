@@ -2,7 +2,7 @@
 // Where slides fall, and which way up.
 #include "support/slides.h"
 
-#include <scrim/engine/light/slide_map.h>
+#include <scrim/scene/slide_map.h>
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "support/fields.h"
 
-#include <scrim/engine/splat/kernel.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <gtest/gtest.h>
 
@@ -28,10 +28,10 @@ class Random {
     std::mt19937 m_engine{3};
 };
 
-TEST(FieldProbe, KnowsEveryVoxelAndZeroElsewhere) {
+TEST(FieldSampler, KnowsEveryVoxelAndZeroElsewhere) {
     const Int3 lower(-11, -3, 5), upper(9, 12, 20);
     const auto field = makeField(lower, upper, 1, number);
-    const FieldProbe probe(*field, Kernel::linear);
+    const FieldSampler probe(*field, Kernel::linear);
     for (int x = lower.x - 9; x <= upper.x + 9; ++x)
         for (int y = lower.y - 9; y <= upper.y + 9; ++y)
             for (int z = lower.z - 9; z <= upper.z + 9; ++z) {
@@ -42,10 +42,10 @@ TEST(FieldProbe, KnowsEveryVoxelAndZeroElsewhere) {
     EXPECT_EQ(probe.voxel(Int3(1 << 28, -(1 << 28), 0)), 0);
 }
 
-TEST(FieldProbe, KnowsTiles) {
+TEST(FieldSampler, KnowsTiles) {
     SparseField field;
     field.tiles = {{{-16, 0, 8}, 8, 0.5f}, {{32, 32, 32}, 32, 2.0f}};
-    const FieldProbe probe(field, Kernel::linear);
+    const FieldSampler probe(field, Kernel::linear);
     EXPECT_EQ(probe.voxel({-16, 0, 8}), 0.5);
     EXPECT_EQ(probe.voxel({-9, 7, 15}), 0.5);
     EXPECT_EQ(probe.voxel({-8, 7, 15}), 0);
@@ -55,9 +55,9 @@ TEST(FieldProbe, KnowsTiles) {
     EXPECT_NEAR(probe.value({63.25, 50, 50}), 1.5, 1e-12);
 }
 
-TEST(FieldProbe, WithTheLinearKernelIsTrilinear) {
+TEST(FieldSampler, WithTheLinearKernelIsTrilinear) {
     const auto field = makeField({-10, -10, -10}, {10, 10, 10}, 1, number);
-    const FieldProbe probe(*field, Kernel::linear);
+    const FieldSampler probe(*field, Kernel::linear);
     Random random;
     for (int i = 0; i < 500; ++i) {
         const Vec3 p = random.vector(-11.5, 11.5), base = glm::floor(p), t = p - base;
@@ -71,11 +71,11 @@ TEST(FieldProbe, WithTheLinearKernelIsTrilinear) {
 }
 
 // The sum of all voxels' kernels, over all voxels there are.
-TEST(FieldProbe, IsTheSumOfAllKernels) {
+TEST(FieldSampler, IsTheSumOfAllKernels) {
     const auto field = makeField({-4, -4, -4}, {4, 4, 4}, 1, number);
     Random random;
     for (const Kernel kernel : {Kernel::linear, Kernel::gaussian, Kernel::bspline}) {
-        const FieldProbe probe(*field, kernel);
+        const FieldSampler probe(*field, kernel);
         for (int i = 0; i < 40; ++i) {
             // Corners, whole and half positions too: where a kernel's support begins and ends.
             const Vec3 p = i < 10 ? glm::round(2.0 * random.vector(-6.5, 6.5)) / 2.0 : random.vector(-6.5, 6.5);
@@ -91,12 +91,12 @@ TEST(FieldProbe, IsTheSumOfAllKernels) {
 }
 
 // A promise that must never be broken: where it says empty, nothing is.
-TEST(FieldProbe, IsZeroWhereItSaysEmpty) {
+TEST(FieldSampler, IsZeroWhereItSaysEmpty) {
     SparseField field = *boxField({-3, -3, -3}, {4, 4, 4});
     field.tiles = {{{16, 16, 16}, 8, 1.0f}};
     Random random;
     for (const Kernel kernel : {Kernel::linear, Kernel::bspline}) {
-        const FieldProbe probe(field, kernel);
+        const FieldSampler probe(field, kernel);
         int empty = 0;
         for (int i = 0; i < 2000; ++i) {
             const Vec3 p = random.vector(-25, 40);
@@ -113,6 +113,44 @@ TEST(FieldProbe, IsZeroWhereItSaysEmpty) {
         EXPECT_FALSE(probe.emptyAround({20, 20, 20}, 0.1));
         EXPECT_TRUE(probe.emptyAround({100, 0, 0}, 50));
     }
+}
+
+TEST(FieldSampler, GivesTheVoxelWhoseCellHoldsAPoint) {
+    const auto field = makeField({-10, -10, -10}, {10, 10, 10}, 1, number);
+    const FieldSampler sampler(*field);
+    Random random;
+    for (int i = 0; i < 500; ++i) {
+        const Int3 voxel(glm::floor(random.vector(-12, 12)));
+        ASSERT_EQ(sampler.nearest(Vec3(voxel) + random.vector(-0.499, 0.499)), sampler.voxel(voxel));
+    }
+    // However far a point is, it is no whole number that wraps around.
+    for (const double far : {1e9, 4294967296.0, -1e300, 1e300}) {
+        EXPECT_EQ(sampler.nearest({far, 0, 0}), 0);
+        EXPECT_EQ(sampler.value({far, 0, 0}), 0);
+    }
+}
+
+// As far as it says, the field is what it was at the first point.
+TEST(FieldSampler, IsConstantAsFarAsItSays) {
+    SparseField field = *boxField({-3, -3, -3}, {4, 4, 4});
+    field.tiles = {{{16, 16, 16}, 8, 0.5f}, {{64, 0, 0}, 64, 2.0f}};
+    const FieldSampler sampler(field);
+    Random random;
+    int known = 0, inTiles = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec3 p = random.vector(-20, 130), way = random.vector(-1, 1);
+        const double radius = random.in(0, 3), far = sampler.evenAlong(p, way, radius), here = sampler.value(p);
+        if (far < 0) continue;
+        ++known;
+        inTiles += here > 0;
+        for (int k = 0; k < 10; ++k) {
+            const Vec3 at = p + std::min(far, 1e3) * random.in(0, 1) * way + random.vector(-radius, radius);
+            ASSERT_NEAR(sampler.value(at), here, 1e-12);
+        }
+    }
+    EXPECT_GT(known, 10000);
+    EXPECT_GT(inTiles, 500);
+    EXPECT_LT(sampler.evenAlong({0.5, 0.5, 0.5}, {1, 0, 0}, 0), 0);  // a block may hold anything
 }
 
 }  // namespace

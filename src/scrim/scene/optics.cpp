@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/optics.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+// Empty space is measured in balls of this many voxels: half a block's edge.
+constexpr double kEmptyRadius = 4;
+
+// The longest index-space length that a world unit can have, from above.
+double isPerWs(const Mat4& isFromWs) {
+    double longest = 0;
+    for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
+    return longest * std::sqrt(3.0);
+}
+
+}  // namespace
+
+FieldInWorld::FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers)
+    : isFromWs(glm::inverse(view.wsFromIs)) {
+    std::shared_ptr<const FieldSampler>& shared = samplers[view.field.get()];
+    if (!shared || shared->kernel() != kernel) shared = std::make_shared<const FieldSampler>(*view.field, kernel);
+    field = shared;
+}
+
+Rgb extinctionOf(const ViewVolume& volume, double value) {
+    if (volume.classified) return Rgb(classify(*volume.classified, value).extinction);
+    return volume.medium.densityScale * value * volume.medium.extinctionTint;
+}
+
+double mostExtinctionOf(const ViewVolume& volume, double value) {
+    return volume.classified ? classify(*volume.classified, value).extinction : value * volume.medium.mostExtinction();
+}
+
+VolumeOptics::VolumeOptics(const ViewVolume& volume, Kernel kernel, FieldSamplers& samplers) : m_volume(&volume) {
+    const auto placed = [&](const ViewField& field) { return FieldInWorld(field, kernel, samplers); };
+    if (!volume.field->empty()) {
+        m_density = placed({volume.field, volume.wsFromIs});
+        const Mat3 rows = glm::transpose(Mat3(m_density->isFromWs));
+        m_voxels = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});
+    }
+    for (const ViewField& field : volume.scatter) m_scatter.push_back(placed(field));
+    for (const ViewEmission& emission : volume.emission) m_emission.push_back(placed(emission.field));
+    if (!volume.velocity) return;
+    for (const ViewField& part : volume.velocity->parts) m_velocity.emplace_back(part, Kernel::linear, samplers);
+    for (const Vec3& way : volume.velocity->wsRange().corners()) m_mostWay = std::max(m_mostWay, glm::length(way));
+}
+
+Vec3 VolumeOptics::wayTo(const Vec3& ws) const {
+    Vec3 v;
+    for (int axis = 0; axis < 3; ++axis)
+        v[axis] = m_velocity[std::size_t(2 * axis)].value(ws) - m_velocity[std::size_t(2 * axis + 1)].value(ws);
+    return m_volume->velocity->wsPath * v;
+}
+
+Rgb VolumeOptics::scattering(const Vec3& ws) const {
+    const Medium& medium = m_volume->medium;
+    if (m_scatter.empty()) return extinction(ws) * medium.albedo;
+    const Vec3 from = origin(ws);
+    const Rgb value(m_scatter[0].value(from), m_scatter[1].value(from), m_scatter[2].value(from));
+    return medium.densityScale * value * medium.extinctionTint;
+}
+
+Rgb VolumeOptics::emission(const Vec3& ws) const {
+    Rgb sum(0);
+    for (std::size_t i = 0; i < m_emission.size(); ++i) sum += emissionField(i, ws) * m_volume->emission[i].color;
+    return sum;
+}
+
+Vec3 VolumeOptics::gradient(const Vec3& ws) const {
+    const Mat3 isFromWs(m_density->isFromWs), wsFromIs = glm::inverse(isFromWs);
+    Vec3 difference;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (m_velocity.empty()) {
+            const Vec3 is = transformPoint(m_density->isFromWs, ws);
+            Vec3 step(0);
+            step[axis] = 1;
+            difference[axis] = m_density->field->value(is + step) - m_density->field->value(is - step);
+        } else {
+            difference[axis] = density(ws + wsFromIs[axis]) - density(ws - wsFromIs[axis]);
+        }
+    }
+    return glm::transpose(isFromWs) * (0.5 * difference);
+}
+
+double VolumeOptics::emptyDistance(const Vec3& ws) const {
+    double distance = std::numeric_limits<double>::infinity();
+    const auto isEmpty = [&](const FieldInWorld& f) {
+        const double voxels = isPerWs(f.isFromWs);
+        distance = std::min(distance, kEmptyRadius / voxels);
+        return f.field->emptyAround(transformPoint(f.isFromWs, ws), kEmptyRadius + m_mostWay * voxels);
+    };
+    if (m_density && !isEmpty(*m_density)) return 0;
+    return std::all_of(m_emission.begin(), m_emission.end(), isEmpty) ? distance : 0;
+}
+
+double VolumeOptics::evenAlong(const Vec3& ws, const Vec3& way, double reach) const {
+    if (!m_density || !m_emission.empty() || !m_velocity.empty()) return -1;
+    return m_density->field->evenAlong(transformPoint(m_density->isFromWs, ws),
+                                       transformVector(m_density->isFromWs, way), reach * m_voxels);
+}
+
+}  // namespace scrim

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/volume/field_sampler.h>
+
+#include <algorithm>
+#include <limits>
+
+#include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
+
+namespace scrim {
+namespace {
+
+// First and last voxel of the region of equal cubes that `place`, found at `cube`, belongs to.
+Bounds regionOf(const BlockIndex::Place& place, const Int3& cube) {
+    const Vec3 first = double(kBlockEdge) * Vec3(cube & ~(place.cubes - 1));
+    return {first, first + double(place.cubes * kBlockEdge - 1)};
+}
+
+}  // namespace
+
+FieldSampler::FieldSampler(const SparseField& field, Kernel kernel)
+    : m_index(field), m_kernel(kernel), m_reached(m_index.isBounds()) {
+    m_reached.lower -= kernelRadius(kernel);
+    m_reached.upper += kernelRadius(kernel);
+}
+
+double FieldSampler::nearest(const Vec3& is) const {
+    if (!m_reached.contains(is)) return 0;  // nor need it be anywhere near a whole number
+    return m_index.voxel(Int3(glm::floor(is + 0.5)));
+}
+
+double FieldSampler::value(const Vec3& is) const {
+    if (!m_reached.contains(is)) return 0;
+    if (m_kernel == Kernel::linear) return linear(is);
+    const int reach = static_cast<int>(kernelRadius(m_kernel));
+    const Int3 base(glm::floor(is));
+    double sum = 0;
+    for (int x = 1 - reach; x <= reach; ++x)
+        for (int y = 1 - reach; y <= reach; ++y)
+            for (int z = 1 - reach; z <= reach; ++z) {
+                const Int3 at = base + Int3(x, y, z);
+                const double weight = kernelValue(m_kernel, is - Vec3(at));
+                if (weight != 0) sum += weight * voxel(at);
+            }
+    return sum;
+}
+
+// Between the eight voxels around. Cubes are looked up once, and only those that the eight lie in.
+double FieldSampler::linear(const Vec3& is) const {
+    const Vec3 floor = glm::floor(is), f = is - floor;
+    const Int3 base(floor), cube = base >> 3;
+    int across = 0;  // bits of the axes along which the eight lie in two cubes: x is 4, z is 1
+    for (int axis = 0; axis < 3; ++axis)
+        if ((base[axis] & 7) == 7) across |= 4 >> axis;
+    BlockIndex::Place places[8];
+    places[0] = m_index.at(cube);
+    if (!places[0].values) {
+        const Bounds region = regionOf(places[0], cube);
+        if (region.contains(is)) return places[0].constant;
+    }
+    double corners[8];
+    for (int i = 0; i < 8; ++i) {
+        const Int3 step(i >> 2, i >> 1 & 1, i & 1);
+        if (i > 0 && (i & across) == i) places[i] = m_index.at(cube + step);
+        corners[i] = places[i & across].voxel(base + step);
+    }
+    const auto between = [](double a, double b, double t) { return a + t * (b - a); };
+    return between(between(between(corners[0], corners[1], f.z), between(corners[2], corners[3], f.z), f.y),
+                   between(between(corners[4], corners[5], f.z), between(corners[6], corners[7], f.z), f.y), f.x);
+}
+
+bool FieldSampler::emptyAround(const Vec3& is, double radius) const {
+    const double reach = radius + kernelRadius(m_kernel);
+    return !m_index.anyIn({is - reach, is + reach});
+}
+
+double FieldSampler::evenAlong(const Vec3& is, const Vec3& direction, double radius) const {
+    const Int3 cube = Int3(glm::floor(is)) >> 3;
+    const BlockIndex::Place here = m_index.at(cube);
+    if (here.values) return -1;
+    const Bounds region = regionOf(here, cube);
+    if (!region.contains(is - radius) || !region.contains(is + radius)) {
+        constexpr int kMost = 2;  // cubes along an axis, of a box that reaches into few
+        const Int3 first = Int3(glm::floor(is - radius)) >> 3, last = Int3(glm::ceil(is + radius)) >> 3;
+        if (glm::any(glm::greaterThan(last - first, Int3(kMost)))) return -1;
+        for (int x = first.x; x <= last.x; ++x)
+            for (int y = first.y; y <= last.y; ++y)
+                for (int z = first.z; z <= last.z; ++z)
+                    if (const BlockIndex::Place place = m_index.at({x, y, z});
+                        place.values || place.constant != here.constant)
+                        return -1;
+        return 0;
+    }
+    double way = std::numeric_limits<double>::infinity();
+    for (int axis = 0; axis < 3; ++axis)
+        if (direction[axis] != 0)
+            way = std::min(way, ((direction[axis] > 0 ? region.upper[axis] - radius : region.lower[axis] + radius) -
+                                 is[axis]) /
+                                    direction[axis]);
+    return std::max(way, 0.0);
+}
+
+}  // namespace scrim
