@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fields that a velocity moves (semi-Lagrangian, backwards): at time t a field f is f(x - t v(x)). Where v varies much
-// over a voxel, or reaches less far than f moves, that is not where the smoke would be; see examples/EFFECTS.md.
+// over a voxel, or reaches less far than f moves, that is not where the smoke would be; see
+// examples/guide/motion-blur.md.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
