@@ -121,6 +121,6 @@ def usd_distant(intensity: float, angle_degrees: float, normalize: bool) -> tupl
 
 
 def usd_point(intensity: float, radius: float, normalize: bool) -> float:
-    """Radiant intensity of a sphere seen from afar: pi r^2 L, where `normalize` divides L by 4 pi r^2. `intensity`: with
-    its exposure."""
+    """Radiant intensity of a sphere seen from afar: pi r^2 L, where `normalize` divides L by 4 pi r^2. `intensity`:
+    with its exposure."""
     return 0.25 * intensity if normalize else math.pi * radius**2 * intensity

@@ -2,8 +2,8 @@
 """Python values as TOML, the language of scenes.
 
 A bool, int, float, str, path, list and dict have a text in TOML. So do tuples, arrays and numbers of NumPy, and
-vectors of Blender, which are written as lists and numbers. Everything else raises Failure, whose text names the value by
-`where`: 'camera.position[1]'. Infinite numbers and those that are none are written as TOML has them (inf, nan); the
+vectors of Blender, which are written as lists and numbers. Everything else raises Failure, whose text names the value
+by `where`: 'camera.position[1]'. Infinite numbers and those that are none are written as TOML has them (inf, nan); the
 program refuses them by the name of their key.
 """
 
