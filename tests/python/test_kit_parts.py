@@ -9,11 +9,11 @@ import zipfile
 from array import array
 
 import pytest
-from conftest import ROOT, SCENE
+from conftest import ROOT, SHOT
 from scrim_kit import ply, toml_text
 from scrim_kit.names import Names
 
-import scrim as module
+import scrim
 
 PLUGINS = ROOT / "plugins"
 KIT = PLUGINS / "kit" / "scrim_kit"
@@ -28,7 +28,7 @@ def test_names_are_plain_and_given_once():
 def test_names_are_taken_by_the_program(ask, tmp_path):
     names = Names()
     given = [names.of(text) for text in ("Key.001", "Key 001", "é[0]", "", "9", "a\nb", '"')]
-    scene = {**SCENE, "light": [{**SCENE["light"][0], "name": name} for name in given]}
+    scene = {**SHOT, "light": [{**SHOT["light"][0], "name": name} for name in given]}
     (tmp_path / "shot.toml").write_text(toml_text.document(scene))
     ask("plan", "shot.toml", *(word for name in given for word in ("--set", f"light.{name}.intensity=2")))
 
@@ -54,8 +54,8 @@ def test_meshes_are_read_by_the_library(tmp_path):
     """A plate before the lower half of the smoke hides that."""
     corners = [-9, -9, 2, 9, -9, 2, 9, 0, 2, -9, 0, 2]
     ply.write(tmp_path / "plate.ply", array("f", corners), array("i", (0, 1, 2, 0, 2, 3)))
-    whole = module.loads(SCENE).render().image[:, :, 3]
-    upper = module.loads({**SCENE, "mesh": [{"file": "plate.ply"}]}, folder=tmp_path).render().image[:, :, 3]
+    whole = scrim.loads(SHOT).render().image[:, :, 3]
+    upper = scrim.loads({**SHOT, "mesh": [{"file": "plate.ply"}]}, folder=tmp_path).render().image[:, :, 3]
     assert whole[12:].max() > 0.1 and upper[12:].max() == 0
     assert (upper[:12] == whole[:12]).all()
 

@@ -7,7 +7,7 @@ import numpy
 import pytest
 from scrim_kit import light_laws as laws
 
-import scrim as module
+import scrim
 
 DISTANCE = 4.0
 STRENGTH = [2.0, 1.0, 0.5]
@@ -100,10 +100,10 @@ def arrives(light, size=0.4):
         "light": [{"name": "key", **light}],
         "render": {"quality": "ultra", "light_error": 0.002},
     }
-    shot = module.loads(scene, resolution=(16, 16))
+    shot = scrim.loads(scene, resolution=(16, 16))
     # So small and thin that each of its voxels gets the same light, and keeps none from the others.
     voxel = size / 8
-    shot.set_volume("dust", module.Field(numpy.ones((8, 8, 8)), voxel, origin=[-3.5 * voxel] * 3))
+    shot.set_volume("dust", scrim.Field(numpy.ones((8, 8, 8)), voxel, origin=[-3.5 * voxel] * 3))
     image = shot.render().image.astype(float)
     return 4 * math.pi * image[:, :, :3].sum(axis=(0, 1)) / image[:, :, 3].sum()
 

@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from conftest import ROOT
+from conftest import PROGRAM, ROOT
 from scrim_kit import Failure, program
 from scrim_kit.program import Background, Cancelled, Child, Ended, Status
 
@@ -36,57 +36,57 @@ def pid_in(path, seconds=20):
     return int(path.read_text())
 
 
-def slow(scene):
+def slow(shot):
     """Arguments of a render that takes minutes."""
     dials = ("volume.smoke.parameters.resolution=160", "render.texel=0.05", "render.sheet_thickness=0.05")
     words = [word for dial in (*dials, "camera.resolution=[960, 720]") for word in ("--set", dial)]
-    return ["render", scene, *words]
+    return ["render", shot, *words]
 
 
 # By the program itself
 
 
-def test_exit_statuses_are_those_of_the_program(scrim, scene, tmp_path):
+def test_exit_statuses_are_those_of_the_program(shot, tmp_path):
     out = ["-o", str(tmp_path / "out.exr")]
     (tmp_path / "file").write_text("")
     for status, words in [
-        (Status.DONE, ["render", scene, *out]),
+        (Status.DONE, ["render", shot, *out]),
         (Status.USAGE, ["fly"]),
         (Status.INPUT, ["render", str(tmp_path / "absent.toml"), *out]),
-        (Status.OUTPUT, ["render", scene, "-o", str(tmp_path / "file" / "out.exr")]),
-        (Status.INACCURATE, ["render", scene, *out, "--tolerance", "0.0000001"]),
-        (Status.MEMORY, ["render", scene, *out, "--memory", "1K"]),
+        (Status.OUTPUT, ["render", shot, "-o", str(tmp_path / "file" / "out.exr")]),
+        (Status.INACCURATE, ["render", shot, *out, "--tolerance", "0.0000001"]),
+        (Status.MEMORY, ["render", shot, *out, "--memory", "1K"]),
     ]:
-        ended = program.run([scrim, *words])
+        ended = program.run([PROGRAM, *words])
         assert (ended.returncode, ended.status) == (status, status), ended.told
         if status != Status.DONE:
             assert ended.told[-1] == f"scrim: error: {ended.reason}"
 
 
-def test_progress_and_warnings_are_the_programs(scrim, scene, tmp_path):
+def test_progress_and_warnings_are_the_programs(shot, tmp_path):
     parts = []
-    words = ["render", scene, "-o", str(tmp_path / "out.####.exr"), "--frames", "1-2", "--progress", "json"]
-    ended = program.run([scrim, *words, "--display-server", "127.0.0.1:1"], parts.append)  # where nobody listens
+    words = ["render", shot, "-o", str(tmp_path / "out.####.exr"), "--frames", "1-2", "--progress", "json"]
+    ended = program.run([PROGRAM, *words, "--display-server", "127.0.0.1:1"], parts.append)  # where nobody listens
     assert ended.returncode == 0, ended.told
     assert parts == sorted(parts) and parts[0] < 0.5 and parts[-1] == 1 and len(parts) > 4
     [text] = ended.warnings
     assert text.endswith("pictures are rendered and not shown") and f"scrim: warning: {text}" in ended.told
 
 
-def test_answers_are_the_programs(scrim, scene):
-    assert program.ask([scrim, "plan", scene, "--json"]).output.startswith("[")
+def test_answers_are_the_programs(shot):
+    assert program.ask([PROGRAM, "plan", shot, "--json"]).output.startswith("[")
     with pytest.raises(Failure, match="^--set camera.fov: 'fov' is 200; expected a number") as failure:
-        program.ask([scrim, "plan", scene, "--set", "camera.fov=200"])
+        program.ask([PROGRAM, "plan", shot, "--set", "camera.fov=200"])
     assert failure.value.status == Status.INPUT
 
 
-def test_a_render_that_is_cancelled_is_gone_and_leaves_no_file(scrim, scene, tmp_path):
+def test_a_render_that_is_cancelled_is_gone_and_leaves_no_file(shot, tmp_path):
     out = tmp_path / "out"
     out.mkdir()
     parts = []
     with pytest.raises(Cancelled):
-        words = [*slow(scene), "-o", str(out / "a.exr"), "--progress", "json"]
-        program.run([scrim, *words], parts.append, cancelled=lambda: parts)
+        words = [*slow(shot), "-o", str(out / "a.exr"), "--progress", "json"]
+        program.run([PROGRAM, *words], parts.append, cancelled=lambda: parts)
     assert parts[0] < 1 and os.listdir(out) == []
     assert not running(str(out / "a.exr"))
 
@@ -105,14 +105,27 @@ def running(word):
 
 
 @pytest.mark.parametrize("number, status", [(signal.SIGTERM, 143), (signal.SIGINT, 130), (signal.SIGKILL, 137)])
-def test_a_signal_reaches_the_program(scrim, scene, tmp_path, number, status):
-    child = Child([scrim, *slow(scene), "-o", str(tmp_path / "a.exr"), "--progress", "json"])
+def test_a_signal_reaches_the_program(shot, tmp_path, number, status):
+    child = Child([PROGRAM, *slow(shot), "-o", str(tmp_path / "a.exr"), "--progress", "json"])
     ended = child.wait(progress=lambda part: child.signal(number))
     assert ended.status == status, ended
     assert not running(str(tmp_path / "a.exr"))
 
 
 # By programs that stand for it
+
+
+@pytest.fixture
+def script(tmp_path):
+    """Makes such a program of lines of a shell."""
+
+    def make(text):
+        path = tmp_path / "program"
+        path.write_text("#!/bin/sh\n" + text)
+        path.chmod(0o755)
+        return str(path)
+
+    return make
 
 
 def test_a_child_tells_what_it_does(script):

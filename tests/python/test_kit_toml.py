@@ -10,7 +10,7 @@ from array import array
 from pathlib import Path
 
 import pytest
-from conftest import SCENE
+from conftest import PROGRAM, SHOT
 from scrim_kit import Failure, toml_text
 
 tomllib = pytest.importorskip("tomllib", reason="the tests read TOML by Python 3.11")
@@ -37,11 +37,11 @@ def test_every_value_is_read_back_by_the_program(ask, tmp_path):
     values |= {f"s{i}": text for i, text in enumerate(STRINGS)}
     values |= {"a key": 1, 'quo"te\\': 2, "": 3, "é": 4, "a.b": 5, "-_9": 6}
     path = tmp_path / "shot.toml"
-    path.write_text(toml_text.document({**SCENE, "variables": values}), encoding="utf-8")
+    path.write_text(toml_text.document({**SHOT, "variables": values}), encoding="utf-8")
     read = read_by_the_program(ask, path)
     assert read["variables"] == values
     assert [type(v) for v in read["variables"].values()] == [type(values[k]) for k in read["variables"]]
-    assert {name: read[name] for name in SCENE} == SCENE
+    assert {name: read[name] for name in SHOT} == SHOT
 
 
 def test_tables_lists_and_switches_are_read_back_by_the_program(ask, tmp_path):
@@ -49,8 +49,8 @@ def test_tables_lists_and_switches_are_read_back_by_the_program(ask, tmp_path):
     moving = {"translate": {"keys": keys}, "scale": [1.0, 2.0, 3.0]}
     medium = {"albedo": [0.5, 0.25, 0.125], "phase": {"type": "two-lobe", "g1": 0.5, "g2": -0.5, "blend": 0.25}}
     scene = {
-        **SCENE,
-        "volume": [{**SCENE["volume"][0], "transform": moving, "medium": medium, "lights": []}],
+        **SHOT,
+        "volume": [{**SHOT["volume"][0], "transform": moving, "medium": medium, "lights": []}],
         "light": [
             {"name": "a", "type": "distant", "direction": [1, 0, 0], "shadows": False, "color": [1, 0.5, 0]},
             {"name": "b", "type": "distant", "direction": {"keys": keys}, "shadows": True},
@@ -64,7 +64,7 @@ def test_tables_lists_and_switches_are_read_back_by_the_program(ask, tmp_path):
     assert read["output"].pop("fps") == 25 and read == scene
 
 
-def test_overrides_are_read_by_the_program(ask, scene):
+def test_overrides_are_read_by_the_program(ask, shot):
     overrides = {
         "camera.near": 1e-05,
         "camera.position": (0.5, 0, 3),
@@ -74,7 +74,7 @@ def test_overrides_are_read_by_the_program(ask, scene):
         "output.file": STRINGS[1] + ".exr",
     }
     words = [word for key, it in overrides.items() for word in ("--set", toml_text.assignment(key, it))]
-    read = tomllib.loads(ask("render", scene, "--print-scene", *words))
+    read = tomllib.loads(ask("render", shot, "--print-scene", *words))
     assert read["camera"]["near"] == 1e-05 and read["camera"]["position"] == [0.5, 0, 3]
     assert read["volume"][0]["medium"]["phase"] == {"type": "hg", "g": 0.25}
     assert read["light"][0]["shadows"] is False
@@ -82,9 +82,9 @@ def test_overrides_are_read_by_the_program(ask, scene):
 
 
 @pytest.mark.parametrize("number, text", [(math.inf, "inf"), (-math.inf, "-inf"), (math.nan, "nan")])
-def test_numbers_that_are_none_are_refused_by_the_program(scrim, scene, number, text):
+def test_numbers_that_are_none_are_refused_by_the_program(shot, number, text):
     words = ["--set", toml_text.assignment("camera.position", [0, number, 3])]
-    done = subprocess.run([scrim, "plan", scene, *words], capture_output=True, text=True, timeout=60)
+    done = subprocess.run([PROGRAM, "plan", shot, *words], capture_output=True, text=True, timeout=60)
     assert done.returncode == 3 and f"'position[1]' is {text}; expected a number" in done.stderr
 
 

@@ -8,6 +8,7 @@ import re
 import subprocess
 
 import pytest
+from conftest import PROGRAM
 from scrim_kit import Failure
 from scrim_kit.frames import at_frame, parse_range, pattern_of, range_text, without_frame
 
@@ -22,11 +23,11 @@ FOLDERS = ("a##b/", "%04d/", "$F4/", "do$$lar/", "x$#y/$%d/", "-5/", "")
 
 
 @pytest.fixture
-def planned(ask, scene):
+def planned(ask, shot):
     """{frame: path} as the program resolves an output."""
 
     def paths(pattern, frames=FRAMES):
-        plans = json.loads(ask("plan", scene, "--json", f"--frames={frames}", "-o", pattern))
+        plans = json.loads(ask("plan", shot, "--json", f"--frames={frames}", "-o", pattern))
         return {plan["frame"]: plan["outputs"]["file"]["path"] for plan in plans}
 
     return paths
@@ -58,10 +59,10 @@ def test_every_name_has_a_pattern(planned, name):
     assert without_frame(pattern_of(path)) == path
 
 
-def test_a_pattern_names_a_file_to_read(ask, scrim, tmp_path):
+def test_a_pattern_names_a_file_to_read(ask, tmp_path):
     """Whatever stands beside it that the name would be a pattern of."""
     for name, resolution in (("s#.vdb", 16), ("s7.vdb", 24)):
-        made = [scrim, "make", "noise", f"resolution={resolution}", "-q", "-o", name]
+        made = [PROGRAM, "make", "noise", f"resolution={resolution}", "-q", "-o", name]
         subprocess.run(made, check=True, cwd=tmp_path, timeout=60)
     voxels = json.loads(ask("plan", pattern_of("s#.vdb"), "--json", "--frames=7"))[0]["plan"]["voxel"]
     os.unlink(tmp_path / "s#.vdb")
@@ -91,11 +92,11 @@ WRONG = ("1:3", "3-1", "1-3x0", "", ",", "1,", "a", "1-", "1x2", "1-3x", "1-3x-1
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_wrong_ranges_are_refused_as_the_program_does(scrim, scene, text):
+def test_wrong_ranges_are_refused_as_the_program_does(shot, text):
     with pytest.raises(Failure) as failure:
         parse_range(text, "--frames")
     assert str(failure.value) == f"--frames {text}: expected a range such as 1-48x2,60"
-    done = subprocess.run([scrim, "plan", scene, "--json", f"--frames={text}"], capture_output=True, timeout=60)
+    done = subprocess.run([PROGRAM, "plan", shot, "--json", f"--frames={text}"], capture_output=True, timeout=60)
     assert done.returncode == failure.value.status == 2, done.stderr
 
 
@@ -109,8 +110,8 @@ def test_wrong_ranges_are_refused_as_the_program_does(scrim, scene, text):
         ("1-999999,-2--1", "at most 1000000 frames"),
     ],
 )
-def test_ranges_that_are_too_long_are_refused_as_the_program_does(scrim, scene, text, reason):
+def test_ranges_that_are_too_long_are_refused_as_the_program_does(shot, text, reason):
     with pytest.raises(Failure, match=f"^--frames {text}: expected {reason}$"):
         parse_range(text, "--frames")
-    done = subprocess.run([scrim, "plan", scene, "--json", f"--frames={text}"], capture_output=True, timeout=60)
+    done = subprocess.run([PROGRAM, "plan", shot, "--json", f"--frames={text}"], capture_output=True, timeout=60)
     assert done.returncode == 2, done.stderr
