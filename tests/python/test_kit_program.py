@@ -8,7 +8,8 @@ import sys
 import time
 
 import pytest
-from conftest import PROGRAM, ROOT
+import scrim_kit
+from conftest import PROGRAM
 from scrim_kit import Failure, program
 from scrim_kit.program import Background, Cancelled, Child, Ended, Status
 
@@ -138,7 +139,8 @@ def test_a_child_tells_what_it_does(script):
 
 
 def test_lines_are_told_as_they_come(script, tmp_path):
-    name = script(f"echo one >&2; until [ -e {tmp_path}/told ]; do sleep 0.02; done; echo two >&2; echo hidden")
+    until = f"for i in $(seq 300); do [ -e {tmp_path}/told ] && break; sleep 0.02; done"
+    name = script(f"echo one >&2; {until}; [ -e {tmp_path}/told ] && echo two >&2; echo hidden")
     lines = []
 
     def told(line):
@@ -156,7 +158,7 @@ def test_output_that_is_not_read_is_the_parents(script):
 
 
 def with_kit():
-    return {**os.environ, "PYTHONPATH": str(ROOT / "plugins" / "kit")}
+    return {**os.environ, "PYTHONPATH": os.path.dirname(scrim_kit.__path__[0])}
 
 
 def test_a_child_is_cancelled(script, tmp_path):
@@ -170,9 +172,11 @@ def test_a_child_is_cancelled(script, tmp_path):
 
 
 def test_a_child_that_does_not_heed_is_killed(script, tmp_path):
-    name = script(f"trap '' TERM; echo $$ > {tmp_path}/pid; while :; do sleep 0.1; done")
+    name = script(f"trap '' TERM; echo $$ > {tmp_path}/pid; for i in $(seq 120); do sleep 0.1; done")
+    begun = time.monotonic()
     with pytest.raises(Cancelled):
         program.run([name], cancelled=lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").stat().st_size > 0)
+    assert time.monotonic() - begun < 10
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
 
