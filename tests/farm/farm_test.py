@@ -9,6 +9,7 @@ import stat
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 HERE = os.path.dirname(os.path.realpath(__file__))
@@ -61,6 +62,15 @@ def planned(folder, *arguments):
     if done.returncode != 0:
         raise AssertionError(done.stderr)
     return json.loads(done.stdout)
+
+
+def alive(pid):
+    """Whether a process runs; one that nobody has waited for yet does not."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8") as text:
+            return text.read().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
 
 
 class Texts(unittest.TestCase):
@@ -126,16 +136,30 @@ class Folder(unittest.TestCase):
             json.dump(self.data | more, out)
         return Job(self.folder)
 
+    def code(self, frame, tile, kind, memory):
+        return (f"import sys; sys.path[:0] = [{FARM!r}, {KIT!r}]\n"
+                "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
+                f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
+
     def run_frame(self, frame, *statuses, memory=1 << 30, tile=-1, kind="render", before=lambda: None):
         """Runs a task in a process of its own, as farms do, once for each status."""
         with open(os.path.join(self.folder, "statuses"), "w", encoding="utf-8") as out:
             out.write(" ".join(map(str, statuses)))
-        code = (f"import sys; sys.path[:0] = [{FARM!r}, {KIT!r}]\n"
-                "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
-                f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
-        command = [sys.executable, "-B", "-c", code]
+        command = [sys.executable, "-B", "-c", self.code(frame, tile, kind, memory)]
         return [subprocess.run(command, capture_output=True, check=False, timeout=60, preexec_fn=before).returncode
                 for _ in statuses]
+
+    def start_frame(self, folder):
+        """Starts a task whose program does not end by itself. Gives both processes once the program is there."""
+        with open(os.path.join(folder, "statuses"), "w", encoding="utf-8") as out:
+            out.write("99")
+        task = subprocess.Popen([sys.executable, "-B", "-c", self.code(1, -1, "render", 1 << 30)],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        for undo in (task.wait, task.kill, task.stderr.close):  # the last is called first
+            self.addCleanup(undo)
+        self.assertIn("reason 99", task.stderr.readline())
+        with open(f"/proc/{task.pid}/task/{task.pid}/children", encoding="utf-8") as text:
+            return task, int(text.read())
 
     def next(self, job):
         again, merges, given_up = next_tasks(job, job.attempts())
@@ -179,6 +203,27 @@ class Folder(unittest.TestCase):
             self.assertEqual(self.run_frame(frame, 99, before=limit), [1])
             self.assertEqual(self.next(job)[2][frame], "fatal: it takes more processor time than a process may; raise "
                                                        "the limit (ulimit -t)")
+
+    def test_a_signal_to_a_task_reaches_its_program(self):
+        job = self.job()
+        task, program = self.start_frame(self.folder)
+        task.terminate()
+        self.assertEqual(task.wait(20), 143)
+        with self.assertRaises(ProcessLookupError):
+            os.kill(program, 0)
+        self.assertEqual(self.next(job)[2][1], "cancelled: killed by SIGTERM")
+
+    def test_a_task_that_is_killed_takes_its_program_along(self):
+        self.job()
+        task, program = self.start_frame(self.folder)
+        task.kill()
+        self.assertEqual(task.wait(20), -9)
+        for _ in range(200):
+            if not alive(program):
+                return
+            time.sleep(0.05)
+        os.kill(program, 9)
+        self.fail("the program goes on, and would write what another task does anew")
 
     def test_retries_end(self):
         job = self.job()
