@@ -87,10 +87,13 @@ install(FILES ${scrim_pages}/scrim-scene.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/m
 install(FILES ${scrim_pages}/completion DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME scrim
         COMPONENT program)
 
-# The farm's scripts are one folder, and find themselves by where the link in bin leads.
+# The farm's scripts are one folder, and find themselves by where the link in bin leads. Beside it is the kit, as in the
+# source tree.
 install(PROGRAMS ${scrim_farm}/scrim-submit DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/farm COMPONENT program)
 install(DIRECTORY ${scrim_farm}/scrim_farm DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/farm COMPONENT program
         FILES_MATCHING PATTERN *.py)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/kit/scrim_kit DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/kit
+        COMPONENT program FILES_MATCHING PATTERN *.py)
 file(RELATIVE_PATH scrim_farm_from_bin ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/scrim/farm/scrim-submit)
 file(CREATE_LINK ${scrim_farm_from_bin} ${PROJECT_BINARY_DIR}/scrim-submit SYMBOLIC)
 install(FILES ${PROJECT_BINARY_DIR}/scrim-submit DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)

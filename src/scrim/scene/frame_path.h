@@ -2,7 +2,7 @@
 // File names with a frame in them. "####", "%04d" and "$F4" stand for the frame with at least four digits,
 // "%d" and "$F" for the bare number; "$$", "$#" and "$%" for the second of these characters. "${NAME}" stands for a
 // variable. What stands for the frame may be in a file's name or in the names of its folders. OpenImageIO has patterns,
-// too, but no "$F4". plugins/farm/scrim_farm/job.py says the same once more, and a test of it compares the two.
+// too, but no "$F4". plugins/kit/scrim_kit/frames.py says the same once more, and a test of it compares the two.
 #pragma once
 
 #include <functional>
