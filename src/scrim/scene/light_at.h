@@ -14,8 +14,8 @@ namespace scrim {
 
 /// Light at a place.
 struct Arriving {
-    Rgb irradiance{0};      ///< on a surface that faces it
-    Vec3 travel{0, 0, -1};  ///< unit; the way it goes
+    Rgb irradiance{0};                                          ///< on a surface that faces it
+    Vec3 travel{0, 0, -1};                                      ///< unit; the way it goes
     double distance = std::numeric_limits<double>::infinity();  ///< to the light, world units; infinite: distant light
 };
 

@@ -2,7 +2,7 @@
 // What a ShotFrame holds, and how it becomes files.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/image/colour.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/scene/scene.h>

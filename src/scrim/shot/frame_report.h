@@ -2,7 +2,7 @@
 // What a frame took and how good it is, in the public words of shot_frame.h.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/shot/shot_frame.h>
 #include <scrim/verify/verify.h>
 

@@ -2,7 +2,7 @@
 // From a loaded scene to its plan, and to a picture that is verified where that is asked for.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/shot/load_shot.h>
 #include <scrim/shot/shot_frame.h>
 #include <scrim/shot/shot_options.h>

@@ -3,8 +3,8 @@
 // averaged, of whole renders, so that what hides what, and what shadows what, is right at every moment.
 #pragma once
 
-#include <scrim/engine/frame.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/shot/load_shot.h>
 #include <scrim/shot/shot_options.h>
 

@@ -106,8 +106,8 @@ void PathTracer::measure() {
             double steepest = 0;
             if (volume.classified)
                 for (int i = 0; i <= 1000; ++i)
-                    steepest = std::max(steepest,
-                                        1.1 * classify(*volume.classified, 1e-3 * i * volume.field->maxValue).extinction);
+                    steepest = std::max(
+                        steepest, 1.1 * classify(*volume.classified, 1e-3 * i * volume.field->maxValue).extinction);
             mark({volume.field, volume.wsFromIs}, [&](std::size_t box, double value) {
                 const double here = volume.classified ? steepest : value * volume.medium.mostExtinction();
                 ofField[box] = std::max(ofField[box], here);

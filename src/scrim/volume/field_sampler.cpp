@@ -94,9 +94,9 @@ double FieldSampler::evenAlong(const Vec3& is, const Vec3& direction, double rad
     double way = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis)
         if (direction[axis] != 0)
-            way = std::min(way, ((direction[axis] > 0 ? region.upper[axis] - radius : region.lower[axis] + radius) -
-                                 is[axis]) /
-                                    direction[axis]);
+            way = std::min(
+                way, ((direction[axis] > 0 ? region.upper[axis] - radius : region.lower[axis] + radius) - is[axis]) /
+                         direction[axis]);
     return std::max(way, 0.0);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/shade/transfer.h>
+#include <scrim/engine/splat/transfer.h>
 
 #include <scrim/geometry/sheets.h>
 
@@ -8,7 +8,7 @@
 #include <limits>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "scrim/engine/shade/transfer.cpp"
+#define HWY_TARGET_INCLUDE "scrim/engine/splat/transfer.cpp"
 #include <hwy/foreach_target.h>
 #include <scrim/engine/simd-inl.h>
 

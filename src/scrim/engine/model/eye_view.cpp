@@ -1,12 +1,77 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/model/eye_view.h>
 
 #include <algorithm>
+#include <type_traits>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/model/eye_view.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/simd-inl.h>
+
+// What does not depend on the target.
+#ifndef SCRIM_EYE_VIEW_ONCE
+#define SCRIM_EYE_VIEW_ONCE
 namespace scrim {
+namespace {
+
+// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
+// likewise for directions. In double: an eye may be far away.
+struct RayRow {
+    double origin[3], originStep[3], direction[3], directionStep[3];
+    double near;       // depth at which rays begin, in units of the direction
+    double reference;  // N of the plane that positions are wanted on
+};
+
+}  // namespace
+}  // namespace scrim
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Fills row j of a tile.
+HWY_ATTR void fillRays(const RayRow& row, int j, RayTile& tile) {
+    const hn::CappedTag<double, kTileEdge> d;
+    for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
+        const auto column = hn::Iota(d, static_cast<double>(i));
+        const auto at = [&](const double* start, const double* step, int axis)
+                            HWY_ATTR { return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis])); };
+        const auto directionN = at(row.direction, row.directionStep, 2);
+        const auto inverse = hn::Div(hn::Set(d, 1.0), directionN);
+        const auto away = hn::Sub(hn::Set(d, row.reference), at(row.origin, row.originStep, 2));
+        const auto slopeU = hn::Mul(at(row.direction, row.directionStep, 0), inverse);
+        const auto slopeV = hn::Mul(at(row.direction, row.directionStep, 1), inverse);
+        const int k = j * kTileEdge + i;
+        const auto store = [&](auto value, Real* to) HWY_ATTR {
+            const hn::Rebind<Real, decltype(d)> dr;
+            if constexpr (std::is_same_v<Real, double>)
+                hn::StoreU(value, dr, to + k);
+            else
+                hn::StoreU(hn::DemoteTo(dr, value), dr, to + k);
+        };
+        store(hn::MulAdd(slopeU, away, at(row.origin, row.originStep, 0)), tile.u);
+        store(hn::MulAdd(slopeV, away, at(row.origin, row.originStep, 1)), tile.v);
+        store(slopeU, tile.stepU);
+        store(slopeV, tile.stepV);
+        store(hn::MulSub(hn::Set(d, row.near), directionN, away), tile.startN);
+        store(hn::Mul(away, inverse), tile.depth);
+        store(inverse, tile.stepDepth);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(fillRays);
 
 EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
     : m_orthographic(camera.type == CameraType::orthographic), m_simd(simd) {
@@ -47,7 +112,6 @@ RayTile EyeView::rays(int x0, int y0, double reference) const {
     RayRow row{};
     row.near = m_ts.near;
     row.reference = reference;
-    row.simd = m_simd;
     for (int j = 0; j < kTileEdge; ++j) {
         const Vec3 o = m_ts.origin(x0 + 0.5, y0 + j + 0.5), d = m_ts.direction(x0 + 0.5, y0 + j + 0.5);
         for (int axis = 0; axis < 3; ++axis) {
@@ -56,7 +120,7 @@ RayTile EyeView::rays(int x0, int y0, double reference) const {
             row.direction[axis] = d[axis];
             row.directionStep[axis] = m_ts.directionX[axis];
         }
-        fillRays(row, j, tile);
+        SCRIM_ON_TARGET(m_simd, fillRays)(row, j, tile);
     }
     return tile;
 }
@@ -129,3 +193,4 @@ std::optional<Box2<double>> EyeView::seenBy(const Box2<double>& texels, double m
 }
 
 }  // namespace scrim
+#endif

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/sub_lights.h>
 
-#include <scrim/engine/plan/picture_cells.h>
-#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/model/picture_cells.h>
 #include <scrim/geometry/bounds.h>
 
 #include <algorithm>
@@ -202,6 +201,13 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
                                     !(noSky && scene.lights[std::size_t(owner)].dome()));
     }
     return plain;
+}
+
+bool skiesFromBorder(const ViewScene& scene) {
+    if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return false;
+    const bool caught = scene.solids && wants(scene, Layer::shadow);
+    return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                                  [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
 }
 
 }  // namespace scrim

@@ -12,8 +12,8 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/shade/shade_tile.h>
-#include <scrim/engine/shade/transfer.h>
+#include <scrim/engine/model/samples.h>
+#include <scrim/engine/splat/transfer.h>
 #include <scrim/engine/splat/field_planes.h>
 #include <scrim/engine/splat/plane_sampling.h>
 

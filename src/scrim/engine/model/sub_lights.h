@@ -38,4 +38,8 @@ ViewScene withFewSubLights(const ViewScene& scene, int count);
 /// The scene with the lights of the plan in place of its own; `plain` holds the changed copy where there are any.
 const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
+/// Do skies shine into all that they light through the border of the cells that scatter light more than once, so that
+/// no sub-lights stand for them?
+bool skiesFromBorder(const ViewScene& scene);
+
 }  // namespace scrim

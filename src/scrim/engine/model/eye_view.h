@@ -6,8 +6,8 @@
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/image/image.h>
-#include <scrim/engine/composite/composite_tile.h>
-#include <scrim/engine/shade/shade_tile.h>
+#include <scrim/base/simd.h>
+#include <scrim/engine/model/samples.h>
 
 #include <optional>
 

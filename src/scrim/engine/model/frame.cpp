@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 
 namespace scrim {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // The eye's rays in texel space against the camera's own, taken there point by point in double precision.
-#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/model/eye_view.h>
 
 #include <gtest/gtest.h>
 

@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 
 #include <scrim/base/error.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/scene/slide_map.h>
+#include <scrim/engine/plan/culling.h>
+#include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/plan/rasters.h>
 #include <scrim/engine/plan/sheet_stack.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
 #include <algorithm>
@@ -28,7 +31,7 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
     const Sheets& s = group.sheets;
     std::size_t bytes = ExtinctionSum::bytes(scene, plan, s, group.lattice, batch, ExtinctionSum::eyeOf(group));
     if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
-    for (const LightPlan& light : group.lights) {
+    for (const PlannedLight& light : group.lights) {
         if (!light.shadowed) continue;
         bytes += plan.extinction.count() * LightSweep::shadowBytes(light, s, batch) +
                  (scene.solids ? SolidShadow::bytes(light.view) : 0);
@@ -72,7 +75,7 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         plan.work.footprints += share * voxels * reach;
         plan.work.texels += texels;
         plan.work.pixelSheets += pixels * (group.needed.last - group.needed.first);
-        for (const LightPlan& light : group.lights)
+        for (const PlannedLight& light : group.lights)
             if (light.shadowed)
                 plan.work.lightSamples +=
                     plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
@@ -82,13 +85,13 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
 // What the group's light belongs to, of the scene's lights.
 std::vector<int> ownersOf(const Plan& plan, const GroupPlan& group) {
     std::vector<int> owners;
-    for (const LightPlan& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
+    for (const PlannedLight& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
     return owners;
 }
 
 std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
     std::vector<const Light*> shadowed;
-    for (const LightPlan& light : group.lights)
+    for (const PlannedLight& light : group.lights)
         if (light.shadowed) shadowed.push_back(&scene.lights[light.light]);
     return shadowed;
 }
@@ -122,20 +125,17 @@ void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
                                 bytesText(bytes), bytesText(scene.memoryLimit)));
 }
 
+// Of lights that share an axis: where their sweep's sheets and rasters lie.
 GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
-                    LightGroup& group, const Checkpoint& checkpoint) {
-    GroupPlan g;
+                    GroupPlan g, const Checkpoint& checkpoint) {
     g.eyePart = plan.eyeParts.size();
-    g.primary = group.primary;
-    g.sameSide = group.sameSide;
-    g.slant = group.slant;
-    g.sheets = sheetsAround(scene, corners, group.wsAxis, group.slant, plan.voxel);
-    for (LightPart& light : group.parts) {
+    g.sheets = sheetsAround(scene, corners, g.wsAxis, g.slant, plan.voxel);
+    for (PlannedLight& light : g.lights) {
         checkpoint();
-        g.lights.push_back(planLight(scene, corners, g.sheets, group.slant, std::move(light)));
+        light = planLight(scene, corners, g.sheets, g.slant, std::move(light));
     }
     g.outputs =
-        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), lightsOf(plan.transport));
+        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.transport.lights());
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
@@ -167,7 +167,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
                 half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half),
-                                              lightsOf(plan.transport));
+                                              plan.transport.lights());
                 open.push_back(std::move(*half));
             }
         }
@@ -246,7 +246,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
         if (volume.classified)
             return fmt::format("volume {} is classified: surfaces are sharper than texels", volume.name);
     for (const GroupPlan& group : plan.groups)
-        for (const LightPlan& light : group.lights)
+        for (const PlannedLight& light : group.lights)
             if (!light.ssWindows.empty())
                 return fmt::format("light {} is so near that its light changes between texels",
                                    scene.lights[light.light].name);
@@ -363,8 +363,8 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
         if (part.window.empty()) continue;
-        for (LightGroup& group : groupLights(scene, corners, part, culled, checkpoint))
-            plan.groups.push_back(planGroup(scene, corners, plan, part, group, checkpoint));
+        for (GroupPlan& group : groupLights(scene, corners, part, culled, checkpoint))
+            plan.groups.push_back(planGroup(scene, corners, plan, part, std::move(group), checkpoint));
         plan.eyeParts.push_back(std::move(part));
     }
     std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan, culled);

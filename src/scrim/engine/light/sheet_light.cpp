@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/light/slide_sampler.h>
+#include <scrim/engine/light/sheet_light.h>
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <cstddef>
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "scrim/engine/light/slide_sampler.cpp"
+#define HWY_TARGET_INCLUDE "scrim/engine/light/sheet_light.cpp"
 #include <hwy/foreach_target.h>
 #include <scrim/engine/simd-inl.h>
 

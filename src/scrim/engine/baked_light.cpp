@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/light/baked_light.h>
+#include <scrim/engine/baked_light.h>
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/light/light_sweep.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/splat/plane_sampling.h>

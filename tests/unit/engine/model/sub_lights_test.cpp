@@ -4,9 +4,9 @@
 #include "support/fields.h"
 #include "support/slides.h"
 
-#include <scrim/engine/plan/picture_cells.h>
-#include <scrim/engine/plan/plan.h>
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/picture_cells.h>
+#include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/sweep.h>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/plan/outputs.h>
+#include <scrim/engine/model/outputs.h>
 
 #include <scrim/base/error.h>
 

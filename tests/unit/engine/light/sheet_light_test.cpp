@@ -2,7 +2,7 @@
 // The filtered slide of a tile against averages taken by brute force.
 #include "support/slides.h"
 
-#include <scrim/engine/light/slide_sampler.h>
+#include <scrim/engine/light/sheet_light.h>
 
 #include <gtest/gtest.h>
 
