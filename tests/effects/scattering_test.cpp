@@ -5,6 +5,7 @@
 #include "support/slides.h"
 #include "support/verified.h"
 
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/transport/light_sources.h>

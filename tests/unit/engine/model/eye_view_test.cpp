@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The eye's rays in texel space against the camera's own, taken there point by point in double precision.
 #include <scrim/engine/model/eye_view.h>
+#include <scrim/engine/shade/shade_tile.h>
 
 #include <gtest/gtest.h>
 

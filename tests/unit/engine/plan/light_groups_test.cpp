@@ -131,7 +131,7 @@ TEST(Axis, OfAPerpendicularLightLeansFortyFiveDegrees) {
 
 TEST(Axis, WithoutLightsIsTheView) {
     const GroupPlan parallel = groupsOf(fogScene(CameraType::orthographic)).at(0);
-    EXPECT_TRUE(parallel.parts.empty());
+    EXPECT_TRUE(parallel.lights.empty());
     EXPECT_TRUE(parallel.sameSide);
     expectSame(parallel.wsAxis, {0, 0, -1}, 1e-12);
     // In perspective the middle of the rays that meet the volume.
@@ -148,7 +148,7 @@ TEST(Groups, OfOppositeLightsAreTwo) {
     const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 2u);
     EXPECT_NE(groups[0].sameSide, groups[1].sameSide);
-    EXPECT_EQ(groups[0].parts.size() + groups[1].parts.size(), 2u);
+    EXPECT_EQ(groups[0].lights.size() + groups[1].lights.size(), 2u);
 }
 
 TEST(Groups, OfLightsThatAgreeAreOne) {
@@ -232,8 +232,8 @@ TEST(PointLight, FarAwayIsOneViewThatHoldsTheVolume) {
     scene.lights.push_back(pointLight({50, 0, 0}));
     const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    ASSERT_EQ(groups[0].parts.size(), 1u);
-    EXPECT_TRUE(groups[0].parts[0].wsWindows.empty());
+    ASSERT_EQ(groups[0].lights.size(), 1u);
+    EXPECT_TRUE(groups[0].lights[0].wsWindows.empty());
     for (const Vec3& corner : wsCorners(scene)) {
         EXPECT_LE(angle(corner - scene.lights[0].wsPosition, groups[0].wsAxis), groups[0].slant + 1e-9);
     }
@@ -279,8 +279,8 @@ TEST(SpotLight, WithANarrowConeInsideTheVolumeIsOneView) {
     scene.lights.push_back(spot);
     const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    ASSERT_EQ(groups[0].parts.size(), 1u);
-    for (const Vec3& d : groups[0].parts[0].wsDirections) EXPECT_NEAR(angle(d, {1, 0, 0}), 20 * kPi / 180, 1e-9);
+    ASSERT_EQ(groups[0].lights.size(), 1u);
+    for (const Vec3& d : groups[0].lights[0].wsDirections) EXPECT_NEAR(angle(d, {1, 0, 0}), 20 * kPi / 180, 1e-9);
 }
 
 TEST(SpotLight, WithAWideConeIsCutIntoTheWindowsItMeets) {
@@ -306,14 +306,14 @@ TEST(Projector, InsideTheVolumeIsOneViewOfItsBeam) {
     scene.lights = {projector({0, 0, 3}, 40, quarters())};
     auto groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    ASSERT_EQ(groups[0].parts.size(), 1u);
-    EXPECT_TRUE(groups[0].parts[0].wsWindows.empty());
-    for (const Vec3& d : groups[0].parts[0].wsDirections)
+    ASSERT_EQ(groups[0].lights.size(), 1u);
+    EXPECT_TRUE(groups[0].lights[0].wsWindows.empty());
+    for (const Vec3& d : groups[0].lights[0].wsDirections)
         EXPECT_NEAR(angle(d, scene.lights[0].wsDirection), slideHalfAngle(scene.lights[0]), 1e-9);
     // Far away, and narrower than the volume: its beam too.
     scene.lights = {projector({0, 30, 30}, 3, quarters())};
     groups = groupsOf(scene);
-    EXPECT_NEAR(angle(groups[0].parts.at(0).wsDirections.at(0), scene.lights[0].wsDirection),
+    EXPECT_NEAR(angle(groups[0].lights.at(0).wsDirections.at(0), scene.lights[0].wsDirection),
                 slideHalfAngle(scene.lights[0]), 1e-9);
 }
 
@@ -323,7 +323,7 @@ TEST(Projector, ThatMissesTheVolumeIsNoWork) {
     scene.lights[0].wsDirection = {0, 1, 0};
     const auto groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    EXPECT_TRUE(groups[0].parts.empty());
+    EXPECT_TRUE(groups[0].lights.empty());
 }
 
 TEST(ImageAligned, SheetsFaceTheCamera) {
