@@ -2,7 +2,7 @@
 // What `scrim info` prints of a file, a sequence, a scan.
 #pragma once
 
-#include <scrim/volume/scan_info.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/vdb_info.h>
 
 #include <string>

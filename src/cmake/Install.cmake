@@ -25,6 +25,7 @@ foreach(
     geometry/box2.h
     geometry/camera.h
     geometry/spaces.h
+    guard/load_options.h
     image/colour.h
     image/image.h
     image/texture.h
@@ -43,7 +44,7 @@ foreach(
     solid/triangle_mesh.h
     volume/field_builder.h
     volume/grid_request.h
-    volume/load_options.h
+    volume/kernel.h
     volume/scrim_source.h # of volume sources, in C
     volume/sparse_field.h
     volume/vdb_file.h

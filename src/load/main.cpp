@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program that reads volumes or pictures for others (scrim/volume/load_protocol.h): one process, started once, that
+// The program that reads volumes or pictures for others (scrim/guard/load_protocol.h): one process, started once, that
 // forks for each file. It has no threads that do anything, so that a fork finds all as it should be. The fork reads
 // what it was handed, behind a filter of system calls, and ends. Where a file crashes its reader, that is all that
 // crashes. Volume sources that read files are loaded by the fork, before it goes behind the filter.
@@ -14,7 +14,7 @@
 #include "read_volume.h"
 
 #include <scrim/base/system_error.h>
-#include <scrim/volume/load_protocol.h>
+#include <scrim/guard/load_protocol.h>
 
 #include <algorithm>
 #include <cerrno>

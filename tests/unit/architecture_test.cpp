@@ -21,7 +21,7 @@ namespace {
 
 // From the bottom up: a file includes its own folder and those before it. The last one is no folder: it is the header
 // that includes all that is public.
-const std::vector<std::string> kLayers{"base",   "geometry", "image", "solid", "volume", "scene",
+const std::vector<std::string> kLayers{"base", "geometry", "image", "solid", "volume", "guard", "scene",
                                        "engine", "verify",   "shot",  "study", "scrim.h"};
 
 // The rooms of the engine, likewise. Files of the engine itself stand above all of them; what is compiled anew for

@@ -2,7 +2,7 @@
 // How a scan without a scene is shown.
 #pragma once
 
-#include <scrim/volume/scan_info.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/source_parameters.h>
 
 #include <string>

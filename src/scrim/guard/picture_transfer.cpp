@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/picture_transfer.h>
+#include <scrim/guard/picture_transfer.h>
 
-#include <scrim/volume/transfer_file.h>
+#include <scrim/guard/transfer_file.h>
 
 #include <cstdint>
 #include <cstring>

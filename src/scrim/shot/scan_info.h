@@ -5,7 +5,7 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/geometry/spaces.h>
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_options.h>
 
 #include <cstdint>
 #include <string>

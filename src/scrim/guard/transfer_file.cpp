@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/transfer_file.h>
+#include <scrim/guard/transfer_file.h>
 
 #include <scrim/base/system_error.h>
 #include <scrim/volume/grid_request.h>

@@ -8,8 +8,8 @@
 #include <scrim/image/picture_module.h>
 #include <scrim/solid/mesh_module.h>
 #include <scrim/volume/grid_request.h>
-#include <scrim/volume/load_job.h>
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_job.h>
+#include <scrim/guard/load_options.h>
 #include <scrim/volume/source_parameters.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>

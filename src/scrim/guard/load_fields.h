@@ -6,7 +6,7 @@
 #include <scrim/image/picture_module.h>
 #include <scrim/solid/triangle_mesh.h>
 #include <scrim/volume/grid_request.h>
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_options.h>
 #include <scrim/volume/source_parameters.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_info.h>

@@ -15,7 +15,7 @@
 #include <scrim/volume/grid_request.h>
 #include <scrim/volume/source_parameters.h>
 #include <scrim/volume/sparse_field.h>
-#include <scrim/volume/transfer_file.h>
+#include <scrim/guard/transfer_file.h>
 #include <scrim/volume/vdb_info.h>
 
 #include <string>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include <scrim/base/error.h>
 #include <scrim/base/installed.h>
 #include <scrim/volume/foreign_format.h>
 #include <scrim/image/texture_read.h>
-#include <scrim/volume/guarded_load.h>
+#include <scrim/guard/guarded_load.h>
 #include <scrim/volume/read_fields.h>
 #include <scrim/volume/source.h>
 #include <scrim/volume/vdb_file.h>

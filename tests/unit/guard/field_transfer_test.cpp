@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/field_transfer.h>
+#include <scrim/guard/field_transfer.h>
 
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/grid_request.h>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/scan_info.h>
+#include <scrim/shot/scan_info.h>
 
 #include <scrim/base/error.h>
 #include <scrim/base/letter_case.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include <algorithm>
 #include <array>

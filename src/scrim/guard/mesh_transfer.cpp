@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/mesh_transfer.h>
+#include <scrim/guard/mesh_transfer.h>
 
-#include <scrim/volume/transfer_file.h>
+#include <scrim/guard/transfer_file.h>
 
 #include <cmath>
 #include <cstdint>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/volume/load_job.h>
+#include <scrim/guard/load_job.h>
 
 #include <scrim/base/error.h>
 #include <scrim/base/installed.h>
 #include <scrim/base/parallel.h>
 #include <scrim/base/system_error.h>
 #include <scrim/image/picture_module.h>
-#include <scrim/volume/load_protocol.h>
+#include <scrim/guard/load_protocol.h>
 
 #include <fmt/format.h>
 

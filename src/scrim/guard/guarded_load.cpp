@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The parent's side of a guarded load; the child's is src/load.
-#include <scrim/volume/guarded_load.h>
+#include <scrim/guard/guarded_load.h>
 
 #include <scrim/base/installed.h>
 #include <scrim/base/system_error.h>
-#include <scrim/volume/field_transfer.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/volume/loaded_source.h>
-#include <scrim/volume/mesh_transfer.h>
-#include <scrim/volume/picture_transfer.h>
+#include <scrim/guard/mesh_transfer.h>
+#include <scrim/guard/picture_transfer.h>
 #include <scrim/volume/vdb_bytes.h>
 
 #include <fmt/format.h>
