@@ -16,9 +16,8 @@ namespace scrim {
 /// about the matrices:
 /// - a left-handed worldToCamera looks along +z (OpenEXR's documents, RenderMan, Mantra), a right-handed one along -z
 ///   (Scrim, Karma, Arnold);
-/// - worldToNDC has its middle at 0 (-1..1) or at 1/2 (0..1), with y up or down; `ndc` states which, or the position of
-/// the
-///   middle decides;
+/// - worldToNDC has its middle at 0 (-1..1) or at 1/2 (0..1), with y up or down; `ndc` states which, or else the
+///   middle's position decides;
 /// - Mantra's worldToNDC is negative in front of the camera, as if it looked the other way; its sign is ignored.
 /// Throws Error(input) where the header has no such camera, where the two matrices or the picture's shape and the lens
 /// contradict each other, and where the convention cannot be told.
