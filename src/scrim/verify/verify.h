@@ -32,8 +32,8 @@ struct Verification {
     std::size_t looked = 0;  ///< pixels whose reference was evaluated
     bool complete = false;   ///< no pixel that may show something was left out, so the error is exact
     double error = 0;        ///< 0 if no pixel counted
-    /// confidence interval of the error: bootstrap-t over the pixels, of the logarithm; where the reference is noisy,
-    /// bootstrap of the square
+    /// Confidence interval of the error, from `lower` to `upper`: bootstrap-t over the pixels, of the logarithm; where
+    /// the reference is noisy, bootstrap of the square.
     double lower = 0;
     double upper = 0;
     double alphaError = 0, alphaUpper = 0;
