@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// All that programs need to render with Scrim. Start at shot/shot.h.
+// Everything that a program needs to render with Scrim. Start at shot/shot.h.
 #pragma once
 
 #include <scrim/base/error.h>

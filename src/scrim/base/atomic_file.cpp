@@ -27,8 +27,8 @@ namespace scrim {
 
 namespace {
 
-// The registry is the one global of this folder: a signal handler has nothing else it could be handed. A slot
-// is written by its owner while `claimed`, and read by a handler only while `active`.
+// The registry is the only global of this folder, because a signal handler cannot receive an argument. A slot is
+// written by its owner while `claimed`, and read by a handler only while `active`.
 enum SlotState : int { kFree, kClaimed, kActive };
 
 struct Slot {
@@ -46,7 +46,7 @@ Slot& slotAt(int index) {
     return g_uncommitted[index];
 }
 
-/// The slot that now holds `path`; negative where there is no room.
+/// Returns the slot that now holds `path`; negative where there is no room.
 int remember(const std::string& path) {
     if (path.size() >= PATH_MAX) return -1;
     for (int i = 0; i < kSlotCount; ++i) {
@@ -81,8 +81,8 @@ std::string hostName() {
 
 constexpr std::string_view kTempPrefix = ".scrim-";
 
-/// A hidden name in the folder of `path`, another one at each call. Host, process and count keep machines
-/// that share the folder apart.
+/// A hidden file name in the folder of `path`, different at each call. Host, process and count distinguish machines
+/// that share the folder.
 std::string tempPathFor(const std::filesystem::path& path) {
     static std::atomic<unsigned> count{0};
     const std::string name =
@@ -90,7 +90,7 @@ std::string tempPathFor(const std::filesystem::path& path) {
     return (path.parent_path() / name).string();
 }
 
-/// Who made a temporary file, as its name tells.
+/// The writer of a temporary file, parsed from the file's name.
 struct TempWriter {
     std::string_view host;
     pid_t process = 0;
@@ -99,7 +99,7 @@ struct TempWriter {
 std::optional<TempWriter> writerIn(std::string_view name) {
     if (!name.starts_with(kTempPrefix)) return std::nullopt;
     name.remove_prefix(kTempPrefix.size());
-    const std::size_t count = name.rfind('-');  // hosts' names may hold others
+    const std::size_t count = name.rfind('-');  // host names may contain further ones
     if (count == std::string_view::npos || count == 0) return std::nullopt;
     const std::size_t process = name.rfind('-', count - 1);
     if (process == std::string_view::npos) return std::nullopt;
@@ -110,8 +110,8 @@ std::optional<TempWriter> writerIn(std::string_view name) {
     return writer;
 }
 
-/// Whether whoever wrote the temporary file is gone. It held a lock while it was there; but there are file systems that
-/// know no locks, or not those of other machines.
+/// True if the writer of a temporary file is gone. It held a lock while it was alive, but some file systems know no
+/// locks, or not those of other machines; then the file's age decides.
 bool isAbandoned(const std::string& path, const TempWriter& writer) {
     constexpr std::time_t kDay = 24 * 60 * 60;
     struct stat status {};
@@ -133,7 +133,7 @@ void checkPlace(const std::string& path) {
         throw cannotWrite(path, S_ISDIR(status.st_mode) ? "it is a folder" : "it is not a regular file");
 }
 
-/// Flushes `path` to the disk. File systems that cannot do that (EINVAL, ENOTSUP) are not an error.
+/// Flushes `path` to disk. It is not an error if the file system cannot do that (EINVAL, ENOTSUP).
 int syncFile(const std::string& path, int flags) {
     const int file = ::open(path.c_str(), flags | O_CLOEXEC);
     if (file < 0) return errno;
@@ -152,13 +152,13 @@ AtomicFile::AtomicFile(std::string path) : m_path(std::move(path)) {
         removeMadeFolders();
         throw;
     }
-    (void)::flock(m_file, LOCK_EX | LOCK_NB);  // tells that its writer is there
+    (void)::flock(m_file, LOCK_EX | LOCK_NB);  // shows others that this writer is alive
     m_slot = remember(m_tempPath);
 }
 
 void AtomicFile::open() {
-    // A name can be taken: by the leftover of a killed process whose id was given out again. And a folder can be gone
-    // again: with the process that had made it, and then wrote nothing.
+    // The name may exist, as the leftover of a killed process whose id was reused. And the folder may have vanished,
+    // together with the process that had made it and then wrote nothing.
     constexpr int kAttempts = 1000;
     int error = EEXIST;
     for (int attempt = 0; attempt < kAttempts && (error == EEXIST || error == ENOENT); ++attempt) {
@@ -170,7 +170,7 @@ void AtomicFile::open() {
     if (error != 0) throw cannotWrite(m_path, error);
 }
 
-/// Makes the file's folder and those above it where they are missing.
+/// Makes the file's folder, and the folders above it that are missing.
 void AtomicFile::makeFolders() {
     std::filesystem::path place;
     for (const std::filesystem::path& part : std::filesystem::path(m_path).parent_path()) {
@@ -181,7 +181,7 @@ void AtomicFile::makeFolders() {
                 throw cannotWrite(m_path, fmt::format("'{}' is not a folder", place.string()));
         } else if (::mkdir(place.c_str(), 0777) == 0) {
             m_madeFolders.push_back(place.string());
-        } else if (errno != EEXIST) {  // that another process has just made
+        } else if (errno != EEXIST) {  // EEXIST: another process has just made it
             throw cannotWrite(m_path,
                               fmt::format("cannot make the folder '{}': {}", place.string(), systemErrorText(errno)));
         }
@@ -198,7 +198,7 @@ AtomicFile::~AtomicFile() {
 }
 
 void AtomicFile::removeMadeFolders() noexcept {
-    // Those that hold something by now stay.
+    // Folders that are no longer empty stay.
     for (auto folder = m_madeFolders.rbegin(); folder != m_madeFolders.rend(); ++folder) ::rmdir(folder->c_str());
 }
 
@@ -207,7 +207,7 @@ void AtomicFile::commit() {
     if (const int error = syncFile(m_tempPath, O_RDONLY)) throw cannotWrite(m_path, error);
     if (::rename(m_tempPath.c_str(), m_path.c_str()) != 0) throw cannotWrite(m_path, errno);
     m_committed = true;
-    // The name is on the disk only once its folder is; where that fails the file is still whole.
+    // The new name is on disk only after its folder has been flushed; if that fails, the file is still complete.
     const std::string folder = std::filesystem::path(m_path).parent_path().string();
     syncFile(folder.empty() ? "." : folder, O_RDONLY | O_DIRECTORY);
 }
@@ -221,7 +221,7 @@ void removeAbandonedFiles(const std::string& folder) noexcept {
             const auto writer = writerIn(name);
             if (writer && isAbandoned(entry->path().string(), *writer)) ::unlink(entry->path().c_str());
         }
-    } catch (const std::exception&) {  // it is but tidying
+    } catch (const std::exception&) {  // removing leftovers is optional
     }
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Output files appear whole or not at all: they are written beside their place and renamed into it. Apart
-// from the writers, since every one of them needs it and none should know how it is done.
+// Output files that appear completely or not at all: they are written beside their place and renamed into it. This is
+// separate from the writers, since each of them needs it and none should know how it is done.
 #pragma once
 
 #include <string>
@@ -9,16 +9,15 @@
 
 namespace scrim {
 
-/// One output file under way. Write to `tempPath()` by any means, close it, then `commit()`; without that the
-/// destructor removes what was written and the old file, if any, stays as it was. Not for use from several
-/// threads at once; different AtomicFiles are independent, also across machines that share the folder.
+/// One output file that is being written. Write to `tempPath()` by any means, close it, then call `commit()`. Without
+/// that the destructor removes what was written, and the old file, if any, stays as it was. Must not be used from
+/// several threads at once; different AtomicFiles are independent, also across machines that share the folder.
 class AtomicFile {
   public:
-    /// Creates an empty temporary file in the folder of `path`: hidden, of a name nobody else has, with the
-    /// extension of `path`, since libraries choose formats by it. Makes missing folders, which go again with a
-    /// file that is not committed. Throws an Error of kind `output` where a folder cannot be made or written
-    /// to, or where `path` is something other than a regular file (renaming over a device such as /dev/null
-    /// would destroy it).
+    /// Creates an empty temporary file in the folder of `path`: hidden, with a unique name and the extension of `path`,
+    /// since libraries choose formats by it. Makes missing folders, which are removed again with a file that is not
+    /// committed. Throws an Error of kind `output` where a folder cannot be made or written to, or where `path` is
+    /// something other than a regular file (renaming over a device such as /dev/null would destroy it).
     explicit AtomicFile(std::string path);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
@@ -27,8 +26,8 @@ class AtomicFile {
     const std::string& path() const { return m_path; }
     const std::string& tempPath() const { return m_tempPath; }
 
-    /// Brings the temporary file to the disk and renames it over `path`. Throws an Error of kind `output`;
-    /// the temporary file is then still removed by the destructor. At most once.
+    /// Flushes the temporary file to disk and renames it over `path`. May be called once. Throws an Error of kind
+    /// `output`; the destructor then still removes the temporary file.
     void commit();
 
   private:
@@ -39,21 +38,20 @@ class AtomicFile {
     std::string m_path;
     std::string m_tempPath;
     std::vector<std::string> m_madeFolders;
-    int m_file = -1;  ///< holds the lock that tells others that the writer is there
-    int m_slot = -1;  ///< in the registry of uncommitted files; negative where that is full
+    int m_file = -1;  ///< holds a lock, which tells others that the writer is alive
+    int m_slot = -1;  ///< index in the registry of uncommitted files; negative where that is full
     bool m_committed = false;
 };
 
 /// Writes `bytes` to `path` through an AtomicFile. Throws an Error of kind `output`.
 void writeWholeFile(const std::string& path, std::string_view bytes);
 
-/// Removes the temporary files of this process that are not committed. For signal handlers: it calls only
-/// async-signal-safe functions. Not more than 64 files are remembered at a time; files of a parent process,
-/// in a fork, are left to the parent.
+/// Removes this process's temporary files that are not committed. For signal handlers: it calls only async-signal-safe
+/// functions. At most 64 files are remembered at a time. After a fork, the files of the parent are left to the parent.
 void removeUncommittedFiles() noexcept;
 
-/// Removes temporary files in `folder` ("": the current one) whose writers are gone: killed, before they could do so
-/// themselves. Those of other machines that share the folder go after a day.
+/// Removes temporary files in `folder` ("": the current one) whose writers were killed before they could remove them.
+/// Those of other machines that share the folder are removed after a day.
 void removeAbandonedFiles(const std::string& folder) noexcept;
 
 }  // namespace scrim

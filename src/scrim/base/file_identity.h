@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which file a path means, whatever names it goes by: other spellings, links of both kinds.
+// Identifies the file that a path means, independently of spelling, hard links and symbolic links.
 #pragma once
 
 #include <compare>
@@ -8,10 +8,10 @@
 
 namespace scrim {
 
-/// Equal for paths that mean the same file, there or still to be made.
+/// Equal for paths that mean the same file, whether it exists or not.
 struct FileIdentity {
-    std::uint64_t device = 0, node = 0;  ///< of the file, or of the nearest folder above it that there is
-    std::string rest;                    ///< the way from that folder to the file; "": the file is there
+    std::uint64_t device = 0, node = 0;  ///< of the file, or of the nearest existing folder above it
+    std::string rest;                    ///< the path from that folder to the file; "": the file exists
 
     auto operator<=>(const FileIdentity&) const = default;
 };

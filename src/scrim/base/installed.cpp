@@ -12,7 +12,7 @@
 namespace scrim {
 
 std::string libraryFolder() {
-    // Any address inside this library does.
+    // Any address inside this library will do.
     static const char here = 0;
     Dl_info info{};
     if (::dladdr(&here, &info) == 0 || info.dli_fname == nullptr) return "";

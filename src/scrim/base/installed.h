@@ -1,23 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the files lie that belong to this library: modules, volume sources and the program that reads volumes. In the
-// build tree as in the installed one, wherever it was moved to.
+// Finds the files that belong to this library: modules, volume sources and the program that reads volumes. It works in
+// the build tree as well as after installation, wherever that was moved.
 #pragma once
 
 #include <string>
 
 namespace scrim {
 
-/// The folder of the shared object (or program) that this code is part of; "" where the system does not tell.
+/// The folder of the shared object (or program) that contains this code; "" where the system cannot tell.
 std::string libraryFolder();
 
 /// "scrim/NAME" in that folder.
 std::string besideLibrary(const std::string& name);
 
-/// The path of the module FILE there. Throws Error(render) where it is not installed; `what` says what it does:
-/// "reads volumes".
+/// The path of the module `file` in that folder. Throws Error(render) where it is not installed; `what` says in the
+/// message what the module does: "reads volumes".
 std::string installedModule(const std::string& file, const std::string& what);
 
-/// The function `symbol` of that module, which is loaded for good. Throws Error(render).
+/// The function `symbol` of that module, which is loaded and never unloaded. Throws Error(render).
 void* moduleFunction(const std::string& file, const char* symbol, const std::string& what);
 
 }  // namespace scrim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Names whose case does not matter: of ASCII letters alone, whatever the locale is.
+// Comparison of names whose case does not matter. Only ASCII letters are converted, whatever the locale.
 #pragma once
 
 #include <algorithm>

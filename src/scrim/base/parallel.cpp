@@ -19,8 +19,8 @@
 namespace scrim {
 namespace {
 
-// While it lives, floats too small to be normal count as 0 on this thread. Light in deep shadow is made of them,
-// and a processor takes a hundred times as long for each.
+// While an object lives, denormal floats count as 0 on its thread. Light in deep shadow consists of them, and a
+// processor takes a hundred times as long for each.
 class FlushDenormals {
   public:
 #if defined(__SSE__)
@@ -53,7 +53,7 @@ void runTasks(std::size_t count, const std::function<void(std::size_t)>& task) {
         tbb::simple_partitioner());
 }
 
-// Loops within its tasks are theirs, and not heard of.
+// Loops inside of the tasks are not reported separately.
 void runWatched(std::size_t count, const std::function<void(std::size_t)>& task) {
     using Clock = std::chrono::steady_clock;
     const auto since = [](Clock::time_point begin) {
@@ -95,7 +95,7 @@ struct TaskArena::Arena {
 };
 
 TaskArena::TaskArena(int threads) {
-    // More than there are would only raise a warning of oneTBB's.
+    // Asking for more threads than there are would only make oneTBB print a warning.
     const auto most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
     threads = std::min(threads, static_cast<int>(most));
     if (threads > 0 && threads != threadCount()) m_arena = std::make_unique<Arena>(threads);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the engine computes in, from footprints to pixels: float. The CMake option SCRIM_DOUBLE makes it double,
-// a build that nobody renders with: it tells how much of a picture is rounding (tests/precision/run.sh). What a render
-// reads (voxels, pixels of slides) and what it yields is float either way.
+// The number type of the engine, from footprints to pixels: float. The CMake option SCRIM_DOUBLE makes it double, for a
+// build that measures how much of a picture is rounding (tests/precision/run.sh) and is not meant for rendering. Inputs
+// of a render (voxels, pixels of slides) and its results are float either way.
 #pragma once
 
 #include <cstdint>

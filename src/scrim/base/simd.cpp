@@ -11,7 +11,7 @@
 namespace scrim {
 namespace {
 
-// All targets that need more than what `name` stands for.
+// All targets that need more than the instruction set `name`.
 std::int64_t beyond(const std::string& name) {
     const std::int64_t avx512 = HWY_AVX3 | HWY_AVX3_DL;
     if (name == "auto" || name == "avx512") return 0;
@@ -25,7 +25,7 @@ std::int64_t supported() {
     return targets;
 }
 
-// Of Highway's own choice there is one in a process; this is one of ours.
+// The index of the best of `targets`. Highway's own choice is global to the process; this object is local.
 std::size_t indexOf(std::int64_t targets) {
     hwy::ChosenTarget chosen;
     chosen.Update(targets);

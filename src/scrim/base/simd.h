@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which vector instructions the inner loops use. Normally the best the processor has; a farm whose machines must agree
-// to the bit pins them all to one. A value that every render hands down to its loops: nothing of it belongs to the
-// process, so that renders side by side may use unlike ones.
+// The vector instructions that the inner loops use: normally the best that the processor has. A farm whose machines
+// must agree to the bit sets the same for all. Every render passes the value down to its loops; there is no global
+// state, so renders side by side may use different ones.
 #pragma once
 
 #include <cstddef>
@@ -10,26 +10,26 @@
 
 namespace scrim {
 
-/// "auto", "sse4", "avx2", "avx512": from no limit to the most one may use.
+/// "auto", "sse4", "avx2", "avx512": no limit, or the highest instruction set allowed.
 const std::vector<std::string>& simdNames();
 
 class Simd {
   public:
-    /// The best there is.
+    /// The best instruction set of the processor.
     Simd() = default;
-    /// The best that is no more than `name`. Throws Error(usage) on an unknown name.
+    /// The best instruction set that is not beyond `name`. Throws Error(usage) for an unknown name.
     explicit Simd(const std::string& name);
 
-    /// As Highway calls it: "AVX2".
+    /// Highway's name of it: "AVX2".
     std::string target() const;
 
-    /// Place in Highway's dispatch tables, for SCRIM_ON_TARGET.
+    /// Index into Highway's dispatch tables, for SCRIM_ON_TARGET.
     std::size_t index() const { return m_index != 0 ? m_index : bestIndex(); }
 
   private:
     static std::size_t bestIndex();
 
-    std::size_t m_index = 0;  // 0: the best, not looked up yet
+    std::size_t m_index = 0;  // 0: the best, not yet determined
 };
 
 /// The variant of a function that HWY_EXPORT has exported: SCRIM_ON_TARGET(simd, function)(arguments).

@@ -60,7 +60,7 @@ bool limitsFileSizes() {
 }
 
 bool limitsTime(std::chrono::microseconds used) {
-    constexpr std::chrono::milliseconds kRounding{100};  // of what is counted by ticks of a clock
+    constexpr std::chrono::milliseconds kRounding{100};  // processor time is counted in clock ticks
     const rlim_t most = limitOf(RLIMIT_CPU);
     return most != RLIM_INFINITY && used + kRounding >= std::chrono::seconds(most);
 }
@@ -79,7 +79,8 @@ int aboveStandardStreams(int fd) noexcept {
 }
 
 void openStandardStreams() noexcept {
-    // The lowest that is free is given out: each one its own. Open for reading, stdout fails as a closed one does.
+    // The lowest free descriptor is always assigned, so each of the three gets its own. Stdout is opened for reading,
+    // so that writing to it fails as it does when closed.
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; ++fd)
         if (::fcntl(fd, F_GETFD) < 0) (void)::open("/dev/null", fd == STDERR_FILENO ? O_WRONLY : O_RDONLY);
 }

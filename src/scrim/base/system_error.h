@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the system says of a call that failed, as an Error: a limit that was set to the process (ulimit) is not the
-// fault of the file that it was met with.
+// Turns errors of system calls into Errors. A limit on the process (ulimit) is not the fault of the file at which it
+// was reached.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -11,14 +11,15 @@
 
 namespace scrim {
 
-/// Of an error number: `memory` for want of it, `render` for want of descriptors, else `otherwise`.
+/// The kind of a system error: `memory` for lack of memory, `render` for lack of descriptors, else `otherwise`.
 ErrorKind kindOfSystemError(int errorNumber, ErrorKind otherwise);
 
-/// In a catch block: throws what was caught. What there was no memory for (std::bad_alloc, a size that no container can
-/// have, no further thread) is an Error(memory), any other std::system_error one as kindOfSystemError says.
+/// For use in a catch block: rethrows the current exception as an Error. Lack of memory (std::bad_alloc, an impossible
+/// container size, no further thread) becomes Error(memory); any other std::system_error gets the kind that
+/// kindOfSystemError returns.
 [[noreturn]] void throwAsError();
 
-/// Runs `task`; what it throws is thrown as throwAsError does.
+/// Runs `task`; its exceptions are rethrown as throwAsError does.
 template <typename Task>
 auto withErrors(const Task& task) {
     try {
@@ -28,24 +29,25 @@ auto withErrors(const Task& task) {
     }
 }
 
-/// "No space left on device"; of limits also how they are raised.
+/// "No space left on device"; for limits, the text also says how to raise them.
 std::string systemErrorText(int errorNumber);
 
-/// Whether files of this process may not grow beyond some size (ulimit -f).
+/// True if files of this process may not grow beyond some size (ulimit -f).
 bool limitsFileSizes();
 
-/// Whether a child that took so much processor time was ended by the limit of this process (ulimit -t).
+/// True if a child that used so much processor time was ended by a limit of this process (ulimit -t).
 bool limitsTime(std::chrono::microseconds used);
 
-/// Whether the memory of this process may not grow to `bytes` (ulimit -v, ulimit -d).
+/// True if the memory of this process may not grow to `bytes` (ulimit -v, ulimit -d).
 bool limitsMemory(std::size_t bytes);
 
-/// `fd`, or else a copy of it that is none of stdin, stdout and stderr, where it took the place of one that is closed:
-/// children would get another one there. Closed on exec. Negative where there is none left; `fd` is closed then.
+/// Returns `fd`, or a copy of it if it has the number of stdin, stdout or stderr (because that was closed), since
+/// children would get another file at that number. The copy is closed on exec. Returns a negative number where no
+/// descriptor is left; `fd` is closed then.
 int aboveStandardStreams(int fd) noexcept;
 
-/// For programs, before anything else: opens what is closed of stdin, stdout and stderr, so that no file can take their
-/// places. Writing to a stdout that was closed still fails.
+/// For programs, before anything else: opens those of stdin, stdout and stderr that are closed, so that no other file
+/// can take their numbers. Writing to a stdout that was closed still fails.
 void openStandardStreams() noexcept;
 
 }  // namespace scrim

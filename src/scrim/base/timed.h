@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// How long a piece of work takes.
+// Measures how long a piece of work takes.
 #pragma once
 
 #include <chrono>
 
 namespace scrim {
 
-/// Runs `task`, adds the seconds that it took to `seconds` (also where it throws), and returns what it returned.
+/// Runs `task`, adds the seconds that it took to `seconds` (also if it throws), and returns its result.
 template <typename Task>
 auto timed(double& seconds, const Task& task) {
     struct Adder {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What Scrim is made of, for `scrim --version`, pictures' metadata and bug reports. The folders that hide a
-// library say its version themselves (image/versions.h, volume/vdb_version.h).
+// The versions of Scrim and its parts, for `scrim --version`, pictures' metadata and bug reports. The folders that hide
+// a library state its version themselves (image/versions.h, volume/vdb_version.h).
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@ namespace scrim {
 /// "0.1.0".
 std::string scrimVersion();
 
-/// Of the oneTBB that runs the loops, at run time.
+/// The version of the oneTBB library that is loaded.
 std::string tbbVersion();
 
-/// Of the Highway this was compiled with.
+/// The version of Highway that this was compiled with.
 std::string highwayVersion();
 
 }  // namespace scrim

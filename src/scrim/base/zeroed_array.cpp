@@ -28,7 +28,7 @@ char* mapped(std::size_t bytes) {
 
 void* mapZeros(std::size_t bytes) {
     if (bytes < kLargePage) return mapped(bytes);
-    // A large page begins at a multiple of its size; what is mapped before that, and behind the end, is given back.
+    // A large page begins at a multiple of its size; whatever is mapped before that and behind the end is unmapped.
     const std::size_t whole = bytes + kLargePage;
     char* const first = mapped(whole);
     void* aligned = first;
@@ -38,7 +38,7 @@ void* mapZeros(std::size_t bytes) {
     if (memory > first) ::munmap(first, std::size_t(memory - first));
     char* const end = memory + pagesOf(bytes);
     if (first + whole > end) ::munmap(end, std::size_t(first + whole - end));
-    // A wish: where it is not granted, pages are small.
+    // This is only a request; if it is not granted, pages are small.
     ::madvise(memory, bytes, MADV_HUGEPAGE);
     return memory;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Large buffers of numbers that start as zeros, in pages of 2 MB where the system has them: a sweep goes through its
-// buffers again and again, and with small pages a tenth of its time goes into faults and look-ups of addresses.
+// Large buffers of numbers that start as zeros, in pages of 2 MB where the system has them. A sweep goes through its
+// buffers again and again, and with small pages it spends a tenth of its time on page faults and address look-ups.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace scrim {
 
-/// Pages of zeros, which take no memory until they are touched. Throws Error (memory).
+/// Maps pages of zeros, which take no memory until they are touched. Throws Error (memory).
 void* mapZeros(std::size_t bytes);
 void unmapZeros(void* memory, std::size_t bytes) noexcept;
 

@@ -12,7 +12,7 @@
 
 namespace scrim {
 
-/// A closed box; starts empty, grows by `include`.
+/// A closed box. It starts empty and grows by `include`.
 struct Bounds {
     Vec3 lower{std::numeric_limits<double>::infinity()};
     Vec3 upper{-std::numeric_limits<double>::infinity()};
@@ -31,7 +31,7 @@ struct Bounds {
     bool contains(const Vec3& p) const {
         return p.x >= lower.x && p.y >= lower.y && p.z >= lower.z && p.x <= upper.x && p.y <= upper.y && p.z <= upper.z;
     }
-    /// The part of [begin, end] in which origin + t direction is in the box; nothing is left where first > second.
+    /// The part of [begin, end] in which origin + t direction is inside of the box; empty where first > second.
     std::pair<double, double> clip(const Vec3& origin, const Vec3& direction, double begin, double end) const {
         for (int axis = 0; axis < 3; ++axis) {
             if (direction[axis] == 0) {

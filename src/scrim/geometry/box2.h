@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rectangles: of pixels, of tiles, of positions on a raster.
+// Rectangles of pixels, of tiles or of positions on a raster.
 #pragma once
 
 #include <algorithm>
@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// Of whole numbers it is half-open, [x0, x1) x [y0, y1), and begins as {0, 0, 0, 0}, which is empty. Of positions it
-/// is closed, and `Box2<double>::nothing()` is the empty one that grows by `include`. x to the right, y down.
+/// A rectangle of whole numbers is half-open, [x0, x1) x [y0, y1); the initial {0, 0, 0, 0} is empty. A rectangle of
+/// positions is closed; `Box2<double>::nothing()` is empty and grows by `include`. x points to the right, y down.
 template <class T>
 struct Box2 {
     T x0{}, y0{}, x1{}, y1{};
@@ -30,13 +30,13 @@ struct Box2 {
     std::size_t pixelCount() const { return std::size_t(width()) * std::size_t(height()); }
 
     bool contains(T x, T y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
-    /// True where all of `other` lies inside (always, where `other` is empty).
+    /// True where all of `other` lies inside, and where `other` is empty.
     bool contains(const Box2& other) const {
         return other.empty() || (other.x0 >= x0 && other.x1 <= x1 && other.y0 >= y0 && other.y1 <= y1);
     }
-    /// Grows by a position.
+    /// Grows to contain a position.
     void include(T x, T y) { *this = {std::min(x0, x), std::min(y0, y), std::max(x1, x), std::max(y1, y)}; }
-    /// Grows by a box; an empty one adds nothing.
+    /// Grows to contain a box; an empty one changes nothing.
     void include(const Box2& b) {
         if (b.empty()) return;
         *this = empty() ? b : Box2{std::min(x0, b.x0), std::min(y0, b.y0), std::max(x1, b.x1), std::max(y1, b.y1)};
@@ -44,7 +44,7 @@ struct Box2 {
     bool operator==(const Box2&) const = default;
 };
 
-/// What lies in both; may be empty.
+/// The part that lies in both boxes; may be empty.
 template <class T>
 Box2<T> intersection(const Box2<T>& a, const Box2<T>& b) {
     return {std::max(a.x0, b.x0), std::max(a.y0, b.y0), std::min(a.x1, b.x1), std::min(a.y1, b.y1)};

@@ -10,7 +10,7 @@
 namespace scrim {
 namespace {
 
-// Half the width and height of the picture at depth 1 (perspective) or anywhere (orthographic).
+// Half the width and height of the picture: at depth 1 (perspective) or at any depth (orthographic).
 Vec2 halfExtent(const Camera& camera) {
     const double aspect = camera.pixelAspect * camera.resolution.x / camera.resolution.y;
     if (camera.type == CameraType::orthographic) return {0.5 * camera.height * aspect, 0.5 * camera.height};
@@ -23,7 +23,7 @@ Vec2 halfExtent(const Camera& camera) {
 Mat3 lookAt(const Vec3& position, const Vec3& target, const Vec3& up) {
     const Vec3 back = glm::normalize(position - target);
     Vec3 right = glm::cross(up, back);
-    // Looking straight along `up`: any right angle will do, but it must not depend on rounding.
+    // The camera looks straight along `up`. Any perpendicular direction will do, but it must not depend on rounding.
     if (glm::dot(right, right) < 1e-20 * glm::dot(up, up)) {
         right = glm::cross(Vec3(0, 0, -1), back);
         if (glm::dot(right, right) < 1e-20) right = Vec3(1, 0, 0);
@@ -79,7 +79,7 @@ Mat4 worldToNdc(const Camera& camera) {
     Mat4 projection(0.0);
     projection[0][0] = 1 / half.x;
     projection[1][1] = 1 / half.y;
-    // Depth is not cut off at a far plane: z maps to itself, as EXR readers only use x and y.
+    // There is no far plane: z maps to itself, since EXR readers only use x and y.
     projection[2][2] = -1;
     const Vec2 middle = 2 * half.x * camera.shift / half;
     if (camera.type == CameraType::orthographic) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Cameras, and the family of rays a camera sends through its raster.
+// Cameras, and the family of rays that a camera sends through its raster.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -8,7 +8,7 @@ namespace scrim {
 
 enum class CameraType { perspective, orthographic };
 
-/// Where the camera stands and what it sees. Looks along -z of its own frame, y up.
+/// The camera's place and projection. It looks along -z of its own frame, with y up.
 struct Camera {
     CameraType type = CameraType::perspective;
     Vec3 wsPosition{0, 0, 1};
@@ -18,16 +18,16 @@ struct Camera {
     double near = 0.0;       ///< depth along the viewing axis from which on the camera sees, world units
     Int2 resolution{512, 512};
     double pixelAspect = 1.0;  ///< width of a pixel over its height
-    Vec2 shift{0};             ///< of the picture's window to the right and up, in widths of the picture
+    Vec2 shift{0};             ///< moves the picture's window to the right and up, in widths of the picture
 };
 
-/// An orthonormal frame at `position` that looks at `target` with `up` as near to y as can be. Where `up` is
-/// along the line of sight another axis takes its place. `position` and `target` must differ.
+/// An orthonormal frame at `position` that looks at `target`, with `up` as near to y as possible. Where `up` lies along
+/// the line of sight, another axis takes its place. `position` and `target` must differ.
 Mat3 lookAt(const Vec3& position, const Vec3& target, const Vec3& up);
 
-/// Rays as affine functions of the raster position (x, y): origin and direction each are `0 + x*X + y*Y`.
-/// Directions are scaled so that their component along the viewing axis is 1: `t` along a ray is depth.
-/// Covers perspective (constant origin) and orthographic views (constant direction) with one formula.
+/// Rays as affine functions of the raster position (x, y): origin and direction are each `0 + x*X + y*Y`. Directions
+/// are scaled so that their component along the viewing axis is 1; therefore `t` along a ray is depth. One formula
+/// covers perspective views (constant origin) and orthographic ones (constant direction).
 struct RayFamily {
     Vec3 origin0{0}, originX{0}, originY{0};
     Vec3 direction0{0}, directionX{0}, directionY{0};
@@ -37,24 +37,25 @@ struct RayFamily {
     Vec3 direction(double x, double y) const { return direction0 + x * directionX + y * directionY; }
 };
 
-/// The camera's rays in world space; raster positions in units of its own pixels.
+/// The camera's rays in world space; raster positions are in its own pixels.
 RayFamily wsRays(const Camera& camera);
 
-/// World size of a pixel's width at `distance` from the camera.
+/// The width, in world units, that a pixel covers at `distance` from the camera.
 double pixelAt(const Camera& camera, double distance);
 
-/// The viewing direction (unit, away from the eye) in world space.
+/// The viewing direction in world space (unit, away from the eye).
 inline Vec3 viewingAxis(const Camera& camera) {
     return -camera.wsFromCamera[2];
 }
 
-/// `camera` with every pixel cut into n x n.
+/// `camera` with every pixel divided into n x n.
 Camera supersampled(Camera camera, int n);
 
-/// World to camera space as EXR's `worldToCamera` means it: x right, y up, looking along -z (column vectors).
+/// The map from world to camera space as EXR's `worldToCamera` defines it: x right, y up, looking along -z (column
+/// vectors).
 Mat4 worldToCamera(const Camera& camera);
 
-/// World to normalised device coordinates, x and y in [-1, 1] over the picture (column vectors).
+/// The map from world space to normalised device coordinates, x and y in [-1, 1] over the picture (column vectors).
 Mat4 worldToNdc(const Camera& camera);
 
 }  // namespace scrim

@@ -10,7 +10,7 @@
 namespace scrim {
 namespace {
 
-// Cosine slack within which a direction counts as inside: rounding of dot products of unit vectors.
+// Tolerance of cosines within which a direction counts as inside: the rounding of dot products of unit vectors.
 constexpr double kSlack = 1e-13;
 
 bool inside(const Cone& cone, const Vec3& d) {
@@ -26,10 +26,10 @@ Cone coneOfTwo(const Vec3& a, const Vec3& b) {
 }
 
 Cone coneOfThree(const Vec3& a, const Vec3& b, const Vec3& c) {
-    // The axis makes equal angles with all three: normal of the plane through the three points.
+    // The axis makes equal angles with all three directions: it is the normal of the plane through the three points.
     Vec3 axis = glm::cross(b - a, c - a);
     const double length = glm::length(axis);
-    if (length < 1e-14) {  // two of them coincide: the pair that is widest apart decides
+    if (length < 1e-14) {  // two of them coincide, so the pair that is furthest apart decides
         Cone best = coneOfTwo(a, b);
         for (const Cone& other : {coneOfTwo(a, c), coneOfTwo(b, c)})
             if (other.cosAngle < best.cosAngle) best = other;
@@ -40,13 +40,13 @@ Cone coneOfThree(const Vec3& a, const Vec3& b, const Vec3& c) {
     return {axis, glm::dot(axis, a)};
 }
 
-// Of so many directions only those are worth a look that a cone around all may touch.
+// For more directions than this, those that cannot touch the cone are dropped first.
 constexpr std::size_t kMany = 32;
 
 }  // namespace
 
-// Seen from the middle on a plane, great circles are straight lines: A. M. Andrew's
-// monotone chain finds the hull there.
+// In a central projection onto a plane, great circles become straight lines, so A. M. Andrew's monotone chain finds the
+// hull there.
 std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     Vec3 sum(0);
     for (const Vec3& d : directions) sum += d;
@@ -70,7 +70,7 @@ std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     const auto turnsLeft = [](const Vec2& a, const Vec2& b, const Vec2& c) {
         return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x) > 0;
     };
-    // Along the lower side, and back along the upper one.
+    // The chain runs along the lower side, and back along the upper one.
     for (const bool back : {false, true}) {
         const std::size_t first = hull.size();
         for (const Place& place : places) {
@@ -78,7 +78,7 @@ std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
                 hull.pop_back();
             hull.push_back(place);
         }
-        hull.pop_back();  // where the other side begins
+        hull.pop_back();  // this point starts the other side
         if (!back) std::reverse(places.begin(), places.end());
     }
     std::vector<Vec3> corners;
@@ -86,9 +86,9 @@ std::vector<Vec3> cornersOf(const std::vector<Vec3>& directions) {
     return corners.empty() ? directions : corners;
 }
 
-// The cap around points of a sphere is cut out by their smallest enclosing ball, so Welzl's algorithm serves:
-// the cone is fixed by at most three of the directions. Written as three nested loops instead of a recursion;
-// sorted first, so that the order of the input does not matter.
+// The smallest enclosing ball of points on a sphere cuts out the cap around them, so Welzl's algorithm applies: at most
+// three of the directions determine the cone. It is written as three nested loops instead of a recursion. The
+// directions are sorted first, so that the order of the input does not matter.
 Cone enclosingCone(const std::vector<Vec3>& directions) {
     std::vector<Vec3> d = directions.size() > kMany ? cornersOf(directions) : directions;
     std::sort(d.begin(), d.end(),
@@ -106,7 +106,7 @@ Cone enclosingCone(const std::vector<Vec3>& directions) {
                 if (!inside(cone, d[k])) cone = coneOfThree(d[i], d[j], d[k]);
         }
     }
-    // Directions wider than a hemisphere make the construction above meaningless: check it.
+    // The construction above is meaningless for directions wider than a hemisphere, so its result is checked.
     for (const Vec3& v : d)
         if (glm::dot(cone.axis, v) < cone.cosAngle - 1e-9) return {cone.axis, -1};
     return cone;
@@ -118,7 +118,7 @@ GrowingCone::GrowingCone(std::vector<Vec3> directions)
 }
 
 void GrowingCone::findRim() {
-    constexpr double kTouches = 1e-12;  // more than rounding: a direction too many does no harm
+    constexpr double kTouches = 1e-12;  // larger than rounding; a direction too many does no harm
     constexpr std::size_t kEnough = 8;
     m_rim.clear();
     for (const Vec3& d : m_directions)
@@ -131,8 +131,8 @@ bool GrowingCone::holds(const std::vector<Vec3>& directions) const {
 
 Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
     if (holds(more)) return m_cone;
-    // The cone around a part is no wider than that around all. The part grows by what its cone leaves out most, until
-    // that is nothing, or the cone too wide to matter.
+    // The cone around a subset is no wider than that around all directions. The subset grows by the direction that its
+    // cone misses most, until none is missed or the cone is too wide to matter.
     std::vector<Vec3> part = m_rim;
     part.insert(part.end(), more.begin(), more.end());
     for (;;) {
@@ -146,7 +146,8 @@ Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
                 outside = &d;
             }
         if (!outside) return cone;
-        if (std::find(part.begin(), part.end(), *outside) != part.end()) break;  // rounding
+        // already contained, missed by rounding
+        if (std::find(part.begin(), part.end(), *outside) != part.end()) break;
         part.push_back(*outside);
     }
     std::vector<Vec3> all = m_directions;

@@ -24,7 +24,7 @@ Mat4 Lattice::linearised(const Vec3& ts) const {
 }
 
 Vec3 Lattice::rayThrough(double x, double y) const {
-    // Along the ray X - x W and Y - y W stay 0: it is perpendicular to both of their gradients.
+    // Along the ray, X - x W and Y - y W stay 0, so the ray is perpendicular to both of their gradients.
     const auto gradient = [&](int row, double place) {
         const auto part = [&](int axis) { return rsFromTs[axis][row] - place * rsFromTs[axis][3]; };
         return Vec3(part(0), part(1), part(2));

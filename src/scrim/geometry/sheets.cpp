@@ -34,7 +34,7 @@ Mat4 Sheets::tsFrom(const Mat4& wsFrom) const {
 
 Mat3 sweepRotation(const Vec3& axis, const Vec3& up) {
     Vec3 u = glm::cross(up, axis);
-    // An axis along `up` leaves u open: take a fixed direction, so that it does not depend on rounding.
+    // An axis along `up` leaves u open. A fixed direction is chosen, so that u does not depend on rounding.
     if (glm::dot(u, u) < 1e-20 * glm::dot(up, up)) {
         u = glm::cross(Vec3(0, 0, 1), axis);
         if (glm::dot(u, u) < 1e-20) u = Vec3(1, 0, 0);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// The spaces of Scrim and the few types all geometry is written in.
+// The spaces of Scrim and the few types in which all geometry is written.
 //
-// Names carry their space as a prefix: `ws` world, `is` a grid's index space (voxel centres at integers),
-// `ss` sweep space (u, v, w; world units, w along the sweep's axis), `rs` a view's raster (pixel (0,0) covers
-// [0,1) x [0,1), y down). A transform says what it maps: `wsFromIs` takes index space to world space.
-// Everything here is double; float begins only once coordinates are local to a sheet or a leaf.
+// Names carry their space as a prefix: `ws` world, `is` a grid's index space (voxel centres at integers), `ss` sweep
+// space (u, v, w; world units, w along the sweep's axis), `rs` a view's raster (pixel (0,0) covers [0,1) x [0,1), y
+// down). A transform's name says what it maps: `wsFromIs` takes index space to world space. Everything here is double;
+// float begins only where coordinates are local to a sheet or a leaf.
 #pragma once
 
 #include <cmath>
@@ -25,17 +25,17 @@ using Mat3 = glm::dmat3;  ///< column-major, as GLM
 using Mat4 = glm::dmat4;  ///< column-major; the last column is the translation
 using Rgb = glm::dvec3;   ///< scene-linear colour in the working space
 
-/// Position `p` under the affine map `m`.
+/// The image of the position `p` under the affine map `m`.
 inline Vec3 transformPoint(const Mat4& m, const Vec3& p) {
     return Vec3(m[0]) * p.x + Vec3(m[1]) * p.y + Vec3(m[2]) * p.z + Vec3(m[3]);
 }
 
-/// Vector (no translation) `v` under the affine map `m`.
+/// The image of the vector `v` (no translation) under the affine map `m`.
 inline Vec3 transformVector(const Mat4& m, const Vec3& v) {
     return Vec3(m[0]) * v.x + Vec3(m[1]) * v.y + Vec3(m[2]) * v.z;
 }
 
-/// A coordinate axis that is not near to the unit vector `axis`.
+/// A coordinate axis far from the unit vector `axis`.
 inline Vec3 apartFrom(const Vec3& axis) {
     return std::abs(axis.x) < 0.6 ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
 }

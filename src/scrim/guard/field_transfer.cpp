@@ -15,13 +15,13 @@ namespace scrim {
 
 namespace {
 
-/// Fields are, each, a FieldHeader, the name, origins, tiles, and, aligned, the values of the blocks.
+/// Each field consists of a FieldHeader, the name, origins, tiles, and the aligned values of its blocks.
 struct FieldHeader {
     std::uint64_t blocks = 0;
     std::uint64_t tiles = 0;
     std::uint64_t nonFinite = 0;
     std::uint64_t negative = 0;
-    double wsFromIs[16] = {};  ///< column by column, as GLM
+    double wsFromIs[16] = {};  ///< column by column, as in GLM
 };
 
 struct TileRecord {
@@ -30,8 +30,8 @@ struct TileRecord {
     float value;
 };
 
-/// What `buildField` promises about values, found again in blocks that came from elsewhere: counts them, and
-/// tells whether all are finite and not negative.
+/// Checks in blocks from another process what `buildField` promises about values: counts them, and returns whether all
+/// are finite and not negative.
 bool countBlocks(SparseField& field) {
     constexpr std::size_t kBlocksPerTask = 256;
     struct Part {
@@ -65,7 +65,7 @@ SparseField readField(TransferReader& reader, const std::shared_ptr<const Transf
     field.name = reader.text();
     field.nonFinite = header.nonFinite;
     field.negative = header.negative;
-    FieldPieces frame;  // everything but the values, to be checked as any other field
+    FieldPieces frame;  // everything but the values, to be checked as for any other field
     frame.name = field.name;
     for (int i = 0; i < 16; ++i) frame.wsFromIs[i / 4][i % 4] = header.wsFromIs[i];
     field.wsFromIs = frame.wsFromIs;

@@ -25,23 +25,24 @@
 namespace scrim {
 namespace {
 
-/// OpenVDB's trees take some 35 times what they can be compressed to in a file, and the field made of them
-/// comes on top.
+/// Bytes of memory allowed per byte of a file. OpenVDB's trees take some 35 times their smallest compressed size, and
+/// the field made from them comes on top.
 constexpr std::size_t kMemoryPerByte = 64;
-/// Below this the reader itself would take an honest small file for a damaged one.
+/// With less than this, the reader itself would take a sound small file for a damaged one.
 constexpr std::size_t kLeastGivenMemory = std::size_t{1} << 30;
-constexpr std::uint64_t kSlowestBytesPerSecond = 1 << 20;  // a busy network drive
+constexpr std::uint64_t kSlowestBytesPerSecond = 1 << 20;  // the speed of a busy network drive
 
-/// What a file may take, its size apart: several times what sound ones did.
+/// The limits on a file beyond those that depend on its size: several times what sound files need.
 struct Kind {
     std::size_t leastMemory = 0;
     std::chrono::minutes patience{0};
 };
 constexpr Kind kVolume{std::size_t{4} << 30, std::chrono::minutes{10}};
-/// At most 50 million pixels (kMostTexturePixels): enough at half a million a second.
+/// Pictures have at most 50 million pixels (kMostTexturePixels), which half a million pixels per second get through in
+/// time.
 constexpr Kind kPicture{std::size_t{4} << 30, std::chrono::minutes{2}};
-/// What a source makes need not be as small as its file: a mesh becomes as much fog as was asked for, and scans are
-/// compressed. Sources of Scrim refuse what would be larger by themselves.
+/// A source may make more than its file suggests: a mesh becomes as much fog as requested, and scans are compressed.
+/// Scrim's own sources refuse larger results by themselves.
 constexpr Kind kSource{std::size_t{16} << 30, std::chrono::minutes{10}};
 
 LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& options) {
@@ -52,11 +53,11 @@ LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& o
     return limits;
 }
 
-/// A regular file, open for reading; or why there is none. Throws an Error of another kind than `input` where that is
-/// not up to the file.
+/// A regular file that is open for reading, or the reason why it is not. Throws an Error of another kind than `input`
+/// where the file is not to blame.
 class OpenFile {
   public:
-    // Without O_NONBLOCK opening a FIFO would wait for a writer.
+    // Without O_NONBLOCK, opening a FIFO would wait for a writer.
     explicit OpenFile(const std::string& path)
         : m_file(aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {
         const int error = errno;
@@ -73,7 +74,7 @@ class OpenFile {
     }
     int fd() const { return m_file.fd(); }
     std::uint64_t size() const { return m_size; }
-    /// "": there is none.
+    /// "": the file is open.
     const std::string& problem() const { return m_problem; }
 
   private:
@@ -82,7 +83,7 @@ class OpenFile {
     std::string m_problem;
 };
 
-/// Lets a child read `what` of a file. The file is opened here: children open nothing.
+/// Starts a child that reads `what` of a file. The file is opened here, because children cannot open files.
 LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
               const LoadOptions& options, int transfer) {
     const VdbBytes file(path);
@@ -91,7 +92,7 @@ LoadJob begin(const std::string& what, const std::string& path, const std::vecto
                    limitsFor(kVolume, file.size(), options), options.showStderr);
 }
 
-/// Runs `receive`; what it says of an incomplete transfer gets the path in front.
+/// Runs `receive` and puts the path in front of its error about an incomplete transfer.
 template <typename Receive>
 auto received(const std::string& path, const Receive& receive) {
     try {
@@ -114,7 +115,7 @@ auto received(const std::string& path, const Receive& receive) {
     }
 }
 
-/// Runs `load`; once more where it found a loader that somebody had just ended.
+/// Runs `load`, and once more if the loader program had just been ended by somebody.
 template <typename Load>
 auto withLoader(const Checkpoint& checkpoint, const Load& load) {
     if (checkpoint) checkpoint();
@@ -125,7 +126,7 @@ auto withLoader(const Checkpoint& checkpoint, const Load& load) {
     }
 }
 
-/// Lets a child read `what` of a picture, as `parameters` say, and receives it.
+/// Starts a child that reads `what` of a picture with `parameters`, and receives the result.
 template <typename Result>
 Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
                   const Checkpoint& checkpoint, const SourceParameters& parameters = {}) {
@@ -239,7 +240,7 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
         try {
             return madeWith(nullptr);
         } catch (const BesideError& error) {
-            // Only now is known what the file's other half is called.
+            // Only now is the name of the second file known.
             request.beside = error.name();
             const OpenFile beside((std::filesystem::path(path).parent_path() / error.name()).string());
             if (!beside.problem().empty()) throw;

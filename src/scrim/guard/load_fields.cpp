@@ -17,7 +17,7 @@
 namespace scrim {
 namespace {
 
-/// For sources, through which nothing can be thrown.
+/// A progress sink for sources, through which no exception may pass: it asks to stop where `checkpoint` throws.
 ProgressSink asProgress(const Checkpoint& checkpoint) {
     return [checkpoint](double) {
         try {
@@ -50,7 +50,7 @@ std::vector<SparseField> sourceFields(const std::string& source, const SourcePar
                                       const LoadOptions& options, const MessageSink& messages,
                                       const Checkpoint& checkpoint) {
     const std::string file = fileIn(parameters);
-    // It would take any other ending for that of a raw file, and ask for its size.
+    // The source would take any unknown ending for a raw file, and ask for its size.
     if (const ForeignFormat* const format = foreignFormat(file); format != nullptr && source == "scan")
         throw Error(ErrorKind::input, fmt::format("source 'scan': {}: {}", file, textOf(*format)));
     if (options.volumes != VolumeLoading::guarded || file.empty())

@@ -54,17 +54,17 @@ const char* readsText(LoadedFiles files) {
     return files == LoadedFiles::volumes ? "volumes" : "pictures";
 }
 
-/// What the program is told. Only it loads the module that reads pictures.
+/// The program's arguments. Only the one for pictures loads the module that reads pictures.
 std::vector<std::string> argumentsFor(LoadedFiles files) {
     if (files == LoadedFiles::volumes) return {"scrim-load", "--serve"};
     return {"scrim-load", "--serve-pictures", pictureModulePath()};
 }
 
-/// Which program, and what for.
+/// Identifies a program: its path and the kind of files.
 using ServerKey = std::pair<std::string, LoadedFiles>;
 
-/// A running program. Not Boost.Process: it handles SIGCHLD for the whole process, which belongs to whoever links the
-/// library.
+/// A running loader program. Boost.Process is not used because it handles SIGCHLD for the whole process, which belongs
+/// to the application that links the library.
 class Server {
   public:
     explicit Server(const ServerKey& key) {
@@ -82,8 +82,8 @@ class Server {
         arguments.push_back(nullptr);
         std::vector<char*> environment;
         for (char** variable = environ; *variable != nullptr; ++variable) environment.push_back(*variable);
-        // Trees are many small pieces of memory: a fifth of the time of reading them goes into mapping it page by page.
-        // Of two settings glibc takes the first.
+        // Trees consist of many small pieces of memory, and mapping it page by page takes a fifth of the time of
+        // reading them. If a variable occurs twice, glibc uses the first.
         std::string tunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
         if (std::getenv("GLIBC_TUNABLES") == nullptr) environment.push_back(tunables.data());
         environment.push_back(nullptr);
@@ -99,14 +99,14 @@ class Server {
         m_socket = std::move(ours);
     }
     ~Server() {
-        m_socket = Descriptor();  // and it ends
+        m_socket = Descriptor();  // closing the socket makes the program end
         while (::waitpid(m_pid, nullptr, 0) < 0 && errno == EINTR) {
         }
     }
     Server(const Server&) = delete;
     Server& operator=(const Server&) = delete;
 
-    /// False where the program has ended.
+    /// Returns false where the program has ended.
     bool send(LoadMessage message, std::span<const int> descriptors) const {
         message.descriptors = static_cast<std::uint32_t>(descriptors.size());
         iovec part{&message, sizeof message};
@@ -132,7 +132,7 @@ class Server {
     Descriptor m_socket;
 };
 
-/// The programs of this process.
+/// The loader programs of this process.
 class Servers {
   public:
     void start(const ServerKey& program) {
@@ -141,12 +141,12 @@ class Servers {
     }
     void send(const ServerKey& program, const LoadMessage& message, std::span<const int> descriptors) {
         const std::scoped_lock lock(m_mutex);
-        // One that was killed in the meantime is started again, once.
+        // A program that was killed in the meantime is started again, once.
         for (int i = 0; i < 2; ++i) {
             if (serverOf(program).send(message, descriptors)) return;
             m_servers.erase(program);
         }
-        // Under a limit it may not even get its libraries.
+        // With less memory the program may not even load its libraries.
         constexpr std::size_t kLoaderBytes = std::size_t{1} << 30;
         const bool limited = limitsMemory(kLoaderBytes);
         throw Error(
@@ -170,8 +170,8 @@ ServerKey keyOf(const std::string& loader, LoadedFiles files) {
     return {loader.empty() ? ownLoader() : loader, files};
 }
 
-/// For the whole process, so that programs are started once; for good, since the end of the process closes their
-/// sockets.
+/// The programs are shared by the whole process, so that each is started once. The object is never destroyed: the end
+/// of the process closes the sockets.
 Servers& servers() {
     static Servers* const all = new Servers;
     return *all;
@@ -205,7 +205,7 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
     if (WIFEXITED(status))
         throw Error(ErrorKind::input,
                     fmt::format("{}: damaged: reading it failed (exit status {})", path, WEXITSTATUS(status)));
-    // What ends a child that had all its time: SIGXCPU, or SIGKILL where no time is left after it.
+    // A child that used up its time ends by SIGXCPU, or by SIGKILL where no time is left after that.
     const std::chrono::microseconds used(answer.microseconds);
     if ((WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) && limitsTime(used))
         throw Error(ErrorKind::render, fmt::format("{}: reading it takes more processor time than a process may; raise "
@@ -215,7 +215,7 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
         throw Error(ErrorKind::input,
                     fmt::format("{}: reading it did not come to an end in {:.0f} seconds of processor time", path,
                                 std::chrono::duration<double>(used).count()));
-    // Nobody but the system's guard against running out of memory kills a child like that.
+    // Only the system's out-of-memory killer ends a child like this.
     if (WTERMSIG(status) == SIGKILL)
         throw Error(ErrorKind::memory,
                     fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
@@ -279,7 +279,7 @@ void LoadJob::wait(const Checkpoint& checkpoint) {
     LoadAnswer answer;
     const bool answered = ::recv(m_control.fd(), &answer, sizeof answer, 0) == static_cast<ssize_t>(sizeof answer);
     m_control = Descriptor();
-    // Processes in the same terminal get the signals of this one; that is not the file's fault.
+    // Processes in the same terminal receive this process's signals, which are not the file's fault.
     if (checkpoint) checkpoint();
     if (!answered && limitsMemory(m_limits.memory))
         throw LoaderLost(ErrorKind::memory,

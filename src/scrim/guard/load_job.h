@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: one file being read by a child of the program `scrim-load`. The program is started by the first job that
-// needs it, serves all jobs of this process, and ends with it; one runs for volumes (files of volume sources are among
-// them) and one for pictures.
+// Internal: one file that a child of the program `scrim-load` reads. The first job that needs the program starts it; it
+// serves all jobs of this process and ends with it. There is one program for volumes (including files of volume
+// sources) and one for pictures.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -14,7 +14,7 @@
 
 namespace scrim {
 
-/// An open file; closed at the end of this.
+/// Owns an open file descriptor and closes it.
 class Descriptor {
   public:
     explicit Descriptor(int fd = -1) : m_fd(fd) {}
@@ -32,37 +32,37 @@ class Descriptor {
     int m_fd;
 };
 
-/// Path of the program that belongs to this library.
+/// Path of the loader program that belongs to this library.
 std::string ownLoader();
 
-/// What files a running program reads: it makes itself ready for them before any comes.
+/// The kind of files that a loader program reads. It prepares itself for them before the first one comes.
 enum class LoadedFiles { volumes, pictures };
 
-/// Starts the program at the path `loader` ("": `ownLoader`) for such files, unless it runs already, so that it is
-/// ready when the first job comes. Says nothing where that fails: the job will.
+/// Starts the program at `loader` ("": `ownLoader`) for such files unless it runs already, so that it is ready for the
+/// first job. A failure is not reported here; the job will report it.
 void warmLoader(const std::string& loader, LoadedFiles files = LoadedFiles::volumes) noexcept;
 
 struct LoadLimits {
-    std::size_t memory = 0;              ///< bytes of address space of the child, beyond what it starts with
-    std::chrono::seconds patience{600};  ///< that the child may compute, and that one waits
+    std::size_t memory = 0;              ///< address space that the child may add to what it starts with, bytes
+    std::chrono::seconds patience{600};  ///< processor time of the child, and the longest wait for it
 };
 
-/// The program ended before it told how its child did.
+/// The program ended before it reported how its child had ended.
 class LoaderLost : public Error {
     using Error::Error;
 };
 
 class LoadJob {
   public:
-    /// Lets a child of `loader` read `input`, one of such files, as the request in `transfer` says. Both stay open
-    /// here, as does `beside`, which belongs to the input; -1: nothing does. Throws Error(render, memory) where the
-    /// program cannot be started.
+    /// Starts a child of `loader` that reads `input`, a file of the kind `files`, as the request in `transfer` says.
+    /// Both descriptors stay open here, and so does `beside`, a second file that belongs to the input (-1: none).
+    /// Throws Error(render, memory) where the program cannot be started.
     LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, int transfer, int input,
             const LoadLimits& limits, bool showStderr, int beside = -1);
 
-    /// Waits until the child has ended as it should; calls `checkpoint` every few milliseconds. Throws what that
-    /// throws, LoaderLost, and an Error where the child crashed, or takes longer than one has patience from now on.
-    /// Where a job ends without that, so does its child.
+    /// Waits until the child has ended properly; calls `checkpoint` every few milliseconds. Throws whatever that
+    /// throws, LoaderLost, and an Error where the child crashed or takes longer than the limits allow from now on. If
+    /// the job is destroyed before that, the child ends, too.
     void wait(const Checkpoint& checkpoint);
 
   private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: hands over a mesh that another process read (transfer_file.h).
+// Internal: transfers a mesh that another process read (transfer_file.h).
 #pragma once
 
 #include <scrim/solid/mesh_module.h>
@@ -8,8 +8,8 @@ namespace scrim {
 
 /// Throws as TransferWriter.
 void sendMesh(int fd, const FileMesh& mesh);
-/// The mesh, or the empty one that says why. Every triangle names points that there are, and these are finite. Throws
-/// as `receiveFields` (field_transfer.h).
+/// The mesh, or an empty one whose `problem` says why. Every triangle refers to existing points, and all points are
+/// finite. Throws as `receiveFields` (field_transfer.h).
 FileMesh receiveMesh(int fd);
 
 }  // namespace scrim

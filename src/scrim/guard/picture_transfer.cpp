@@ -15,7 +15,7 @@ struct Pixels {
     double pixelAspect = 1;
 };
 
-// Size and shape of a picture, or of what has a picture's header. Throws where it can be neither.
+// Takes over the size and pixel aspect of a picture or a header. Throws where they are impossible.
 template <typename Picture>
 void takeSize(const Pixels& pixels, Picture& out) {
     constexpr double kLeastAspect = 1e-3, kMostAspect = 1e3;
@@ -122,7 +122,8 @@ FileDepth receivePictureDepth(int fd) {
     FileDepth out;
     out.problem = shortened(reader.text(), 2000);
     if (!out.problem.empty()) return out;
-    constexpr int kFarthest = 1 << 24;  // of a window's corner: sums of such numbers are far from any limit
+    // largest coordinate of a window's corner; sums of such numbers are far from any limit
+    constexpr int kFarthest = 1 << 24;
     const auto isPlace = [](int v) { return v > -kFarthest && v < kFarthest; };
     for (const int v : {windows.x0, windows.y0, windows.width, windows.height, windows.fullWidth, windows.fullHeight})
         if (!isPlace(v)) incompleteTransfer("its picture's windows are out of range");

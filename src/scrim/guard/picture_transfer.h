@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: hands over a picture that another process read (transfer_file.h).
+// Internal: transfers a picture that another process read (transfer_file.h).
 #pragma once
 
 #include <scrim/image/picture_module.h>
@@ -8,14 +8,14 @@ namespace scrim {
 
 /// Throws as TransferWriter.
 void sendPicture(int fd, const FilePicture& picture);
-/// The picture, or the one without pixels that says why. Throws as `receiveFields` (field_transfer.h).
+/// The picture, or one without pixels whose `problem` says why. Throws as `receiveFields` (field_transfer.h).
 FilePicture receivePicture(int fd);
 
-/// The same of a header.
+/// The same for a header.
 void sendPictureHeader(int fd, const PictureHeader& header);
 PictureHeader receivePictureHeader(int fd);
 
-/// The same of depths.
+/// The same for depths.
 void sendPictureDepth(int fd, const FileDepth& depth);
 FileDepth receivePictureDepth(int fd);
 

@@ -16,14 +16,14 @@ namespace scrim {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x3152464d49524353;  // "SCRIMFR1"
-constexpr std::uint64_t kAlignment = 64;              // a cache line, and more than any float needs
+constexpr std::uint64_t kAlignment = 64;              // a cache line, which is more than any float needs
 
 std::uint64_t alignedUp(std::uint64_t at) {
     return (at + kAlignment - 1) / kAlignment * kAlignment;
 }
 
-/// Children do this, too: behind their filter they cannot ask for limits. One may write no more than it may have of
-/// memory; the limit of the size of files may be less.
+/// Throws the error of a failed write. Children call this, too; behind their filter they cannot query limits. A child
+/// may write no more than its memory limit, and the limit on file sizes may be lower.
 [[noreturn]] void failedToWrite() {
     const int error = errno;
     if (error == EFBIG)
@@ -35,9 +35,9 @@ std::uint64_t alignedUp(std::uint64_t at) {
                 std::string("cannot hand over what was read: ") + std::strerror(error));
 }
 
-/// Of a file in some folder: neither a path nor a way out of that folder.
+/// True if `name` is a file name in some folder, neither a path nor a way out of the folder.
 bool isPlainName(const std::string& name) {
-    constexpr std::size_t kLongest = 255;  // of Linux' file systems
+    constexpr std::size_t kLongest = 255;  // the limit of Linux file systems
     return !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
            name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
 }
@@ -50,13 +50,14 @@ GridRequest requestFrom(const std::string& text) {
     }
 }
 
-/// Throws what was sent instead of the result.
+/// Throws the error that was sent instead of a result.
 [[noreturn]] void throwSent(const TransferHeader& header, TransferReader& reader) {
     const auto isKind = [&](ErrorKind kind) { return header.code == static_cast<std::uint32_t>(kind); };
-    // Of the others none is up to who reads a file.
+    // No other kind of error can be blamed on the user who reads a file.
     const ErrorKind kind = isKind(ErrorKind::memory)   ? ErrorKind::memory
                            : isKind(ErrorKind::render) ? ErrorKind::render
-                           // A child always has a limit of the size of files. What counts is that of this process.
+                           // A child always has a limit on file sizes; this process's own limit decides what the error
+                           // means.
                            : isKind(ErrorKind::output) ? (limitsFileSizes() ? ErrorKind::output : ErrorKind::memory)
                                                        : ErrorKind::input;
     const std::string problem = shortened(reader.text(), 2000);
@@ -107,7 +108,7 @@ void TransferWriter::finish(TransferHeader header, TransferKind kind) {
 }
 
 void TransferWriter::write(const void* data, std::uint64_t size, std::uint64_t at) const {
-    const char* from = static_cast<const char*>(data);  // null where size is 0
+    const char* from = static_cast<const char*>(data);  // may be null where size is 0
     while (size > 0) {
         const ssize_t done = ::pwrite(m_fd, from, size, static_cast<off_t>(at));
         if (done < 0 && errno == EINTR) continue;
@@ -121,8 +122,8 @@ void TransferWriter::write(const void* data, std::uint64_t size, std::uint64_t a
 TransferMapping::TransferMapping(int fd, Sender sender) {
     struct stat status {};
     if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) incompleteTransfer("it is not a regular file");
-    // A sender that shrank the file afterwards would make reads of the mapping crash. Only a memfd can be
-    // sealed; with other files the caller sees to it that the sender is gone.
+    // If the sender shrank the file later, reading the mapping would crash. Only a memfd can be sealed against that;
+    // with other files the caller must make sure that the sender is gone.
     if (sender == Sender::gone) (void)::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE);
     if (::fstat(fd, &status) != 0) incompleteTransfer(std::strerror(errno));
     m_size = std::size_t(status.st_size);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the file through which two processes hand over what one of them read (field_transfer.h,
-// picture_transfer.h). The sender writes everything and then the header, so that one that died half way leaves no valid
-// header. The receiver trusts nothing.
+// Internal: the file through which one process hands what it read to another (field_transfer.h, picture_transfer.h).
+// The sender writes the contents first and the header last, so that a sender that dies half-way leaves no valid header.
+// The receiver trusts nothing.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -26,42 +26,41 @@ enum class TransferKind : std::uint32_t {
     pictureDepth = 8,
 };
 
-/// What the file begins with; the content that `kind` means follows. An error's is its text and, of a GridError (which
-/// counts as one field), the text of its request, of a BesideError (which counts as a message) its name. Numbers are
-/// those of this machine: both ends are on it.
+/// The start of the file; the contents that `kind` stands for follow. An error consists of its text; a GridError
+/// (marked by `fields` = 1) adds the text of its request, a BesideError (marked by `messages` = 1) a file name. Numbers
+/// have this machine's byte order, because both ends run on it.
 struct TransferHeader {
     std::uint64_t magic = 0;
-    std::uint64_t bytes = 0;  ///< of the whole file
+    std::uint64_t bytes = 0;  ///< size of the whole file
     std::uint32_t kind = 0;
-    std::uint32_t code = 0;  ///< of an error: its kind
+    std::uint32_t code = 0;  ///< kind of an error
     std::uint64_t fields = 0;
     std::uint64_t messages = 0;
 };
 
-/// A file could not be read, perhaps for want of another in the same folder, which was asked for.
+/// A file could not be read, perhaps because a second file of the same folder is missing, which was asked for.
 class BesideError : public Error {
   public:
     BesideError(const Error& error, std::string name) : Error(error), m_name(std::move(name)) {}
-    /// Without a folder, once it was received.
+    /// The name of the second file, without a folder once it has been received.
     const std::string& name() const noexcept { return m_name; }
 
   private:
     std::string m_name;
 };
 
-/// Creates the descriptor to share: a memfd that is closed on exec (dup it for a child that
-/// execs), and not in the place of a standard stream that is closed. The caller closes it. Throws Error: memory,
-/// render.
+/// Creates the descriptor to share: a memfd that is closed on exec (dup it for a child that execs) and does not take
+/// the number of a closed standard stream. The caller closes it. Throws Error: memory, render.
 int createTransfer();
 
 /// Throws Error(input) "what was read is incomplete: ...".
 [[noreturn]] void incompleteTransfer(const std::string& reason);
 
-/// Throws Error(memory) where there is no space, Error(output) where files may not be as large, Error(render) where
-/// writing fails otherwise.
+/// Throws Error(memory) where there is no space, Error(output) where the limit on file sizes is reached, Error(render)
+/// where writing fails otherwise.
 class TransferWriter {
   public:
-    /// Invalidates whatever the file held.
+    /// Invalidates the former contents of the file.
     explicit TransferWriter(int fd);
 
     void bytes(const void* data, std::uint64_t size);
@@ -70,9 +69,9 @@ class TransferWriter {
         bytes(&v, sizeof v);
     }
     void text(const std::string& s);
-    /// Goes on at a place where any float may stand.
+    /// Skips to a position aligned for any float.
     void align();
-    /// Last of all. Fills in what is the same for all.
+    /// Writes the header; must be called last. Fills in its common members.
     void finish(TransferHeader header, TransferKind kind);
 
   private:
@@ -82,7 +81,7 @@ class TransferWriter {
     std::uint64_t m_at = sizeof(TransferHeader);
 };
 
-/// The received file, mapped for reading for as long as someone holds on to it.
+/// The received file, mapped for reading as long as this object lives.
 class TransferMapping {
   public:
     enum class Sender { gone, trusted };
@@ -99,14 +98,14 @@ class TransferMapping {
     std::size_t m_size = 0;
 };
 
-/// Reads one thing after the other. Throws as `incompleteTransfer` where the file ends before.
+/// Reads one item after another. Throws as `incompleteTransfer` where the file ends too early.
 class TransferReader {
   public:
     explicit TransferReader(const TransferMapping& mapping) : m_bytes(mapping.bytes()) {}
 
-    /// First of all. Throws the Error that was sent instead, if one was.
+    /// Reads the header; must be called first. Throws the Error that was sent instead, if there is one.
     TransferHeader header(TransferKind expected);
-    /// The next `count` records of `size` bytes.
+    /// Returns the next `count` records of `size` bytes each.
     const char* take(std::uint64_t count, std::uint64_t size);
     template <typename T>
     T value() {

@@ -31,7 +31,7 @@ OCIO::TransformRcPtr sequence(const std::vector<OCIO::TransformRcPtr>& steps) {
     return group;
 }
 
-/// The decoding of IEC 61966-2-1. OpenColorIO 2.1 has no built-in style for the curve alone.
+/// The decoding curve of IEC 61966-2-1. OpenColorIO 2.1 has no built-in style for the curve alone.
 OCIO::TransformRcPtr srgbDecode() {
     constexpr double kExponent[4] = {2.4, 2.4, 2.4, 1.0};
     constexpr double kOffset[4] = {0.055, 0.055, 0.055, 0.0};

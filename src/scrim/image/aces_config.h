@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Scrim's own OpenColorIO config, for who has none: the few ACES spaces a renderer needs, built in memory
-// from OpenColorIO's built-in transforms, so that no look-up file has to be installed or found. Its
-// construction is a recipe of its own, apart from how any config is used (colour.h).
+// Scrim's own OpenColorIO config for users who have none: the few ACES spaces that a renderer needs, built in memory
+// from OpenColorIO's built-in transforms, so that no look-up file has to be installed or found. Making the config is
+// separate from using any config (colour.h).
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace scrim {
 ///   Spaces    ACEScg (scene_linear, rendering), ACES2065-1 (aces_interchange), "Linear Rec.709 (sRGB)",
 ///             "sRGB - Texture", "Raw" (data), "CIE-XYZ-D65", "sRGB - Display".
 ///   Display   "sRGB" with the views "ACES 1.0 SDR" (default), "Un-tone-mapped", "Raw".
-/// Throws OpenColorIO's exceptions should the library lack a built-in transform.
+/// Throws OpenColorIO's exceptions if the library lacks a built-in transform.
 std::string acesConfigText();
 
 }  // namespace scrim

@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kFirstWavelength = 380, kWavelengthStep = 10;  // nm
 
-/// The CIE's colour-matching functions of the 1931 observer (publication 15), every 10 nm. Spectra of black bodies
-/// are smooth: chromaticities are good to 1e-4. (The fit by Gaussians of Wyman, Sloan and Shirley, JCGT 2013, misses
+/// The CIE's colour-matching functions of the 1931 observer (publication 15), every 10 nm. Spectra of blackbodies are
+/// smooth, so chromaticities are accurate to 1e-4. (The fit by Gaussians of Wyman, Sloan and Shirley, JCGT 2013, is off
 /// by 0.005 at 1500 K, and by 0.011 at 1000 K, where fire glows.)
 constexpr double kObserver[][3] = {
     {0.001368, 0.000039, 0.006450}, {0.004243, 0.000120, 0.020050}, {0.014310, 0.000396, 0.067850},
@@ -39,11 +39,12 @@ constexpr double kObserver[][3] = {
 
 constexpr double kSecondRadiation = 1.438776877e7;   // hc/k in nm K, CODATA 2018
 constexpr double kStefanBoltzmann = 5.670374419e-8;  // W / (m^2 K^4), CODATA 2018
-constexpr double kMegawatts = 1e-6;                  // a watt
-constexpr double kCoolestPoint = 100;                // Kelvin: below, a straight line to 0 does
-constexpr double kGrowth = 1.015;                    // from point to point: T^4 bends by 1.5 (kGrowth - 1)^2 of itself
+constexpr double kMegawatts = 1e-6;                  // per watt
+constexpr double kCoolestPoint = 100;                // Kelvin; below, a straight line to 0 suffices
+// ratio of successive points; between them T^4 deviates by 1.5 (kGrowth - 1)^2 of itself
+constexpr double kGrowth = 1.015;
 
-/// IEC 61966-2-1, from its primaries and its white (0.3127, 0.3290).
+/// IEC 61966-2-1, computed from its primaries and its white (0.3127, 0.3290).
 Mat3 rec709FromXyz() {
     return glm::transpose(Mat3(3.2409699419, -1.5373831776, -0.4986107603,  //
                                -0.9692436363, 1.8759675015, 0.0415550574,   //
@@ -59,7 +60,7 @@ Mat3 ap0FromRec709() {
 
 Mat3 workingFromRec709(const ColourConfig& config) {
     if (config.hasSpace("lin_rec709")) return config.workingFrom("lin_rec709");
-    for (const char* ap0 : {"ACES2065-1", "aces_interchange"})  // a space, a role
+    for (const char* ap0 : {"ACES2065-1", "aces_interchange"})  // a space and a role
         if (config.hasSpace(ap0)) return config.workingFrom(ap0) * ap0FromRec709();
     throw Error(ErrorKind::input, fmt::format("the OpenColorIO config '{}' has neither linear Rec.709 nor ACES2065-1; "
                                               "expected one of them, from which the colours of black bodies come",
@@ -73,7 +74,7 @@ Vec3 blackbodyXyz(double kelvin) {
     Vec3 xyz(0);
     double wavelength = kFirstWavelength;
     for (const auto& observer : kObserver) {
-        // Planck's law but for a factor; relative to 560 nm to keep numbers near 1.
+        // Planck's law up to a factor; relative to 560 nm, so that numbers stay near 1.
         const double planck = std::pow(560 / wavelength, 5) / std::expm1(kSecondRadiation / (wavelength * t));
         xyz += planck * Vec3(observer[0], observer[1], observer[2]);
         wavelength += kWavelengthStep;
@@ -101,8 +102,8 @@ std::vector<std::pair<double, Rgb>> Blackbody::ramp(double scale, double offset,
     const auto add = [&](double kelvin) {
         points.emplace_back((kelvin - offset) / scale, colour(kelvin) * (normalize ? 1.0 : blackbodyRadiance(kelvin)));
     };
-    // Light of luminance 1 goes on within one Kelvin above 0, or before 0 where the smallest grid values lie there:
-    // they have their colour.
+    // The ramp rises from black to the first colour within one Kelvin: above 0 Kelvin, or lower where grid value 0 lies
+    // at 0 to 1 Kelvin, since that value must have its colour.
     const double dark = offset < 0 ? 0 : std::min(0.0, offset - 1);
     points.emplace_back((dark - offset) / scale, Rgb(0));
     add(dark + 1);
@@ -112,7 +113,7 @@ std::vector<std::pair<double, Rgb>> Blackbody::ramp(double scale, double offset,
         for (double step = 1; step < steps; ++step) add(from * std::pow(to / from, step / steps));
         add(to);
     };
-    addUpTo(kCoolestPoint, kCoolestColour);  // where chromaticity begins to change there is a kink
+    addUpTo(kCoolestPoint, kCoolestColour);  // chromaticity starts to change here, which makes a kink
     addUpTo(kCoolestColour, kHottestColour);
     return points;
 }

@@ -27,28 +27,28 @@ struct ColourConfig::Opened {
     std::string name;
     std::string workingSpace;
 
-    /// What an error says to tell which config is meant.
+    /// The config's name in error messages.
     std::string described() const { return fmt::format("the OpenColorIO config '{}'", name); }
 };
 
 namespace {
 
-/// Pixels a task converts: at about 0.1 us a pixel some 2 ms, and independent of the number of threads.
+/// Pixels converted per task: some 2 ms at about 0.1 us per pixel. Independent of the number of threads.
 constexpr std::size_t kPixelsPerTask = 16384;
 
-/// Runs `call` and turns what OpenColorIO throws into an Error that begins with `what`.
+/// Runs `call` and turns OpenColorIO's exceptions into an Error that begins with `what`.
 template <typename Call>
 auto translated(const std::string& what, const Call& call) {
     try {
         return call();
     } catch (const OCIO::Exception& exception) {
-        // It wraps whatever is thrown.
+        // OpenColorIO wraps exceptions of any type.
         if (std::string_view(exception.what()).find("bad_alloc") != std::string_view::npos) throw std::bad_alloc();
         throw Error(ErrorKind::input, fmt::format("{}: {}", what, shortened(exception.what())));
     }
 }
 
-/// Applies `processor` to the colour of `count` RGBA pixels; alpha is not even shown to it.
+/// Applies `processor` to the colour of `count` RGBA pixels, without touching alpha.
 void applyToColour(const OCIO::CPUProcessor& processor, float* rgba, std::size_t count) {
     constexpr std::ptrdiff_t kChannelBytes = sizeof(float);
     constexpr std::ptrdiff_t kPixelBytes = 4 * kChannelBytes;
@@ -67,24 +67,24 @@ void forPixelRuns(std::size_t pixelCount, const std::function<void(std::size_t, 
 }
 
 std::uint8_t toByte(float value) {
-    if (!(value > 0.0f)) return 0;  // NaN too
+    if (!(value > 0.0f)) return 0;  // also NaN
     return static_cast<std::uint8_t>(std::lround(std::min(value, 1.0f) * 255.0f));
 }
 
-/// In [0, 1), spread evenly over the neighbours of every pixel without a pattern that shows: the additive recurrence
-/// on the plastic number (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"). Of a picture's
-/// place alone, so that it stands still from frame to frame and crops fit together.
+/// A dither value in [0, 1). Values are spread evenly over the neighbours of every pixel without a visible pattern: an
+/// additive recurrence on the plastic number (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+/// It depends on the position alone, so the pattern is the same in all frames and crops fit together.
 double ditherAt(int x, int y) {
     constexpr double kX = 0.7548776662466927, kY = 0.5698402909980532;
     const double v = kX * x + kY * y;
     return v - std::floor(v);
 }
 
-/// Rounded up in as many neighbouring pixels as the value is nearer to the larger byte, so that their mean is right.
-/// What is a byte already, to a part in 512, stays.
+/// Rounds up in a fraction of neighbouring pixels that makes their mean right. A value within 1/512 of a byte is not
+/// dithered.
 std::uint8_t toDitheredByte(float value, double dither) {
     constexpr double kKept = 1.0 / 512;
-    if (!(value > 0.0f)) return 0;  // NaN too
+    if (!(value > 0.0f)) return 0;  // also NaN
     const double steps = double(std::min(value, 1.0f)) * 255;
     return static_cast<std::uint8_t>(std::floor(steps + kKept + (1 - 2 * kKept) * dither));
 }
@@ -95,7 +95,7 @@ OCIO::ConstConfigRcPtr readConfig(const std::string& file, bool fromEnvironment)
                       [&] { return OCIO::Config::CreateFromFile(file.c_str()); });
 }
 
-/// The entry of `names` equal to `name` but for letter case, or an Error that lists them.
+/// The entry of `names` that equals `name` up to letter case. Throws an Error that lists them where there is none.
 std::string chosen(const std::vector<std::string>& names, const std::string& name, const std::string& problem) {
     for (const std::string& candidate : names)
         if (equalIgnoringCase(candidate, name)) return candidate;
@@ -150,7 +150,7 @@ std::vector<std::string> ColourConfig::spaceNames() const {
 
 namespace {
 
-/// The config's name of the space `name` stands for; empty where there is none.
+/// The config's name of the space that `name` means; empty where there is none.
 std::string findSpace(const OCIO::Config& config, const std::string& name) {
     if (const OCIO::ConstColorSpaceRcPtr space = config.getColorSpace(name.c_str())) return space->getName();
     if (const KnownSpace* known = findKnownSpace(name))
@@ -186,7 +186,7 @@ Rgb ColourConfig::toWorking(const Rgb& colour, const std::string& space) const {
 
 Mat3 ColourConfig::workingFrom(const std::string& space) const {
     const Mat3 matrix(toWorking({1, 0, 0}, space), toWorking({0, 1, 0}, space), toWorking({0, 0, 1}, space));
-    // Encodings often keep 0 and 1; what lies between and beyond tells. Single precision misses by far less.
+    // Encodings often preserve 0 and 1, so other values are tested. Single precision causes far smaller deviations.
     constexpr double kRounding = 1e-4;
     const Rgb probe(0.25, 0.5, 0.125);
     for (const double scale : {1.0, 16.0}) {

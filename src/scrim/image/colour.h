@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Colour management: which spaces and views there are, and converting colours and pictures between them.
-// OpenColorIO stays behind this header, so that the rest of Scrim deals in names and numbers only. One class,
-// because every question is answered by the one config that was opened.
+// Colour management: which spaces and views exist, and conversion of colours and pictures between them. OpenColorIO
+// stays behind this header, so that the rest of Scrim uses names and numbers only. There is one class, because the one
+// opened config answers every question.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -14,68 +14,67 @@
 
 namespace scrim {
 
-/// A picture ready for a display: 8-bit RGBA, rows from top to bottom, 4 bytes a pixel. Colour is
-/// display-encoded and already composited over black; alpha is the picture's own coverage and must not be
-/// applied again.
+/// A picture ready for a display: 8-bit RGBA, rows from top to bottom, 4 bytes per pixel. Colour is display-encoded and
+/// already composited over black; alpha is the picture's own coverage and must not be applied again.
 struct DisplayImage {
     PixelWindow window;
     std::vector<std::uint8_t> rgba;
 };
 
-/// An opened OpenColorIO config. Cheap to copy; its const members may be called from any number of threads.
-/// Names of spaces, displays and views are matched without regard to letter case. All errors are Errors of
-/// kind `input`, for a missing look-up file too.
+/// An opened OpenColorIO config. It is cheap to copy, and its const members may be called from any number of threads.
+/// Names of spaces, displays and views are matched without regard to letter case. All errors are Errors of kind
+/// `input`, also for a missing look-up file.
 class ColourConfig {
   public:
-    /// The config in `ocioFile` (from --ocio); where that is empty the one $OCIO names; where that is unset
-    /// or empty Scrim's own ACES config. Throws where a config cannot be read or has no scene_linear role:
-    /// Scrim never falls back to raw values.
+    /// Opens the config in `ocioFile` (from --ocio); if that is empty, the one that $OCIO names; if that is unset or
+    /// empty, Scrim's own ACES config. Throws where a config cannot be read or has no scene_linear role: Scrim never
+    /// falls back to raw values.
     static ColourConfig open(const std::string& ocioFile);
 
-    /// Where the config comes from: its path, or "scrim-aces".
+    /// The origin of the config: its path, or "scrim-aces".
     const std::string& name() const;
 
-    /// The space renders are computed in: the config's scene_linear role.
+    /// The space in which renders are computed: the config's scene_linear role.
     const std::string& workingSpace() const;
 
-    /// True where `resolve(name)` would succeed.
+    /// True if `resolve(name)` would succeed.
     bool hasSpace(const std::string& name) const;
 
-    /// The active spaces of the config in its order, the scene-referred ones first.
+    /// The config's active spaces in its order, the scene-referred ones first.
     std::vector<std::string> spaceNames() const;
 
-    /// The config's own name of the space `name` stands for: a space, a role, an alias, or any other name of
-    /// a space known to Scrim (known_spaces.h) that the config has under one of its names. Throws otherwise.
+    /// The config's own name of the space that `name` means: a space, a role, an alias, or any other name of a space
+    /// known to Scrim (known_spaces.h) that the config has under one of its names. Throws for any other name.
     std::string resolve(const std::string& name) const;
 
-    /// `colour`, given in `space`, in the working space.
+    /// Converts `colour` from `space` to the working space.
     Rgb toWorking(const Rgb& colour, const std::string& space) const;
 
-    /// The same for all colours at once, as a matrix. Throws where `space` is not linear.
+    /// The same conversion for all colours as a matrix. Throws where `space` is not linear.
     Mat3 workingFrom(const std::string& space) const;
 
-    /// Converts the colour of `image` in place and in parallel. Alpha is left alone, and so is
-    /// premultiplication: a linear conversion commutes with it; one to or from an encoded space is applied to
-    /// the premultiplied values as they are, that is, to the picture over black.
+    /// Converts the colour of `image` in place and in parallel. Alpha stays unchanged, and colours stay premultiplied:
+    /// a linear conversion commutes with that, and one to or from an encoded space is applied to the premultiplied
+    /// values, that is, to the picture over black.
     void convert(Image& image, const std::string& fromSpace, const std::string& toSpace) const;
 
-    /// `working` (premultiplied, in the working space) through a view of a display: the transform is applied
-    /// to the premultiplied colour, clamped to [0, 1] and rounded to 8 bits, by a pattern that stands still, so
-    /// that the mean of neighbours is right and slow gradients show no bands; NaN becomes 0. In parallel. An
-    /// empty `display` or `view` stands for the default. Throws on an unknown one.
+    /// Shows `working` (premultiplied, in the working space) through a view of a display. The transform is applied to
+    /// the premultiplied colour, which is then clamped to [0, 1] and rounded to 8 bits. A fixed dither pattern keeps
+    /// the mean of neighbouring pixels right, so that slow gradients show no bands. NaN becomes 0. Runs in parallel. An
+    /// empty `display` or `view` stands for the default. Throws for an unknown one.
     DisplayImage displayImage(const Image& working, const std::string& display, const std::string& view) const;
 
-    /// The active displays, and the active views of one; the defaults are the config's.
+    /// The active displays, the active views of a display, and the config's defaults.
     std::vector<std::string> displays() const;
     std::vector<std::string> views(const std::string& display) const;
     std::string defaultDisplay() const;
     std::string defaultView(const std::string& display) const;
 
-    /// The Color Interop Forum's identifier ("lin_ap1_scene" for ACEScg) of the space, judged by its name and
-    /// aliases in the config; "data" for data; empty where it is not known. Throws on an unknown space.
+    /// The Color Interop Forum's identifier of the space ("lin_ap1_scene" for ACEScg), judged by its name and aliases
+    /// in the config; "data" for data; empty where it is not known. Throws for an unknown space.
     std::string interopId(const std::string& space) const;
 
-    /// True where `space` is ACES2065-1, the only space an ACES container may hold.
+    /// True if `space` is ACES2065-1, the only space that an ACES container may hold.
     bool isAces2065(const std::string& space) const;
 
   private:

@@ -13,8 +13,9 @@ Shown asDouble(const std::array<float, 4>& shown) {
     return {shown[0], shown[1], shown[2], shown[3]};
 }
 
-// How what a piece adds is spread over its length: of its opacity a the first part x holds (1 - (1 - a)^x) / a, and of
-// its colour the same. A piece that is opaque would be so from its beginning: it is taken for one of a little less.
+// Distributes a piece's contribution over its length: of its opacity a, the first fraction x of the length contributes
+// (1 - (1 - a)^x) / a, and the same fraction of its colour. An opaque piece would be opaque from its beginning; it is
+// treated as one of slightly less.
 class Between {
   public:
     Between(const Shown& before, const Shown& after) : m_before(before), m_after(after) {
@@ -32,12 +33,12 @@ class Between {
     }
 
   private:
-    static constexpr double kLeastOpaque = 1e-7;  // below it the curve bends by less than a float shows
+    static constexpr double kLeastOpaque = 1e-7;  // below it the curvature is lost in float rounding
     Shown m_before, m_after;
     double m_alpha = 0, m_decay = 0;
 };
 
-// Reads a curve at depths that do not descend.
+// Evaluates a curve at depths that do not decrease.
 class CurveReader {
   public:
     explicit CurveReader(std::span<const DeepPiece> curve) : m_curve(curve) {}
@@ -66,8 +67,8 @@ bool near(const Shown& a, const Shown& b, const Tolerances& tolerances) {
     return std::abs(a[3] - b[3]) <= tolerances.alpha;
 }
 
-// Whether one piece can stand for pieces [first, last]: it is looked at wherever one of them begins or ends, and first
-// in the middle, where it most likely fails.
+// True if one piece can replace the pieces [first, last] within the tolerances. This is tested wherever one of them
+// begins or ends, starting in the middle, where it most likely fails.
 bool standsFor(const DeepCurve& curve, std::size_t first, std::size_t last, const Tolerances& tolerances) {
     const Between between(first > 0 ? asDouble(curve[first - 1].shown) : Shown{}, asDouble(curve[last].shown));
     const double begin = curve[first].begin, scale = 1 / (curve[last].end - begin);
@@ -122,7 +123,7 @@ DeepCurve merged(const DeepCurve& curve, double tolerance) {
     const Tolerances tolerances{tolerance * std::max({all[0], all[1], all[2]}), tolerance};
     DeepCurve out;
     for (std::size_t first = 0; first < curve.size();) {
-        // The run is doubled as long as one piece stands for it, and then lengthened by ever smaller steps.
+        // The run is doubled as long as one piece can replace it, and then extended by ever smaller steps.
         std::size_t last = first, step = 1;
         for (; last + step < curve.size() && standsFor(curve, first, last + step, tolerances); step *= 2) last += step;
         for (; step > 0; step /= 2)
@@ -134,7 +135,7 @@ DeepCurve merged(const DeepCurve& curve, double tolerance) {
 }
 
 DeepCurve tidied(const DeepCurve& curve) {
-    // Of what lies behind so little transmittance nothing can be told apart: alpha has 24 bits.
+    // Behind so little transmittance nothing can be distinguished: alpha has 24 bits.
     constexpr float kOpaque = 1 - 1e-4f;
     DeepCurve out;
     for (DeepPiece piece : curve) {

@@ -11,30 +11,30 @@ using Piece = DepthPicture::Piece;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// The mean of e^-s over [0, x].
+// The mean of e^-s over s in [0, x].
 double meanLeft(double x) {
     return x < 1e-8 ? 1 - 0.5 * x : -std::expm1(-x) / x;
 }
 
-// Where pieces overlap their optical depths add up, so a pixel is what its events come to: volumes that begin and end,
-// and surfaces.
+// Optical depths add up where pieces overlap. A pixel is therefore computed from events: beginnings and ends of
+// volumes, and surfaces.
 struct Event {
     float depth;
-    double density;  // of a volume, more from here on; of its end less
-    double tau;      // of a surface
-    int volumes;     // 1: one begins; -1: one ends; 0: a surface
+    double density;  // increase of extinction at the beginning of a volume; negative at its end
+    double tau;      // optical depth of a surface
+    int volumes;     // 1: a volume begins; -1: one ends; 0: a surface
 };
 
 bool isThere(float depth, double background) {
-    return depth > 0 && depth < background;  // and no NaN
+    return depth > 0 && depth < background;  // false for NaN, too
 }
 
-// From samples (z, zBack, alpha) in any order.
+// Collects events from samples (z, zBack, alpha) in any order.
 void addEvents(std::span<const float> samples, double background, std::vector<Event>& events) {
     for (std::size_t i = 0; i + 2 < samples.size(); i += 3) {
         const float z = samples[i], back = samples[i + 1], alpha = samples[i + 2];
         if (!isThere(z, background) || !(alpha > 0)) continue;
-        // What is opaque is so from its begin on: of (1 - 1)^x nothing is left for any x.
+        // An opaque sample is opaque from its beginning on: (1 - 1)^x is 0 for any x > 0.
         const double tau = alpha < 1 ? -std::log1p(-double(alpha)) : kInfinity;
         if (alpha < 1 && back > z && std::isfinite(back)) {
             const double density = tau / (double(back) - double(z));
@@ -62,7 +62,7 @@ void addPieces(const std::vector<Event>& events, DepthPicture& out) {
         at = event.depth;
         density += event.density;
         volumes += event.volumes;
-        if (volumes == 0) density = 0;  // and not what rounding has left of it
+        if (volumes == 0) density = 0;  // without the residue of rounding
         if (event.volumes == 0) add(at, event.tau);
         if (before == kInfinity) return;
     }
@@ -83,7 +83,7 @@ double opaqueFrom(DepthPicture::Pieces pieces) {
 
 double seenShare(DepthPicture::Pieces pieces, double near, double far, double tau) {
     auto piece = std::partition_point(pieces.begin(), pieces.end(), [&](const Piece& p) { return p.end < near; });
-    double before = 0;  // optical depth of pieces
+    double before = 0;  // optical depth of the pieces so far
     if (piece != pieces.end())
         before = piece->before;
     else if (!pieces.empty())
@@ -91,7 +91,7 @@ double seenShare(DepthPicture::Pieces pieces, double near, double far, double ta
     const double length = far - near;
     if (!(length > 0) || piece == pieces.end() || piece->begin >= far) return std::exp(-before);
     double sum = 0, at = near;
-    // Over [at, to), where pieces have `density`.
+    // Adds a piece over [at, to) of the extinction `density`.
     const auto add = [&](double to, double density) {
         const double way = to - at;
         if (!(way > 0)) return;

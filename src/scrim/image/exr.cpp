@@ -21,7 +21,7 @@ namespace scrim {
 
 namespace {
 
-/// All that can be wrong with the arguments of writeExr, before anything is written.
+/// Checks all arguments of writeExr before anything is written.
 void checkArguments(const std::string& path, const Image& image, const ExrOptions& options,
                     const std::vector<ExrLayer>& layers) {
     const auto refuse = [&path](const std::string& why) {
@@ -48,8 +48,8 @@ void checkArguments(const std::string& path, const Image& image, const ExrOption
     }
 }
 
-/// The channels of one file: float channels are read where the caller has them, half ones from converted
-/// copies that live here.
+/// The channels of one file. Float channels are written directly from the caller's memory, half ones from converted
+/// copies that this object owns.
 class ChannelSet {
   public:
     ChannelSet(const PixelWindow& imageWindow, const PixelWindow& dataWindow)
@@ -81,7 +81,7 @@ class ChannelSet {
     std::size_t clampedCount() const { return m_clamped; }
 
   private:
-    /// Pixels from the image window's first one to the data window's.
+    /// The number of pixels from the first pixel of the image window to that of the data window.
     std::size_t cornerOffset() const {
         return std::size_t(m_dataWindow.y0 - m_imageWindow.y0) * std::size_t(m_imageWindow.width()) +
                std::size_t(m_dataWindow.x0 - m_imageWindow.x0);
@@ -101,7 +101,8 @@ class ChannelSet {
     PixelWindow m_imageWindow;
     PixelWindow m_dataWindow;
     Imf::FrameBuffer m_frame;
-    std::deque<std::vector<half>> m_halves;  // a deque: growing must not move what the frame points to
+    // a deque, since growing must not move data that the frame buffer points to
+    std::deque<std::vector<half>> m_halves;
     std::size_t m_clamped = 0;
 };
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Flat OpenEXR files out: the beauty, further layers, and what a pipeline wants to know about them. OpenEXR
-// stays behind this header. Reading, which only tests and tools need, is in exr_read.h.
+// Writes flat OpenEXR files: the beauty, further layers, and metadata for a pipeline. OpenEXR stays behind this header.
+// Reading, which only tests and tools need, is in exr_read.h.
 #pragma once
 
 #include <scrim/image/image.h>
@@ -16,20 +16,20 @@
 namespace scrim {
 
 struct ExrOptions {
-    bool half = true;                 ///< 16-bit channels, or else 32-bit
+    bool half = true;                 ///< 16-bit channels, else 32-bit
     std::string compression = "zip";  ///< one of exrCompressions(); an ACES container is never compressed
-    PixelWindow displayWindow;        ///< the full frame; must not be empty
+    PixelWindow displayWindow;        ///< the whole picture; must not be empty
     double pixelAspect = 1.0;         ///< width / height of a pixel
-    std::string colorInteropId;       ///< value of the attribute colorInteropID; none where empty
-    /// Write an ACES container (SMPTE ST 2065-4): RGBA in ACES2065-1, half, not compressed whatever
-    /// `compression` says, with acesImageContainerFlag and the chromaticities of AP0. It takes no layers.
-    /// No other file gets chromaticities.
+    std::string colorInteropId;       ///< value of the attribute colorInteropID; empty: no attribute
+    /// Writes an ACES container (SMPTE ST 2065-4): RGBA in ACES2065-1, half, without compression whatever `compression`
+    /// says, with acesImageContainerFlag and the chromaticities of AP0. It takes no layers. No other file gets
+    /// chromaticities.
     bool acesContainer = false;
-    /// The data window is the whole image, empty or not: for layers that are not 0 where nothing is.
+    /// The data window is the whole image, even where it is empty: for layers that are not 0 in empty space.
     bool wholeWindow = false;
 };
 
-/// A rational number of frames a second.
+/// A rational number of frames per second.
 struct FrameRate {
     int numerator = 24;
     unsigned denominator = 1;
@@ -39,32 +39,31 @@ struct FrameRate {
 /// The exact rate behind a rounded one: 23.976 is 24000/1001.
 FrameRate exactFrameRate(double framesPerSecond);
 
-/// What an attribute may hold: text, a float (doubles are rounded, as readers expect floats), an integer, a
+/// The values that an attribute may hold: text, a float (doubles are rounded, as readers expect floats), an integer, a
 /// 4x4 matrix in GLM's convention for column vectors (the file gets EXR's, for row vectors), a frame rate.
 using ExrAttribute = std::variant<std::string, double, int, glm::dmat4, FrameRate>;
 using ExrAttributes = std::vector<std::pair<std::string, ExrAttribute>>;
 
-/// Further channels over the same window as the image.
+/// Further channels with the same window as the image.
 struct ExrLayer {
     std::vector<std::string> channels;  ///< full names, "light.key.R" or "Z"
-    std::vector<float> data;            ///< channels.size() floats a pixel, interleaved, rows top to bottom
-    bool always32bit = false;           ///< 32-bit even where the file is half (depth)
+    std::vector<float> data;            ///< channels.size() floats per pixel, interleaved, rows from top to bottom
+    bool always32bit = false;           ///< 32-bit even in files of half (depth)
 };
 
-/// The values `ExrOptions::compression` may have: zip, zips, piz, dwaa (level 45), none.
+/// The values that `ExrOptions::compression` may have: zip, zips, piz, dwaa (level 45), none.
 const std::vector<std::string>& exrCompressions();
 
-/// Writes a scanline file with the channels R, G, B, A and those of `layers`. The data window is the smallest
-/// one around what is not empty in `image` (nonEmptyWindow); layers are cropped to it, and to readers all
-/// channels are 0 outside. In half channels values beyond +-65504, infinities too, are clamped to that; NaN
-/// stays NaN. Compresses on up to threadCount() threads of OpenEXR's pool (see setExrThreads). The file
-/// appears whole or not at all. Returns the number of clamped values, which a caller should warn about.
-/// Throws an Error, of kind `usage` where the arguments do not fit together, of kind `output` where the file
-/// cannot be written.
+/// Writes a scanline file with the channels R, G, B, A and those of `layers`. The data window is the smallest one
+/// around everything that is not empty in `image` (nonEmptyWindow). Layers are cropped to it, and readers see 0 in all
+/// channels outside of it. In half channels, values beyond +-65504, including infinities, are clamped to that; NaN
+/// stays NaN. Compresses on up to threadCount() threads of OpenEXR's pool (see setExrThreads). The file appears
+/// completely or not at all. Returns the number of clamped values, which a caller should warn about. Throws an Error,
+/// of kind `usage` where the arguments contradict each other, of kind `output` where the file cannot be written.
 std::size_t writeExr(const std::string& path, const Image& image, const ExrOptions& options,
                      const ExrAttributes& attributes = {}, const std::vector<ExrLayer>& layers = {});
 
-/// Sizes OpenEXR's process-wide thread pool; it starts with none, and then files are compressed on the
+/// Sets the size of OpenEXR's process-wide thread pool. It starts with no threads, and files are then compressed on the
 /// calling thread. For programs: a library should not decide this for its host.
 void setExrThreads(int threads);
 

@@ -20,8 +20,8 @@ namespace {
 
 constexpr int kRowsAtATime = 32;
 
-// What lies behind less transmittance than this is not told apart from what hides it: half floats have no alpha
-// between 1 - 2^-11 and 1.
+// Transmittance below which samples are merged into the one in front: half floats have no alpha between 1 - 2^-11 and
+// 1.
 constexpr double kOpaqueHalf = 1.0 / 2048, kOpaqueFloat = 1e-6;
 
 PixelWindow windowOfSamples(const DeepImage& image) {
@@ -37,7 +37,7 @@ PixelWindow windowOfSamples(const DeepImage& image) {
     return {image.window.x0, image.window.y0, image.window.x0 + 1, image.window.y0 + 1};
 }
 
-/// Some rows of the data window, as OpenEXR takes them.
+/// Some rows of the data window in OpenEXR's form.
 class Rows {
   public:
     Rows(const PixelWindow& window, bool asHalf) : m_window(window), m_half(asHalf) {
@@ -58,7 +58,7 @@ class Rows {
         for (const std::size_t count : clamped) m_clamped += count;
     }
 
-    /// For rows from y0 on.
+    /// The frame buffer for the rows from y0 on.
     Imf::DeepFrameBuffer frame(int y0) const {
         Imf::DeepFrameBuffer frame;
         const auto width = std::size_t(m_window.width());
@@ -67,7 +67,7 @@ class Rows {
             using Value = std::remove_cvref_t<decltype(values[0])>;
             const auto address =
                 reinterpret_cast<std::uintptr_t>(values.data()) - static_cast<std::uintptr_t>(first) * sizeof(Value);
-            return reinterpret_cast<char*>(address);  // of pixel (0, 0), which need not be there
+            return reinterpret_cast<char*>(address);  // address of pixel (0, 0), which need not exist
         };
         frame.insertSampleCountSlice(Imf::Slice(Imf::UINT, base(m_counts), sizeof(unsigned), sizeof(unsigned) * width));
         for (std::size_t c = 0; c < kNames.size(); ++c) {
@@ -135,12 +135,13 @@ std::vector<DeepSample> deepSamples(std::span<const DeepPiece> curve, bool asHal
     double left = 1;
     for (std::size_t i = 0; i < curve.size() && left > 0; ++i) {
         DeepSample& sample = samples.emplace_back(DeepSample{curve[i].begin, curve[i].end, {}});
-        // What hides all but a rest that cannot be told apart takes what lies behind it, too.
+        // A sample that leaves less transmittance than can be distinguished takes over everything behind it, too.
         const bool last = i + 1 == curve.size() || 1 - double(curve[i].shown[3]) <= opaque * left;
         const std::array<float, 4>& to = last ? curve.back().shown : curve[i].shown;
         for (std::size_t c = 0; c < 3; ++c) {
             const double colour = (to[c] - shown[c]) / left;
-            // Where the sample before was rounded up by more than this one adds, it adds nothing, and the next less.
+            // Where the preceding sample was rounded up by more than this one adds, this one adds nothing, and the next
+            // one less.
             const bool grows = to[c] >= (i > 0 ? curve[i - 1].shown[c] : 0);
             sample.rgba[c] = rounded(grows ? std::max(0.0, colour) : colour);
             shown[c] += left * sample.rgba[c];

@@ -16,7 +16,7 @@ namespace scrim {
 
 namespace {
 
-constexpr float kDwaLevel = 45.0f;  // OpenEXR's own default, written down since it decides what is lost
+constexpr float kDwaLevel = 45.0f;  // OpenEXR's own default, written down because it decides the loss
 
 /// AP0: SMPTE ST 2065-1, table 1, with the white point of ACES (about D60).
 const Imf::Chromaticities kAp0({0.73470f, 0.26530f}, {0.0f, 1.0f}, {0.00010f, -0.07700f}, {0.32168f, 0.33767f});
@@ -29,7 +29,7 @@ struct InsertAttribute {
     void operator()(double value) const { header.insert(name, Imf::FloatAttribute(static_cast<float>(value))); }
     void operator()(int value) const { header.insert(name, Imf::IntAttribute(value)); }
     void operator()(const glm::dmat4& matrix) const {
-        // GLM's [column][row] of a matrix for column vectors is EXR's [row][column] of one for row vectors.
+        // GLM's [column][row] of a matrix for column vectors equals EXR's [row][column] of one for row vectors.
         Imath::M44f rows;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) rows[i][j] = static_cast<float>(matrix[i][j]);
@@ -43,7 +43,7 @@ struct InsertAttribute {
 }  // namespace
 
 CheckedStream::CheckedStream(const std::string& path) : Imf::OStream(path.c_str()) {
-    errno = 0;  // so that `check` sees no older one
+    errno = 0;  // so that `check` does not see an older error
     m_file.open(path, std::ios::binary | std::ios::trunc);
     check();
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What flat and deep OpenEXR files have in common: the header, the stream that they are written to, and how a failure
-// is told. For those who write them: the only header that shows OpenEXR.
+// The parts that flat and deep OpenEXR files share: the header, the output stream, and the report of failures. For code
+// that writes them; this is the only header that includes OpenEXR.
 #pragma once
 
 #include <scrim/base/atomic_file.h>
@@ -22,8 +22,8 @@
 
 namespace scrim {
 
-/// An output stream that remembers its first failure. OpenEXR swallows exceptions while it closes a file, so
-/// that a full disk would go unnoticed there; `close` says it.
+/// An output stream that remembers its first failure. OpenEXR swallows exceptions while it closes a file, so a full
+/// disk would go unnoticed; `close` reports it.
 class CheckedStream : public Imf::OStream {
   public:
     explicit CheckedStream(const std::string& path);
@@ -39,16 +39,16 @@ class CheckedStream : public Imf::OStream {
     int m_error = 0;
 };
 
-/// Both corners inside, as OpenEXR has boxes.
+/// The window as OpenEXR's closed box, which includes both corners.
 Imath::Box2i closedBox(const PixelWindow& window);
 
-/// Of exrCompressions(). Throws Error(usage) where there is no such one.
+/// The compression for one of the names in exrCompressions(). Throws Error(usage) for any other name.
 Imf::Compression exrCompressionNamed(const std::string& name);
 
-/// A scanline file's, without channels. Throws Error(usage) where the compression is unknown.
+/// The header of a scanline file, still without channels. Throws Error(usage) where the compression is unknown.
 Imf::Header makeExrHeader(const PixelWindow& dataWindow, const ExrOptions& options, const ExrAttributes& attributes);
 
-/// As ExrOptions::half has it: what is beyond the range is clamped and counted.
+/// Converts to half (see ExrOptions::half); values beyond its range are clamped and counted.
 inline half clampedHalf(float value, std::size_t& clamped) {
     constexpr float kLargestHalf = 65504.0f;
     if (std::fabs(value) > kLargestHalf) {
@@ -58,8 +58,8 @@ inline half clampedHalf(float value, std::size_t& clamped) {
     return half(value);
 }
 
-/// Calls `write` with an AtomicFile for `path`, commits that, and returns what `write` returned. Throws what OpenEXR
-/// throws as an Error.
+/// Calls `write` with an AtomicFile for `path`, commits the file, and returns the result of `write`. Exceptions of
+/// OpenEXR become Errors.
 template <typename Write>
 auto writingExr(const std::string& path, const Write& write) {
     AtomicFile file(path);

@@ -23,12 +23,13 @@
 namespace scrim {
 namespace {
 
-constexpr int kRowsAtATime = 64;  // a multiple of what ZIP packs together, so that seldom a block is read twice
+// a multiple of the rows that ZIP compresses together, so that few blocks are read twice
+constexpr int kRowsAtATime = 64;
 
 struct Channel {
     std::string name;
     Imf::PixelType type;
-    std::size_t bytes;  // of a value
+    std::size_t bytes;  // of one value
 };
 
 std::vector<Channel> channelsOf(const Imf::Header& header) {
@@ -39,19 +40,21 @@ std::vector<Channel> channelsOf(const Imf::Header& header) {
     return channels;
 }
 
-/// Address of what would be pixel (0, 0), for OpenEXR.
+/// The address that pixel (0, 0) would have, as OpenEXR needs it.
 char* baseOf(const void* first, const PixelWindow& window, std::size_t bytes) {
     const auto offset =
         (static_cast<std::ptrdiff_t>(window.y0) * window.width() + window.x0) * static_cast<std::ptrdiff_t>(bytes);
     return reinterpret_cast<char*>(reinterpret_cast<std::uintptr_t>(first) - static_cast<std::uintptr_t>(offset));
 }
 
-/// A stripe of a picture or a tile. Of a flat one each pixel has one sample, of a deep one as many as `counts` says.
+/// A stripe of a picture or a tile. In a flat picture each pixel has one sample, in a deep one as many as `counts`
+/// says.
 struct Stripe {
     PixelWindow window;
-    std::vector<unsigned> counts;             // of samples, of each pixel; rows from top to bottom
-    std::vector<std::vector<char*>> samples;  // of each channel, of each pixel: the first of its values
-    std::vector<std::vector<char>> storage;   // that `samples` points to; of a picture: none, they are its tiles'
+    std::vector<unsigned> counts;             // number of samples of each pixel; rows from top to bottom
+    std::vector<std::vector<char*>> samples;  // for each channel and pixel, the first of its values
+    // memory that `samples` points to; empty for a stripe of the picture, which points to its tiles'
+    std::vector<std::vector<char>> storage;
 
     Stripe(const PixelWindow& box, std::size_t channels)
         : window(box), counts(box.pixelCount()), samples(channels, std::vector<char*>(box.pixelCount())) {}
@@ -86,7 +89,7 @@ bool holdsFinite(const Stripe& part, const std::vector<Channel>& channels) {
     return true;
 }
 
-/// A tile that is open, flat or deep.
+/// An open tile, flat or deep.
 class OpenTile {
   public:
     explicit OpenTile(const ExrTile& tile) : m_tile(tile), m_channels(channelsOf(tile.header)) {
@@ -99,7 +102,7 @@ class OpenTile {
 
     const ExrTile& tile() const { return m_tile; }
 
-    /// The part of `rows` that the crop holds, 0 where the file has no pixels. Throws Error(input).
+    /// The part of `rows` within the crop; 0 where the file has no pixels. Throws Error(input).
     Stripe read(const PixelWindow& rows) {
         try {
             return m_tile.deep ? readDeep(rows) : readFlat(rows);
@@ -163,7 +166,7 @@ class OpenTile {
     std::unique_ptr<Imf::DeepScanLineInputFile> m_deep;
 };
 
-/// Puts stripes of the picture together.
+/// Joins stripes of the picture from those of its tiles.
 class Joiner {
   public:
     explicit Joiner(const std::vector<ExrTile>& tiles) : m_channels(channelsOf(tiles.front().header)) {
@@ -173,7 +176,7 @@ class Joiner {
     const std::vector<Channel>& channels() const { return m_channels; }
     const std::string& notFinite() const { return m_notFinite; }
 
-    /// Valid until the next call.
+    /// The result is valid until the next call.
     const Stripe& stripe(const PixelWindow& rows) {
         m_parts.clear();
         m_whole = std::make_unique<Stripe>(rows, m_channels.size());
@@ -225,7 +228,7 @@ class Joiner {
     std::vector<OpenTile> m_tiles;
     std::vector<std::unique_ptr<Stripe>> m_parts;
     std::unique_ptr<Stripe> m_whole;
-    std::string m_notFinite;  // the first tile that held what is not
+    std::string m_notFinite;  // the first tile with infinite or NaN values
 };
 
 /// Calls `write` with the stripes of `window`, one after the other.
@@ -278,7 +281,8 @@ void writeDeep(CheckedStream& stream, const Imf::Header& header, const PixelWind
     });
 }
 
-/// As a render of the whole chooses it: around all that is not empty, or else the pixel at the corner.
+/// The data window that a render of the whole would choose: around everything that is not empty, or else the pixel at
+/// the corner.
 PixelWindow windowOf(const std::vector<ExrTile>& tiles) {
     PixelWindow window, crops;
     for (const ExrTile& tile : tiles) {

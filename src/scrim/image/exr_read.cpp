@@ -40,7 +40,7 @@ PixelWindow halfOpen(const Imath::Box2i& box) {
     return {box.min.x, box.min.y, box.max.x + 1, box.max.y + 1};
 }
 
-/// Reads `names` interleaved; channels the file lacks are filled with the matching value of `fill`.
+/// Reads the channels `names`, interleaved; channels that the file lacks are filled with the matching value of `fill`.
 std::vector<float> readChannels(Imf::InputFile& file, const std::vector<std::string>& names,
                                 const std::vector<double>& fill) {
     const Imath::Box2i box = file.header().dataWindow();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR files in, for tests and tools that look at what was rendered. Slides and other textures are read
+// Reads OpenEXR files, for tests and tools that examine rendered pictures. Slides and other textures are read
 // elsewhere, in any format.
 #pragma once
 
@@ -11,17 +11,17 @@
 
 namespace scrim {
 
-/// R, G, B and A of the first part of a flat file, as floats over its data window. A missing colour channel
-/// reads as 0, a missing A as 1. Throws an Error of kind `input`.
+/// R, G, B and A of the first part of a flat file, as floats over its data window. A missing colour channel reads as 0,
+/// a missing A as 1. Throws an Error of kind `input`.
 Image readExr(const std::string& path);
 
-/// One channel of the first part of a flat file, a float a pixel over its data window, rows top to bottom.
+/// One channel of the first part of a flat file: one float per pixel over its data window, rows from top to bottom.
 /// Throws an Error of kind `input`, also where there is no such channel.
 std::vector<float> readExrChannel(const std::string& path, const std::string& channel);
 
-/// The header of the first part as text, by attribute name. Numbers are printed with as many digits as they
-/// need; matrices row by row as in the file; windows "x0 y0 x1 y1", half-open; channels "A:half B:half"; what
-/// has no text reads "(type)". Throws an Error of kind `input`.
+/// The header of the first part as text, by attribute name. Numbers are printed with as many digits as they need,
+/// matrices row by row as in the file, windows as half-open "x0 y0 x1 y1", channels as "A:half B:half"; an attribute
+/// without a text form reads "(type)". Throws an Error of kind `input`.
 std::map<std::string, std::string> readExrAttributes(const std::string& path);
 
 }  // namespace scrim

@@ -48,7 +48,7 @@ std::vector<std::string> channelTexts(const Imf::Header& header) {
     return texts;
 }
 
-/// What the attribute scrim:crop says: "0,0,64,36 of 0,0,128,72".
+/// Parses the attribute scrim:crop: "0,0,64,36 of 0,0,128,72".
 void readCrop(ExrTile& tile) {
     const std::string text = textOf(tile.header, "scrim:crop");
     const PixelWindow display = halfOpen(tile.header.displayWindow());
@@ -70,7 +70,7 @@ void readCrop(ExrTile& tile) {
     tile.picture = b;
 }
 
-/// A picture of nothing has one pixel, at its corner, since OpenEXR cannot say "none".
+/// True for an empty picture, which has one pixel at its corner because OpenEXR cannot express "none".
 bool holdsNothing(const ExrTile& tile) {
     if (tile.data != PixelWindow{tile.crop.x0, tile.crop.y0, tile.crop.x0 + 1, tile.crop.y0 + 1}) return false;
     if (tile.deep) {
@@ -87,7 +87,7 @@ bool holdsNothing(const ExrTile& tile) {
     return true;
 }
 
-/// The bytes that a file has for an attribute.
+/// The bytes of an attribute in the file.
 std::string bytesOf(const Imf::Attribute& attribute) {
     Imf::StdOSStream stream;
     attribute.writeValueTo(stream, Imf::EXR_VERSION);
@@ -100,12 +100,12 @@ std::set<std::string> attributeNames(const Imf::Header& header) {
     return names;
 }
 
-/// What a tile says of itself, and not of the picture.
+/// True for attributes that describe a tile and not the picture.
 bool isOfTile(const std::string& name) {
     return name.starts_with("scrim:verify:") || name.starts_with("scrim:tolerance:");
 }
 
-/// Parts of the picture that are in no tile: cells between the edges of all tiles.
+/// The parts of the picture that no tile covers, as cells between the edges of all tiles.
 std::vector<PixelWindow> holesOf(const std::vector<ExrTile>& tiles, const PixelWindow& picture) {
     std::set<int> xs{picture.x0, picture.x1}, ys{picture.y0, picture.y1};
     for (const ExrTile& tile : tiles) {
@@ -189,7 +189,7 @@ void checkExrTiles(const std::vector<ExrTile>& tiles) {
 }
 
 Imf::Header mergedExrHeader(const std::vector<ExrTile>& tiles, std::vector<std::string>& leftOut) {
-    // Of the file and not of the picture; checkExrTiles has seen to the channels.
+    // These belong to the file and not to the picture; checkExrTiles has compared the channels.
     static const std::set<std::string> ofFile{"dataWindow", "channels", "chunkCount", "scrim:crop", "type", "version"};
     Imf::Header merged = tiles.front().header;
     std::set<std::string> names;
@@ -217,7 +217,7 @@ Imf::Header mergedExrHeader(const std::vector<ExrTile>& tiles, std::vector<std::
                 refuse(tile.path, fmt::format("it is not of the same render as '{}': the attribute '{}' differs",
                                               tiles.front().path, name));
     }
-    // A picture in one part does not need these, and OpenEXR counts anew.
+    // A picture of one part does not need these, and OpenEXR recomputes the count.
     for (const char* const name : {"chunkCount", "scrim:crop", "type", "version"}) merged.erase(name);
     return merged;
 }

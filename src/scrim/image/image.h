@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture in memory and the windows that place it. Apart from any file format or colour library, so that
-// renderers, tests and writers share it without pulling those in.
+// The picture in memory and the windows that place it. It is independent of any file format or colour library, so that
+// renderers, tests and writers can share it without including those.
 #pragma once
 
 #include <scrim/geometry/box2.h>
@@ -15,8 +15,8 @@ namespace scrim {
 /// (overscan).
 using PixelWindow = Box2<int>;
 
-/// Premultiplied scene-linear RGBA: 4 floats a pixel, rows from top to bottom. `rgba` holds exactly
-/// 4 * window.pixelCount() floats.
+/// Premultiplied scene-linear RGBA: 4 floats per pixel, rows from top to bottom. `rgba` holds exactly 4 *
+/// window.pixelCount() floats.
 struct Image {
     PixelWindow window;
     std::vector<float> rgba;
@@ -27,18 +27,18 @@ struct Image {
     }
 };
 
-/// Hears now and then of a picture under way, and may ask what there is of it so far: which costs time, as long as it
-/// is asked. Called from a thread of the render, never from two at once.
+/// Called now and then during a render with a function that returns the picture so far; calling that function takes
+/// time. It is called from a thread of the render, never from two at once.
 using PictureSink = std::function<void(const std::function<Image()>& soFar)>;
 
-/// An image of `window` whose every channel is 0.
+/// An image of `window` with 0 in all channels.
 Image emptyImage(const PixelWindow& window);
 
-/// The part of `image` inside `window`, and 0 where `window` lies beyond it.
+/// The part of `image` inside of `window`, with 0 where `window` extends beyond it.
 Image reframed(const Image& image, const PixelWindow& window);
 
-/// The smallest window around all pixels with any channel other than 0 (a NaN is not 0). Where there is none,
-/// the one pixel at the corner (x0, y0) of the image's own window, since EXR cannot express "nothing".
+/// The smallest window around all pixels with any channel other than 0 (a NaN is not 0). If there are none, it is the
+/// one pixel at the corner (x0, y0) of the image's own window, since EXR cannot express "nothing".
 PixelWindow nonEmptyWindow(const Image& image);
 
 }  // namespace scrim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The colour spaces Scrim knows by more than one name. Configs of different years call the same space
-// differently ("lin_rec709", "Utility - Linear - Rec.709", ...); this table ties those names to the one
-// identifier of the ASWF Color Interop Forum. Pure data, apart from OpenColorIO.
+// The colour spaces that Scrim knows by more than one name. Configs of different years call the same space differently
+// ("lin_rec709", "Utility - Linear - Rec.709", ...); this table maps those names to the one identifier of the ASWF
+// Color Interop Forum. It is pure data, independent of OpenColorIO.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@
 namespace scrim {
 
 struct KnownSpace {
-    std::string_view interopId;           ///< "lin_ap1_scene": what files carry as colorInteropID
+    std::string_view interopId;           ///< "lin_ap1_scene": the value of colorInteropID in files
     std::vector<std::string_view> names;  ///< names and aliases in published configs, the preferred one first
 };
 
-/// The known space that goes by `name` (its interop id included; letter case does not matter), or null.
+/// The known space called `name` (its interop id included; letter case does not matter), or null.
 const KnownSpace* findKnownSpace(std::string_view name);
 
 }  // namespace scrim

@@ -9,7 +9,8 @@
 namespace scrim {
 namespace {
 
-// What pixel `i` of `coarse` covers of `fine` pixels along one axis: up to three, with weights that sum to 1.
+// The part of the `fine` pixels that pixel `i` of `coarse` covers along one axis: up to three pixels, with weights that
+// sum to 1.
 struct Cover {
     int first = 0, count = 0;
     float weights[3] = {0, 0, 0};
@@ -21,7 +22,7 @@ Cover coverOf(int i, int coarse, int fine) {
     cover.first = static_cast<int>(std::floor(begin));
     for (int p = cover.first; p < fine && cover.count < 3; ++p) {
         const double part = std::min(end, p + 1.0) - std::max(begin, double(p));
-        if (part <= 1e-12) break;  // rounding of an end that is a whole number
+        if (part <= 1e-12) break;  // residue of rounding at an end that is a whole number
         cover.weights[cover.count++] = static_cast<float>(part / scale);
     }
     return cover;

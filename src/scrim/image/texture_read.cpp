@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Pictures of any format into textures. The module that knows the formats does the reading.
+// Makes textures from pictures of any format. The module that knows the formats does the reading.
 #include <scrim/image/texture_read.h>
 
 #include <scrim/base/error.h>
@@ -19,7 +19,7 @@ namespace {
     throw Error(ErrorKind::input, fmt::format("cannot read '{}': {}", path, problem));
 }
 
-/// Number of values that were not finite or less than 0, and are 0 now.
+/// Sets values that are not finite or less than 0 to 0, and returns their number.
 std::size_t sanitize(Image& image) {
     std::size_t bad = 0;
     for (float& value : image.rgba)
@@ -30,16 +30,17 @@ std::size_t sanitize(Image& image) {
     return bad;
 }
 
-/// From the file's space to premultiplied values in the working space. An encoded space means the colour itself, not
-/// its product with alpha.
+/// Converts from the file's space to premultiplied values in the working space. In an encoded space, the values mean
+/// the colour itself, not its product with alpha.
 void convertPixels(Image& image, bool multiplied, const std::string& space, const ColourConfig& colour) {
-    // Multiplied files may shine where they are transparent: there, and where they are opaque, colour is as it is.
+    // A premultiplied file may contain light where it is transparent. There, and where it is opaque, the colour is used
+    // unchanged.
     const auto apart = [&](float alpha) { return multiplied && (alpha <= 0 || alpha >= 1); };
     for (std::size_t i = 0; multiplied && i < image.rgba.size(); i += 4)
         if (const float alpha = image.rgba[i + 3]; !apart(alpha))
             for (std::size_t c = 0; c < 3; ++c) image.rgba[i + c] /= alpha;
     colour.convert(image, space, colour.workingSpace());
-    // Colours that the working space cannot hold have a negative part; no light has.
+    // Colours outside of the working space have a negative component; light has none.
     for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
         const float alpha = apart(image.rgba[i + 3]) ? 1.0f : std::min(image.rgba[i + 3], 1.0f);
         for (std::size_t c = 0; c < 3; ++c) image.rgba[i + c] = std::max(0.0f, image.rgba[i + c] * alpha);
@@ -49,7 +50,7 @@ void convertPixels(Image& image, bool multiplied, const std::string& space, cons
 }  // namespace
 
 void checkPictureFile(const std::string& path) {
-    // Whatever is not a regular file may hang (a pipe) or read as nothing (a folder).
+    // A file that is not regular may hang (a pipe) or read as empty (a folder).
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status)) throw Error(ErrorKind::input, fmt::format("there is no file '{}'", path));

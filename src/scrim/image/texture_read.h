@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: `readTexture` (texture.h) in two steps, for those who let another process read the file.
+// Internal: `readTexture` (texture.h) in two steps, for code that reads the file in another process.
 #pragma once
 
 #include <scrim/image/picture_module.h>
@@ -13,7 +13,7 @@ namespace scrim {
 /// Throws Error(input) where there is no regular file.
 void checkPictureFile(const std::string& path);
 
-/// What `readTexture` makes of what was read, and throws of it.
+/// The texture that `readTexture` makes from the pixels it read; throws as that does.
 std::shared_ptr<const Texture> textureOf(FilePicture pixels, const std::string& path, const std::string& colorspace,
                                          const ColourConfig& colour, const MessageSink& messages);
 

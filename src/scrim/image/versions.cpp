@@ -17,7 +17,7 @@ std::string openColorIoVersion() {
 }
 
 std::string openImageIoVersion() {
-    // As compiled against: asking the library itself would load it.
+    // This is the version compiled against; asking the library itself would load it.
     return fmt::format("{}.{}.{}", OIIO_VERSION_MAJOR, OIIO_VERSION_MINOR, OIIO_VERSION_PATCH);
 }
 

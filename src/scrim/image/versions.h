@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Versions of the libraries behind pictures and colours, which no other header names.
+// The versions of the libraries behind pictures and colours, which no other header names.
 #pragma once
 
 #include <string>

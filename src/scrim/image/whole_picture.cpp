@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenEXR's layout is that of "OpenEXR File Layout" (openexr.com): magic and version, the header's attributes (of each
-// part), a table of where the chunks begin, the chunks.
+// OpenEXR's layout follows "OpenEXR File Layout" (openexr.com): magic and version, the header's attributes (for each
+// part), a table of the positions of chunks, the chunks.
 #include <scrim/image/whole_picture.h>
 
 #include <algorithm>
@@ -21,14 +21,14 @@ namespace {
 constexpr std::uint32_t kMagic = 20000630;
 constexpr std::uint32_t kTiled = 0x200, kDeep = 0x800, kMultipart = 0x1000;
 
-/// What a read finds behind the end of the file, or in bytes that cannot be.
+/// Thrown by reads beyond the end of the file, and for impossible bytes.
 struct NotWhole {};
 
 void require(bool condition) {
     if (!condition) throw NotWhole{};
 }
 
-/// A regular file, of which nothing is read but what is there.
+/// A regular file; reads never go beyond its end.
 class Bytes {
   public:
     explicit Bytes(const std::string& path) : m_file(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
@@ -47,7 +47,8 @@ class Bytes {
     template <typename T>
     T number(std::uint64_t at) const {
         T value{};
-        copy(at, sizeof value, reinterpret_cast<char*>(&value));  // little-endian, as every machine that this runs on
+        // little-endian, as is every machine that this runs on
+        copy(at, sizeof value, reinterpret_cast<char*>(&value));
         return value;
     }
     /// The text at `at`, which ends with a 0 within 256 bytes.
@@ -83,7 +84,7 @@ class Bytes {
     std::uint64_t m_size = 0;
 };
 
-/// What of a part's header tells how its chunks look.
+/// The attributes of a part's header that determine the form of its chunks.
 struct Part {
     bool tiled = false, deep = false;
     int compression = -1;
@@ -123,7 +124,7 @@ class ExrFile {
                 part.firstRow = m_bytes.number<std::int32_t>(m_at + 4);
                 part.lastRow = m_bytes.number<std::int32_t>(m_at + 12);
             }
-            if (name == "type") {  // of deep files and of those of several parts; a text without a 0
+            if (name == "type") {  // present in deep files and in those of several parts; a text without a final 0
                 part.tiled = m_bytes.holds(m_at, "tiled") || m_bytes.holds(m_at, "deept");
                 part.deep = m_bytes.holds(m_at, "deep");
             }
@@ -131,7 +132,7 @@ class ExrFile {
         }
     }
 
-    /// The first chunk lies right behind the table. A file that was not finished has zeros in it.
+    /// The first chunk lies right behind the table. A file that was not finished has zeros in its table.
     void checkChunks() const {
         std::uint64_t first = m_bytes.size(), count = 0;
         for (std::uint64_t at = m_at; at < first; at += 8, ++count) {
@@ -157,7 +158,7 @@ class ExrFile {
             require(row >= part.firstRow && row <= part.lastRow);
         }
         at += part.tiled ? 16 : 4;
-        if (part.deep) {  // sizes of the table, of the samples, and of those before they were compressed
+        if (part.deep) {  // sizes of the table, of the samples, and of the samples before compression
             const auto table = m_bytes.number<std::uint64_t>(at), samples = m_bytes.number<std::uint64_t>(at + 8);
             require(table <= m_bytes.size() && samples <= m_bytes.size());
             return at + 24 + table + samples;
@@ -167,9 +168,9 @@ class ExrFile {
         return at + 4 + static_cast<std::uint64_t>(size);
     }
 
-    /// Of files of one part with lines; nothing for others.
+    /// For single-part scanline files; no value for others.
     std::optional<std::uint64_t> chunkCount() const {
-        // Lines a chunk, by the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
+        // Lines per chunk, by the number of the compression: none, RLE, ZIPS, ZIP, PIZ, PXR24, B44, B44A, DWAA, DWAB.
         constexpr std::array<int, 10> kLines{1, 1, 1, 16, 32, 16, 32, 32, 32, 256};
         const Part& part = m_parts.front();
         if (multipart() || part.tiled || part.deep || (m_flags & kDeep) != 0) return std::nullopt;

@@ -24,7 +24,8 @@
 namespace scrim {
 namespace {
 
-/// What axes and directions that were computed in floats miss their lengths and right angles by, and more.
+/// Tolerance for lengths and right angles of axes and directions: more than their error if they were computed in
+/// floats.
 constexpr double kRounding = 1e-4;
 
 bool isFinite(const Vec3& v) {
@@ -35,7 +36,7 @@ std::string textOf(const Vec3& v) {
     return fmt::format("{}, {}, {}", v.x, v.y, v.z);
 }
 
-/// The checks of one thing of the scene, which messages call `of`: "light 'key'".
+/// Checks one item of the scene, which messages call `of`: "light 'key'".
 class Check {
   public:
     Check(const Scene& scene, std::string of) : m_where(scene.file.empty() ? "" : scene.file + ": "), m_of(of) {}
@@ -48,7 +49,7 @@ class Check {
         if (!range.holds(value)) refuse(key.name, fmt::format("{}", value), "a number" + range.text());
     }
     void number(const Key& key, double value) const { number(key, value, key.range); }
-    /// Some numbers of a key that has more than one.
+    /// Checks all numbers of a key that has more than one.
     void numbers(const Key& key, const std::vector<double>& values) const {
         for (const double value : values)
             if (!key.range.holds(value))
@@ -62,7 +63,8 @@ class Check {
     void unit(const Key& key, const Vec3& v) const {
         if (!(std::abs(glm::length(v) - 1) <= kRounding)) refuse(key.name, textOf(v), "a direction of length 1");
     }
-    /// Colours of other spaces may have a part below 0 in the working space, but no light takes any away.
+    /// Checks a colour of light. A colour of another space may have a negative component in the working space, but its
+    /// sum must not be negative: no light takes light away.
     void light(const Key& key, const Rgb& rgb) const {
         if (!isFinite(rgb) || rgb.x + rgb.y + rgb.z < 0)
             refuse(key.name, textOf(rgb), "light: finite numbers, of a sum of at least 0");
@@ -77,7 +79,8 @@ class Check {
         if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1 || !isInvertible(m))
             refuse(key.name, "none that can be inverted", "an affine one that keeps volume");
     }
-    /// Ascending, its values from 0 to `most`, and 0 at 0. `ends` gives the least and the most of a point's value.
+    /// Checks that the points of a ramp ascend, that their values are from 0 to `most`, and that the ramp is 0 at 0.
+    /// `ends` gives the smallest and the largest component of a point's value.
     template <typename T, typename Ends>
     void ramp(const Key& key, const std::vector<std::pair<double, T>>& points, double most, const Ends& ends) const {
         if (points.empty()) return;
@@ -161,7 +164,7 @@ void checkPhase(const Check& check, const Phase& phase) {
     if (phase.type != PhaseType::rayleigh) check.number(twoLobe ? k.g1 : k.g, phase.g);
     if (twoLobe) check.number(k.g2, phase.g2);
     check.number(k.blend, phase.blend);
-    // No file says the strength; other things than air are mixed of it and of what is isotropic.
+    // Files cannot state the strength. Code may, for mixtures of Rayleigh's phase function with an isotropic one.
     if (!(phase.strength >= 0 && phase.strength <= 1))
         check.refuse("strength", fmt::format("{}", phase.strength), "a number from 0 to 1");
 }

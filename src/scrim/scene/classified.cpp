@@ -24,7 +24,7 @@ ClassifiedValue classify(const Classified& classified, double value) {
 }
 
 double vagueGradient(const Classified& classified, double voxel) {
-    constexpr double kVague = 1e-2;  // of the transfer function's last value, over a voxel
+    constexpr double kVague = 1e-2;  // change over a voxel, relative to the transfer function's last value
     return kVague * classified.transfer.back().value / voxel;
 }
 

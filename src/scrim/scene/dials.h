@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The dials: every setting that trades accuracy for time, as values. Their names, units, defaults, ranges and
+// The values of the dials: every setting that trades accuracy for time. Their names, units, defaults, ranges and
 // meanings stand in one table in quality.h.
 #pragma once
 
@@ -16,34 +16,36 @@ enum class SheetAxis { halfWay, imageAligned };
 enum class SplatMode { shared, perView };
 enum class ShadowPlane { light, image };
 
-/// Degrees of a cross-fade where no other number is given: little enough that few lights pay for it, enough that one
-/// which crosses the perpendicular at a degree a frame is seen to fade.
+/// Default angle of a cross-fade, degrees. It is small, so that few lights pay for a second sweep, and large enough
+/// that a light that crosses the perpendicular by one degree a frame fades over several frames.
 inline constexpr double kCrossFade = 2;
 
 struct Dials {
-    double sheetThickness = 1.5;  ///< voxels, before the cosine of the worst slant
-    double texel = 0.7;           ///< voxels
+    double sheetThickness = 1.5;  ///< voxels, before the factor of the cosine of the worst slant
+    double texel = 0.7;           ///< edge of a texel, voxels
     Kernel kernel = Kernel::linear;
-    int footprintSteps = 8;  ///< quantised positions a voxel along each axis, a power of two
-    double shadowTexel = 1;  ///< texels a shadow buffer's cell
+    int footprintSteps = 8;  ///< tabulated footprint positions per voxel along each axis; a power of two
+    double shadowTexel = 1;  ///< edge of a shadow buffer's cell, texels
     ShadowFilter shadowFilter = ShadowFilter::bilinear;
     SplatMode splat = SplatMode::shared;
     ShadeMode shade = ShadeMode::automatic;
     ShadowPlane shadowPlane = ShadowPlane::light;
     SheetAxis sheets = SheetAxis::halfWay;
     double maxSlant = 60;  ///< degrees
-    /// Degrees around perpendicular in which a light is served from both sides; nothing: kCrossFade where the scene
-    /// moves, 0 where it stands still.
+    /// Angle around perpendicular, degrees, within which a light is swept from both sides. Without a value it is
+    /// kCrossFade where the scene moves and 0 where it stands still.
     std::optional<double> crossFade;
     double opacityCutoff = 1e-3;  ///< transmittance below which a pixel counts as opaque
-    double lightError = 0.005;    ///< relative, that sub-lights may leave of lights that are larger than a point
-    double lod = 0;               ///< pixels a voxel may shrink to before a coarser level is splatted; 0: never
-    int antialias = 1;            ///< n x n rays a pixel
-    double scatterCell = 2;  ///< voxels: edge of the cells that light is carried through which scatters more than once
-    std::optional<int> scatterDirections;  ///< that it is carried along; nothing: by the phase functions
-    double scatterError = 0.002;           ///< relative change by a sweep of them that is small enough
-    std::optional<int> shutterSamples;     ///< renders that motion blur is the mean of; nothing: chosen by the motion
-    std::string simd = "auto";             ///< instruction set: auto, or the most one may use
+    double lightError = 0.005;    ///< relative error allowed to the sub-lights that represent an extended light
+    double lod = 0;          ///< projected size of a voxel, pixels, below which a coarser level is splatted; 0: never
+    int antialias = 1;       ///< n x n rays a pixel
+    double scatterCell = 2;  ///< edge, in voxels, of the cells that carry multiply scattered light
+    /// directions that carry multiply scattered light; no value: chosen from the phase functions
+    std::optional<int> scatterDirections;
+    /// sweeps of multiply scattered light end when one changes it by less than this, relative
+    double scatterError = 0.002;
+    std::optional<int> shutterSamples;  ///< renders that motion blur averages; no value: chosen from the motion
+    std::string simd = "auto";          ///< instruction set: "auto", or the highest one allowed
 };
 
 }  // namespace scrim

@@ -23,7 +23,7 @@ std::size_t taskCount(const SparseField& field) {
     return (field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask;
 }
 
-/// Calls `visit(task, block)` for all blocks, those of a task in order.
+/// Calls `visit(task, block)` for all blocks in parallel; the blocks of one task are visited in order.
 template <typename Visit>
 void visitBlocks(const SparseField& field, const Visit& visit) {
     parallelFor(taskCount(field), [&](std::size_t task) {
@@ -32,7 +32,7 @@ void visitBlocks(const SparseField& field, const Visit& visit) {
     });
 }
 
-/// Box around the centres of the voxels above 0 and not below `least`.
+/// Box around the centres of the voxels that are above 0 and at least `least`.
 Bounds occupiedIn(const float* values, const Int3& origin, float least = 0) {
     const auto occupied = [&](int n) { return values[n] > 0 && values[n] >= least; };
     Bounds b;
@@ -44,7 +44,7 @@ Bounds occupiedIn(const float* values, const Int3& origin, float least = 0) {
     return b;
 }
 
-/// How many voxels there are of values within a quarter of a power of two, and their sum.
+/// A histogram of voxels over values, with bins of a quarter of a power of two: number and sum of values in each.
 struct ValueBins {
     static constexpr int kPerOctave = 4, kCount = 256 * kPerOctave;
     std::vector<double> count = std::vector<double>(kCount), sum = std::vector<double>(kCount);
@@ -117,7 +117,7 @@ std::vector<Vec3> isOutline(const SparseField& field, float least, double reach)
 }
 
 float faintValue(const SparseField& field) {
-    constexpr double kFaint = 0.002;  // of the sum
+    constexpr double kFaint = 0.002;  // of the sum of all values
     const ValueBins all = binsOf(field);
     double voxels = 0, sum = 0;
     for (std::size_t i = 0; i < all.count.size(); ++i) {
@@ -157,7 +157,7 @@ double FieldRays::integral(const Vec3& wsOrigin, const Vec3& wsDirection) const 
     const auto [t0, t1] = m_isBounds.clip(o, d, 0, std::numeric_limits<double>::infinity());
     if (!(t1 > t0)) return 0;
     const double isLength = glm::length(d) * (t1 - t0);
-    // Rounding must not add a step to a ray along an axis, whose samples then hit the middles of voxels.
+    // A ray along an axis should sample the centres of voxels; rounding of its length must not add one more step.
     constexpr double kRounding = 1e-6;
     const int steps = static_cast<int>(std::clamp(std::ceil(isLength - kRounding), 1.0, double(kMostSteps)));
     const double step = (t1 - t0) / steps;

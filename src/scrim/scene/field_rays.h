@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where a field has something, and how much of it a ray meets: enough to set up a camera and a density by,
-// without the engine.
+// Where a field has values and how much of it a ray meets. This is all that is needed to place a camera and to choose a
+// density, and it does without the engine.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -10,32 +10,31 @@
 
 namespace scrim {
 
-/// Box around the cells (centre +- half a voxel) of all voxels above 0, in index space; empty where there are
-/// none.
+/// Index-space box around the cells (centre +- half a voxel) of all voxels above 0; empty where there are none.
 Bounds isOccupied(const SparseField& field);
 
-/// Points, in index space, whose convex hull holds the cells of all voxels from `least` on (above 0): the corners of
-/// what each block has of them, `reach` voxels further out.
+/// Points, in index space, whose convex hull contains the cells of all voxels of at least `least` and above 0. They are
+/// the corners of a box for each block, enlarged by `reach` voxels.
 std::vector<Vec3> isOutline(const SparseField& field, float least, double reach);
 
-/// The value below which voxels hold next to nothing: a five-hundredth of the sum of all. At least half of the voxels
-/// above 0 are above it.
+/// A value below which voxels hold next to nothing: at most a five-hundredth of the sum of all values. At least half of
+/// the voxels above 0 are above it.
 float faintValue(const SparseField& field);
 
-/// The largest value, but for outliers: where fewer than one voxel in 5,000 is more than four times as large as all
-/// others, that of the others (up to a fifth more).
+/// The field's largest value without outliers: if fewer than one voxel in 5,000 exceeds all others more than fourfold,
+/// the result is the largest of the others (rounded up by at most a fifth).
 float usualMost(const SparseField& field);
 
-/// Integrates a field along rays, each voxel constant over its cell. Refers to the field it was made of.
+/// Integrates a field along rays; each voxel is constant over its cell. It refers to the field, which must outlive it.
 class FieldRays {
   public:
     explicit FieldRays(const SparseField& field);
 
-    /// The integral of the field over world-space length along the ray from `wsOrigin` along `wsDirection`,
-    /// in steps of at most a voxel where the ray is not longer than some thousands of them.
+    /// The integral of the field over world-space length along the ray from `wsOrigin` along `wsDirection`. Steps are
+    /// at most one voxel long unless the ray crosses more than some thousands of voxels.
     double integral(const Vec3& wsOrigin, const Vec3& wsDirection) const;
 
-    /// Of the voxel whose cell holds the point; 0 outside.
+    /// The value of the voxel whose cell contains the point; 0 outside of all.
     double value(const Vec3& wsPoint) const { return m_sampler.nearest(transformPoint(m_isFromWs, wsPoint)); }
 
   private:

@@ -12,7 +12,7 @@ double FrameMap::fileAt(double frame) const {
 std::optional<int> FrameMap::frameOf(int file) const {
     const auto shows = [&](double frame) { return fileAt(frame) == file; };
     if (keys.keys.empty()) {
-        // Whatever a file that is held is shown for, one of the frames next to this is among it.
+        // Several frames may show the file; the one at which its number is most nearly exact is among them.
         const double frame = speed == 0 ? 0 : std::round((file - offset) / speed);
         if (std::abs(frame) < 1e9 && shows(frame)) return static_cast<int>(frame);
         return std::nullopt;

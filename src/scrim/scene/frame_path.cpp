@@ -16,15 +16,16 @@
 namespace scrim {
 namespace {
 
-/// More digits than any frame has would only make names longer than a file system takes.
+/// The most digits that a frame is padded to. More than any frame has would only make names longer than file systems
+/// allow.
 constexpr int kMostDigits = 20;
-/// What a pattern is made of, and what a '$' before it makes plain.
+/// Characters with a meaning in patterns; a '$' before one of them stands for the character itself.
 constexpr std::string_view kSpecial = "$#%";
 
-/// A pattern is a sequence of literal texts and places for the frame.
+/// One part of a pattern, which is a sequence of literal texts and places for the frame.
 struct Piece {
     std::string literal;
-    int digits = 0;  ///< 0: literal; otherwise the frame with at least so many digits
+    int digits = 0;  ///< 0: a literal; otherwise the frame with at least so many digits
 };
 
 bool isDigit(char c) {
@@ -43,7 +44,7 @@ int widthOf(std::string_view digits) {
     return std::clamp(width, 1, kMostDigits);
 }
 
-/// The place for the frame that begins at `i`, and its length; nothing where there is none.
+/// The place for the frame that starts at `i`, and its length in bytes; no value where none starts.
 std::optional<std::pair<Piece, std::size_t>> placeAt(const std::string& pattern, std::size_t i) {
     if (pattern[i] == '#') {
         const std::size_t end = std::min(pattern.find_first_not_of('#', i), pattern.size());
@@ -54,7 +55,7 @@ std::optional<std::pair<Piece, std::size_t>> placeAt(const std::string& pattern,
         return {{Piece{"", widthOf(std::string_view(pattern).substr(i + 2, digits))}, 2 + digits}};
     }
     if (pattern[i] == '%') {
-        // "%d" and "%04d"; "%4d" would pad with blanks, and stands for itself.
+        // "%d" and "%04d" are places for the frame; "%4d", which pads with blanks, is literal text.
         const std::size_t digits = digitsAt(pattern, i + 1), end = i + 1 + digits;
         if (end < pattern.size() && pattern[end] == 'd' && (digits == 0 || (pattern[i + 1] == '0' && digits > 1)))
             return {{Piece{"", widthOf(std::string_view(pattern).substr(i + 1, digits))}, end + 1 - i}};
@@ -62,7 +63,7 @@ std::optional<std::pair<Piece, std::size_t>> placeAt(const std::string& pattern,
     return std::nullopt;
 }
 
-/// Bytes of what stands for one character at `i`: 2 of "$$", "$#" and "$%", whose second it is.
+/// The number of bytes of the character at `i`: 2 for "$$", "$#" and "$%", else 1.
 std::size_t characterAt(const std::string& pattern, std::size_t i) {
     return pattern[i] == '$' && i + 1 < pattern.size() && kSpecial.find(pattern[i + 1]) != kSpecial.npos ? 2 : 1;
 }
@@ -103,7 +104,7 @@ bool isNameCharacter(char c, bool first) {
     throw Error(ErrorKind::input, fmt::format("{}: the path '{}' {}", where, shortened(pattern, 120), problem));
 }
 
-/// The frame in `name`, if `name` is one of the files of the pattern.
+/// The frame number in `name`; no value where `name` does not match the pattern.
 std::optional<int> frameIn(const std::string& name, const std::vector<Piece>& pieces) {
     std::size_t start = 0;
     for (const Piece& piece : pieces) {
@@ -116,7 +117,7 @@ std::optional<int> frameIn(const std::string& name, const std::vector<Piece>& pi
     return expanded(pieces, frame) == name ? std::optional<int>(frame) : std::nullopt;
 }
 
-/// The name that `pattern` would be if nothing in it stood for the frame.
+/// The name that `pattern` stands for if its places for the frame are taken literally.
 std::string nameOf(const std::string& pattern) {
     std::string name;
     for (std::size_t i = 0; i < pattern.size();) {

@@ -13,10 +13,10 @@ namespace scrim {
 namespace {
 
 constexpr std::size_t kMostFrames = 1'000'000;
-/// Keeps every sum of a frame, a step and an offset within an int.
+/// The largest frame. It keeps every sum of a frame, a step and an offset within an int.
 constexpr int kLargestFrame = 1'000'000'000;
 
-/// Reads one part of a range from left to right.
+/// Parses one part of a range from left to right.
 class Reader {
   public:
     Reader(const std::string& whole, std::string_view part) : m_whole(whole), m_part(part), m_rest(part) {}

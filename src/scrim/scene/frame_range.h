@@ -7,9 +7,9 @@
 
 namespace scrim {
 
-/// The frames of `text` in its order, each once: numbers and ranges "first-last" or "first-lastxstep",
-/// separated by commas. Frames may be negative: "-5--1". Throws Error(usage) on anything else, on ':' (farm
-/// managers disagree on its meaning), and on more than a million frames.
+/// The frames of `text` in the order given, each once. `text` is a comma-separated list of numbers and of ranges
+/// "first-last" or "first-lastxstep". Frames may be negative: "-5--1". Throws Error(usage) for anything else, for ':'
+/// (farm managers disagree on its meaning), and for more than a million frames.
 std::vector<int> parseFrameRange(const std::string& text);
 
 }  // namespace scrim

@@ -23,16 +23,17 @@ namespace {
 constexpr double kFov = 35;           // degrees
 constexpr double kAzimuth = 25;       // degrees, from the front to the right
 constexpr double kElevation = 12;     // degrees above the ground
-constexpr double kMargin = 0.03;      // part of the picture that stays free on each side
+constexpr double kMargin = 0.03;      // fraction of the picture that stays free on each side
 constexpr double kMedianDepth = 3.5;  // optical depth that half of the rays through the volume exceed
 constexpr double kAlbedo = 0.9, kG = 0.3;
-// Where there is fire: smoke that lets it through, and lights that leave the picture to it.
+// Settings for assets with fire: smoke that lets it through, and lights dim enough that the fire shows.
 constexpr double kSmokeDepth = 2, kSmokeAlbedo = 0.6, kDimmed = 0.25;
-constexpr double kOnSurfaces = 0.55;  // part of the lights: surfaces send back more than media do
+// factor on the lights for classified volumes: surfaces reflect more light than media scatter
+constexpr double kOnSurfaces = 0.55;
 
 // ---- the camera
 
-/// Columns: right, up, back.
+/// The camera's axes in world space: right, up, back.
 Mat3 wsFromCamera(const Mat3& wsFromUpright) {
     const double azimuth = glm::radians(kAzimuth), elevation = glm::radians(kElevation);
     const Vec3 back(std::sin(azimuth) * std::cos(elevation), std::sin(elevation),
@@ -42,12 +43,12 @@ Mat3 wsFromCamera(const Mat3& wsFromUpright) {
 
 struct Framing {
     Vec3 wsPosition{0}, wsTarget{0};
-    double size = 1;  ///< of what is framed, world units
+    double size = 1;  ///< diagonal of the framed points' box, world units
 };
 
-/// The nearest place for the eye, looking along -back, from which all points are within the margins. A point
-/// at (x, y, z) of the camera's axes is inside where |x - ex| <= s (ez - z) for the slope s of the frame's
-/// border, and so for y: linear bounds on the eye (ex, ey, ez), of which the tighter axis decides ez.
+/// Places the eye as near as possible, looking along -back, so that all points stay within the margins. A point at (x,
+/// y, z) of the camera's axes is inside where |x - ex| <= s (ez - z), with the slope s of the picture's border, and
+/// likewise for y. These are linear bounds on the eye (ex, ey, ez); the tighter axis decides ez.
 Framing frame(const std::vector<Vec3>& wsPoints, const Mat3& axes, double aspect) {
     Bounds ws;
     for (const Vec3& p : wsPoints) ws.include(p);
@@ -59,7 +60,7 @@ Framing frame(const std::vector<Vec3>& wsPoints, const Mat3& axes, double aspect
     for (int axis = 0; axis < 2; ++axis) {
         double right = -std::numeric_limits<double>::infinity(), left = -right;
         for (const Vec3& wsPoint : wsPoints) {
-            const Vec3 p = (wsPoint - center) * axes;  // a row vector: into the camera's axes
+            const Vec3 p = (wsPoint - center) * axes;  // multiplied from the left, which maps it into the camera's axes
             right = std::max(right, p[axis] + slopes[axis] * p.z);
             left = std::min(left, p[axis] - slopes[axis] * p.z);
         }
@@ -75,7 +76,7 @@ Framing frame(const std::vector<Vec3>& wsPoints, const Mat3& axes, double aspect
 
 // ---- the density
 
-/// A coarse raster over the picture.
+/// The rays of an n x n raster over the picture.
 RayFamily raysOver(const Camera& camera, int n) {
     Camera coarse = camera;
     coarse.resolution = Int2(n, n);
@@ -83,8 +84,8 @@ RayFamily raysOver(const Camera& camera, int n) {
     return wsRays(coarse);
 }
 
-/// What `measure(origin, direction)` says of the rays through an n x n raster over the picture, where it is above 0;
-/// ascending.
+/// The values of `measure(origin, direction)` for the rays of an n x n raster over the picture: those above 0, in
+/// ascending order.
 template <typename Measure>
 std::vector<double> measured(const Camera& camera, int n, const Measure& measure) {
     const RayFamily rays = raysOver(camera, n);
@@ -102,7 +103,7 @@ std::vector<double> measured(const Camera& camera, int n, const Measure& measure
 
 /// Extinction per unit of the field at which the median ray has the wanted optical depth.
 double densityScale(const FieldRays& field, const Camera& camera, double wantedDepth) {
-    // A thin volume is met by few rays of a coarse raster.
+    // A coarse raster may send only a few rays through a thin volume; a finer one is then tried.
     constexpr std::size_t kEnoughRays = 200;
     std::vector<double> depths;
     for (const int n : {32, 128}) {
@@ -114,14 +115,15 @@ double densityScale(const FieldRays& field, const Camera& camera, double wantedD
 
 // ---- the fire
 
-/// What temperatures grid values are, and how bright they are shown.
+/// The temperatures that grid values stand for, and how bright they are shown.
 struct FireLook {
-    std::string kelvin;            ///< as the scene says it
+    std::string kelvin;            ///< key and value as the scene states them
     double scale = 1, offset = 0;  ///< kelvin = value * scale + offset
     double intensity = 1;
 };
 
-/// Caches have values of 0 to 1, or to some other small number, or Kelvin.
+/// Guesses the unit of a temperature grid: caches store values from 0 to 1, from 0 to some other small number, or
+/// Kelvin.
 FireLook temperaturesOf(double hottest) {
     constexpr double kSurelyKelvin = 400, kCold = 500, kHot = 1900;
     FireLook look;
@@ -134,7 +136,7 @@ FireLook temperaturesOf(double hottest) {
     return look;
 }
 
-/// Radiance, at intensity 1, that a ray gets from the fire through the smoke in front of it.
+/// Radiance of the fire, at intensity 1, along one ray, attenuated by the smoke in front of it.
 double glow(const FieldRays& fire, const FieldRays& smoke, double extinction, const FireLook& look, const Bounds& ws,
             const Vec3& origin, const Vec3& direction) {
     constexpr int kSteps = 128;
@@ -153,8 +155,8 @@ double glow(const FieldRays& fire, const FieldRays& smoke, double extinction, co
 
 FireLook fireLook(const FramedFire& fire, const SparseField& smokeField, double extinction, const Camera& camera) {
     constexpr int kRays = 64;
-    constexpr double kSeen = 0.05;                  // of the brightest: what counts as burning
-    constexpr double kBright = 0.8, kRadiance = 2;  // this part of what burns is darker than that
+    constexpr double kSeen = 0.05;  // fraction of the largest radiance above which a ray counts as burning
+    constexpr double kBright = 0.8, kRadiance = 2;  // the quantile kBright of burning rays gets the radiance kRadiance
     FireLook look = temperaturesOf(fire.hottest);
     const FieldRays rays(*fire.field), smoke(smokeField);
     const Bounds ws = transformed(fire.field->wsFromIs, isOccupied(*fire.field));
@@ -170,7 +172,7 @@ FireLook fireLook(const FramedFire& fire, const SparseField& smokeField, double 
 
 // ---- the text
 
-/// A light. `place`: where it stands as the camera sees it: right, up, towards the eye.
+/// The text of one light. `place`: its position in the camera's axes (right, up, towards the eye).
 std::string lightText(const std::string& comment, const std::string& name, const Mat3& wsFromCamera, const Vec3& place,
                       const std::string& color, double intensity) {
     return fmt::format(
@@ -184,8 +186,8 @@ std::string lightText(const std::string& comment, const std::string& name, const
         comment, name, tomlRounded(wsFromCamera * -glm::normalize(place), -3), color, tomlSignificant(intensity, 3));
 }
 
-/// `front`: how far the key light comes to the front. Media take shape by light from the side, surfaces by what they
-/// turn to the eye.
+/// The text of the lights. `front`: how far the key light stands towards the viewer. Light from the side shapes media,
+/// light from the front shapes surfaces.
 std::string lightsText(const Mat3& wsFromCamera, double part, double front) {
     return lightText("From above, left of the camera", "key", wsFromCamera, {-0.8, 0.8, front}, "[1, 0.94, 0.85]",
                      28 * part) +
@@ -216,10 +218,11 @@ std::string mediumText(const FramedAsset& asset, double scale, const Camera& cam
                               look.kelvin, tomlSignificant(look.intensity, 3));
 }
 
-/// Around what is to be seen.
+/// The points that the camera frames.
 std::vector<Vec3> wsPointsOf(const FramedAsset& asset) {
-    constexpr double kReach = 0.5;   // voxels that the linear kernel reaches further than the cells
-    constexpr float kGlows = 0.33f;  // part of the hottest: a hundredth of its light
+    constexpr double kReach = 0.5;  // voxels by which the linear kernel reaches beyond the cells
+    // fraction of the hottest value that still glows: with about a hundredth of its light
+    constexpr float kGlows = 0.33f;
     std::vector<Vec3> wsPoints;
     const auto add = [&](const SparseField& field, float least) {
         for (const Vec3& p : isOutline(field, least, kReach)) wsPoints.push_back(transformPoint(field.wsFromIs, p));
@@ -246,7 +249,7 @@ std::string framingScene(const FramedAsset& asset, Int2 resolution) {
     const Framing framing = frame(wsPointsOf(asset), camera.wsFromCamera, double(resolution.x) / resolution.y);
     camera.wsPosition = framing.wsPosition;
 
-    // A thousandth of what is seen, or less, is far below the margin.
+    // Rounding to a thousandth of the framed size, or less, changes the framing by far less than the margin.
     const int exponent = static_cast<int>(std::floor(std::log10(framing.size))) - 3;
     std::string text = fmt::format(
         "# A scene for {}\n"

@@ -6,11 +6,12 @@
 namespace scrim {
 namespace {
 
-/// Boost has this as pchip, but version 1.74 throws below four keys, and two are the usual case.
+/// Slope of a monotone cubic at a key. Boost has this as pchip, but version 1.74 throws below four keys, and two are
+/// the usual case.
 ///
-/// Slope at a key with slopes a and b of the chords before and after it, of lengths h and k in frames: their
-/// weighted harmonic mean, or 0 at a turning point (F. N. Fritsch and J. Butland, "A method for constructing
-/// local monotone piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984).
+/// With slopes a and b of the chords before and after the key, of lengths h and k in frames, the slope is their
+/// weighted harmonic mean, or 0 at a turning point (F. N. Fritsch and J. Butland, "A method for constructing local
+/// monotone piecewise cubic interpolants", SIAM J. Sci. Stat. Comput. 5, 1984).
 double keySlope(double a, double h, double b, double k) {
     if (!(a * b > 0)) return 0;
     const double w1 = 2 * k + h, w2 = k + 2 * h;
@@ -21,7 +22,7 @@ Vec3 keySlope(const Vec3& a, double h, const Vec3& b, double k) {
     return {keySlope(a.x, h, b.x, k), keySlope(a.y, h, b.y, k), keySlope(a.z, h, b.z, k)};
 }
 
-/// Rounding must not carry a value beyond its keys either.
+/// Clamps `value` to its keys' values, because rounding could carry it beyond them.
 double between(double value, double a, double b) {
     return std::clamp(value, std::min(a, b), std::max(a, b));
 }
@@ -46,7 +47,7 @@ T Keyed<T>::at(double frame) const {
     const double h = length(i), t = (frame - keys[i].first) / h;
     if (interpolation == Interpolation::linear) return between((1 - t) * p + t * q, p, q);
 
-    // The cubic Hermite through both keys; at the ends of all keys it comes to rest.
+    // The cubic Hermite interpolant through both keys; its slope is 0 at the first and the last key.
     const T slopeP = i == 0 ? T(0) : keySlope(chord(i - 1), length(i - 1), chord(i), h);
     const T slopeQ = i + 2 == keys.size() ? T(0) : keySlope(chord(i), h, chord(i + 1), length(i + 1));
     const double s = 1 - t;

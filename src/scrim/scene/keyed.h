@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values that change over frames: keys, and what lies between them.
+// Values that change over frames: keys and the interpolation between them.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -11,18 +11,18 @@ namespace scrim {
 
 enum class Interpolation {
     linear,
-    /// Monotone cubic: continuous in its first derivative everywhere (it comes to rest at the first and last
-    /// key, outside of which the value is constant), and never beyond the two keys around it.
+    /// Monotone cubic interpolation with a continuous first derivative, which is 0 at the first and last key; outside
+    /// of them the value is constant. It never overshoots the two keys around a frame.
     smooth,
 };
 
-/// `T` is double or Vec3 (each component by itself).
+/// `T` is double or Vec3, whose components are interpolated separately.
 template <typename T>
 struct Keyed {
     std::vector<std::pair<double, T>> keys;  ///< frame and value; at least one, frames ascending
     Interpolation interpolation = Interpolation::linear;
 
-    /// The value at `frame`: that of the nearest key outside of the keys' range.
+    /// The value at `frame`. Outside of the keys' range it is that of the nearest key.
     T at(double frame) const;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What layers are called, in scenes and in files.
+// The names of layers in scenes and in files.
 #pragma once
 
 #include <scrim/scene/scene.h>
@@ -9,7 +9,7 @@
 
 namespace scrim {
 
-/// In the order of Layer.
+/// The names, in the order of Layer.
 inline const std::vector<std::string>& layerNames() {
     static const std::vector<std::string> names{"light",         "ambient", "emission", "albedo", "depth",
                                                 "transmittance", "shadow",  "volume",   "motion"};
@@ -19,8 +19,8 @@ inline const std::string& nameOf(Layer layer) {
     return layerNames()[std::size_t(layer)];
 }
 
-/// A light's name as a part of a channel's: what is no letter, digit or underscore becomes one, since compositing
-/// programs refuse or mangle all else.
+/// A light's name as part of a channel's name. Characters that are neither letters, digits nor underscores become
+/// underscores, since compositing programs refuse or mangle all others.
 inline std::string channelName(std::string name) {
     for (char& c : name) {
         const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');

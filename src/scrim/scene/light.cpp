@@ -32,7 +32,7 @@ Vec3 domeDirection(const Light& light, double u, double v) {
     const double latitude = std::numbers::pi * (0.5 - v);
     const Vec3 upright(std::cos(latitude) * std::sin(longitude), std::sin(latitude),
                        std::cos(latitude) * std::cos(longitude));
-    // By the shortest turn from +y, which takes +x and +z along.
+    // The shortest turn from +y to wsUp carries +x and +z along.
     return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), glm::normalize(light.wsUp))) * upright;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Lights, as a scene states them: in world space, with colours in the working space.
+// Lights as a scene states them: in world space, with colours in the working space.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -13,18 +13,19 @@
 
 namespace scrim {
 
-/// What the light is like beyond the picture's border.
+/// What the slide lets through beyond the picture's border.
 enum class SlideOutside { black, clamp, repeat };
 
 /// The slide of a projective textured light (ZC02 section 5): a picture that the light shines through.
 struct Slide {
-    std::string file;        ///< at this frame
-    std::string colorspace;  ///< of the file; "": as readTexture chooses
-    std::string where;       ///< of `file` in the scene: "scene.toml:12:18"
-    double fov = 30;         ///< horizontal field of view, degrees; not of distant lights
-    double width = 1;        ///< distant lights: world units across the picture
-    double height = 0;       ///< distant lights: world units; 0: from `width` and the picture's aspect
-    double roll = 0;         ///< degrees, clockwise for a viewer who stands at the light and looks along it
+    std::string file;        ///< the path at this frame
+    std::string colorspace;  ///< colour space of the file; "": as readTexture chooses
+    std::string where;       ///< where the scene says `file`: "scene.toml:12:18"
+    double fov = 30;         ///< horizontal field of view, degrees; distant lights have none
+    double width = 1;        ///< distant lights: width of the picture, world units
+    /// distant lights: height of the picture, world units; 0: from `width` and the picture's aspect
+    double height = 0;
+    double roll = 0;  ///< degrees, clockwise for a viewer who stands at the light and looks along it
     SlideOutside outside = SlideOutside::black;
     std::shared_ptr<const Texture> image;  ///< null until it is loaded
 };
@@ -36,42 +37,47 @@ struct Light {
     struct Distant {
         Distant() {}
         explicit Distant(double degrees) : angle(degrees) {}
-        double angle{};  ///< of the sun's disk, full, degrees; irradiance is spread evenly over its solid angle
+        /// full angle of the sun's disk, degrees; the irradiance is spread evenly over its solid angle
+        double angle{};
     };
     struct Point {
-        double radius = 0;  ///< world units; keeps 1/r^2 finite
-        bool decay = true;  ///< false: the paper's lights, whose intensity is the irradiance everywhere
+        double radius = 0;  ///< world units; irradiance grows no further within it, which keeps 1/r^2 finite
+        bool decay = true;  ///< false: irradiance equals the intensity at any distance, as for the paper's lights
     };
     struct Spot : Point {
         double coneAngle = 45;  ///< full angle, degrees
-        double blend = 0.15;    ///< part of the cone, from its border inwards, over which light fades
+        double blend = 0.15;    ///< fraction of the cone, from its border inwards, over which the light fades
     };
-    /// A small piece of a surface, around wsDirection: radiant intensity times the cosine to it, and nothing behind.
+    /// A small piece of a surface whose normal is wsDirection. Its radiant intensity is multiplied by the cosine to the
+    /// normal; it sends nothing backwards.
     struct Element : Point {};
-    /// A surface around wsPosition that shines evenly into all directions (Lambert). Rectangle and disk shine to the
-    /// side of wsDirection alone, a sphere outwards. A slide is a rectangle's picture (see pictureOfRectangle).
+    /// A surface around wsPosition that emits the same radiance in all directions (Lambert). Rectangles and disks emit
+    /// only to the side that wsDirection points to, spheres outwards. The slide of a rectangle is the picture on it
+    /// (see pictureOfRectangle).
     struct Area {
         AreaShape shape = AreaShape::rectangle;
-        double width = 1, height = 1;  ///< rectangle: world units, across wsUp and along it
+        double width = 1, height = 1;  ///< rectangle: edges across wsUp and along it, world units
         double radius = 0.5;           ///< disk and sphere: world units
-        /// Of the surface that shines: w h, pi r^2 or 4 pi r^2, world units squared.
+        /// Area of the emitting surface, world units squared: w h, pi r^2 or 4 pi r^2.
         double area() const;
     };
-    /// The sky, infinitely far away. A slide is its picture, lat-long (see domeDirection).
+    /// The sky, infinitely far away. Its slide is a lat-long picture (see domeDirection).
     struct Dome {
-        double rotation = 0;  ///< degrees, about wsUp
+        double rotation = 0;  ///< turn about wsUp, degrees
     };
 
     std::string name;
     std::variant<Distant, Point, Spot, Element, Area, Dome> kind;
-    Vec3 wsPosition{0};          ///< point, spot; area: its centre; distant: the centre of the slide
-    Vec3 wsDirection{0, 0, -1};  ///< unit; the way the light travels (distant), the axis of a cone or slide, the normal
-    Vec3 wsUp{0, 1, 0};          ///< what is up on the slide, rectangle or sky; any length but 0
-    /// Colour times intensity times 2^exposure. Distant, or without decay: irradiance. Area and dome: radiance.
-    /// Otherwise radiant intensity: irradiance is intensity / max(r^2, radius^2), r in world units.
+    Vec3 wsPosition{0};  ///< point and spot: the place; area: the centre; distant: the centre of the slide
+    /// unit; distant: direction of travel; else the axis of a cone or slide, or the normal
+    Vec3 wsDirection{0, 0, -1};
+    Vec3 wsUp{0, 1, 0};  ///< the up direction of a slide, rectangle or sky; any length but 0
+    /// Colour * intensity * 2^exposure. It is irradiance for distant lights and lights without decay, radiance for area
+    /// lights and domes, and radiant intensity for all others: their irradiance is intensity / max(r^2, radius^2), r in
+    /// world units.
     Rgb intensity{1};
-    int samples = 0;  ///< sub-lights that stand for an extended light; 0: as many as the dial light_error asks for
-    std::optional<Slide> slide;  ///< multiplies the intensity; a projector is a point that has one
+    int samples = 0;  ///< sub-lights that represent an extended light; 0: as many as the dial light_error asks for
+    std::optional<Slide> slide;  ///< multiplies the intensity; a projector is a point light with a slide
     bool shadows = true;
 
     bool distant() const { return std::holds_alternative<Distant>(kind); }
@@ -79,12 +85,13 @@ struct Light {
     const Element* element() const { return std::get_if<Element>(&kind); }
     const Area* area() const { return std::get_if<Area>(&kind); }
     const Dome* dome() const { return std::get_if<Dome>(&kind); }
-    /// Does it shine from more than one point or direction? The engine lets several lights stand for it.
+    /// True if the light shines from more than one point or direction. The engine represents such a light by several
+    /// sub-lights.
     bool extended() const {
         const Distant* sun = std::get_if<Distant>(&kind);
         return area() || dome() || (sun && sun->angle > 0);
     }
-    /// Of a light that shines from a point: what points, spots and elements have in common.
+    /// The members that points, spots and elements share. Only for these three kinds.
     const Point& point() const {
         if (const Spot* s = spot()) return *s;
         if (const Element* e = element()) return *e;
@@ -93,17 +100,18 @@ struct Light {
     Point& point() { return const_cast<Point&>(std::as_const(*this).point()); }
 };
 
-/// Right, up and normal of a surface or of directions around light.wsDirection, as columns: orthonormal, and up is as
-/// near to light.wsUp as can be. Right is that of a viewer whom the light shines at.
+/// The right, up and normal axes of an area light or a dome, in world space, as orthonormal columns. The normal lies
+/// along light.wsDirection, and up is as near to light.wsUp as possible. Right is on the right of a viewer whom the
+/// light shines at.
 Mat3 lightFrame(const Light& light);
 
-/// Where on a rectangle (u, v) of its picture lies: (0, 0) is the top left corner and (1, 1) the bottom right one for a
-/// viewer whom the light shines at, as on a screen.
+/// The point on a rectangle, world space, that shows (u, v) of its picture. A viewer whom the light shines at sees (0,
+/// 0) at the top left corner and (1, 1) at the bottom right one, as on a screen.
 Vec3 pictureOfRectangle(const Light& light, double u, double v);
 
-/// The direction (unit, towards the sky) of (u, v) of a dome's picture, u from its left border in [0, 1) and v from its
-/// top: UsdLux' lat-long. With up = [0, 1, 0] and no rotation the middle of the picture is +z, a quarter to the right
-/// of it is -x, the top is +y. `rotation` turns the sky about up, from +z towards +x.
+/// The direction (unit, towards the sky) that shows (u, v) of a dome's picture; u runs from its left border in [0, 1),
+/// v from its top. The mapping is UsdLux' lat-long: with up = [0, 1, 0] and no rotation the middle of the picture is
+/// +z, a quarter to the right of it is -x, and the top is +y. `rotation` turns the sky about up, from +z towards +x.
 Vec3 domeDirection(const Light& light, double u, double v);
 
 }  // namespace scrim

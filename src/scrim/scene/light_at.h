@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a light that is not extended sends to a place, before anything takes some of it: decay, cone, slide. All that
-// follows single rays asks here; shading computes the same for the samples of a sheet at once (engine/light,
+// The light that a light without extent sends to a place, before anything attenuates it: decay, cone and slide. All
+// code that follows single rays asks here; shading computes the same for all samples of a sheet at once (engine/light,
 // engine/shade).
 #pragma once
 
@@ -12,31 +12,32 @@
 
 namespace scrim {
 
-/// Light at a place.
+/// Light that arrives at a place.
 struct Arriving {
-    Rgb irradiance{0};                                          ///< on a surface that faces it
-    Vec3 travel{0, 0, -1};                                      ///< unit; the way it goes
-    double distance = std::numeric_limits<double>::infinity();  ///< to the light, world units; infinite: distant light
+    Rgb irradiance{0};      ///< on a surface that faces the light
+    Vec3 travel{0, 0, -1};  ///< direction of travel, unit
+    /// to the light, world units; infinite for distant lights
+    double distance = std::numeric_limits<double>::infinity();
 };
 
-/// Cosines of half the cone's angle, where a spot is dark, and of where it begins to fade. A cone without a blend has
-/// an edge of 0.006 degrees.
+/// The cosines of two half angles of a spot's cone: `outer`, where it is dark, and `inner`, where it begins to fade. A
+/// cone without a blend still fades over 0.006 degrees, because a step cannot be sampled.
 struct SpotEdges {
     double outer, inner;
     explicit SpotEdges(const Light::Spot& spot);
-    /// Part of the intensity in [0, 1] in a direction of this cosine to the axis: smoothstep.
+    /// The fraction of the intensity, in [0, 1], in a direction whose cosine to the axis is `cosine`: a smoothstep.
     double part(double cosine) const;
 };
 
 class LightAt {
   public:
-    /// `light` must outlive this; it is not extended, and its slide is loaded. `leastRadius`, world units: 1/r^2 is at
-    /// most that of the larger of it and the light's own radius.
+    /// `light` must outlive this object, must not be extended, and must have its slide loaded. `leastRadius` is in
+    /// world units: irradiance uses the larger of it and the light's own radius as its least distance.
     explicit LightAt(const Light& light, double leastRadius = 0);
 
-    /// No light at the very place where a point light stands, unless a radius says how much.
+    /// The irradiance is 0 at the exact place of a point light without a radius, where 1/r^2 has no value.
     Arriving at(const Vec3& ws) const;
-    /// Null: it has none.
+    /// Null where the light has no slide.
     const SlideMap* slide() const { return m_slide ? &*m_slide : nullptr; }
 
   private:

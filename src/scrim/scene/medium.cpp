@@ -11,7 +11,7 @@ namespace {
 constexpr double kFourPi = 4 * std::numbers::pi;
 
 double henyeyGreenstein(double g, double cosTheta) {
-    // Rounding must not take the middle of a narrow lobe to zero.
+    // The clamp keeps rounding from taking the peak of a narrow lobe to zero.
     const double x = std::max(1 + g * g - 2 * g * cosTheta, (1 - std::abs(g)) * (1 - std::abs(g)));
     return (1 - g * g) / (kFourPi * std::pow(x, 1.5));
 }

@@ -7,11 +7,11 @@
 namespace scrim {
 namespace {
 
-/// Names longer than this are not compared: their distance costs time and their suggestion helps nobody.
+/// Names longer than this are not compared, since that takes time and a suggestion would hardly help.
 constexpr std::size_t kLongestName = 64;
 
-/// Optimal string alignment distance: insertions, deletions, changes and swaps of neighbours, each at most
-/// once.
+/// The optimal string alignment distance: the number of insertions, deletions, changes and swaps of neighbours, where
+/// no part is edited twice.
 std::size_t editDistance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> beforeLast(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
     std::iota(last.begin(), last.end(), std::size_t{0});

@@ -11,10 +11,10 @@
 namespace scrim {
 namespace {
 
-// Empty space is measured in balls of this many voxels: half a block's edge.
+// Radius, in voxels, of the balls in which space is tested for emptiness: half a block's edge.
 constexpr double kEmptyRadius = 4;
 
-// The longest index-space length that a world unit can have, from above.
+// An upper bound on the index-space length of one world unit in any direction.
 double isPerWs(const Mat4& isFromWs) {
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));

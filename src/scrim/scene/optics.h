@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a volume does to light at a place: extinction, scattering and emission, from its fields and its look. All that
-// follows single rays asks here (the reference, the path tracer, pilots, caught shadows). The engine's shading computes
-// the same for many samples at once, from sheets (engine/shade).
+// What a volume does to light at a place: extinction, scattering and emission, computed from its fields and its medium.
+// All code that follows single rays asks here (the reference, the path tracer, pilot rays, caught shadows). The
+// engine's shading computes the same for many samples at once, from sheets (engine/shade).
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -15,32 +15,33 @@
 
 namespace scrim {
 
-/// Samplers by their fields, so that all that look at one scene share them.
+/// One sampler for each field, so that everything that looks at one scene shares them.
 using FieldSamplers = std::map<const SparseField*, std::shared_ptr<const FieldSampler>>;
 
-/// A field in the world. Safe to use from many threads, as all below.
+/// A field in world space. This type and those below may be used from many threads at once.
 struct FieldInWorld {
     std::shared_ptr<const FieldSampler> field;
     Mat4 isFromWs{1.0};
 
-    /// Takes the sampler of `samplers`, which gets it where it is not there yet. `view.field` must outlive that.
+    /// Takes the field's sampler from `samplers` and adds it there if it is missing. `view.field` must outlive
+    /// `samplers`.
     FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers);
     double value(const Vec3& ws) const { return field->value(transformPoint(isFromWs, ws)); }
 };
 
 /// Extinction per world unit of a volume whose field has `value`.
 Rgb extinctionOf(const ViewVolume& volume, double value);
-/// The same in the channel that has most.
+/// The extinction in the channel where it is largest.
 double mostExtinctionOf(const ViewVolume& volume, double value);
 
-/// One volume. Where velocities move its fields (ViewVelocity), it is seen as they have moved it.
+/// The optics of one volume. Where velocities move its fields (ViewVelocity), all values are those of the moved fields.
 class VolumeOptics {
   public:
     /// `volume` must outlive this.
     VolumeOptics(const ViewVolume& volume, Kernel kernel, FieldSamplers& samplers);
 
     const ViewVolume& volume() const { return *m_volume; }
-    /// Has it a density? Without one it has neither extinction nor scattering.
+    /// A volume without density has neither extinction nor scattering.
     bool hasDensity() const { return m_density.has_value(); }
 
     /// The density field's value, before any scale.
@@ -51,28 +52,29 @@ class VolumeOptics {
     Rgb scattering(const Vec3& ws) const;
     /// Emitted radiance per world unit.
     Rgb emission(const Vec3& ws) const;
-    /// Value of the field of ViewVolume::emission[i].
+    /// Value of the field of ViewVolume::emission[i] at `ws`.
     double emissionField(std::size_t i, const Vec3& ws) const { return m_emission[i].value(origin(ws)); }
-    /// Gradient of the density field, per world unit: central differences over a voxel on either side.
+    /// Gradient of the density field, per world unit, by central differences over one voxel to either side.
     Vec3 gradient(const Vec3& ws) const;
 
-    /// A distance, world units, within which all fields are known to be 0; 0 where none is known.
+    /// A radius, world units, around `ws` within which all fields are known to be 0; 0 where none is known.
     double emptyDistance(const Vec3& ws) const;
-    /// How far `ws` can go along `way`, in multiples of it, while extinction is known to be constant within `reach`
-    /// world units; below 0 where it is not known to be constant at `ws`.
+    /// How far a point can go from `ws` along `way`, in multiples of `way`, while extinction is known to be constant
+    /// within `reach` world units of it; below 0 where it is not known to be constant at `ws`.
     double evenAlong(const Vec3& ws, const Vec3& way, double reach) const;
 
   private:
-    // Where the fields were that are seen at `ws`.
+    // The place that the fields seen at `ws` were moved from.
     Vec3 origin(const Vec3& ws) const { return m_velocity.empty() ? ws : ws - wayTo(ws); }
     Vec3 wayTo(const Vec3& ws) const;
 
     const ViewVolume* m_volume;
     std::optional<FieldInWorld> m_density;
-    std::vector<FieldInWorld> m_scatter, m_emission;  // as ViewVolume has them
-    std::vector<FieldInWorld> m_velocity;             // as ViewVelocity::parts; linear, whatever kernel fields have
-    double m_mostWay = 0;                             // world units
-    double m_voxels = 0;                              // of the density, along any axis that a world unit may span
+    std::vector<FieldInWorld> m_scatter, m_emission;  // in the order of ViewVolume
+    // in the order of ViewVelocity::parts; always linear, whatever kernel the fields have
+    std::vector<FieldInWorld> m_velocity;
+    double m_mostWay = 0;  // longest displacement, world units
+    double m_voxels = 0;   // the most voxels of the density grid that one world unit can span along an axis
 };
 
 }  // namespace scrim

@@ -16,31 +16,32 @@
 namespace scrim {
 namespace {
 
-constexpr double kTolerance = 1e-3;  // what matrices of floats that were multiplied by renderers may miss
-constexpr double kNearMiddle = 0.2;  // of the two middles, 0 and 1/2, only one is so near
+constexpr double kTolerance = 1e-3;  // relative error of matrices that renderers stored and multiplied as floats
+constexpr double kNearMiddle = 0.2;  // radius around 0 and around 1/2 within which a middle is recognised
 
 [[noreturn]] void refuse(const std::string& problem) {
     throw Error(ErrorKind::input, problem);
 }
 
-/// From 16 numbers that act on row vectors.
+/// A matrix from 16 numbers that act on row vectors.
 Mat4 matrixOf(const std::vector<float>& numbers, const char* name) {
     if (numbers.size() != 16) refuse(fmt::format("its header has no {}", name));
     Mat4 m;
     for (int i = 0; i < 16; ++i) {
         if (!std::isfinite(numbers[std::size_t(i)])) refuse(fmt::format("{} of its header is not finite", name));
-        m[i / 4][i % 4] = numbers[std::size_t(i)];  // a row vector's matrix is the transpose, and glm stores columns
+        // the matrix of row vectors is the transpose, and glm stores columns
+        m[i / 4][i % 4] = numbers[std::size_t(i)];
     }
     return m;
 }
 
-/// From camera to picture: ndc = slope * (x, y) / depth + middle, without the division where parallel.
+/// The projection from camera to picture: ndc = slope * (x, y) / depth + middle, without the division if parallel.
 struct Projection {
     bool parallel = false;
     Vec2 slope{1}, middle{0};
 };
 
-/// `front`: depth = front * z.
+/// `front` is the sign of depth: depth = front * z.
 Projection projectionOf(const Mat4& ndcFromCamera, double front) {
     const auto at = [&](int row, int column) { return ndcFromCamera[column][row]; };
     Projection out;
@@ -67,7 +68,7 @@ Projection projectionOf(const Mat4& ndcFromCamera, double front) {
     return out;
 }
 
-/// With -1..1 over width and height, y up.
+/// Changes the projection to the range -1..1 over width and height, with y up.
 void makeSymmetric(Projection& p, NdcRange ndc) {
     const auto far = [&](double middle) {
         return std::max(std::abs(p.middle.x - middle), std::abs(p.middle.y - middle));
@@ -102,7 +103,7 @@ void checkShape(double lens, const PictureHeader& header) {
             lens, header.width, header.height, picture));
 }
 
-/// Scrim's own camera.
+/// The camera from Scrim's own attribute.
 Camera ownCamera(const PictureHeader& header, const ColourConfig& colour) {
     Camera camera = readCameraText(header.camera, "scrim:camera", colour);
     checkShape(camera.pixelAspect * camera.resolution.x / camera.resolution.y, header);
@@ -112,7 +113,7 @@ Camera ownCamera(const PictureHeader& header, const ColourConfig& colour) {
 }
 
 std::string numbers(const glm::dvec4& row) {
-    const auto plain = [](double v) { return v + 0.0; };  // -0 is 0
+    const auto plain = [](double v) { return v + 0.0; };  // turns -0 into 0
     return fmt::format("[{}, {}, {}, {}]", plain(row.x), plain(row.y), plain(row.z), plain(row.w));
 }
 
@@ -141,7 +142,7 @@ Camera cameraOf(const PictureHeader& header, NdcRange ndc, const ColourConfig& c
     camera.wsFromCamera = Mat3(right, glm::cross(back, right), back);
     camera.resolution = {header.width, header.height};
     camera.pixelAspect = header.pixelAspect;
-    // Lengths in the camera's own units, which are `scale` a world unit where it is parallel.
+    // Lengths are in the camera's own units; with a parallel projection one world unit is `scale` of them.
     camera.fov = glm::degrees(2 * std::atan(1 / p.slope.x));
     camera.height = 2 / (p.slope.y * scale);
     camera.shift = -0.5 * p.middle / Vec2(1, p.slope.y / p.slope.x);

@@ -16,13 +16,13 @@
 namespace scrim {
 namespace {
 
-/// A dial with the way to get at it: a number between limits, or one of some words.
+/// A dial with the functions that check, set and get it. Its value is a number between limits or one of some words.
 struct Dial {
     DialInfo info;
-    std::function<bool(double)> allows;  ///< numbers; empty: a choice
+    std::function<bool(double)> allows;  ///< tells which numbers are allowed; empty: the dial takes words only
     std::vector<std::string> words;
     std::function<void(Dials&, double)> setNumber;
-    std::function<void(Dials&, std::size_t)> setWord;  ///< by place in `words`
+    std::function<void(Dials&, std::size_t)> setWord;  ///< takes the index into `words`
     std::function<std::string(const Dials&)> get;
 };
 
@@ -30,7 +30,7 @@ std::string text(double value) {
     return fmt::format("{}", value);
 }
 
-/// A real number in [low, high].
+/// A dial that is a real number in [low, high].
 Dial number(std::string name, std::string unit, double low, double high, double Dials::*member, std::string meaning) {
     Dial d;
     d.info = {std::move(name), std::move(unit), "", fmt::format("a number from {} to {}", low, high),
@@ -41,7 +41,7 @@ Dial number(std::string name, std::string unit, double low, double high, double 
     return d;
 }
 
-/// A whole number for which `allows` holds.
+/// A dial that is a whole number for which `allows` holds.
 Dial integer(std::string name, std::string unit, std::string allowed, bool (*allows)(double), int Dials::*member,
              std::string meaning) {
     Dial d;
@@ -52,7 +52,7 @@ Dial integer(std::string name, std::string unit, std::string allowed, bool (*all
     return d;
 }
 
-/// One of `words`, which stand for the values 0, 1, 2 … of an enumeration.
+/// A dial that is one of `words`, which stand for the values 0, 1, 2 … of an enumeration.
 template <typename Enum>
 Dial choice(std::string name, std::vector<std::string> words, Enum Dials::*member, std::string meaning) {
     Dial d;
@@ -196,7 +196,7 @@ const Dial& dialNamed(const std::string& name, const std::string& where) {
                                               didYouMean(name, names), choices(names)));
 }
 
-/// Unit after the limits of a number: " voxels".
+/// The unit of a number, to follow its limits in a message: " (voxels)".
 std::string unitOf(const Dial& dial) {
     return dial.info.unit.empty() ? "" : " (" + dial.info.unit + ")";
 }
@@ -294,7 +294,8 @@ double promisedError(const std::string& name, bool classified) {
 }
 
 std::string renderBlock(const Dials& dials) {
-    // The preset that leaves least to say. Without texels and sheets, a scene would choose its own.
+    // Starts from the preset that leaves the fewest dials to state. Texels and sheets are always stated, since a scene
+    // without them would have its own chosen.
     std::string best;
     int leastDifferences = std::numeric_limits<int>::max();
     for (const std::string& preset : presetNames()) {

@@ -18,7 +18,7 @@ double pictureAspect(const Camera& camera) {
     return camera.pixelAspect * camera.resolution.x / camera.resolution.y;
 }
 
-/// The film back in mm; a height of 0 where only its width is given.
+/// The size of the film back in mm; the height is 0 where only the width is given.
 Vec2 readAperture(const TomlValue& value, double frame) {
     const auto read = [](const TomlValue& v) {
         if (v.isNumber()) return Vec3(v.number(), 0, 0);
@@ -29,7 +29,7 @@ Vec2 readAperture(const TomlValue& value, double frame) {
     return {film.x, film.y};
 }
 
-/// Half the picture's width at depth 1, from a lens and its film.
+/// Half the picture's width at depth 1, from the focal length and the film back.
 double readLens(TomlTable& table, const TomlValue& focalLength, const ReadContext& context, double aspect) {
     const double f = focalLength.numberAt(context.frame);
     const TomlValue aperture = table.require(k.aperture);
@@ -38,11 +38,12 @@ double readLens(TomlTable& table, const TomlValue& focalLength, const ReadContex
     if (fit && film.y == 0)
         fit->fail(fmt::format("{} needs the height of the film; expected {} = [width, height]", k.fit, k.aperture));
     const double filmAspect = film.y == 0 ? aspect : film.x / film.y;
-    const bool keepsWidth[] = {true, false, aspect >= filmAspect, aspect < filmAspect};  // in the order of the words
+    // in the order of the key's words
+    const bool keepsWidth[] = {true, false, aspect >= filmAspect, aspect < filmAspect};
     return keepsWidth[fit ? fit->choice() : 0] ? 0.5 * film.x / f : 0.5 * film.y / f * aspect;
 }
 
-/// Horizontal field of view in degrees: given, or from a lens and its film.
+/// Horizontal field of view in degrees, as given or from the focal length and the film back.
 double readFov(TomlTable& table, const ReadContext& context, double aspect) {
     const auto focalLength = table.find(k.focalLength);
     if (!focalLength)
@@ -53,15 +54,15 @@ double readFov(TomlTable& table, const ReadContext& context, double aspect) {
         half = readLens(table, *focalLength, context, aspect);
     } else {
         const double slope = std::tan(glm::radians(0.5 * table.numberAt(context.frame, k.fov)));
-        const double widths[] = {1, aspect, aspect / std::hypot(aspect, 1.0)};  // in the order of the words
+        const double widths[] = {1, aspect, aspect / std::hypot(aspect, 1.0)};  // in the order of the key's words
         half = slope * widths[table.choice(k.fovAxis)];
     }
     return glm::degrees(2 * std::atan(half));
 }
 
-/// The axes of a camera's matrix without their scale. Throws where they are not at right angles, or mirrored.
+/// The axes of a camera's matrix with their scale removed. Throws where they are not at right angles, or mirrored.
 Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
-    constexpr double kSquare = 1e-4;  // what matrices that were printed with five digits miss right angles by
+    constexpr double kSquare = 1e-4;  // tolerance for right angles: matrices printed with five digits miss them by less
     Mat3 axes;
     for (int i = 0; i < 3; ++i) axes[i] = glm::normalize(Vec3(m[i]));
     const bool square = std::abs(glm::dot(axes[0], axes[1])) < kSquare &&
@@ -71,7 +72,7 @@ Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
     if (glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0)
         value.fail(fmt::format("{} mirrors; expected a right-handed frame, that of a camera which looks along its -z",
                                k.matrix));
-    // What is at right angles to the last digits stays as it is.
+    // Axes that are orthonormal up to rounding are kept unchanged.
     const Mat3 given(m);
     const Mat3 product = glm::transpose(given) * given;
     double off = 0;
@@ -82,7 +83,8 @@ Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
     return axes;
 }
 
-/// Place and axes at the frame: places between keys as those of positions, turns along the shorter arc.
+/// The camera's place and axes at the frame. Places are interpolated between keys like positions, rotations along the
+/// shorter arc.
 void readPose(const TomlValue& value, const ReadContext& context, Camera& camera) {
     std::vector<Mat3> axes;
     const Keyed<Vec3> places = value.keysOf<Vec3>([&](const TomlValue& item) {
@@ -91,7 +93,7 @@ void readPose(const TomlValue& value, const ReadContext& context, Camera& camera
         return Vec3(m[3]);
     });
     camera.wsPosition = places.at(context.frame);
-    camera.wsFromCamera = axes.front();  // a single matrix as it is, to the last bit
+    camera.wsFromCamera = axes.front();  // a single matrix is kept to the last bit
     if (axes.size() == 1) return;
     Keyed<double> numbers{{}, places.interpolation};
     for (std::size_t i = 0; i < places.keys.size(); ++i)
@@ -102,7 +104,7 @@ void readPose(const TomlValue& value, const ReadContext& context, Camera& camera
         glm::slerp(glm::quat_cast(axes[i]), glm::quat_cast(axes[next]), number - static_cast<double>(i)));
 }
 
-/// Position, target and up, or an orbit in place of the position.
+/// Reads position, target and up, or an orbit in place of the position.
 void readView(TomlTable& table, const ReadContext& context, Camera& camera) {
     const auto upValue = table.find(k.up), orbit = table.find(k.orbit);
     const Vec3 up = upValue ? readDirection(*upValue, context.frame) : Vec3(0, 1, 0);

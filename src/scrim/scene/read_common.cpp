@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What several sections of a scene share: paths, directions, names.
+// Readers that several sections of a scene share: paths, directions, names.
 #include <scrim/scene/read_sections.h>
 
 #include <fmt/format.h>
@@ -19,7 +19,7 @@ double largest(const Vec3& v) {
     return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// Scaled first, so that squares neither underflow nor overflow.
+/// The unit vector along `v`. It is scaled first, so that squares neither underflow nor overflow.
 Vec3 unit(const Vec3& v) {
     return glm::normalize(v / largest(v));
 }
@@ -49,7 +49,7 @@ Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, 
 }
 
 Mat3 wsFromOrbit(const Vec3& up) {
-    return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), up));  // the shortest turn
+    return glm::mat3_cast(glm::rotation(Vec3(0, 1, 0), up));  // the shortest rotation
 }
 
 Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, bool needsRadius,

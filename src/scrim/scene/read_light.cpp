@@ -17,7 +17,7 @@ const LightKeys& k = keysOf<LightKeys>();
 
 enum class Type { distant, point, spot, projector, area, dome };  // in the order of the key's words
 
-/// Colour times intensity times 2^exposure.
+/// Reads colour * intensity * 2^exposure.
 Rgb readIntensity(TomlTable& table, const ReadContext& context) {
     const auto colour = table.find(k.color);
     const Rgb rgb = colour ? colour->colourAt(context.frame, context.colour) : Rgb(1);
@@ -30,7 +30,7 @@ Rgb readIntensity(TomlTable& table, const ReadContext& context) {
     return rgb * tint * intensity * std::exp2(table.numberAt(context.frame, k.exposure));
 }
 
-/// The axis of a cone or a slide.
+/// Reads the axis of a cone or a slide.
 Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) {
     const auto direction = table.find(k.direction), target = table.find(k.target);
     if (direction) return readDirection(*direction, context.frame);
@@ -39,7 +39,7 @@ Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) 
                             fmt::format("the light stands at its own {}", k.target), context.frame);
 }
 
-/// How large the slide's picture is: an angle, or the length of a distant light's.
+/// Reads the size of the slide's picture: an angle, or the width and height of a distant light's slide.
 void readSlideSize(TomlTable& table, const Light& light, const ReadContext& context, Slide& slide) {
     const SlideKeys& s = keysOf<SlideKeys>();
     const auto fov = table.find(s.fov), width = table.find(s.width), height = table.find(s.height);
@@ -47,7 +47,7 @@ void readSlideSize(TomlTable& table, const Light& light, const ReadContext& cont
         if (const auto& length = width ? width : height)
             length->fail(fmt::format("{} has '{}'; expected {}, since its light comes from a point",
                                      table.description(), length->name(), s.fov));
-        // A spot's picture fills its cone unless it says otherwise.
+        // A spot's picture fills its cone unless the scene states an angle.
         if (const Light::Spot* spot = light.spot()) slide.fov = std::min(spot->coneAngle, 179.0);
         if (fov) slide.fov = fov->numberAt(context.frame);
         return;
@@ -60,7 +60,7 @@ void readSlideSize(TomlTable& table, const Light& light, const ReadContext& cont
     if (height) slide.height = height->numberAt(context.frame);
 }
 
-// A picture and the space it is in: all that there is to that of a rectangle or a dome.
+// Reads a picture and its colour space, which is all that a rectangle's or a dome's picture has.
 Slide readPicture(TomlTable& table, const Key& fileKey, const Key& spaceKey, const ReadContext& context) {
     Slide slide;
     const TomlValue file = table.require(fileKey);
@@ -80,13 +80,13 @@ Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContex
     const SlideKeys& s = keysOf<SlideKeys>();
     Slide slide = readPicture(table, s.file, s.colorspace, context);
     if (light.area()) {
-        table.finish();  // it fills the rectangle
+        table.finish();  // no further keys: the picture fills the rectangle
         return slide;
     }
     readSlideSize(table, light, context, slide);
     slide.roll = table.numberAt(context.frame, s.roll);
     if (const auto outside = table.find(s.outside)) {
-        // A projector has no light but its picture's.
+        // Outside of its picture a projector sends no light.
         const std::vector<std::string> black{s.outside.words.front()};
         slide.outside = static_cast<SlideOutside>(type == Type::projector ? outside->choice(black) : outside->choice());
     }
@@ -94,7 +94,7 @@ Slide readSlide(TomlTable table, const Light& light, Type type, const ReadContex
     return slide;
 }
 
-/// The sun's disk, as large as it is seen.
+/// Reads the angle under which the sun's disk is seen.
 void readAngle(TomlTable& table, const std::optional<TomlValue>& slide, const ReadContext& context, Light& light) {
     light.kind = Light::Distant{table.numberAt(context.frame, k.angle)};
     if (light.extended() && slide)
@@ -102,7 +102,7 @@ void readAngle(TomlTable& table, const std::optional<TomlValue>& slide, const Re
                                 table.description(), k.angle, k.slide));
 }
 
-/// Where a distant light comes from, and the middle of its slide.
+/// Reads the direction of a distant light and the centre of its slide.
 void readDistant(TomlTable& table, bool hasSlide, const Vec3& up, const ReadContext& context, Light& light) {
     const auto direction = table.find(k.direction), orbit = table.find(k.orbit);
     if (!orbit) {
@@ -118,7 +118,7 @@ void readDistant(TomlTable& table, bool hasSlide, const Vec3& up, const ReadCont
     light.wsPosition = o.wsCenter;
 }
 
-/// Where a light stands that is not distant; its orbit, where it has one, is around the second.
+/// Reads the place of a light that is not distant. Returns the centre of its orbit, if it has one.
 std::optional<Vec3> readPlace(TomlTable& table, const std::optional<TomlValue>& orbit, const ReadContext& context,
                               Light& light) {
     if (!orbit) {
@@ -130,7 +130,7 @@ std::optional<Vec3> readPlace(TomlTable& table, const std::optional<TomlValue>& 
     return o.wsCenter;
 }
 
-/// What it faces: what it says, or else the middle of its orbit.
+/// Reads the direction that the light faces: the one stated, or else towards the centre of its orbit.
 void readFacing(TomlTable& table, const std::optional<TomlValue>& orbit, const std::optional<Vec3>& wsCenter,
                 const ReadContext& context, Light& light) {
     const bool aimed = table.find(k.direction).has_value() || table.find(k.target).has_value();
@@ -139,7 +139,7 @@ void readFacing(TomlTable& table, const std::optional<TomlValue>& orbit, const s
                                         : readAxis(table, light, context);
 }
 
-/// Point, spot and projector.
+/// Reads a point, spot or projector.
 void readNear(TomlTable& table, Type type, bool hasSlide, const ReadContext& context, Light& light) {
     const auto orbit = table.find(k.orbit);
     const std::optional<Vec3> wsCenter = readPlace(table, orbit, context, light);
@@ -182,7 +182,7 @@ void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const Rea
     light.kind = area;
 }
 
-/// A sky has one colour or a picture.
+/// Reads a dome, which has one colour or a picture.
 void readDome(TomlTable& table, const ReadContext& context, Light& light) {
     const TextureKeys& t = keysOf<TextureKeys>();
     light.kind = Light::Dome{table.numberAt(context.frame, k.rotation)};
@@ -193,7 +193,7 @@ void readDome(TomlTable& table, const ReadContext& context, Light& light) {
     picture.finish();
 }
 
-/// What is special to its type; all but its slide.
+/// Reads all that is specific to the light's type except for its slide.
 void readKind(TomlTable& table, Type type, const std::optional<TomlValue>& slide, const ReadContext& context,
               Light& light) {
     switch (type) {
@@ -209,7 +209,7 @@ void readKind(TomlTable& table, Type type, const std::optional<TomlValue>& slide
     }
 }
 
-/// As many sub-lights as it says; 0: "auto".
+/// Reads the number of sub-lights; 0 stands for "auto".
 int readSamples(TomlTable& table) {
     const auto samples = table.find(k.samples);
     if (!samples) return 0;
@@ -247,7 +247,7 @@ Rgb readAmbient(TomlTable table, const ReadContext& context) {
     const AmbientKeys& a = keysOf<AmbientKeys>();
     const auto colour = table.find(a.color), intensity = table.find(a.intensity);
     table.finish();
-    // An empty [ambient] is no light; either of the two alone has a natural partner.
+    // An empty [ambient] is no light. Colour defaults to white beside an intensity, intensity to 1 beside a colour.
     if (!colour && !intensity) return Rgb(0);
     const Rgb rgb = colour ? colour->colourAt(context.frame, context.colour) : Rgb(1);
     return rgb * (intensity ? intensity->numberAt(context.frame) : 1.0);

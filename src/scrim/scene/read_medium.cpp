@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [volume.medium]: what scatters, takes and sends out light.
+// Reads [volume.medium]: how a medium scatters, absorbs and emits light.
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/image/blackbody.h>
@@ -12,13 +12,12 @@
 namespace scrim {
 namespace {
 
-/// A colour with components from 0 to `most` in the working space, too. Conversions may miss the limits by their
-/// rounding.
+/// Reads a colour with components from 0 to `most` in the working space. Conversions may exceed the limits by rounding.
 Rgb readBounded(const TomlValue& value, const ReadContext& context, double most) {
     constexpr double kRounding = 1e-6;
     Rgb colour = value.colour(context.colour);
     for (int c = 0; c < 3; ++c) {
-        if (!(colour[c] >= -kRounding && colour[c] <= most + kRounding))  // NaN neither
+        if (!(colour[c] >= -kRounding && colour[c] <= most + kRounding))  // written so that NaN fails, too
             value.fail(fmt::format("'{}' is {}, {}, {} in the working space; expected numbers from 0 to {:g}",
                                    value.name(), colour.x, colour.y, colour.z, most));
         colour[c] = std::clamp(colour[c], 0.0, most);
@@ -55,7 +54,7 @@ Octaves readOctaves(TomlTable table) {
     return octaves;
 }
 
-// Octaves alone say what is meant; beside another word they are a contradiction.
+// A table of octaves alone implies the word "octaves"; beside another word it is a contradiction.
 void readScattering(TomlTable& table, const MediumKeys& k, Medium& medium) {
     const auto octaves = table.find(k.octaves);
     const auto word = table.find(k.scattering);
@@ -86,7 +85,7 @@ ColourGrid readColourGrid(TomlTable table, const ReadContext& context) {
 }
 
 void readAlbedo(const TomlValue& value, const std::string& of, const ReadContext& context, SceneVolume& volume) {
-    // A table is a colour and its space, or a grid of colours.
+    // A table is either a colour with its space or a grid of colours.
     if (value.isTable()) {
         TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), of));
         if (table.find(keysOf<AlbedoGridKeys>().grid)) {
@@ -97,7 +96,7 @@ void readAlbedo(const TomlValue& value, const std::string& of, const ReadContext
     volume.medium.albedo = readBounded(value, context, 1);
 }
 
-/// What emission and black bodies have in common.
+/// Reads the keys that emission and blackbodies share.
 Emission readEmissionGrid(TomlTable& table, const Key& key) {
     const TomlValue grid = table.require(key);
     Emission emission;
@@ -121,7 +120,7 @@ Emission readEmission(TomlTable table, const ReadContext& context) {
     return emission;
 }
 
-/// What grid values are in Kelvin: those of 0 and of 1, or scale and offset.
+/// Reads how grid values convert to Kelvin: by the temperatures of 0 and 1, or by scale and offset.
 void readKelvin(TomlTable& table, const BlackbodyKeys& k, const ReadContext& context, Emission& emission) {
     const auto kelvin = table.find(k.kelvin);
     if (!kelvin) {

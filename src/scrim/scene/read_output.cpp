@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// [output], [render] and [variables].
+// Reads [output], [render] and [variables].
 #include <scrim/scene/read_sections.h>
 
 #include <scrim/base/error.h>
@@ -17,7 +17,7 @@
 namespace scrim {
 namespace {
 
-/// Throws where `value` is none of `names`, letter case aside.
+/// Reads one of `names`, in any letter case. Throws for any other text.
 std::string readOneOf(const TomlValue& value, const std::vector<std::string>& names) {
     const std::string text = value.string();
     for (const std::string& name : names)
@@ -25,7 +25,7 @@ std::string readOneOf(const TomlValue& value, const std::vector<std::string>& na
     value.failExpecting(choices(names));
 }
 
-/// Each at most once, in the order of Layer.
+/// Reads a list of layers without repetitions and returns them in the order of Layer.
 std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output, const ColourConfig& colour) {
     const std::vector<std::string>& names = layerNames();
     std::vector<Layer> layers;

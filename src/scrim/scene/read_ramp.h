@@ -13,7 +13,8 @@
 
 namespace scrim {
 
-/// A list of at least `least` [x, y], x ascending; `read(value)` reads y, `point` is what a point looks like.
+/// Reads a list of at least `least` points [x, y], x ascending. `read(value)` reads y; `point` describes a point in
+/// messages.
 template <typename T, typename Read>
 std::vector<std::pair<double, T>> readRamp(const TomlValue& value, const std::string& point, const Read& read,
                                            std::size_t least = 2) {
@@ -31,7 +32,7 @@ std::vector<std::pair<double, T>> readRamp(const TomlValue& value, const std::st
     return ramp;
 }
 
-/// Whether the ramp, whose y are not negative, maps 0 to nothing: space without voxels is 0, and never looked at.
+/// True if the ramp, whose y are not negative, maps 0 to 0. It must, because empty space is 0 and is never visited.
 template <typename T>
 bool keepsZero(const std::vector<std::pair<double, T>>& ramp) {
     const auto next = std::find_if(ramp.begin(), ramp.end(), [](const auto& point) { return point.first >= 0; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: one function a section of a scene. Each reads all keys of its table, refuses the rest, and
-// returns what the section says at the frame.
+// Internal: one function for each section of a scene. Each reads all keys of its table, refuses unknown ones, and
+// returns the section's values at the frame.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -16,21 +16,22 @@
 
 namespace scrim {
 
-/// What all sections need to know.
+/// What all sections need to know while they are read.
 struct ReadContext {
-    double frame = 1;       ///< that keys are looked up at
-    double wholeFrame = 1;  ///< that files are those of: `frame`, or the frame that it is a moment of
+    double frame = 1;  ///< the frame at which keyed values are evaluated
+    /// the frame whose files are read: `frame` itself, or the frame that `frame` is a moment of
+    double wholeFrame = 1;
     const ColourConfig& colour;
-    std::string folder;                    ///< of the scene
+    std::string folder;                    ///< the scene's folder
     VariableLookup variables;              ///< [variables], then the environment
-    std::vector<std::string> lights = {};  ///< names of all [[light]]
-    bool gridsFromCode = false;            ///< volumes may name neither file nor source
-    int version = 1;                       ///< `scene_version`: the defaults that its author knew
+    std::vector<std::string> lights = {};  ///< names of all [[light]] tables
+    bool gridsFromCode = false;            ///< volumes may name neither a file nor a source
+    int version = 1;                       ///< `scene_version`: the defaults that the author knew
     std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();
 
-    /// The pattern in `value` with its variables expanded, relative to the scene.
+    /// The path pattern in `value` with its variables expanded; relative to the scene's folder.
     FramePath path(const TomlValue& value) const;
-    /// As files are numbered: the nearest whole number.
+    /// The frame as files are numbered: `wholeFrame` rounded to the nearest whole number.
     int fileFrame() const;
 };
 
@@ -39,14 +40,14 @@ struct CameraSection {
     int overscan = 0;
     std::optional<PlateCamera> plate;
     std::optional<Shutter> shutter = {};
-    bool moves = false;  ///< does the plate have frames?
+    bool moves = false;  ///< the camera's file depends on the frame
 };
 
 /// A place on a sphere.
 struct Orbit {
     Vec3 wsCenter{0};
     double radius = 0;
-    Vec3 toPlace{0, 0, 1};  ///< unit, from the middle
+    Vec3 toPlace{0, 0, 1};  ///< unit, from the centre to the place
 };
 
 struct RenderSection {
@@ -57,33 +58,35 @@ struct RenderSection {
 };
 
 CameraSection readCamera(TomlTable table, const ReadContext& context);
-/// `defaultName` is the name of a volume or light that has none.
+/// `defaultName` names a volume or light without a name of its own.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
-/// [volume.medium]: medium, albedoGrid and emission of `volume`.
+/// Reads [volume.medium] into the medium, albedoGrid and emission of `volume`.
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
-/// [volume.classified]: transfer function and Phong coefficients.
+/// Reads [volume.classified]: the transfer function and Phong's coefficients.
 Classified readClassified(TomlTable table, const ReadContext& context);
-/// { center, radius, elevation, azimuth } of what `of` describes; without a radius where none is needed. `up` is unit.
+/// Reads { center, radius, elevation, azimuth } for the thing that messages call `of`. The radius is left out where
+/// `needsRadius` is false. `up` must be unit.
 Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, bool needsRadius,
                 const ReadContext& context);
-/// Takes +y to `up`, a unit vector, and +x and +z along: an orbit's right and front.
+/// The shortest rotation that takes +y to the unit vector `up`. It carries +x and +z to the right and front of an
+/// orbit.
 Mat3 wsFromOrbit(const Vec3& up);
-/// Four rows of four numbers that act on column vectors; invertible and affine.
+/// Reads four rows of four numbers that act on column vectors; the matrix must be invertible and affine.
 Mat4 readMatrix(const TomlValue& value);
-/// Whether the linear part can be inverted, judged by its shape and not by its size.
+/// True if the linear part can be inverted, judged by its shape and not by its scale.
 bool isInvertible(const Mat4& m);
-/// The map of a volume's transform.
+/// Reads the map of a volume's transform.
 Mat4 readTransform(TomlTable table, const ReadContext& context);
 SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadContext& context);
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context);
 Rgb readAmbient(TomlTable table, const ReadContext& context);
 RenderSection readRender(TomlTable table);
-/// Of a scene without [output] too: the defaults.
+/// The output of a scene without [output]: the defaults.
 SceneOutput defaultOutput(const ReadContext& context);
 SceneOutput readOutput(TomlTable table, const ReadContext& context);
 std::vector<std::pair<std::string, std::string>> readVariables(TomlTable table);
 
-/// Runs `call`; an error of the colour config is located at `value`.
+/// Runs `call` and adds the place of `value` to an error that the colour config throws.
 template <typename Call>
 auto located(const TomlValue& value, const Call& call) {
     try {
@@ -95,10 +98,10 @@ auto located(const TomlValue& value, const Call& call) {
 
 /// The unit vector along the three numbers of `value`, which must not all be 0.
 Vec3 readDirection(const TomlValue& value, double frame);
-/// The unit vector from `from` to `to`; throws at `value` where they coincide, with "`problem` at frame ...".
+/// The unit vector from `from` to `to`. Throws at `value` where they coincide, with "`problem` at frame ...".
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame);
-/// The text that is said about a volume or light: "[[light]] 'key'"; and its name.
+/// Reads the name and describes the table in messages by it: "[[light]] 'key'". Returns the name.
 std::string readName(TomlTable& table, const Key& key, const std::string& defaultName);
 
 }  // namespace scrim

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A volume's transform: from the asset's own world to the scene's. `scale` is applied first, then `rotate`
-// (about x, then y, then z of the world, right-handed), then `translate`. A `matrix` is written row by row
-// and acts on column vectors: the last column is the translation, and the last row is 0, 0, 0, 1.
+// Reads a transform, which maps the asset's own world to the scene's. `scale` is applied first, then `rotate` (about x,
+// then y, then z of the world, right-handed), then `translate`. A `matrix` is written row by row and acts on column
+// vectors: the last column is the translation, and the last row is 0, 0, 0, 1.
 #include <scrim/scene/read_sections.h>
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace scrim {
 namespace {
 
-/// Cosine and sine of degrees, exact at right angles.
+/// Cosine and sine of an angle in degrees, exact at right angles.
 Vec2 cosineAndSine(double degrees) {
     const double turns = std::remainder(degrees, 360.0);
     if (turns == 0) return {1, 0};
@@ -22,7 +22,7 @@ Vec2 cosineAndSine(double degrees) {
     return {std::cos(radians), std::sin(radians)};
 }
 
-/// Right-handed rotation about one axis.
+/// A right-handed rotation about one axis.
 Mat3 rotation(int axis, double degrees) {
     const Vec2 cs = cosineAndSine(degrees);
     const int a = (axis + 1) % 3, b = (axis + 2) % 3;

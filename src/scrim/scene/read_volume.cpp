@@ -15,8 +15,8 @@ namespace {
 
 const VolumeKeys& k = keysOf<VolumeKeys>();
 
-/// Parameters as text. A source does not know where the scene is: its parameter `file` is a path like all others of the
-/// scene, relative to it, with variables and the frame put in.
+/// Reads the parameters of a source as text. A source does not know the scene's folder, so its parameter `file` is
+/// expanded here like all other paths: relative to the scene, with variables and the frame put in.
 std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table, const ReadContext& context) {
     std::vector<std::pair<std::string, std::string>> parameters;
     for (const TomlValue& value : table.all()) {
@@ -37,7 +37,7 @@ std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table,
     return parameters;
 }
 
-/// The number of the file at this frame.
+/// Reads the number of the file at this frame.
 void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume) {
     const FrameKeys& f = keysOf<FrameKeys>();
     FrameMap& map = volume.frameMap;
@@ -84,7 +84,7 @@ Velocity readVelocity(TomlTable table, const ReadContext& context) {
     return velocity;
 }
 
-/// The lights that light it, by name.
+/// Reads the names of the lights that light the volume.
 std::vector<std::string> readLightNames(const TomlValue& value, const ReadContext& context) {
     std::vector<std::string> names;
     for (const TomlValue& item : value.items(0)) {
@@ -99,12 +99,12 @@ std::vector<std::string> readLightNames(const TomlValue& value, const ReadContex
     return names;
 }
 
-/// A table in `table`, which says what it belongs to.
+/// Reads a table inside `table`; its description names both.
 TomlTable inner(const TomlValue& value, const TomlTable& table) {
     return value.table(fmt::format("'{}' of {}", value.name(), table.description()));
 }
 
-/// What the volume is made of: a file, or a source with its parameters.
+/// Reads what the volume is made of: a file, or a source with its parameters.
 void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume) {
     const auto file = table.find(k.file), source = table.find(k.source);
     if (!file && !source && !context.gridsFromCode) table.require(k.file);
@@ -154,7 +154,7 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         readMedium(of(*medium, keysOf<MediumKeys>().title()), context, volume);
     volume.medium.densityScale = volume.densityScale;
     volume.holdout = table.boolean(k.holdout);
-    if (volume.holdout) {  // whose colours nobody sees, and whose grids of them nobody needs
+    if (volume.holdout) {  // nobody sees its colours, so their grids are not needed
         volume.albedoGrid.reset();
         volume.emission.clear();
     }

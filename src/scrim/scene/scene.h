@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scene at one frame: checked, keyed values evaluated, colours in the working space, paths expanded; no
-// file but the scene itself was touched. Plain structs, so that whoever builds a scene in code needs no TOML.
+// Plain structs that describe a scene at one frame. Values are checked, keyed values are evaluated, colours are in the
+// working space and paths are expanded; no file but the scene's own was read. Whoever builds a scene in code fills
+// these structs and needs no TOML.
 #pragma once
 
 #include <scrim/geometry/camera.h>
@@ -24,7 +25,7 @@ namespace scrim {
 
 struct DepthPicture;
 
-/// Pictures beside the beauty.
+/// Pictures that can be written beside the beauty.
 enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume, motion };
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
@@ -37,115 +38,120 @@ enum class OutsidePolicy {
 /// Which file of its sequence a volume shows.
 struct FrameMap {
     double speed = 1, offset = 0;
-    Keyed<double> keys = {};  ///< frame to file number, in place of `speed`; empty: none
+    Keyed<double> keys = {};  ///< maps frame to file number, in place of `speed`; empty: `speed` counts
 
-    /// (keys or frame * speed) + offset, to the nearest whole number.
+    /// The number of the file that is shown at `frame`: (keys or frame * speed) + offset, rounded to the nearest whole
+    /// number.
     double fileAt(double frame) const;
-    /// A frame that shows the file; none where there is none.
+    /// A frame that shows file number `file`; none where no frame does.
     std::optional<int> frameOf(int file) const;
 };
 
-/// A colour that grids give from place to place.
+/// A colour that varies in space and comes from grids.
 struct ColourGrid {
-    std::string grid;           ///< as GridRequest names colours
-    double scale = 1;           ///< times this
-    Mat3 workingFromGrid{1.0};  ///< from the grid's colour space to the working space
-    std::string where;          ///< of the grid's name in the scene
+    std::string grid;           ///< the grid's name, as GridRequest names colours
+    double scale = 1;           ///< factor on the grid's values
+    Mat3 workingFromGrid{1.0};  ///< maps colours of the grid's colour space to the working space
+    std::string where;          ///< where the scene names the grid: "file:line:column"
 };
 
-/// What moves a volume while the shutter is open.
+/// The grids and units by which a volume moves while the shutter is open.
 struct Velocity {
     std::vector<std::string> grids;  ///< one as GridRequest names velocities, or three scalar ones: x, y, z
-    double scale = 1;                ///< grid value to world units of the asset, a second or a frame
+    double scale = 1;                ///< converts grid values to world units of the asset per second or per frame
     bool perSecond = true;
-    std::string where;  ///< of the grid's name in the scene
+    std::string where;  ///< where the scene names the grid
 
-    /// Grid value to world units of the asset a frame.
+    /// The factor that converts grid values to world units of the asset per frame.
     double perFrame(double fps) const { return perSecond ? scale / fps : scale; }
 };
 
-/// While the camera sees, in frames about the frame.
+/// The time during which the camera sees, in frames relative to the scene's frame.
 struct Shutter {
     double open = 0, close = 0;  ///< open < close
 };
 
-/// Light that a medium sends out by itself. It lights only volumes in which light scatters more than once.
+/// Light that a medium emits. It lights only volumes in which light scatters more than once.
 struct Emission {
     std::string grid;
-    /// Grid value to radiance per world unit, ascending and linear between; constant outside, but 0 where the grid is.
-    /// Empty: the value itself, in white. A blackbody is a ramp, too, with a point every few Kelvin.
+    /// Maps grid values (ascending) to radiance per world unit: linear between points and constant outside of them, but
+    /// always 0 where the grid is 0. An empty ramp emits the grid value itself, in white. A blackbody is stored as a
+    /// ramp with a point every few Kelvin.
     std::vector<std::pair<double, Rgb>> ramp;
-    double scale = 1;                          ///< times this
-    bool blackbody = false;                    ///< for what is said about it
-    double kelvinScale = 1, kelvinOffset = 0;  ///< black bodies: kelvin = grid value * scale + offset
-    std::string where;                         ///< of the grid's name in the scene
+    double scale = 1;                          ///< factor on the ramp's values
+    bool blackbody = false;                    ///< the scene said `blackbody`; only messages depend on it
+    double kelvinScale = 1, kelvinOffset = 0;  ///< blackbodies: kelvin = grid value * scale + offset
+    std::string where;                         ///< where the scene names the grid
 };
 
 struct SceneVolume {
     std::string name;
-    FramePath sequence;      ///< file volumes: the path before the frame is put in
+    FramePath sequence;      ///< file volumes: the path pattern, before the frame number is put in
     std::string file;        ///< file volumes: the path at this frame; empty for a source
-    int frame = 0;           ///< the number put into `file`
-    FrameMap frameMap = {};  ///< where that comes from
+    int frame = 0;           ///< the file number that was put into `file`
+    FrameMap frameMap = {};  ///< how `frame` follows from the scene's frame
     OutsidePolicy outside = OutsidePolicy::error;
-    std::string source;                                           ///< name of a volume source; empty for a file
-    std::vector<std::pair<std::string, std::string>> parameters;  ///< of the source, as text; `file`: as above
-    Mat4 wsFromAsset{1.0};                                        ///< takes the asset's own world space to the scene's
-    std::string densityGrid;                                      ///< as VdbFile::field takes it; "": choose
-    double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale
-    std::vector<std::pair<double, double>> ramp;     ///< grid value to value, ascending; constant outside; empty: none
-    Medium medium;                                   ///< its densityScale is the one above
-    std::optional<ColourGrid> albedoGrid;            ///< instead of medium.albedo
-    std::vector<Emission> emission;                  ///< of a medium; they add up
-    std::optional<Velocity> velocity = {};           ///< of all of its grids
-    std::optional<std::vector<std::string>> lights;  ///< names of those that light it; none: all
-    std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead; its densityScale is the one above
-    bool holdout = false;                                    ///< hides and shadows, and adds neither colour nor alpha
-    std::string where;                                       ///< of `file` or `source` in the scene: "scene.toml:12:8"
+    std::string source;  ///< name of a volume source; empty for a file
+    /// parameters of the source, as text; `file` is expanded as above
+    std::vector<std::pair<std::string, std::string>> parameters;
+    Mat4 wsFromAsset{1.0};    ///< maps the asset's own world space to the scene's
+    std::string densityGrid;  ///< a name as VdbFile::field takes it; "": the reader chooses
+    double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
+    /// maps grid values (ascending) to values; constant outside; empty: no ramp
+    std::vector<std::pair<double, double>> ramp;
+    Medium medium;                                   ///< its densityScale equals the member above
+    std::optional<ColourGrid> albedoGrid;            ///< replaces medium.albedo
+    std::vector<Emission> emission;                  ///< sources of emission of a medium; they add up
+    std::optional<Velocity> velocity = {};           ///< moves all grids of the volume
+    std::optional<std::vector<std::string>> lights;  ///< names of the lights that light it; none: all do
+    /// shades the volume in place of `medium`; its densityScale equals the member above
+    std::shared_ptr<const Classified> classified = nullptr;
+    bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
+    std::string where;     ///< where the scene says `file` or `source`: "scene.toml:12:8"
 };
 
-/// A solid of triangles.
+/// A solid made of triangles.
 struct SceneMesh {
     std::string name;
-    FramePath sequence;  ///< the path before the frame is put in
-    std::string file;    ///< at this frame
+    FramePath sequence;  ///< the path pattern, before the frame number is put in
+    std::string file;    ///< the path at this frame
     Mat4 wsFromMesh{1.0};
     bool holdout = true, shadows = true, catches = false;  ///< see Solid
-    std::string where;                                     ///< of `file` in the scene: "scene.toml:12:8"
+    std::string where;                                     ///< where the scene says `file`: "scene.toml:12:8"
     std::shared_ptr<const TriangleMesh> mesh = nullptr;    ///< null until it is loaded
 };
 
 struct ScenePreview {
-    std::string file;  ///< at this frame; empty: no preview
+    std::string file;  ///< the path at this frame; empty: no preview
     FramePath path;
-    std::string display;  ///< "": the config's default
-    std::string view;     ///< "": the display's default
+    std::string display;  ///< name of the display; "": the config's default
+    std::string view;     ///< name of the view; "": the display's default
 };
 
-/// A deep picture beside the flat one.
+/// A deep picture that is written beside the flat one.
 struct SceneDeep {
-    std::string file;  ///< at this frame; empty: none
+    std::string file;  ///< the path at this frame; empty: none
     FramePath path;
-    double tolerance = 0.01;  ///< of merging samples: of alpha, and of colour as a part of the pixel's
-    bool half = true;         ///< 16-bit colours, or else 32-bit; depths are 32-bit
+    double tolerance = 0.01;  ///< largest change by merging samples: of alpha, and of a colour relative to the pixel's
+    bool half = true;         ///< colours are 16-bit, else 32-bit; depths are always 32-bit
 };
 
-/// A depth or deep picture of another renderer, which hides what is behind it.
+/// A depth or deep picture by another renderer; it hides whatever is behind its surfaces.
 struct SceneHoldout {
-    std::string file;         ///< at this frame; empty: none
-    std::string channel;      ///< of depths; "": the one that must be it
-    bool alongRay = false;    ///< depths are distances along the pixel's ray, and not along the viewing axis
-    double background = 1e9;  ///< from here on nothing is there; nor is there at 0 and below, and where is no number
-    bool dataWindow = false;  ///< its data window is the picture, whatever its display window says
-    std::string where;        ///< of its path in the scene
+    std::string file;         ///< the path at this frame; empty: none
+    std::string channel;      ///< name of the depth channel; "": the channel that can only be it
+    bool alongRay = false;    ///< depths are distances along the pixel's ray instead of along the viewing axis
+    double background = 1e9;  ///< depths from this one on mean "nothing there", and so do depths <= 0 and NaN
+    bool dataWindow = false;  ///< the picture is its data window, whatever its display window says
+    std::string where;        ///< where the scene gives its path
     std::shared_ptr<const DepthPicture> picture = nullptr;  ///< null until it is loaded
 };
 
 struct SceneOutput {
-    std::string file;        ///< at this frame; empty where the scene names none
-    FramePath path;          ///< before the frame is put in
-    std::string colorspace;  ///< the config's own name of it
-    bool half = true;        ///< 16-bit channels, or else 32-bit
+    std::string file;        ///< the path at this frame; empty where the scene names none
+    FramePath path;          ///< the path pattern, before the frame number is put in
+    std::string colorspace;  ///< the colour config's own name of the space
+    bool half = true;        ///< channels are 16-bit, else 32-bit
     std::string compression = "zip";
     double fps = 24;
     std::vector<Layer> layers;  ///< each at most once, in the order of the enumeration
@@ -154,40 +160,42 @@ struct SceneOutput {
     SceneHoldout holdout;
 };
 
-/// What the picture's normalised device coordinates are over its width and height.
-enum class NdcRange { automatic, symmetric, unit };  // -1..1, 0..1
+/// The range of the picture's normalised device coordinates over its width and height.
+enum class NdcRange { automatic, symmetric, unit };  // symmetric: -1..1; unit: 0..1
 
-/// A picture whose header says what camera made it.
+/// A picture whose header holds the camera that made it.
 struct PlateCamera {
-    std::string file;   ///< at this frame
-    std::string where;  ///< in the scene
+    std::string file;   ///< the path at this frame
+    std::string where;  ///< where the scene gives its path
     NdcRange ndc = NdcRange::automatic;
-    bool givesResolution = true;  ///< the scene says none
+    bool givesResolution = true;  ///< the resolution comes from the header, because the scene states none
 };
 
 struct Scene {
-    std::string file;  ///< where the scene comes from, as in error messages
+    std::string file;  ///< the scene's file, as error messages name it
     double frame = 1;
     Camera camera;
-    std::optional<PlateCamera> plate =
-        {};                            ///< that `camera` is read from when a shot is loaded; till then it has `near`
-    int overscan = 0;                  ///< pixels added on every side of the picture
+    /// The header that `camera` is read from when a shot is loaded; until then only `near` of `camera` is set.
+    std::optional<PlateCamera> plate = {};
+    int overscan = 0;                  ///< pixels that are added on each side of the picture
     std::vector<SceneVolume> volumes;  ///< at least one
     std::vector<SceneMesh> meshes = {};
     std::vector<Light> lights;
     Rgb ambient{0};  ///< radiance of an unshadowed environment
     Dials dials;
-    bool moves = false;                   ///< does its text have keys, or a camera from frames?
-    bool movesOn = false;                 ///< may its text tell where things are a frame later?
+    bool moves = false;                   ///< the scene has keyed values, or a camera whose file depends on the frame
+    bool movesOn = false;                 ///< the scene's text may tell where things are one frame later
     std::optional<Shutter> shutter = {};  ///< none: the picture is that of one moment
-    bool movesWithin = false;             ///< does any of its text's keys change a value while the shutter is open?
-    std::string quality = "standard";     ///< the preset that `dials` started from
-    /// Are texels and sheets to be chosen for what the preset promises? Not where the scene gives either.
+    bool movesWithin = false;             ///< some keyed value changes while the shutter is open
+    std::string quality = "standard";     ///< name of the preset that `dials` started from
+    /// Texels and sheets are to be chosen so that the preset's promise holds; false where the scene states either of
+    /// them.
     bool keepsPromise = false;
-    double tolerance = 0;  ///< relative RMSE that texels and sheets are to be chosen for; 0: as `dials` say
+    double tolerance = 0;  ///< relative RMSE for which texels and sheets are to be chosen; 0: `dials` count as they are
     SceneOutput output;
-    std::vector<std::string> warnings = {};  ///< of the reader, each with its place
-    /// Where the scene's text says what: "light.key.shadows" is at "scene.toml:12:3". Null for one built in code.
+    std::vector<std::string> warnings = {};  ///< warnings by the reader, each with its place in the text
+    /// The places of all keys in the scene's text: "light.key.shadows" is at "scene.toml:12:3". Null for a scene built
+    /// in code.
     std::shared_ptr<const SceneLines> lines = nullptr;
 };
 

@@ -19,7 +19,7 @@ void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
             files.push_back({file, "the file of " + role});
         return;
     }
-    if (volume.file.empty()) return;  // made in code
+    if (volume.file.empty()) return;  // the volume is made in code
     files.push_back({volume.file, role});
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that a scene reads: one list for whoever must leave them as they are.
+// The files that a scene reads, in one list for code that must not overwrite them.
 #pragma once
 
 #include <scrim/scene/scene.h>
@@ -14,10 +14,10 @@ struct SceneFile {
     std::string role;  ///< "the volume 'plume'"
 };
 
-/// At the frame of `scene`. Not the file of the scene itself. Files that are missing are among them.
+/// The files that are read at the frame of `scene`, except for the scene file itself; missing files are included.
 std::vector<SceneFile> filesReadBy(const Scene& scene);
 
-/// All files that there are of the sequences of volumes: whoever renders other frames reads those.
+/// All existing files of the volumes' sequences, which are read when other frames are rendered.
 std::vector<SceneFile> sequenceFilesOf(const Scene& scene);
 
 }  // namespace scrim

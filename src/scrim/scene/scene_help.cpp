@@ -17,12 +17,12 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kWidth = 100, kIndent = 4;
 
-/// No limit that anybody meets.
+/// Limits this large are not worth printing: nobody meets them.
 bool unlimited(double limit) {
     return std::abs(limit) >= 1e6;
 }
 
-/// "0 to 180 degrees", "above 0 mm", "world units".
+/// A range as text: "0 to 180 degrees", "above 0 mm", "world units".
 std::string rangeText(const Range& range) {
     const bool low = !unlimited(range.low), high = !unlimited(range.high);
     std::string text;
@@ -104,7 +104,7 @@ std::string sectionHelp(const Section& section) {
     return text;
 }
 
-/// The keys that "camera.fov" or "fov" names.
+/// The help about the keys that "camera.fov" or "fov" names.
 std::string keysNamed(const std::string& topic) {
     const std::size_t dot = topic.rfind('.');
     const std::string name = dot == std::string::npos ? topic : topic.substr(dot + 1);
@@ -118,7 +118,7 @@ std::string keysNamed(const std::string& topic) {
     return text;
 }
 
-/// In a cell of a Markdown table.
+/// `text` escaped for a cell of a Markdown table.
 std::string cell(const std::string& text) {
     std::string out;
     for (const char c : text) {
@@ -243,12 +243,13 @@ std::string roffText(const std::string& text) {
     std::string out;
     bool startsLine = true;
     for (const char c : text) {
-        // At the start of a line these would begin a request.
+        // At the start of a line these characters would begin a roff request.
         if (startsLine && (c == '.' || c == '\'')) out += "\\&";
         if (c == '\\') {
             out += "\\e";
         } else {
-            if (c == '-') out += '\\';  // else it may be set as a hyphen, which nobody can paste
+            // an unescaped one may be typeset as a hyphen, which shells do not understand when it is pasted
+            if (c == '-') out += '\\';
             out += c;
         }
         startsLine = c == '\n';

@@ -10,10 +10,10 @@
 namespace scrim {
 namespace {
 
-/// Far beyond any scene.
+/// The largest coordinate or length, which is far beyond any scene.
 constexpr double kFarthest = 1e15;
 
-/// "1000000", but "1e+15".
+/// A limit as text: "1000000", but "1e+15".
 std::string limitText(double v) {
     return std::abs(v) > 1e6 ? fmt::format("{:g}", v) : fmt::format("{}", v);
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A key of a scene's table: its name, what its value may be, what it is without one, and what it means. The reader's
-// checks, `scrim help`, examples/SCENES.md and the JSON schema all read it from here.
+// A key of a scene's table: its name, range, default and meaning. The reader's checks, `scrim help`, examples/SCENES.md
+// and the JSON schema all use it.
 #pragma once
 
 #include <deque>
@@ -14,23 +14,23 @@
 
 namespace scrim {
 
-/// What a number may be.
+/// The numbers that a key allows.
 struct Range {
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
-    bool openLow = false, openHigh = false;  ///< the limit itself is not allowed
+    bool openLow = false, openHigh = false;  ///< the limit itself is excluded
     std::string unit;                        ///< "degrees"
 
     bool holds(double value) const;
-    /// " from 0 to 180 degrees"; empty where everything finite is allowed.
+    /// " from 0 to 180 degrees"; empty where all finite numbers are allowed.
     std::string text() const;
 
     static Range atLeast(double low, std::string unit = "");
     static Range above(double low, std::string unit = "");
     static Range fromTo(double low, double high, std::string unit = "");
-    static Range between(double low, double high, std::string unit = "");  ///< without its limits
-    static Range aboveTo(double low, double high, std::string unit = "");  ///< without the lower one
-    /// Coordinates and lengths in the world: their squares fit a double with room to spare.
+    static Range between(double low, double high, std::string unit = "");  ///< excludes both limits
+    static Range aboveTo(double low, double high, std::string unit = "");  ///< excludes the lower limit
+    /// The range of coordinates and lengths in the world: their squares fit a double with room to spare.
     static Range coordinate();
     static Range length();  ///< 0 or more
     static Range positiveLength();
@@ -43,37 +43,37 @@ struct Key {
 
     std::string name;
     Type type = Type::other;
-    Range range;                     ///< of a number, of each number of a vector or list
-    std::vector<std::string> words;  ///< of a choice
-    std::string form;                ///< what it looks like, for messages and help: "a point [x, y, z]"
-    std::optional<double> value;     ///< without one it is this: a number; a boolean or the place of a word, too
-    std::string fallback;            ///< the same as text; empty: nothing, or required
+    Range range;                     ///< of the number, or of each number of a vector or list
+    std::vector<std::string> words;  ///< the words of a choice
+    std::string form;                ///< the form of a value, for messages and help: "a point [x, y, z]"
+    std::optional<double> value;     ///< the default: a number, 0 or 1 for a boolean, or the index of a word
+    std::string fallback;            ///< the default as text; empty: none, or the key is required
     std::string meaning;             ///< one or two sentences
-    std::string only;                ///< where else it is not known: "orthographic"
-    bool isKeyed = false;            ///< may it be { keys = [[frame, value], ...] }?
+    std::string only;                ///< the only case in which the key is known: "orthographic"
+    bool isKeyed = false;            ///< the value may be { keys = [[frame, value], ...] }
     bool isRequired = false;
-    const Section* inner = nullptr;  ///< of a table, or beside another form
-    std::string schema;              ///< of `other`: its JSON schema
+    const Section* inner = nullptr;  ///< the section of a table, also where a table is one of two forms
+    std::string schema;              ///< JSON schema, for the type `other`
 
     Key& keyed() { return isKeyed = true, *this; }
     Key& required() { return isRequired = true, *this; }
     Key& onlyFor(std::string what) { return only = std::move(what), *this; }
     Key& unless(std::string text) { return fallback = std::move(text), *this; }
-    Key& startingWith(const std::string& word);  ///< the default of a choice
+    Key& startingWith(const std::string& word);  ///< sets the default of a choice
     Key& orTable(const Section& section) { return inner = &section, *this; }
 };
 
-/// A table of the scene, with its keys in the order they are explained in.
+/// A table of the scene with its keys, in the order in which help explains them.
 class Section {
   public:
     Section(const Section&) = delete;
     Section& operator=(const Section&) = delete;
 
-    const std::string& topic() const { return m_topic; }      ///< "slide": as `scrim help` takes it
+    const std::string& topic() const { return m_topic; }      ///< the name that `scrim help` takes: "slide"
     const std::string& title() const { return m_title; }      ///< "slide = { ... } of a [[light]]"
-    const std::string& meaning() const { return m_meaning; }  ///< paragraphs
+    const std::string& meaning() const { return m_meaning; }  ///< paragraphs of text
     const std::deque<Key>& keys() const { return m_keys; }
-    /// The keys that cannot stand beside `name` in one table: --set of it takes them away.
+    /// The keys that cannot stand beside `name` in one table; --set of `name` removes them.
     std::vector<std::string> rivalsOf(const std::string& name) const;
 
   protected:
@@ -85,15 +85,16 @@ class Section {
     Key& boolean(std::string name, bool value, std::string meaning);
     Key& text(std::string name, std::string form, std::string meaning);
     Key& path(std::string name, std::string form, std::string meaning);
-    Key& choice(std::string name, std::vector<std::string> words, std::string meaning);  ///< the first is the default
-    Key& vector(std::string name, std::string form, Range range, std::string meaning);   ///< three numbers
+    /// the first word is the default
+    Key& choice(std::string name, std::vector<std::string> words, std::string meaning);
+    Key& vector(std::string name, std::string form, Range range, std::string meaning);  ///< three numbers
     Key& colour(std::string name, std::string fallback, std::string meaning);
     Key& table(const Section& section, std::string name, std::string meaning);
     Key& tables(const Section& section, std::string name, std::string meaning);
-    /// Whatever else: `schema` is its JSON schema, `range` that of each number in it.
+    /// A key of any other type: `schema` is its JSON schema, `range` that of each number in it.
     Key& other(std::string name, std::string form, std::string schema, Range range, std::string meaning);
 
-    /// No key of `some` can stand beside one of `others`.
+    /// Declares that no key of `some` can stand beside a key of `others`.
     void exclude(const std::vector<const Key*>& some, const std::vector<const Key*>& others);
 
   private:
@@ -104,14 +105,14 @@ class Section {
     std::vector<std::pair<std::string, std::string>> m_rivals;
 };
 
-/// The one object of each of the classes below.
+/// The single object of each class of keys.
 template <typename Keys>
 const Keys& keysOf() {
     static const Keys keys;
     return keys;
 }
 
-// JSON schemas of what is neither a number nor a table.
+// JSON schemas of values that are neither numbers nor tables.
 inline constexpr const char* kTwoNumbers = R"({"type":"array","items":{"type":"number"},"minItems":2,"maxItems":2})";
 inline constexpr const char* kColourForm =
     "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";
@@ -123,12 +124,12 @@ inline constexpr const char* kPoints = R"({"type":"array","minItems":1,"items":)
                                        R"({"type":"array","items":{"type":"number"},"minItems":2,"maxItems":2}})";
 inline constexpr const char* kAnyTable = R"({"type":"object"})";
 
-/// What pixels are counted in, and files numbered by.
+/// The largest count of pixels along an edge, and the largest file number.
 inline constexpr int kMostPixels = 65536, kLastFrame = 1'000'000'000;
 
 }  // namespace scrim
 
-/// In messages a key is its name in quotes.
+/// Formats a key in messages as its name in quotes.
 template <>
 struct fmt::formatter<scrim::Key> : fmt::formatter<std::string> {
     template <typename Context>

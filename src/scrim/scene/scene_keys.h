@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The one table of what a scene may say, a class a section. The reader asks for keys by the members here, so nothing is
-// read that does not stand here, and `scrim help` prints what is read.
+// The one table of the keys of a scene, with a class for each section. The reader asks for keys by the members of these
+// classes, so it reads nothing that is not listed here, and `scrim help` prints exactly what is read.
 #pragma once
 
 #include <scrim/scene/scene_key.h>
@@ -10,7 +10,7 @@
 
 namespace scrim {
 
-/// All sections in the order they are explained in: the scene itself first.
+/// All sections in the order in which help explains them, starting with the scene itself.
 const std::vector<const Section*>& sceneSections();
 
 struct OrbitKeys : Section {

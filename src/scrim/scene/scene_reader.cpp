@@ -23,10 +23,10 @@
 namespace scrim {
 namespace {
 
-/// Scenes are written by people, or by exporters that key a few dozen values.
+/// The largest file that is read. Scenes are written by people, or by exporters that key a few dozen values.
 constexpr std::size_t kLargestFile = std::size_t{16} << 20;
 
-/// Keeps a frame plus an offset within an int.
+/// The largest frame. It keeps a frame plus an offset within an int.
 constexpr double kLargestFrame = 1e9;
 
 toml::table parsed(const SceneText& text, const std::vector<std::string>& overrides) {
@@ -35,7 +35,7 @@ toml::table parsed(const SceneText& text, const std::vector<std::string>& overri
     return root;
 }
 
-/// Looks into `variables`, then into the environment.
+/// Looks a variable up in `variables`, then in the environment.
 VariableLookup lookupIn(std::vector<std::pair<std::string, std::string>> variables) {
     return [variables = std::move(variables)](const std::string& name) -> std::optional<std::string> {
         for (const auto& [key, value] : variables)
@@ -45,11 +45,11 @@ VariableLookup lookupIn(std::vector<std::pair<std::string, std::string>> variabl
     };
 }
 
-/// Reads all [[key]] with `read(table, default name)`, and sees that their names differ.
+/// Reads all [[key]] tables with `read(table, default name)` and checks that their names differ.
 template <typename Item, typename Read>
 std::vector<Item> readNamed(TomlTable& root, const Key& key, const Read& read) {
     std::vector<Item> items;
-    std::map<std::string, std::size_t> numbers;  // of names, from 1
+    std::map<std::string, std::size_t> numbers;  // 1 + the index of the item of each name
     for (const TomlTable& table : root.tables(key)) {
         Item item = read(table, fmt::format("{}{}", key.name, items.size() + 1));
         const auto [known, isNew] = numbers.emplace(item.name, items.size() + 1);
@@ -61,11 +61,12 @@ std::vector<Item> readNamed(TomlTable& root, const Key& key, const Read& read) {
     return items;
 }
 
-/// No key of a scene is longer, unless someone names a volume by a book; all keys in it would repeat that.
+/// The longest path of a key that is recorded. Keys of real scenes are shorter; a volume with an enormous name would
+/// have it repeated for each of its keys.
 constexpr std::size_t kLongestPath = 1000;
 
-/// Where each key of `table` and of the tables in it stands, as SceneLines names them. Tables in lists go by their
-/// names, as in overrides.
+/// Records the place of each key in `table` and in its inner tables, under the paths of SceneLines. Tables in lists go
+/// by their names, as in overrides.
 void addLines(const toml::table& table, const std::string& prefix, std::map<std::string, std::string>& lines) {
     for (const auto& [key, node] : table) {
         const std::string path = prefix + std::string(key.str());
@@ -92,7 +93,7 @@ std::map<std::string, std::string> linesOf(const toml::table& tree) {
     return lines;
 }
 
-/// Does any value in it have keys?
+/// True if any value in `node` is keyed.
 bool hasKeys(const toml::node& node) {
     if (const toml::array* list = node.as_array())
         return std::any_of(list->begin(), list->end(), [](const toml::node& item) { return hasKeys(item); });
@@ -102,7 +103,7 @@ bool hasKeys(const toml::node& node) {
             std::any_of(table->begin(), table->end(), [](const auto& entry) { return hasKeys(entry.second); }));
 }
 
-/// Does a value that has keys change between two frames? `keys`: a list of [frame, value], which was read before.
+/// True if a keyed value changes between two frames. `keys`: a list of [frame, value], which was checked before.
 bool changesBetween(const toml::array& keys, double begin, double end) {
     const auto pairAt = [&](std::size_t i) {
         const toml::array* pair = keys[i].as_array();
@@ -116,28 +117,28 @@ bool changesBetween(const toml::array& keys, double begin, double end) {
     };
     for (std::size_t i = 1; i < keys.size(); ++i) {
         const toml::array *a = pairAt(i - 1), *b = pairAt(i);
-        if (a == nullptr || b == nullptr) return false;  // not keys, but the parameter of a source
+        if (a == nullptr || b == nullptr) return false;  // the value is not keyed: it is the parameter of a source
         const double from = (*a)[0].value<double>().value_or(0), to = (*b)[0].value<double>().value_or(0);
         if (from < end && to > begin && !equal((*a)[1], (*b)[1])) return true;
     }
     return false;
 }
 
-/// Does any keyed value in it change between two frames?
+/// True if any keyed value in `node` changes between two frames.
 bool movesBetween(const toml::node& node, double begin, double end) {
     const auto moves = [&](const toml::node& inner) { return movesBetween(inner, begin, end); };
     if (const toml::array* list = node.as_array()) return std::any_of(list->begin(), list->end(), moves);
     const toml::table* table = node.as_table();
     if (table == nullptr) return false;
     return std::any_of(table->begin(), table->end(), [&](const auto& entry) {
-        // Which file a volume shows is that of the frame.
+        // The choice of a volume's file depends on the frame only, not on the moment within it.
         if (entry.first.str() == keysOf<VolumeKeys>().frame.name && entry.second.is_table()) return false;
         const bool isKeys = entry.first.str() == keysOf<KeyedKeys>().keys.name && entry.second.is_array();
         return isKeys ? changesBetween(*entry.second.as_array(), begin, end) : moves(entry.second);
     });
 }
 
-/// A solid that catches shadows shows them in layers.
+/// Adds the shadow layer where a solid catches shadows, since the shadows are shown in that layer.
 void addShadowLayer(Scene& scene) {
     std::vector<Layer>& layers = scene.output.layers;
     const bool caught = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const auto& m) { return m.catches; });
@@ -152,7 +153,7 @@ SceneText loadSceneText(const std::string& path) {
     const auto status = std::filesystem::status(path, error);
     if (!std::filesystem::exists(status))
         throw Error(ErrorKind::input, fmt::format("{}: there is no such scene file", path));
-    // A pipe would hang, a folder reads as nothing.
+    // Reading a pipe would hang, and a folder reads as empty.
     if (!std::filesystem::is_regular_file(status))
         throw Error(ErrorKind::input, fmt::format("{}: not a regular file; expected a scene (TOML)", path));
     std::ifstream file(path, std::ios::binary);
@@ -230,7 +231,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
 Camera readCameraText(const std::string& text, const std::string& name, const ColourConfig& colour) {
     const toml::table tree = parseToml(text, name);
     const CameraKeys& k = keysOf<CameraKeys>();
-    // Of the working space nothing is asked, and a camera in a picture has no picture of its own.
+    // A camera text may not refer to a picture in turn. It needs no colours, so any config will do.
     if (tree.contains(k.exr.name)) throw Error(ErrorKind::input, fmt::format("{}: {} is not known here", name, k.exr));
     return readCamera(TomlTable(tree, "[camera]", &k), ReadContext{1, 1, colour, "", lookupIn({})}).camera;
 }

@@ -13,7 +13,8 @@
 namespace scrim {
 namespace {
 
-// The picture's own axes in world space, and half its extent along them: world units (distant), or tangents.
+// The picture's axes in world space and half its extent along them, in world units (distant lights) or as tangents
+// (others).
 struct SlideFrame {
     Vec3 right, down;
     double halfWidth, halfHeight;
@@ -36,7 +37,8 @@ SlideFrame frameOf(const Light& light) {
     return frame;
 }
 
-// A place on the axis of a level; pixels outside are those of the border, or of the next copy.
+// The index of a pixel along one axis of a level. Outside of the picture it is the border's pixel or, where the slide
+// repeats, the next copy's.
 int placed(long i, int size, SlideOutside outside) {
     if (outside != SlideOutside::repeat) return static_cast<int>(std::clamp(i, 0L, long(size) - 1));
     const long rest = i % size;
@@ -69,7 +71,7 @@ Rgb slideValue(const Light& light, const SlideMap& map, const Vec3& ws) {
     const SlideOutside outside = light.slide->outside;
     double x = h.x / h.z, y = h.y / h.z;
     if (outside == SlideOutside::black && (x < 0 || y < 0 || x > level.width || y > level.height)) return Rgb(0);
-    // Beyond any float that could tell pixels apart, and well within what a long can count.
+    // A float cannot resolve pixels at such distances, and a long can still count them.
     constexpr double kFar = 1e12;
     x = std::clamp(x, -kFar, kFar) - 0.5;
     y = std::clamp(y, -kFar, kFar) - 0.5;

@@ -16,14 +16,14 @@
 namespace scrim {
 namespace {
 
-// Each level of nesting costs the parser, and the destructor of what it built, a few frames of the stack.
-// Scenes need about five levels.
+// Limits on nesting. Each level costs the parser, and the destructor of its result, a few stack frames. Scenes need
+// about five levels.
 constexpr int kMostBrackets = 32;
 constexpr int kMostKeyParts = 16;
 
 constexpr std::string_view kOverride = "--set ";
 
-/// Where the string that begins at `i` ends: behind its closing quotes, or where the parser will give up.
+/// The position after the string that begins at `i`: behind its closing quotes, or where the parser will give up.
 std::size_t endOfString(const std::string& text, std::size_t i) {
     const char quote = text[i];
     const std::string three(3, quote);
@@ -45,8 +45,8 @@ std::size_t endOfString(const std::string& text, std::size_t i) {
     return i;
 }
 
-/// Refuses text that the parser would descend into too deeply. Reads the text as TOML up to its first
-/// mistake, where the parser stops too.
+/// Refuses text whose nesting would exhaust the parser's stack. It reads the text as TOML up to the first mistake,
+/// where the parser stops, too.
 void checkNesting(const std::string& text, const std::string& file) {
     int brackets = 0, keyParts = 1, line = 1;
     const auto refuse = [&](const std::string& problem) {
@@ -80,7 +80,7 @@ void checkNesting(const std::string& text, const std::string& file) {
     }
 }
 
-/// One part of an override's path: a key and the indices behind it.
+/// One part of an override's path: a key and the indices after it.
 struct PathPart {
     std::string key;
     std::vector<std::size_t> indices;
@@ -188,7 +188,7 @@ class Override {
         return *list;
     }
 
-    /// The element of a list of tables that goes by the name that `part` gives.
+    /// The element of a list of tables whose name `part` gives.
     toml::node* elementNamed(toml::array& list, const std::string& key, const PathPart& part) const {
         if (!list.is_array_of_tables())
             fail(fmt::format("'{}' is a list; write {}[0] for its first element", key, key));
@@ -206,15 +206,15 @@ class Override {
         fail(fmt::format("there is no {} '{}'; expected {}", key, part.key, choices(names)));
     }
 
-    /// The value under the key parts from `first` on, as nodes that know they come from here.
+    /// The value as a tree under the key parts from `first` on; its nodes carry the override as their place.
     toml::table parsed(std::size_t first) const {
         std::string key;
         for (std::size_t i = first; i < m_parts.size(); ++i) {
             if (i > first && !m_parts[i].indices.empty()) fail(fmt::format("there is no list '{}'", m_parts[i].key));
             key += (i > first ? "." : "") + tomlString(m_parts[i].key);
         }
-        // What begins like no value of TOML is a string; so is what holds a '#' and no quote or bracket,
-        // since "smoke.####.vdb" and "12####.vdb" are file names and not values with comments.
+        // A value that begins like none of TOML's is a string. So is one that contains a '#' but starts with no quote
+        // or bracket, since "smoke.####.vdb" and "12####.vdb" are file names, not values with comments.
         const bool delimited =
             !m_value.empty() && std::string_view("\"'[{").find(m_value.front()) != std::string_view::npos;
         if (delimited || (m_value.find('#') == std::string::npos && isToml(m_value)))
@@ -222,7 +222,7 @@ class Override {
         return parseToml(key + " = " + (isShellNumber(m_value) ? "0" + m_value : tomlString(m_value)), m_where);
     }
 
-    /// ".7": a number to everyone but TOML.
+    /// True for numbers such as ".7", which TOML alone does not accept.
     static bool isShellNumber(const std::string& value) {
         return value.size() > 1 && value[0] == '.' && value.find_first_not_of("0123456789", 1) == std::string::npos;
     }
@@ -241,7 +241,7 @@ class Override {
         return table;
     }
 
-    /// The section that `key` of `section` leads to; null where either is none.
+    /// The section that `key` of `section` leads to; null where there is none.
     static const Section* sectionOf(const Section* section, const std::string& key) {
         if (section == nullptr) return nullptr;
         for (const Key& known : section->keys())
@@ -249,7 +249,8 @@ class Override {
         return nullptr;
     }
 
-    /// What would contradict it goes: whoever sets a lens wants no field of view.
+    /// Puts the value into `table` and removes the keys that would contradict it: whoever sets a lens wants no field of
+    /// view.
     void put(toml::table& table, const Section* section, std::size_t first) const {
         toml::table value = parsed(first);
         if (section != nullptr)

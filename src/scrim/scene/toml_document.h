@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the text of a scene as a tree of TOML nodes that know where they come from, with the overrides of
-// a command line put in. Only files of this folder that read scenes include this header, since it brings
-// toml++.
+// Internal: the text of a scene as a tree of TOML nodes that know their places, with the overrides of a command line
+// applied. Only files of this folder that read scenes include this header, since it pulls in toml++.
 #pragma once
 
 #include <string>
@@ -10,17 +9,17 @@
 
 namespace scrim {
 
-/// "file:line:column", or "--set key.path" for what an override brought in.
+/// "file:line:column", or "--set key.path" for a value from an override.
 std::string whereOf(const toml::source_region& region);
 
-/// Parses `text`; `file` starts every location. Throws Error(input) where it is malformed, or nested so
-/// deeply that the parser could run out of stack.
+/// Parses `text`; `file` starts every location. Throws Error(input) where the text is malformed, or nested so deeply
+/// that the parser could run out of stack.
 toml::table parseToml(const std::string& text, const std::string& file);
 
-/// Puts "key.path=value" into `root`. A part of the path is a key, quoted where it has other characters than
-/// letters, digits, '-' and '_'; behind it "[i]" takes the i-th element (from 0) of a list. In a list of
-/// tables a key takes the element of that name; elements without a name are called key1, key2, ... A value
-/// that does not begin like TOML's is a string. Throws Error(input).
+/// Applies "key.path=value" to `root`. A part of the path is a key, quoted where it contains characters other than
+/// letters, digits, '-' and '_'; "[i]" after it selects the i-th element (from 0) of a list. In a list of tables a key
+/// selects the element of that name; elements without a name are called key1, key2, ... A value that does not begin
+/// like one of TOML's counts as a string. Throws Error(input).
 void applyOverride(toml::table& root, const std::string& assignment);
 
 }  // namespace scrim

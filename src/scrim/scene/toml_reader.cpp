@@ -69,7 +69,7 @@ bool TomlValue::boolean() const {
 std::string TomlValue::string() const {
     const auto* text = m_node->as_string();
     if (text == nullptr || text->get().empty()) failExpecting("a string that is not empty");
-    // A NUL would cut a file's name short.
+    // A NUL would cut off a file's name.
     if (text->get().find('\0') != std::string::npos) failExpecting("a string without NUL characters");
     return text->get();
 }
@@ -114,7 +114,8 @@ Rgb TomlValue::colour(const ColourConfig& config) const {
     TomlTable table = this->table(fmt::format("the colour '{}'", m_name), &k);
     table.find(k.rgb);
     table.find(k.colorspace);
-    table.finish();  // before asking for both: { grid = ... } is no misspelt colour
+    // This refuses unknown keys before it requires both known ones, because { grid = ... } is not a misspelt colour.
+    table.finish();
     const TomlValue rgb = table.require(k.rgb);
     const TomlValue space = table.require(k.colorspace);
     try {
@@ -171,7 +172,7 @@ TomlTable::TomlTable(const toml::table& table, std::string description, const Se
     for (const auto& [key, node] : table)
         for (const std::string& rival : section->rivalsOf(std::string(key.str()))) {
             const toml::node* other = table.get(rival);
-            // Said of the one that is written behind the other.
+            // The error is reported once, at the later of the two keys.
             if (other == nullptr || node.source().begin < other->source().begin) continue;
             throw Error(ErrorKind::input, fmt::format("{}: {} has both '{}' and '{}'; expected one of them",
                                                       whereOf(node.source()), m_description, rival, key.str()));
@@ -191,7 +192,7 @@ std::optional<TomlValue> TomlTable::find(const Key& key) {
 
 TomlValue TomlTable::require(const Key& key, const std::string& expected) {
     if (const auto value = find(key)) return *value;
-    // Behind a misspelt key the unknown one is the better message; it is reported only if it is close.
+    // If the table has a key that looks like a misspelling of this one, the message names it.
     for (const auto& [other, node] : *m_table) {
         const std::string name(other.str());
         const bool known = std::find(m_known.begin(), m_known.end(), name) != m_known.end();
@@ -250,7 +251,7 @@ std::vector<TomlValue> TomlTable::all() {
         m_known.emplace_back(key.str());
         values.emplace_back(node, std::string(key.str()));
     }
-    // The table is sorted by name; people think in lines. Overrides, which have none, keep that order.
+    // The table is sorted by name, but people read lines in order. Overrides, which have no line, keep their order.
     std::stable_sort(values.begin(), values.end(), [this](const TomlValue& a, const TomlValue& b) {
         const auto begin = [this](const TomlValue& v) { return m_table->get(v.name())->source().begin; };
         return begin(a) < begin(b);

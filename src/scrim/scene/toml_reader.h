@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: reads checked values out of TOML. A TomlValue knows where it stands and what it is called, so
-// every complaint about it is made here, in the same words. A TomlTable remembers which keys it was asked
-// for: in the end nobody may have written another one.
+// Internal: reads checked values out of TOML. A TomlValue knows its place in the text and its name, so that every error
+// about it is reported here in the same words. A TomlTable remembers which keys it was asked for; finish() then refuses
+// any other key.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -22,7 +22,7 @@ class TomlTable;
 
 class TomlValue {
   public:
-    /// `key` says what it may be; null: anything.
+    /// `key` states what the value may be; null: anything.
     TomlValue(const toml::node& node, std::string name, const Key* key = nullptr)
         : m_node(&node), m_name(std::move(name)), m_key(key) {}
 
@@ -34,37 +34,38 @@ class TomlValue {
     bool isArray() const { return m_node->is_array(); }
     bool isTable() const { return m_node->is_table(); }
 
-    /// What is allowed is the key's business unless it is said here. Items of a list have the key of the list.
+    /// Each value is checked against its key's range unless a range is passed. Items of a list have the key of the
+    /// list.
     double number() const;
     double number(const Range& range) const;
     int integer() const;
     bool boolean() const;
-    std::string string() const;  ///< not empty
-    /// The place of the word in the key's `words`, or in those given.
+    std::string string() const;  ///< never empty
+    /// The index of the word in the key's `words`, or in `words`.
     std::size_t choice() const;
     std::size_t choice(const std::vector<std::string>& words) const;
     Vec3 vec3() const;
-    /// A list of `count` (0: of any number); `expected` is said where it is none.
+    /// The items of a list of `count` values (0: of any number). The error about any other value says `expected`.
     std::vector<TomlValue> items(std::size_t count, const std::string& expected) const;
     std::vector<TomlValue> items(std::size_t count) const;
-    /// [r, g, b], not negative, in the working space, or { rgb, colorspace }.
+    /// Reads [r, g, b], not negative, in the working space, or { rgb, colorspace }, which is converted to it.
     Rgb colour(const ColourConfig& config) const;
-    /// Throws where keys of it exclude one another.
-    TomlTable table(std::string description) const;  ///< of the section that the key leads to
+    /// Throws where two keys of the table exclude one another.
+    TomlTable table(std::string description) const;  ///< a table of the section that the key leads to
     TomlTable table(std::string description, const Section* section) const;
 
-    /// Each of these may be keyed: { keys = [[frame, value], ...], interpolation }.
+    /// Each of the following accepts a keyed value: { keys = [[frame, value], ...], interpolation }.
     double numberAt(double frame) const;
     Vec3 vec3At(double frame) const;
     Vec2 pairAt(double frame) const;  ///< two numbers
     Rgb colourAt(double frame, const ColourConfig& config) const;
-    Vec3 scaleAt(double frame) const;  ///< a number or three, none of them 0
-    /// The keys as they are, frames ascending; one for all frames where there are none.
+    Vec3 scaleAt(double frame) const;  ///< one number or three, none of them 0
+    /// The keys as written, frames ascending. A value without keys becomes a single key, which holds for all frames.
     template <typename T>
     Keyed<T> keysOf(const std::function<T(const TomlValue&)>& read) const;
 
-    [[noreturn]] void fail(const std::string& problem) const;            ///< "where: problem"
-    [[noreturn]] void failExpecting(const std::string& expected) const;  ///< "where: 'x' is ...; expected ..."
+    [[noreturn]] void fail(const std::string& problem) const;            ///< throws "where: problem"
+    [[noreturn]] void failExpecting(const std::string& expected) const;  ///< throws "where: 'x' is ...; expected ..."
 
   private:
     const toml::node* m_node;
@@ -74,30 +75,31 @@ class TomlValue {
 
 class TomlTable {
   public:
-    /// `description` is for messages: "[camera]". Throws where keys of `section` exclude one another; null: none do.
+    /// `description` names the table in messages: "[camera]". Throws where two keys exclude one another by `section`;
+    /// null: none do.
     TomlTable(const toml::table& table, std::string description, const Section* section = nullptr);
 
     std::string where() const { return whereOf(m_table->source()); }
     const std::string& description() const { return m_description; }
-    /// Says more of the table, once it is known: "[camera] of type 'perspective'".
+    /// Extends the description once more is known: "[camera] of type 'perspective'".
     void describe(std::string description) { m_description = std::move(description); }
 
-    /// The value of `key`, which is thereby known here.
+    /// The value of `key`. The key is known from now on.
     std::optional<TomlValue> find(const Key& key);
-    /// Throws where it is missing; `expected` says what it would be, in place of the key's form.
+    /// The value of `key`. Throws where it is missing; the message says `expected` in place of the key's form.
     TomlValue require(const Key& key, const std::string& expected = "");
-    /// [[key]]: its tables, each called "[[key]]".
+    /// The tables of [[key]], each of which messages call "[[key]]".
     std::vector<TomlTable> tables(const Key& key);
 
-    // The value of `key`, or what it is without one.
+    // Each of the following returns the value of `key`, or the key's default where it is missing.
     double number(const Key& key);
     double numberAt(double frame, const Key& key);
     int integer(const Key& key);
     bool boolean(const Key& key);
-    std::string string(const Key& key);  ///< "" without one
+    std::string string(const Key& key);  ///< "" where it is missing
     std::size_t choice(const Key& key);
 
-    /// All values in the order they are written in; all keys are thereby known.
+    /// All values in the order of the text. All keys are known from now on.
     std::vector<TomlValue> all();
 
     /// Throws at the first key that nobody asked for.
@@ -106,7 +108,7 @@ class TomlTable {
     [[noreturn]] void fail(const std::string& problem) const;  ///< "where: problem"
 
   private:
-    /// The keys that somebody asked for, in the order of the section.
+    /// The keys that were asked for, in the order of the section.
     std::vector<std::string> known() const;
 
     const toml::table* m_table;
@@ -118,7 +120,7 @@ class TomlTable {
 template <typename T>
 Keyed<T> TomlValue::keysOf(const std::function<T(const TomlValue&)>& read) const {
     Keyed<T> keyed;
-    // A table without keys may be what `read` expects: a colour with its space.
+    // A table without `keys` may itself be a value that `read` accepts: a colour with its space.
     const KeyedKeys& k = scrim::keysOf<KeyedKeys>();
     if (!isTable() || m_node->as_table()->get(k.keys.name) == nullptr) {
         keyed.keys.emplace_back(0, read(*this));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values as TOML text, for whoever writes a scene instead of reading one.
+// Values as TOML text, for code that writes a scene instead of reading one.
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -9,23 +9,24 @@
 
 namespace scrim {
 
-/// `text` as a string of TOML, in quotes; as `asUtf8`.
+/// `text` as a quoted TOML string; bytes that are not UTF-8 are replaced as by asUtf8.
 std::string tomlString(const std::string& text);
 
-/// `v` rounded to a multiple of 10^exponent, in as few characters as tell that.
+/// `v` rounded to a multiple of 10^exponent, in as few characters as possible.
 std::string tomlRounded(double v, int exponent);
 std::string tomlRounded(const Vec3& v, int exponent);
 
-/// `v` with so many significant digits.
+/// `v` with `digits` significant digits.
 std::string tomlSignificant(double v, int digits);
-/// Bytes at the start of `text` that are UTF-8, as all TOML is: all of them, or those before the first that is not.
+/// The number of bytes at the start of `text` that are valid UTF-8, which all TOML must be; all of them if `text` is
+/// valid.
 std::size_t utf8Length(const std::string& text);
 bool isUtf8(const std::string& text);
 
-/// `text` with '?' for each byte that is no part of UTF-8.
+/// `text` with '?' in place of each byte that is not part of valid UTF-8.
 std::string asUtf8(std::string text);
 
-/// TOML that a formatter wrote, with every number as short as it can be said: 1.6 for 1.6000000000000001.
+/// TOML from a formatter, with every number in its shortest form: 1.6 for 1.6000000000000001.
 std::string withShortNumbers(const std::string& toml);
 
 }  // namespace scrim

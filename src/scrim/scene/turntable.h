@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A camera that goes once around what a scene's camera looks at.
+// Moves a scene's camera once around its target.
 #pragma once
 
 #include <scrim/scene/scene_reader.h>
@@ -9,10 +9,9 @@
 
 namespace scrim {
 
-/// Overrides by which, in frames 1 to `frames`, the camera that the scene has at frame 1 goes around its target, or the
-/// middle of its orbit, in equal steps on a true circle, about its `up`. Seen from above it goes to the right. In frame
-/// 1 it is where it is in the scene. Throws Error(input) where the camera has neither an orbit nor a position and a
-/// target.
+/// Overrides that make the camera circle its target (or the centre of its orbit) once in frames 1 to `frames`, in equal
+/// steps, about its `up`. It starts at its place at frame 1 of the scene and, seen from above, goes to the right.
+/// Throws Error(input) where the camera has neither an orbit nor a position and a target.
 std::vector<std::string> turntableOverrides(const SceneText& text, const std::vector<std::string>& overrides,
                                             int frames);
 

@@ -51,7 +51,8 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
         for (const Vec3& corner : is.corners()) corners.push_back(transformPoint(field.wsFromIs, corner));
     }
     if (!volume.velocity) return corners;
-    // All that the ways reach; but what a velocity moves only comes to lie where there is a velocity.
+    // The box grows by all displacements. But moved density only comes to lie where the velocity field has values, so
+    // the part outside of the field's own box is limited to the reach of the velocity.
     Bounds still, moved, reach;
     for (const Vec3& corner : corners) still.include(corner);
     if (still.empty()) return corners;
@@ -62,7 +63,7 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
     for (const ViewField& part : volume.velocity->parts) {
         if (part.field->empty()) continue;
         Bounds is = part.field->isBounds();
-        is.lower -= 1.0;  // it is linear between its voxels
+        is.lower -= 1.0;  // the velocity is linear between its voxels
         is.upper += 1.0;
         reach.include(transformed(part.wsFromIs, is));
     }

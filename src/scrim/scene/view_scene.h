@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a sweep needs to know of a scene at one frame: fields in memory, no files, no names to resolve.
+// A scene at one frame as a sweep needs it: fields are in memory, no file is left to read and no name to resolve.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -30,31 +30,33 @@ struct ViewField {
     Mat4 wsFromIs{1.0};
 };
 
-/// Radiance per world unit = field value times `color`.
+/// Radiance per world unit is the field's value times `color`.
 struct ViewEmission {
     ViewField field;
     Rgb color{1};
 };
 
-/// What the reference alone takes fields from elsewhere by: at x it sees what they hold at x - wsPath velocity(x). What
-/// is rendered has fields that were moved before.
+/// Velocities by which the reference, and nothing else, moves fields: at x it sees what the fields hold at x - wsPath
+/// velocity(x). The renderer gets fields that were moved beforehand.
 struct ViewVelocity {
-    std::vector<ViewField> parts;  ///< of x, y and z the parts above and below 0, as GridPart has them
-    Mat3 wsPath{0};                ///< velocity to way, world space
+    /// for each of x, y and z the field of positive and the field of negative values, as GridPart has them
+    std::vector<ViewField> parts;
+    Mat3 wsPath{0};  ///< converts a velocity to a displacement in world space
 
-    /// World space box around all ways; `most`: the largest value of a part that counts.
+    /// World-space box around all displacements. `most` gives the largest value of a part that counts.
     Bounds wsRange(const std::function<double(const SparseField&)>& most = [](const SparseField& part) {
         return double(part.maxValue);
     }) const;
 };
 
-/// Where a volume goes until the next frame, for the layer `motion`.
+/// How a volume moves until the next frame, for the layer `motion`.
 struct VolumeMotion {
-    Mat4 wsNextFromWs{1.0};  ///< takes it as a whole
-    /// Density times (velocity - least), of x, y and z, on the lattice of the density; none: no velocity.
+    /// maps the volume's world space at this frame to that at the next one: the motion as a whole
+    Mat4 wsNextFromWs{1.0};
+    /// For each of x, y and z: density * (velocity - least), on the density's lattice. Empty: no velocity.
     std::vector<ViewField> flow = {};
-    Vec3 least{0}, most{0};   ///< of the grid's velocity
-    Mat3 wsPerVelocity{0.0};  ///< velocity to way in a frame, world space
+    Vec3 least{0}, most{0};   ///< the grid's smallest and largest velocity
+    Mat3 wsPerVelocity{0.0};  ///< converts a velocity to a displacement per frame in world space
 };
 
 struct ViewVolume {
@@ -62,44 +64,45 @@ struct ViewVolume {
     std::shared_ptr<const SparseField> field;
     Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
     Medium medium;
-    std::shared_ptr<const Classified> classified = nullptr;  ///< shaded so instead of as a medium
-    /// Where the albedo is a grid: of red, green and blue the density times the albedo, on the lattice of `field`. What
-    /// is scattered is this times medium.densityScale; medium.albedo does not count.
+    std::shared_ptr<const Classified> classified = nullptr;  ///< shades the volume in place of `medium`
+    /// Where the albedo is a grid: density times albedo for each of red, green and blue, on the lattice of `field`. The
+    /// scattering coefficient is then this times medium.densityScale, and medium.albedo does not count.
     std::vector<ViewField> scatter = {};
-    std::vector<ViewEmission> emission = {};  ///< they add up
-    std::vector<bool> lights = {};            ///< for each light of the scene: does it light this volume? Empty: all do
-    std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are where they are to be seen
-    bool holdout = false;                                    ///< hides and shadows, and adds neither colour nor alpha
-    std::shared_ptr<const VolumeMotion> motion = nullptr;    ///< null: it stands still
-    int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index here
+    std::vector<ViewEmission> emission = {};  ///< sources of emission; they add up
+    std::vector<bool> lights = {};  ///< for each light of the scene: whether it lights this volume; empty: all do
+    std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are already where they are to be seen
+    bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
+    std::shared_ptr<const VolumeMotion> motion = nullptr;  ///< null: the volume stands still
+    int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index in this scene
 };
 
-/// Does the volume's medium scatter light more than once?
+/// True if light scatters more than once in the volume's medium.
 inline bool scattersFully(const ViewVolume& volume) {
     return volume.medium.scattering == Scattering::full && !volume.holdout && !volume.classified &&
            !volume.field->empty();
 }
 
-/// A deep picture beside the flat one.
+/// A deep picture that is written beside the flat one.
 struct ViewDeep {
-    double tolerance = 0.01;  ///< of merging samples: of alpha, and of colour as a part of the pixel's
+    double tolerance = 0.01;  ///< largest change by merging samples: of alpha, and of a colour relative to the pixel's
 };
 
 struct ViewScene;
 
-/// What is seen while a shutter is open, moment by moment: only a check of the picture needs to know.
+/// What the camera sees while its shutter is open, moment by moment. Only checks of the picture need it.
 struct ViewMoments {
-    double open = 0, close = 0;           ///< frames about the frame
-    double path = 0;                      ///< the longest way that anything goes meanwhile, pixels
-    std::function<ViewScene(double)> at;  ///< the scene so many frames about the frame, fields where files have them
+    double open = 0, close = 0;  ///< frames relative to the scene's frame
+    double path = 0;             ///< longest path that anything travels while the shutter is open, pixels
+    /// the scene at an offset of so many frames, with the fields where the files have them
+    std::function<ViewScene(double)> at;
 };
 
-/// What the picture is the mean of, for the plan.
+/// The moments that the picture averages, as the plan reports them.
 struct ViewShutter {
-    double open = 0, close = 0;  ///< frames about the frame
-    int samples = 1;             ///< renders
-    double path = 0;             ///< the longest way that anything goes meanwhile, pixels
-    bool moves = false;          ///< does anything?
+    double open = 0, close = 0;  ///< frames relative to the scene's frame
+    int samples = 1;             ///< number of renders
+    double path = 0;             ///< longest path that anything travels while the shutter is open, pixels
+    bool moves = false;          ///< something moves
 };
 
 struct ViewScene {
@@ -108,46 +111,49 @@ struct ViewScene {
     PixelWindow picture;  ///< the whole picture that `region` is a crop of; empty: region and display window
     std::vector<ViewVolume> volumes;
     std::vector<Light> lights;
-    std::shared_ptr<const Solids> solids = nullptr;        ///< null: there are none
-    std::shared_ptr<const DepthPicture> depths = nullptr;  ///< hides what is behind it; null: there is none
+    std::shared_ptr<const Solids> solids = nullptr;        ///< null: there are no solids
+    std::shared_ptr<const DepthPicture> depths = nullptr;  ///< hides what is behind it; null: none
     Rgb ambient{0};                                        ///< radiance of an unshadowed environment
     Dials dials;
-    /// Volumes that are culled, and why: names and reasons, for the plan.
+    /// Culled volumes with the reason why, for the plan: (name, reason).
     std::vector<std::pair<std::string, std::string>> culled;
-    std::vector<Layer> layers;           ///< to render beside the beauty
-    std::optional<Camera> nextCamera;    ///< a frame later, for the layer `motion`; none: it stands still
-    std::size_t volumeCount = 0;         ///< of the scene's volumes, culled ones too; 0: those that are here
-    std::optional<ViewDeep> deep;        ///< none: the flat picture alone
+    std::vector<Layer> layers;         ///< to render beside the beauty
+    std::optional<Camera> nextCamera;  ///< the camera one frame later, for the layer `motion`; none: it stands still
+    std::size_t volumeCount = 0;       ///< number of volumes of the scene, culled ones included; 0: as many as are here
+    std::optional<ViewDeep> deep;      ///< none: the flat picture alone
     std::optional<ViewShutter> shutter;  ///< none: the scene has no shutter
-    /// Null: the picture is that of a moment, which is this scene. Else the mean over moments, of which this is one.
+    /// Null: the picture shows one moment, which is this scene. Otherwise the picture is the mean over moments, and
+    /// this scene is one of them.
     std::shared_ptr<const ViewMoments> moments;
-    std::shared_ptr<const SceneLines> lines;  ///< where the scene's text says what; or null
+    std::shared_ptr<const SceneLines> lines;  ///< the places of keys in the scene's text; may be null
     std::size_t memoryLimit = 0;              ///< bytes that buffers may take; 0: no limit
 };
 
 bool wants(const ViewScene& scene, Layer layer);
 
-/// The volume of the scene's that `volumes[i]` is, of all that there are.
+/// The index into Scene::volumes of `volumes[i]` (its `place`, or `i` where that is -1), and the number of all volumes
+/// of the scene, culled ones included.
 int placeOf(const ViewScene& scene, std::size_t i);
 std::size_t placesOf(const ViewScene& scene);
 
-/// The fields of a volume that are not empty, each on a lattice of its own: density and emission.
+/// The non-empty fields of a volume, density and emission, each on its own lattice.
 std::vector<ViewField> fieldsOf(const ViewVolume& volume);
 
-/// World-space corners of a volume's boxes, kernels included; eight a field that is not empty.
+/// World-space corners of the boxes around a volume's fields, the kernels' reach included: eight for each field that is
+/// not empty.
 std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
 
-/// World-space corners of all volumes' boxes, kernels included.
+/// World-space corners of the boxes around all volumes, the kernels' reach included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);
 
-/// Is there more to what hides than what shows? Then alpha is not what transmittance leaves: a volume is held out, or a
-/// deep picture lets a part through.
+/// True if alpha is not simply 1 - transmittance, because something hides without showing: a volume is held out, or a
+/// deep holdout picture is partly transparent.
 bool holdsOut(const ViewScene& scene);
 
 /// The pixels of the whole picture, overscan included.
 PixelWindow wholePicture(const ViewScene& scene);
 
-/// The smallest edge of the finest grid, world units: the unit of the dials. 1 where all volumes are empty.
+/// The smallest voxel edge of all grids in world units, which is the unit of the dials; 1 where all volumes are empty.
 double voxelUnit(const ViewScene& scene);
 
 }  // namespace scrim

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which file a volume shows at its frame, once the disk is asked: the sequence's own, the one that is held,
-// or none.
+// Finds the file that a volume shows at its frame: the sequence's own file, a held one, or none.
 #pragma once
 
 #include <scrim/scene/scene.h>
@@ -10,9 +9,9 @@
 namespace scrim {
 
 enum class FileState {
-    present,  ///< read `path`
+    present,  ///< the file to read is `path`
     black,    ///< the scene wants no volume at this frame
-    missing,  ///< there should be a file; `problem` is the text of the error
+    missing,  ///< there should be a file; `problem` is the message of the error
 };
 
 struct VolumeFile {
@@ -21,8 +20,8 @@ struct VolumeFile {
     std::string problem;
 };
 
-/// For a volume with a file. `hold` and `black` rule before the first and after the last file of a sequence;
-/// a gap inside it is a lost file, and missing whatever the policy.
+/// For a volume with a file. The policies `hold` and `black` count before the first and after the last file of a
+/// sequence; a gap inside the sequence is a lost file, and missing under any policy.
 VolumeFile findVolumeFile(const SceneVolume& volume);
 
 }  // namespace scrim

@@ -18,7 +18,7 @@
 namespace scrim {
 namespace {
 
-// Pixels that the edge of a voxel covers where the volume comes closest to the camera.
+// The number of pixels that the edge of a voxel covers where the volume comes closest to the camera.
 double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4& wsFromIs) {
     double edge = std::numeric_limits<double>::infinity();
     for (int axis = 0; axis < 3; ++axis) edge = std::min(edge, glm::length(Vec3(wsFromIs[axis])));
@@ -27,7 +27,7 @@ double voxelInPixels(const Camera& camera, const SparseField& field, const Mat4&
     return edge / std::max(pixelAt(camera, distance), 1e-300);
 }
 
-// Halves the resolution as long as the voxels stay below `lod` pixels.
+// Halves the field's resolution as long as its voxels stay below `lod` pixels.
 std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, double lod, const Mat4& wsFromAsset,
                                                      std::shared_ptr<const SparseField> field) {
     if (field->empty()) return field;
@@ -36,7 +36,7 @@ std::shared_ptr<const SparseField> withLevelOfDetail(const Camera& camera, doubl
     return field;
 }
 
-// For each light of the scene: does it light the volume? Empty: all do.
+// Whether each light of the scene lights the volume; empty: all do.
 std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
     std::vector<bool> lit;
     if (!volume.lights) return lit;
@@ -45,7 +45,7 @@ std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
     return lit;
 }
 
-// What is left of a limit (0: none) beside the fields that were made of those of `fields`.
+// The rest of `limit` (0: none) after the fields that were derived from those in `fields`.
 std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vector<VolumeFields>& fields,
                         std::size_t limit) {
     if (limit == 0) return 0;
@@ -71,7 +71,7 @@ std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vecto
     return limit - bytes;
 }
 
-// What takes the fields of a volume to their places by its velocity; null where nothing does.
+// Moves the fields of a volume by its velocity; null where nothing moves.
 std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const SparseField& density) {
     const FieldPath path{fields.velocity, fields.time};
     if (!path.moves()) return nullptr;
@@ -81,7 +81,7 @@ std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const Spar
                                               density.empty() && glows != fields.emission.end() ? **glows : density);
 }
 
-// A volume with what its grids make of it; nothing where all of it is empty.
+// A volume with all fields that are derived from its grids; no value where all of it is empty.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
                                  Moved moved) {
     std::unique_ptr<const FieldMover> mover;
@@ -183,8 +183,8 @@ std::vector<std::string> culledVolumes(const Scene& scene,
     for (std::size_t i = 0; i < scene.volumes.size(); ++i)
         boxes.push_back({wsCorners[i], lightsOf(scene, scene.volumes[i])});
     std::vector<std::string> reasons = culledVolumes(scene.camera, pictureOf(scene), scene.lights, boxes);
-    // Where light scatters on its way, a volume in view may get it from, or be shadowed by, any other: so that a crop
-    // is a part of the whole.
+    // Where light scatters more than once, any volume may light or shadow a volume in view. All are then kept, so that
+    // a crop equals a part of the whole picture.
     bool couples = false;
     for (std::size_t i = 0; i < reasons.size(); ++i)
         couples = couples || (reasons[i].empty() && scene.volumes[i].medium.scattering == Scattering::full);

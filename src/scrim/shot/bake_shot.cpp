@@ -32,7 +32,7 @@ std::string placed(const Scene& scene, const std::string& key) {
     return where.empty() ? where : where + ": ";
 }
 
-// Which lights of the scene are asked for.
+// Which lights of the scene were requested.
 std::vector<bool> wantedLights(const Scene& scene, const BakeRequest& request) {
     if (scene.lights.empty())
         throw Error(ErrorKind::input,
@@ -67,7 +67,7 @@ class GridMaker {
     GridMaker(const Scene& scene, const Mat3& outputFromWorking, std::string space, bool coloured)
         : m_scene(scene), m_outputFromWorking(outputFromWorking), m_space(std::move(space)), m_coloured(coloured) {}
 
-    // `baked`: null where the volume shows nothing: its grids are empty then.
+    // `baked` is null where the volume shows nothing; its grids are then empty.
     void addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked, const BakeWants& wants);
     std::vector<VdbGrid> take() { return std::move(m_grids); }
 
@@ -81,7 +81,7 @@ class GridMaker {
     std::string m_space;
     bool m_coloured;
     std::vector<VdbGrid> m_grids;
-    std::map<std::string, std::string> m_names;  // and what is called so
+    std::map<std::string, std::string> m_names;  // grid name, and the light and volume that use it
 };
 
 VdbGrid& GridMaker::add(std::size_t volume, const std::string& name, const std::string& of, const BakedVolume* baked) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The light of a shot's frame as grids, for renderers that know nothing of Scrim.
+// Bakes the light of a shot's frame into grids, for renderers that know nothing of Scrim.
 #pragma once
 
 #include <scrim/shot/shot.h>
@@ -12,21 +12,21 @@
 namespace scrim {
 
 struct BakeRequest {
-    std::vector<std::string> lights;  ///< names; none: all
-    bool emission = false;            ///< also what media scatter, and their extinction
+    std::vector<std::string> lights;  ///< names of the lights to bake; none: all
+    bool emission = false;            ///< also bakes the radiance that media emit and scatter, and their extinction
 };
 
 struct BakedShot {
-    bool skipped = false;  ///< by MissingPolicy::skip; the rest is empty then
+    bool skipped = false;  ///< MissingPolicy::skip skipped the frame; all else is then empty
     std::vector<VdbGrid> grids;
-    std::vector<std::pair<std::string, std::string>> metadata;  ///< of the file
+    std::vector<std::pair<std::string, std::string>> metadata;  ///< metadata of the file
 };
 
-/// Of each volume a grid for each light that lights it: what arrives at its voxels, through all volumes and past all
-/// solids; with the request's `emission` also "emission" and "density" (extinction per world unit). In a scene of one
-/// volume grids are called as the light, else "VOLUME.LIGHT". They lie where the scene has the volume, and hold colours
-/// where light or extinction have any, in the output's colour space, which must be linear. A moment: no shutter is
-/// open. Throws Error.
+/// Makes, for each volume, one grid for each light that lights it: the light that arrives at its voxels through all
+/// volumes and past all solids. With `emission` it also makes "emission" and "density" (extinction per world unit). In
+/// a scene of one volume a grid is named as its light, else "VOLUME.LIGHT". Grids lie where the scene places the
+/// volume. They hold colours where light or extinction is coloured, in the output's colour space, which must be linear.
+/// The frame is a single moment: the shutter is ignored. Throws Error.
 BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, const RenderOptions& options = {});
 
 }  // namespace scrim

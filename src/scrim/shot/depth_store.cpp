@@ -13,7 +13,7 @@ namespace {
     throw Error(ErrorKind::input, fmt::format("cannot read '{}': {}", file, problem));
 }
 
-/// Its window that is the picture must be as large as that.
+/// Checks that the window that serves as picture has the scene's size, and puts its origin in place.
 void place(const SceneHoldout& holdout, const Int2& resolution, FileDepth& depth) {
     if (holdout.dataWindow) {
         depth.x0 = depth.y0 = 0;
@@ -36,7 +36,7 @@ bool areSame(const SceneHoldout& a, const SceneHoldout& b) {
 
 void DepthStore::loadInto(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint) {
     SceneHoldout& holdout = scene.output.holdout;
-    if (holdout.file.empty()) {  // none, or made in code
+    if (holdout.file.empty()) {  // there is none, or it was made in code
         m_known = {};
         return;
     }

@@ -26,7 +26,7 @@ float ramped(const Ramp& ramp, double value) {
     return static_cast<float>(before.second + t * (next->second - before.second));
 }
 
-// An albedo grid at the voxels of another grid.
+// Values of an albedo grid at the voxels of another grid.
 class AlbedoAt {
   public:
     AlbedoAt(const SparseField& density, const std::array<FieldPointer, 3>& albedo, const ColourGrid& look)
@@ -53,7 +53,7 @@ class AlbedoAt {
     std::vector<FieldSampler> m_samplers;
 };
 
-// All blocks that a field's voxels lie in, tiles cut into them.
+// A block of a field's voxels; tiles are divided into blocks.
 struct Block {
     Int3 origin;
     const float* values;  // null: `constant` everywhere
@@ -70,7 +70,7 @@ std::vector<Block> blocksOf(const SparseField& field) {
     return blocks;
 }
 
-// Three fields: the density times what `at` says of each of its voxels, none of it below 0.
+// Three fields: the density times the components of `at` for each of its voxels, clamped to at least 0.
 template <typename At>
 std::vector<FieldPointer> productFields(const SparseField& density, const At& at) {
     const std::vector<Block> blocks = blocksOf(density);
@@ -143,7 +143,7 @@ std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& ass
 
 std::vector<EmittedField> emittedFields(const FieldPointer& field, const Emission& emission) {
     if (emission.ramp.empty()) return {{field, Rgb(emission.scale)}};
-    // The brightest point's colour; do all others have it, too?
+    // Tests whether all points have the colour of the brightest one, up to a factor.
     Rgb color(0);
     for (const auto& [value, rgb] : emission.ramp)
         if (glm::length(rgb) > glm::length(color)) color = rgb;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields that are made of a scene's grids voxel by voxel, before anything is splatted. What is splatted is linear in
-// them, so that a picture shows the same, whatever sheets and texels are.
+// Fields that are computed from a scene's grids voxel by voxel, before anything is splatted. Splatting is linear in
+// them, so the picture does not depend on the thickness of sheets or the size of texels.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -14,23 +14,25 @@ namespace scrim {
 
 using FieldPointer = std::shared_ptr<const SparseField>;
 
-/// The field with its voxels remapped, linear between the ramp's points and constant beyond them. Empty space stays
-/// empty, whatever the ramp says of 0: only active voxels are splatted.
+/// The field with its voxels mapped by the ramp: linear between points and constant outside of them. Empty space stays
+/// empty whatever the ramp maps 0 to, since only active voxels are splatted.
 FieldPointer withRamp(const SparseField& field, const std::vector<std::pair<double, double>>& ramp);
 
-/// Of red, green and blue, the density times the albedo at each of the density's voxels, on the density's lattice. The
-/// grid's colour is in its own space (see ColourGrid), interpolated where the lattices differ, and cut to [0, 1]. A
-/// product of voxels and not of reconstructed fields: where both end together, colours do not darken towards the rim.
+/// The density times the red, green and blue albedo at each of the density's voxels, as three fields on the density's
+/// lattice. The albedo is converted from its own space (see ColourGrid), interpolated where the lattices differ, and
+/// clamped to [0, 1]. Voxels are multiplied, not reconstructed fields, so that colours do not darken towards a rim
+/// where both grids end.
 std::vector<FieldPointer> scatteringFields(const SparseField& density, const std::array<FieldPointer, 3>& albedo,
                                            const ColourGrid& look);
 
-/// Of x, y and z the density times (velocity - `least`) at each of the density's voxels, on the density's lattice.
-/// `velocity`: the parts above and below 0 of each (GridPart), in the asset's space. `assetFromIs`: of the density.
+/// The density times (velocity - `least`) for x, y and z at each of the density's voxels, as three fields on the
+/// density's lattice. `velocity`: the fields of positive and negative values of each component (GridPart), in the
+/// asset's space. `assetFromIs` belongs to the density.
 std::vector<FieldPointer> flowFields(const SparseField& density, const Mat4& assetFromIs,
                                      const std::vector<FieldPointer>& velocity, const Vec3& least);
 
-/// Radiance per world unit as fields times colours: one field where all of the ramp is shades of one colour, else
-/// three. They stay on the lattice of `field`.
+/// Emitted radiance per world unit as a sum of field times colour: one field where all colours of the ramp are shades
+/// of one colour, else three. They stay on the lattice of `field`.
 struct EmittedField {
     FieldPointer field;
     Rgb color;

@@ -19,7 +19,8 @@ namespace {
 
 constexpr const char *kFile = "file", *kSource = "source", *kSet = "set";  // kinds of origins
 
-/// Whether anything is made of a volume's densities. Where nothing is made of a volume at all, they are read as ever.
+/// True if anything is computed from a volume's density, or if nothing at all is computed from the volume: then the
+/// density is read all the same, so that it is checked.
 bool usesDensity(const SceneVolume& volume) {
     return volume.densityScale != 0 || volume.classified || volume.emission.empty();
 }
@@ -28,7 +29,7 @@ GridRequest albedoRequest(const SceneVolume& volume, int component) {
     return {volume.albedoGrid->grid, component};
 }
 
-/// The two fields of velocity component `axis`: of the numbers above 0, and of those below.
+/// The requests for both fields of velocity component `axis`: values above 0 and values below 0.
 std::array<GridRequest, 2> velocityRequests(const Velocity& velocity, int axis) {
     const bool isOne = velocity.grids.size() == 1;
     GridRequest request{velocity.grids[isOne ? 0 : std::size_t(axis)], isOne ? axis : GridRequest::kScalar,
@@ -38,18 +39,18 @@ std::array<GridRequest, 2> velocityRequests(const Velocity& velocity, int axis) 
     return {request, below};
 }
 
-/// Whether anything of it may move while the shutter is open.
+/// True if anything in the scene may move while the shutter is open.
 bool isBlurred(const Scene& scene) {
     return scene.shutter && (scene.movesWithin || std::any_of(scene.volumes.begin(), scene.volumes.end(),
                                                               [](const auto& v) { return v.velocity.has_value(); }));
 }
 
-/// "s.toml:2:8: ": the start of a message. Volumes that were made in code have no place.
+/// "s.toml:2:8: ", the start of a message. Volumes that were made in code have no place.
 std::string placeText(const std::string& where) {
     return where.empty() ? "" : where + ": ";
 }
 
-/// The place in `fields` of the grid that is meant. `maker` is the source or volume, for messages.
+/// The index into `fields` of the requested grid. `maker` is the name of the source or volume in messages.
 std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& fields, const GridRequest& request,
                          const std::string& where, const std::string& maker) {
     if (request.part != GridPart::whole)
@@ -123,8 +124,8 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, bool 
     return uses;
 }
 
-/// What was read ahead, if it was exactly this and nothing went wrong. Errors are not told here: reading the file again
-/// at its own time tells them as ever.
+/// The fields that were read ahead, if they are exactly these and no error occurred. An error is not reported here: the
+/// file is read again at its regular time, and reports it then.
 std::optional<std::vector<SparseField>> FieldStore::readBefore(const std::string& path,
                                                                const std::vector<GridRequest>& requests) {
     const auto found = std::find_if(m_ahead.begin(), m_ahead.end(), [&](const GuardedFields& fields) {
@@ -191,10 +192,10 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
     }
 }
 
-/// For each volume why the picture has no use for it, as far as the heads of files tell where they are.
+/// For each volume why the picture has no use for it, as far as the headers of files tell its place.
 std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size());
-    // What moves is culled moment by moment.
+    // Moving volumes are culled moment by moment instead.
     if (isBlurred(scene)) return std::vector<std::string>(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
@@ -206,7 +207,7 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
         std::vector<GridRequest> requests;
         for (const Use& use : usesOf(volume, false)) requests.push_back(use.request);
         const std::optional<Bounds> bounds = vdbBounds(files[i].path, requests);
-        if (!bounds || bounds->empty()) continue;  // who is empty is told so, once it is read
+        if (!bounds || bounds->empty()) continue;  // empty fields are reported after they have been read
         corners[i].emplace();
         for (const Vec3& corner : bounds->corners()) corners[i]->push_back(transformPoint(volume.wsFromAsset, corner));
     }
@@ -259,7 +260,7 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
     const std::vector<std::string> culled = culledOf(scene, files);
     const std::vector<bool> shown = shownOf(scene, files, culled, volumesOf);
     Uses uses = usesOf(scene, files, shown);
-    // First let go, then load: two frames' fields together may be more than there is memory for.
+    // Fields are released before new ones are loaded, since the fields of two frames together may exceed memory.
     std::set<Key> used;
     for (const auto& [origin, all] : uses)
         for (const Use& use : all) used.insert({origin, use.request});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The fields of volumes: loaded once, and kept as long as the next frame shows them, too.
+// The fields of volumes. They are loaded once and kept as long as the next frame shows them, too.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -28,31 +28,32 @@ class FieldStore {
     explicit FieldStore(LoadOptions options, MessageSink messages = {})
         : m_options(std::move(options)), m_messages(std::move(messages)) {}
 
-    /// How the next files are loaded, and who hears of it. Loads call `checkpoint`, which may throw.
+    /// Sets how further files are loaded and who receives messages. Loads call `checkpoint`, which may throw.
     void listen(LoadOptions options, MessageSink messages, Checkpoint checkpoint);
 
-    /// From now on the volumes that are called `volume` have these grids, instead of those of a file or source.
+    /// Gives the volume named `volume` these grids in place of those of a file or source.
     void setGrids(const std::string& volume, std::vector<SparseField> grids);
     bool hasGrids(const std::string& volume) const { return m_grids.contains(volume); }
 
-    /// What the disk has for each volume of `scene`; sources, and volumes whose grids were set, count as present.
+    /// The file of each volume of `scene`, as found on disk. Sources and volumes whose grids were set count as present.
     std::vector<VolumeFile> filesOf(const Scene& scene) const;
 
-    /// What each volume of `scene` needs, all null where `files` has none; forgets the fields of the frame before that
-    /// this one does not use. `files[i]` is findVolumeFile's answer to volume i, ignored for sources. Grids that
-    /// nothing is made of are not read: of a volume whose densities count for nothing only what it emits, of one that
-    /// the picture has no use for (`culled`) none, unless all of the scene's are wanted. Throws Error.
+    /// The fields that each volume of `scene` needs; all null where `files` has no file. Forgets fields of the previous
+    /// frame that this one does not use. `files[i]` is findVolumeFile's answer for volume i and is ignored for sources.
+    /// Grids that nothing is computed from are not read: only the emission of a volume whose density does not matter,
+    /// and nothing of a volume that the picture has no use for (`culled`), unless all volumes of the scene are wanted.
+    /// Throws Error.
     Fields fieldsOf(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf = VolumesOf::picture);
 
-    /// Lets children read what `fieldsOf` would load from files for the same arguments; it then takes it over from
-    /// them. Nothing is thrown or told about that before. Only where loading is guarded.
+    /// Starts child processes that read what `fieldsOf` with the same arguments would load from files; it then takes
+    /// over their results. Errors and messages appear only then. Does nothing unless loading is guarded.
     void readAhead(const Scene& scene, const std::vector<VolumeFile>& files, VolumesOf volumesOf);
 
-    /// One field of a file, kept for the next `fieldsOf`.
+    /// One field of a file; it is kept for the next `fieldsOf`.
     std::shared_ptr<const SparseField> fieldOf(const std::string& path, const GridRequest& request);
-    /// The first field that a source makes, kept likewise.
+    /// The first field that a source makes; it is kept likewise.
     std::shared_ptr<const SparseField> sourceField(const std::string& source, const SourceParameters& parameters);
-    /// What a scan holds.
+    /// The contents of a scan.
     ScanInfo scanInfo(const std::string& path) const;
 
   private:
@@ -62,7 +63,7 @@ class FieldStore {
     struct Use {
         const SceneVolume* volume = nullptr;
         GridRequest request;
-        std::string where;  ///< of the request in the scene; "": nothing is said about it
+        std::string where;  ///< where the scene names the grid; "": messages do not mention it
     };
 
     using Grids = std::vector<std::shared_ptr<const SparseField>>;
@@ -71,7 +72,7 @@ class FieldStore {
     Origin originOf(const SceneVolume& volume, const VolumeFile& file) const;
     static std::vector<Use> usesOf(const SceneVolume& volume, bool blurred);
     std::vector<std::string> culledOf(const Scene& scene, const std::vector<VolumeFile>& files) const;
-    /// Of each origin, to be read in one go; every request once.
+    /// The requests for each origin, which are read in one go; each request once.
     using Uses = std::map<Origin, std::vector<Use>>;
     Uses usesOf(const Scene& scene, const std::vector<VolumeFile>& files, const std::vector<bool>& shown) const;
     std::vector<bool> shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
@@ -87,9 +88,9 @@ class FieldStore {
     LoadOptions m_options;
     MessageSink m_messages;
     Checkpoint m_checkpoint;
-    std::map<std::string, Grids> m_grids;  ///< that were set, by volume
+    std::map<std::string, Grids> m_grids;  ///< grids that were set, by volume
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
-    std::vector<GuardedFields> m_ahead;  ///< being read
+    std::vector<GuardedFields> m_ahead;  ///< fields that children are reading
 };
 
 /// Bytes that the fields take, each counted once.

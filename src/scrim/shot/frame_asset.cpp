@@ -32,7 +32,8 @@ std::vector<std::string> allFiles(const FramePath& path, const std::string& name
     return files;
 }
 
-/// Of a sequence, frames that show how far it reaches; the same whichever frames a task of a farm renders.
+/// The first, middle and last file of a sequence. They show how far it reaches and do not depend on the frames that a
+/// task of a farm renders.
 std::vector<std::string> filesToFrame(const std::vector<std::string>& all) {
     std::vector<std::string> files;
     for (const std::string& file : {all.front(), all[all.size() / 2], all.back()})
@@ -46,7 +47,8 @@ double sizeOf(const SparseField& field) {
     return size.x * size.x + size.y * size.y + size.z * size.z;
 }
 
-/// What a file says of itself without being read; nothing where it is old or came from a pipe.
+/// What a file's header says without reading the grids; empty where the file is of an old version or was written to a
+/// pipe.
 VdbLayout headOf(const std::string& file) {
     try {
         return checkVdbLayout(VdbBytes(file));
@@ -55,7 +57,7 @@ VdbLayout headOf(const std::string& file) {
     }
 }
 
-/// The scalar grid that glows, if one of them is called so.
+/// The scalar grid that glows, if one has a usual name for it.
 std::optional<std::size_t> fireAmong(const std::vector<GridOffer>& offers) {
     constexpr std::array kNames{"temperature", "heat", "flame", "flames", "fire", "burn"};
     for (const char* const name : kNames)
@@ -68,15 +70,15 @@ bool has(const VdbLayout& layout, const std::string& name) {
     return std::any_of(layout.grids.begin(), layout.grids.end(), [&](const auto& grid) { return grid.name == name; });
 }
 
-/// Which grids of the file are shown, and which are not.
+/// The grids of the file that are shown, and those that are not.
 struct GridUse {
     std::optional<std::size_t> density;
     std::string fire, albedo;         ///< "": none
-    std::vector<std::string> unused;  ///< names, each once
+    std::vector<std::string> unused;  ///< names, without repetitions
 };
 
 GridUse gridUse(const std::vector<GridOffer>& offers, const std::vector<std::string>& files) {
-    // One that comes and goes would stop a sequence where it is missing.
+    // A grid that is missing in some files would stop a sequence, so only grids of all files are used.
     std::vector<VdbLayout> heads;
     const auto everywhere = [&](const std::string& name) {
         if (heads.empty()) std::transform(files.begin(), files.end(), std::back_inserter(heads), headOf);
@@ -96,7 +98,7 @@ GridUse gridUse(const std::vector<GridOffer>& offers, const std::vector<std::str
     return use;
 }
 
-/// The density of the largest of the files, and that file.
+/// The density of the largest of the files, and that file's path.
 std::pair<FieldPtr, std::string> largestOf(FieldStore& store, const std::vector<std::string>& files) {
     std::pair<FieldPtr, std::string> largest;
     for (const std::string& file : files) {
@@ -106,7 +108,7 @@ std::pair<FieldPtr, std::string> largestOf(FieldStore& store, const std::vector<
     return largest;
 }
 
-/// The fire's field where it is hottest, kept in `field`.
+/// The fire's field in the file where it is hottest; `field` keeps it alive.
 std::optional<FramedFire> fireOf(FieldStore& store, const std::vector<std::string>& files, const std::string& grid,
                                  FieldPtr& field) {
     for (const std::string& file : files) {
@@ -123,7 +125,7 @@ void sayUp(const std::string& path, const std::string& why, const char* up, cons
            fmt::format("{}: {} is taken for up{}; --up {} turns it", shortened(path), up, why, other));
 }
 
-/// The middle of what the field holds, weighted.
+/// The centre of mass of a field.
 Vec3 wsCentre(const SparseField& field) {
     Vec3 is(0);
     double sum = 0;
@@ -141,14 +143,14 @@ Vec3 wsCentre(const SparseField& field) {
     return transformPoint(field.wsFromIs, sum > 0 ? is / sum : is);
 }
 
-/// Whether the smoke lies along z from its fire, and not along y.
+/// True if smoke rises from its fire along z rather than along y.
 bool rises(const SparseField& smoke, const SparseField& fire) {
-    constexpr double kPart = 0.03;  // of the size: what may be chance
+    constexpr double kPart = 0.03;  // fraction of the size below which a rise may be chance
     const Vec3 rise = wsCentre(smoke) - wsCentre(fire);
     return rise.z > kPart * std::sqrt(sizeOf(smoke)) && rise.z > 2 * std::abs(rise.y);
 }
 
-/// What is left of a simulation where there is no smoke any more is no smoke; but only the artist knows.
+/// Simulations leave tiny values where there is no smoke. They are still shown, since only the artist knows.
 void warnOfResidue(const std::string& path, const SparseField& density, const MessageSink& messages) {
     constexpr float kLittle = 1e-6f;  // caches hold smoke of 0.01 to 100, also in kg / m^3
     if (density.empty() || density.maxValue >= kLittle) return;
@@ -235,7 +237,7 @@ std::string unframedText(const std::string& pattern, const AssetOptions& options
     asset.name = volumeNameOf(pattern);
     asset.field = &nothing;
     if (!isScanFile(pattern)) {
-        // What the text will name can be changed before its numbers are known.
+        // Overrides may already refer to the names in the text, before its numbers are known.
         const FramePath path{"", pattern};
         const std::vector<int> frames = existingFrames(path);
         const std::string file = path.at(frames.empty() ? 0 : frames[frames.size() / 2]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From an asset, a volume file or a scan, to the text of a scene that shows it.
+// Makes the text of a scene that shows an asset: a volume file or a scan.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -11,7 +11,7 @@
 
 namespace scrim {
 
-/// Whether the file is framed and lit by itself: .vdb, or a scan.
+/// True for files that are framed and lit automatically: .vdb and scans.
 bool isAssetFile(const std::string& path);
 
 struct AssetOptions {
@@ -19,15 +19,16 @@ struct AssetOptions {
     std::optional<Vec3> wsUp;  ///< a unit vector along an axis; none: guessed
 };
 
-/// The scene but for its numbers. `pattern`: the asset's path as a scene names it.
+/// The scene's text before the asset is read, without the numbers that depend on it. `pattern`: the asset's path as a
+/// scene names it.
 std::string unframedText(const std::string& pattern, const AssetOptions& options);
 
-/// The scene. Loads into `store` what it shows; says which way is up where that was guessed, and which grids are not
-/// shown. `path`: for messages. Throws Error.
+/// The scene's text. Loads the fields it shows into `store`; reports which way is up where that was guessed, and which
+/// grids are not shown. `path`: for messages. Throws Error.
 std::string framedText(FieldStore& store, const std::string& path, const std::string& pattern,
                        const AssetOptions& options, const MessageSink& messages);
 
-/// What a volume of that file is called: "smoke" for "caches/smoke.####.vdb", of letters, digits, '_' and '-'.
+/// The name of a volume of that file: "smoke" for "caches/smoke.####.vdb". It consists of letters, digits, '_' and '-'.
 std::string volumeNameOf(const std::string& pattern);
 
 }  // namespace scrim

@@ -37,7 +37,7 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
         {"scrim:plan", withoutThreads(report.planJson)},
         {"scrim:stats", withoutThreads(report.workJson)},
     };
-    // For who puts crops together (exr_merge.h).
+    // The attribute is read when crops are merged (exr_merge.h).
     if (const PixelWindow whole = pictureOf(scene), &part = content.image.window; part != whole)
         attributes.emplace_back("scrim:crop", fmt::format("{},{},{},{} of {},{},{},{}", part.x0, part.y0, part.x1,
                                                           part.y1, whole.x0, whole.y0, whole.x1, whole.y1));
@@ -73,7 +73,7 @@ ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
     return {name, {name + ".R", name + ".G", name + ".B"}, std::move(layer.data)};
 }
 
-/// The RGB of a layer in the output's space, by way of a picture.
+/// The RGB of a layer in the output's space, converted by way of a picture.
 std::vector<float> converted(const ShotLayer& layer, const PixelWindow& window, const ColourConfig& colour,
                              const std::string& space) {
     Image image = emptyImage(window);
@@ -84,12 +84,13 @@ std::vector<float> converted(const ShotLayer& layer, const PixelWindow& window, 
     return data;
 }
 
-/// What each of the working space's channels leaves of something: 1 where nothing is in the way, and no colour.
+/// True for layers that hold a fraction of light in each working-space channel: 1 where nothing is in the way. They are
+/// not colours and are not converted.
 bool isShare(Layer layer) {
     return layer == Layer::transmittance || layer == Layer::shadow;
 }
 
-/// Depth and motion are no colours, either.
+/// Depth and motion are not colours, either.
 ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
     const ShotLayer& layer = content.layers[i];
     if (content.kinds[i] == Layer::depth || content.kinds[i] == Layer::motion)
@@ -106,7 +107,7 @@ ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
                     frame, channel, std::isnan(value) ? "no number" : "infinite", x, y));
 }
 
-/// `channels` interleaved values a pixel of `window`.
+/// `values` holds one value per channel for each pixel of `window`, interleaved.
 void checkFinite(int frame, const PixelWindow& window, const std::vector<std::string>& channels,
                  const std::vector<float>& values) {
     if (allFinite(values)) return;
@@ -135,7 +136,7 @@ PixelWindow displayWindowOf(const Scene& scene) {
     return {0, 0, scene.camera.resolution.x, scene.camera.resolution.y};
 }
 
-// What flat and deep pictures say alike.
+// The header options that flat and deep pictures share.
 ExrOptions headerOptions(const ShotFrame::Content& content) {
     ExrOptions options;
     options.displayWindow = displayWindowOf(content.scene);
@@ -144,8 +145,8 @@ ExrOptions headerOptions(const ShotFrame::Content& content) {
     return options;
 }
 
-// What all pixels of a row show before each of its pieces ends is converted as if it were a picture, so that the ends
-// of the curves are the flat picture's pixels in every space.
+// Converts a row of the deep picture: the accumulated colours at the ends of all pieces are converted like pictures, so
+// that the end of each pixel's curve equals the flat picture in every colour space.
 void convertDeep(DeepImage& deep, const ColourConfig& colour, const std::string& space) {
     for (DeepImage::Row& row : deep.rows) {
         if (row.pieces.empty()) continue;
@@ -168,7 +169,8 @@ void takeFrame(ShotFrame::Content& content, Frame frame) {
         content.kinds.push_back(layer.layer);
         content.layers.push_back(shotLayer(content.scene, std::move(layer)));
     }
-    // Here, and for what is converted once more where that is: no file, preview or array holds anything else.
+    // Values are checked here, and once more wherever they are converted, so that no file, preview or array holds
+    // anything but finite numbers.
     const int number = content.report.frame;
     checkFinite(number, content.image.window, kRgba, content.image.rgba);
     for (const ShotLayer& layer : content.layers) checkFinite(number, content.image.window, layer.channels, layer.data);
@@ -188,7 +190,8 @@ std::size_t writeFrame(const ShotFrame::Content& content, const std::string& pat
         layers.push_back(exrLayer(content, i));
         if (converts)
             checkFinite(content.report.frame, content.image.window, layers.back().channels, layers.back().data);
-        // Where nothing is everything comes through: readers take what lies beyond the data window for 0.
+        // Where nothing is in the way the value is 1, but readers take pixels outside of the data window for 0.
+        // Therefore the whole window is written.
         options.wholeWindow = options.wholeWindow || isShare(content.kinds[i]);
     }
     Image image = content.image;

@@ -73,7 +73,7 @@ void eraseThreads(Json& json) {
         for (Json& value : json) eraseThreads(value);
 }
 
-/// What was not made, of a frame that was skipped, is null.
+/// `text` as JSON; null where it is empty, as in a skipped frame.
 Json parsed(const std::string& text) {
     return text.empty() ? Json() : Json::parse(text);
 }
@@ -132,7 +132,7 @@ std::string withoutThreads(const std::string& json) {
 std::size_t peakResidentBytes() {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    return std::size_t(usage.ru_maxrss) * 1024;  // it counts in KiB
+    return std::size_t(usage.ru_maxrss) * 1024;  // ru_maxrss counts in KiB
 }
 
 }  // namespace scrim

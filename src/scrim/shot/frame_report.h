@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a frame took and how good it is, in the public words of shot_frame.h.
+// The cost and the accuracy of a frame, as the public types of shot_frame.h.
 #pragma once
 
 #include <scrim/engine/model/frame.h>
@@ -13,14 +13,14 @@ namespace scrim {
 
 VerificationReport reportOf(const Verification& verification, bool outOfTime);
 
-/// Counts of work as one compact JSON object: the same on every run, so that pictures with it are, too.
+/// Counts of work as one compact JSON object. They are the same in every run, and so are pictures that contain them.
 std::string workAsJson(const RenderWork& work);
 
-/// A plan or counts of work, as JSON, without what depends on the number of threads: how many sheets are in memory at a
-/// time, and what they take. Pictures carry that, so that equal scenes give equal files.
+/// A plan or counts of work as JSON, without the parts that depend on the number of threads: how many sheets are in
+/// memory at a time, and their size. Pictures contain this, so that equal scenes give equal files.
 std::string withoutThreads(const std::string& json);
 
-/// Of this process, now.
+/// Peak resident memory of this process so far, bytes.
 std::size_t peakResidentBytes();
 
 }  // namespace scrim

@@ -13,8 +13,8 @@
 namespace scrim {
 namespace {
 
-constexpr double kVeil = 1.2;     // optical depth of tissue as thick as the scan
-constexpr double kSurface = 1.2;  // optical depth of a voxel of bone
+constexpr double kVeil = 1.2;     // optical depth of tissue that is as thick as the scan
+constexpr double kSurface = 1.2;  // optical depth of one voxel of bone
 
 std::string pointText(double value, const char* color, double extinction) {
     return fmt::format("    {{ value = {}, color = {}, extinction = {} }},\n", tomlSignificant(value, 4), color,
@@ -24,9 +24,10 @@ std::string pointText(double value, const char* color, double extinction) {
 }  // namespace
 
 ScanLook scanLook(const ScanInfo& info) {
-    constexpr double kBegins = 0.6;  // of the way from the least value to tissue: what is below is left out
+    // fraction of the way from the least value to tissue below which values are left out
+    constexpr double kBegins = 0.6;
     const ScanMaterials materials = materialsOf(info);
-    // A scan of one value alone has no materials, and is shown all the same.
+    // A scan of a single value has no materials, but is shown all the same.
     const double span = std::max(materials.solid - materials.soft, 1e-3 * std::max(std::abs(materials.solid), 1.0));
     ScanLook look;
     double low = std::max(info.minValue, materials.hounsfield ? 0.0 : -1e30);
@@ -35,7 +36,7 @@ ScanLook scanLook(const ScanInfo& info) {
                  veil = std::max(materials.soft + 0.25 * span, begin),
                  end = std::max(materials.solid - 0.12 * span, veil),
                  surface = std::max(materials.solid + 0.12 * span, end + 0.1 * span);
-    double scale = 1, offset = 0;  // of values of the field
+    double scale = 1, offset = 0;  // convert scan values to values of the field
     if (low >= 0) {
         look.parameters = {{"units", "scan"}, {"threshold", tomlSignificant(low, 3)}};
     } else {
@@ -82,7 +83,7 @@ std::string scanVolumeText(const std::string& name, const std::string& file, con
 
 Mat3 uprightOf(const ScanInfo& info) {
     Mat3 upright = wsFromUpright({0, 0, 1});
-    // y leads to the face there, and away from it elsewhere.
+    // In this space y leads towards the face, in all others away from it.
     if (info.space.starts_with("right-anterior")) {
         upright[0] = -upright[0];
         upright[2] = -upright[2];

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How a scan without a scene is shown.
+// The look of a scan that comes without a scene.
 #pragma once
 
 #include <scrim/shot/scan_info.h>
@@ -9,20 +9,21 @@
 
 namespace scrim {
 
-/// What the source `scan` makes of the file, and the materials that are seen in it.
+/// Parameters of the source `scan` for a file, and the materials that are made visible.
 struct ScanLook {
-    SourceParameters parameters;  ///< without `file`
-    std::string classified;       ///< the text of the volume's table [volume.classified]
+    SourceParameters parameters;  ///< all parameters but `file`
+    std::string classified;       ///< the text of the table [volume.classified]
 };
 
-/// Tissue as a faint veil and bone as a surface in it, or whatever else lies at their thresholds (materialsOf).
+/// Shows tissue as a faint veil with bone as a surface in it, or whatever materials lie at their thresholds
+/// (materialsOf).
 ScanLook scanLook(const ScanInfo& info);
 
-/// The text of a volume that is called `name` and shows the file `file`, as a scene names it, so.
+/// The text of a volume called `name` that shows the scan `file` (a path as a scene names it) with the look `look`.
 std::string scanVolumeText(const std::string& name, const std::string& file, const ScanLook& look);
 
-/// Columns: right, up and back of somebody who stands before the patient, where the file says how it lies; z up, as
-/// slices are stacked, where it does not.
+/// The right, up and back directions of a viewer in front of the patient, as columns. Where the file does not give the
+/// patient's position, up is z, the direction in which slices are stacked.
 Mat3 uprightOf(const ScanInfo& info);
 
 }  // namespace scrim

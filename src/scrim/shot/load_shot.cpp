@@ -17,7 +17,7 @@
 namespace scrim {
 namespace {
 
-/// Bytes that buffers may take: what volumes and slides leave of `limit`; 0 where there is no limit.
+/// Bytes that buffers may take: the rest of `limit` beside volumes and slides; 0 where there is no limit.
 std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slideBytes) {
     const std::size_t taken = bytesOf(fields) + slideBytes;
     if (limit == 0) return 0;
@@ -42,7 +42,8 @@ std::string missingText(int frame, const std::string& problem, MissingPolicy pol
                                          : fmt::format("frame {}: black instead: {}", frame, problem);
 }
 
-/// Whether the frame is used at all. Files that may be missing become black.
+/// Applies the policy for missing files: returns false where the frame is skipped, and turns missing files into black
+/// ones where they are allowed.
 bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOptions& options, ShotUse use) {
     for (VolumeFile& file : files) {
         if (file.state != FileState::missing) continue;
@@ -54,7 +55,8 @@ bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOption
     return true;
 }
 
-/// A volume's scale is also that of its medium or surface. Whoever changes a scene by hand changes it in one place.
+/// Copies a volume's scale to its medium or its classified look, so that code that changes a scene need change it in
+/// one place only.
 void keepOneScale(SceneVolume& volume) {
     volume.medium.densityScale = volume.densityScale;
     if (!volume.classified || volume.classified->densityScale == volume.densityScale) return;
@@ -63,7 +65,7 @@ void keepOneScale(SceneVolume& volume) {
     volume.classified = std::make_shared<const Classified>(std::move(scaled));
 }
 
-/// Of a scene that was built in code: all that a reader would have checked.
+/// Checks the volumes of a scene that was built in code, as the reader checks those of a file.
 void checkVolumes(const Scene& scene, const FieldStore& store) {
     if (scene.volumes.empty()) throw Error(ErrorKind::usage, "the scene has no volume");
     for (const SceneVolume& volume : scene.volumes)
@@ -73,7 +75,7 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
                                     volume.where.empty() ? "" : volume.where + ": ", volume.name));
 }
 
-/// Lights or volumes of which each has a layer must have channels of their own, too.
+/// Throws where a layer has one picture for each light or volume and two of these would share a channel name.
 template <typename Named>
 void checkChannels(const Scene& scene, Layer layer, const std::vector<Named>& all) {
     const std::vector<Layer>& layers = scene.output.layers;
@@ -91,9 +93,9 @@ void checkChannels(const Scene& scene, Layer layer, const std::vector<Named>& al
     }
 }
 
-/// Fire that is nowhere warm enough to be seen: most often the grid is not in Kelvin.
+/// Warns of a blackbody that is nowhere hot enough to be visible. Most often its grid is not in Kelvin.
 void warnOfColdFire(const Scene& scene, const Fields& fields, const MessageSink& messages) {
-    constexpr double kGlow = 700;  // Kelvin: the faintest red
+    constexpr double kGlow = 700;  // Kelvin; the faintest visible red
     for (std::size_t v = 0; v < scene.volumes.size() && v < fields.size(); ++v)
         for (std::size_t e = 0; e < scene.volumes[v].emission.size() && e < fields[v].emission.size(); ++e) {
             const Emission& emission = scene.volumes[v].emission[e];
@@ -108,7 +110,7 @@ void warnOfColdFire(const Scene& scene, const Fields& fields, const MessageSink&
         }
 }
 
-/// Of options that a program filled in by itself.
+/// Checks options, which a program may have filled in with anything.
 void checkOptions(const RenderOptions& options) {
     const auto check = [](const char* name, double value, double low) {
         if (!(value >= low && std::isfinite(value)))

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The first step of every plan, render and study: a scene, and in memory all that it names.
+// The first step of every plan, render and study: loads a scene and all files that it names into memory.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -20,7 +20,7 @@
 
 namespace scrim {
 
-/// What shots keep between frames, and may share.
+/// What a shot keeps in memory between frames; several shots may share it.
 struct ShotStores {
     explicit ShotStores(ColourConfig config) : colour(config), fields(LoadOptions{}), slides(std::move(config)) {}
 
@@ -32,44 +32,44 @@ struct ShotStores {
 };
 
 struct LoadedShot {
-    Scene scene;  ///< its slides and its holdout have their pictures, its meshes their triangles
+    Scene scene;  ///< its slides, holdout and meshes are loaded
     std::vector<VolumeFile> files;
-    Fields fields;                         ///< one each of the scene's volumes
-    std::size_t slideBytes = 0;            ///< of slides, meshes and depths
-    std::shared_ptr<const Solids> solids;  ///< null: there are none
+    Fields fields;                         ///< one entry for each of the scene's volumes
+    std::size_t slideBytes = 0;            ///< memory of slides, meshes and depth pictures
+    std::shared_ptr<const Solids> solids;  ///< null: there are no solids
 
     std::function<Scene(double)> textAt =
         {};  ///< the scene's text so many frames after the frame; none: nothing moves, or nobody asks
 
-    /// The scene so many frames after its frame, with what this one has loaded. Throws Error.
+    /// The scene `t` frames after its frame, with the files that are loaded for this frame. Throws Error.
     Scene sceneAt(double t) const;
-    /// The same a frame later, as far as the text knows: its camera, and where volumes are.
+    /// The scene one frame after that, as far as its text tells: camera and places of volumes.
     Scene nextAt(double t) const;
     /// The fields with the time by which velocities move them.
     Fields fieldsAt(double t) const;
 
-    /// What the engine renders so many frames after the frame, or what the reference sees then.
+    /// The scene that the engine renders, or that the reference sees, `t` frames after the frame.
     ViewScene viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf, Moved moved) const;
 
-    /// What the engine renders, with another value of the dial `lod`. Throws Error(memory) where volumes and slides
+    /// The scene that the engine renders, with `lod` as the dial's value. Throws Error(memory) where volumes and slides
     /// leave nothing of the options' limit.
     ViewScene view(const RenderOptions& options, double lod, VolumesOf volumesOf) const;
 };
 
 enum class ShotUse { plan, render };
 
-/// `load` with the memory of `options`.
+/// `load` with the memory limit of `options`.
 LoadOptions limited(LoadOptions load, const RenderOptions& options);
 
-/// Lets `store` load as `load` and `options` say.
+/// Makes `store` load as `load` and `options` say.
 void listenTo(FieldStore& store, const LoadOptions& load, const RenderOptions& options);
 
-/// The scene as the options change it, checked (scene/check_scene.h). A scene that was built in code gets defaults for
-/// what it leaves out.
+/// The scene with the changes that the options ask for, checked (scene/check_scene.h). A scene that was built in code
+/// gets defaults for what it leaves out.
 Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& stores);
 
-/// Loads what `scene` names. Returns nothing where a file is missing and such a frame is to be skipped; the message
-/// about that depends on `use`.
+/// Loads all files that `scene` names. Returns no value where a file is missing and the frame is to be skipped; the
+/// message about that depends on `use`.
 std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, Scene scene,
                                    const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
 

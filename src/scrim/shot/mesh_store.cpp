@@ -14,7 +14,7 @@ namespace scrim {
 void MeshStore::loadInto(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint) {
     std::map<std::string, std::shared_ptr<const TriangleMesh>> kept;
     for (SceneMesh& mesh : scene.meshes) {
-        if (mesh.file.empty()) {  // made in code
+        if (mesh.file.empty()) {  // the mesh was made in code
             if (!mesh.mesh) throw Error(ErrorKind::usage, fmt::format("mesh '{}' has no triangles", mesh.name));
             continue;
         }
@@ -33,7 +33,7 @@ void MeshStore::loadInto(Scene& scene, const LoadOptions& load, const Checkpoint
 }
 
 std::size_t MeshStore::bytes() const {
-    constexpr std::size_t kForRays = 4;  // times the mesh: doubles, floats and trees of up to three roles
+    constexpr std::size_t kForRays = 4;  // size relative to the mesh: doubles, floats and trees for up to three roles
     std::size_t sum = 0;
     for (const auto& [file, mesh] : m_meshes) sum += (1 + kForRays) * mesh->bytes();
     return sum;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes of solids: read once, and kept as long as the next frame shows them, too.
+// The meshes of solids. They are read once and kept as long as the next frame shows them, too.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -16,12 +16,12 @@ namespace scrim {
 
 class MeshStore {
   public:
-    /// Gives every mesh of `scene` that names a file its triangles; forgets those of the frame before that this one
-    /// does not use. A guarded load calls `checkpoint` while it waits. Throws Error "scene.toml:12:8: mesh 'actor':
-    /// ...".
+    /// Loads the triangles of every mesh of `scene` that names a file, and forgets meshes of the previous frame that
+    /// this one does not use. A guarded load calls `checkpoint` while it waits. Throws Error "scene.toml:12:8: mesh
+    /// 'actor': ...".
     void loadInto(Scene& scene, const LoadOptions& load, const Checkpoint& checkpoint);
 
-    /// That the meshes take, and what rays need of them.
+    /// Memory of the meshes and of the trees that rays need.
     std::size_t bytes() const;
 
   private:

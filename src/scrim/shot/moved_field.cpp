@@ -17,7 +17,7 @@
 namespace scrim {
 namespace {
 
-// A field by place, and the largest value of each block and tile.
+// A field that can be sampled, with the largest value of each block and tile.
 class FieldMap {
   public:
     explicit FieldMap(const SparseField& field)
@@ -31,7 +31,7 @@ class FieldMap {
     const Mat4& isFromWs() const { return m_isFromWs; }
     double at(const Vec3& is) const { return m_sampler.value(is); }
     double atWs(const Vec3& ws) const { return at(transformPoint(m_isFromWs, ws)); }
-    // The largest value that samples in the box (index space) can have, or whether there is any.
+    // The largest value that samples in the box (index space) can have; 0 where all of them are 0.
     float most(const Bounds& is) const {
         float most = 0;
         m_sampler.index().visit(cubeOf(is.lower - 1.0), cubeOf(glm::ceil(is.upper) + 1.0),
@@ -39,7 +39,7 @@ class FieldMap {
         return most;
     }
     static Int3 cubeOf(const Vec3& is) {
-        // However fast something is, nothing is further away.
+        // However fast a field moves, coordinates beyond this are clamped, so that they fit an int.
         constexpr double kFar = 1 << 30;
         return Int3(glm::floor(glm::clamp(is, Vec3(-kFar), Vec3(kFar)))) >> 3;
     }
@@ -51,7 +51,7 @@ class FieldMap {
     std::vector<float> m_most;
 };
 
-// The blocks that the box (index space) touches.
+// Visits the blocks that the box (index space) touches.
 template <typename Visit>
 void visitBlocks(const Bounds& is, const Visit& visit) {
     const Int3 lower = FieldMap::cubeOf(is.lower), upper = FieldMap::cubeOf(glm::ceil(is.upper));
@@ -60,7 +60,7 @@ void visitBlocks(const Bounds& is, const Visit& visit) {
             for (int z = lower.z; z <= upper.z; ++z) visit(Int3(x, y, z));
 }
 
-// Boxes around the voxels of all blocks and tiles, index space.
+// Visits boxes around the voxels of all blocks and tiles, in index space.
 template <typename Visit>
 void forCubes(const SparseField& field, const Visit& visit) {
     for (const Int3& origin : field.blockOrigins) visit(Bounds{Vec3(origin), Vec3(origin + (kBlockEdge - 1))});
@@ -71,7 +71,7 @@ Bounds boxOf(const Int3& block) {
     return {Vec3(block * kBlockEdge), Vec3(block * kBlockEdge + Int3(kBlockEdge - 1))};
 }
 
-// Of what a linear map makes of offsets in a box.
+// The box around the images under a linear map of all offsets in `box`.
 Bounds mapped(const Mat3& linear, const Bounds& box) {
     Bounds out;
     for (const Vec3& corner : box.corners()) out.include(linear * corner);
@@ -86,9 +86,9 @@ Bounds rangeOf(double time, const Vec3& positive, const Vec3& negative) {
 }  // namespace
 
 struct FieldMover::Parts {
-    std::vector<FieldMap> maps;  // as FieldPath::parts
+    std::vector<FieldMap> maps;  // in the order of FieldPath::parts
 
-    // The velocity at a place of asset space.
+    // The velocity at a point of asset space.
     Vec3 at(const Vec3& ws) const {
         Vec3 v;
         for (int axis = 0; axis < 3; ++axis)
@@ -96,10 +96,10 @@ struct FieldMover::Parts {
         return v;
     }
 
-    // The mean velocity of what `field` holds, weighted by its values.
+    // The mean velocity over the voxels of `field`, weighted by their values.
     Vec3 mean(const SparseField& field) const;
 
-    // What the velocity is, at most, where samples of the box (asset space) are taken.
+    // A box around time * velocity for all samples that are taken within `ws` (asset space).
     Bounds range(const Bounds& ws, double time) const {
         Vec3 positive, negative;
         for (int axis = 0; axis < 3; ++axis) {
@@ -124,13 +124,14 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
         Vec3 v{0};
         double weight = 0;
     };
-    // A voxel or two may be a million times as fast as all others, and must not move the whole lattice.
+    // Outliers are left out: a voxel or two may be a million times as fast as all others, and must not shift the whole
+    // lattice.
     Bounds usual;
     for (std::size_t axis = 0; axis < 3; ++axis) {
         usual.upper[int(axis)] = usualMost(maps[2 * axis].field());
         usual.lower[int(axis)] = -usualMost(maps[2 * axis + 1].field());
     }
-    // Of a tile its middle tells.
+    // A tile is represented by its centre.
     std::vector<Sum> sums(field.blockCount() + field.tiles.size());
     parallelFor(sums.size(), [&](std::size_t b) {
         const auto add = [&](const Vec3& is, double weight) {
@@ -182,13 +183,14 @@ FieldPointer FieldMover::operator()(const FieldPointer& field) const {
     pieces.wsFromIs = shift * field->wsFromIs;
     const Mat4 isFromWs = glm::inverse(pieces.wsFromIs);
     const Mat3 linear(isFromWs);
-    // Ways beyond the mean one, index space: voxel i gets what is at i - way.
+    // The displacements beyond the mean one, in index space: voxel i receives the value at i - displacement.
     const auto ways = [&](Bounds range) {
         range.lower -= m_mean;
         range.upper -= m_mean;
         return mapped(linear, range);
     };
-    // Where the velocity is 0 all go the same way; elsewhere it has blocks. None is further than the ways reach.
+    // Collects the blocks that the moved field may touch. Where the velocity is 0, all voxels move by the same
+    // displacement; elsewhere the velocity has blocks. No block lies further away than the largest displacement.
     std::vector<Int3>& found = pieces.blockOrigins;
     const Bounds still = ways({Vec3(0), Vec3(0)}), furthest = ways(m_path.range()), all = field->isBounds();
     const Bounds reach{all.lower + furthest.lower - 1.0, all.upper + furthest.upper + 1.0};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Fields that a velocity moves (semi-Lagrangian, backwards): at time t a field f is f(x - t v(x)). Where v varies much
-// over a voxel, or reaches less far than f moves, that is not where the smoke would be; see
-// examples/guide/motion-blur.md.
+// Moves fields by a velocity (semi-Lagrangian, backwards): at time t a field f becomes f(x - t v(x)). Where v varies
+// strongly over a voxel, or where its grid ends before f has moved that far, the result is not where the smoke would
+// be; see examples/guide/motion-blur.md.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -12,25 +12,25 @@
 
 namespace scrim {
 
-/// Velocity fields of x, y and z: the parts above and below 0 (GridPart), asset space; and the time, so that what they
-/// move by is time * velocity, in world units of the asset.
+/// The velocity fields of a volume: for each of x, y and z the fields of positive and negative values (GridPart), in
+/// asset space. The displacement is time * velocity, in world units of the asset.
 struct FieldPath {
     std::vector<FieldPointer> parts;
     double time = 0;
 
     bool moves() const { return !parts.empty() && time != 0; }
-    /// Of what they move by, at most, in world units of the asset.
+    /// A box around all displacements, in world units of the asset.
     Bounds range() const;
 };
 
 class FieldMover {
   public:
-    /// `weight`: the field whose mean way all fields of the volume are shifted by as a whole; only what differs from it
-    /// is sampled anew.
+    /// `weight`: the field whose mean displacement shifts all fields of the volume as a whole. Only the difference from
+    /// that mean is resampled.
     FieldMover(FieldPath path, const SparseField& weight);
     ~FieldMover();
 
-    /// `field` after the time. Its lattice is shifted by the mean way.
+    /// The field after the time has passed. Its lattice is shifted by the mean displacement.
     FieldPointer operator()(const FieldPointer& field) const;
 
   private:

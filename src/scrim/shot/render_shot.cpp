@@ -20,18 +20,18 @@
 namespace scrim {
 namespace {
 
-constexpr unsigned kVerifySeed = 1;  // any, but always the same pixels
-// Of a frame's progress: where its rendering ends and its verification begins.
+constexpr unsigned kVerifySeed = 1;  // any number will do, but a fixed one gives the same pixels in every run
+// The fraction of a frame's progress at which rendering ends and verification begins.
 constexpr double kRenderedOfVerified = 0.5;
 static_assert(kVerifyAll == kAllPixels);
 
-/// Where the grids of a volume come from.
+/// The origin of a volume's grids, for messages.
 std::string originText(const SceneVolume& volume, const VolumeFile& file) {
     if (!volume.source.empty()) return "source '" + volume.source + "'";
     return file.path.empty() ? "volume '" + volume.name + "'" : file.path;
 }
 
-/// Says which volumes of the picture turn out to be empty.
+/// Warns of volumes of the picture that turn out to be empty.
 void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
     const auto empty = [](const std::shared_ptr<const SparseField>& field) { return field && field->empty(); };
     for (std::size_t i = 0; i < shot.fields.size(); ++i) {
@@ -44,7 +44,7 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
         };
         if (empty(fields.density))
             warn(volume.emission.empty() ? "nothing to render" : "no density", fields.density->name);
-        // A colour without any red is one, too.
+        // A single empty channel is fine: colours without any red exist.
         if (std::all_of(fields.albedo.begin(), fields.albedo.end(), empty))
             warn("the albedo is black", volume.albedoGrid->grid);
         for (const auto& emission : fields.emission)
@@ -52,19 +52,19 @@ void warnOfEmpty(const LoadedShot& shot, const MessageSink& messages) {
     }
 }
 
-/// A view with the deep picture that the scene asks for, if it does.
+/// The view with a deep picture if the scene asks for one.
 ViewScene withDeep(ViewScene view, const SceneOutput& output) {
     if (!output.deep.file.empty()) view.deep = ViewDeep{output.deep.tolerance};
     return view;
 }
 
-/// "scene.toml:12:3: ", or nothing for a scene without text.
+/// "scene.toml:12:3: ", or "" for a scene without text.
 std::string placeOf(const ViewScene& view, const std::string& key) {
     const std::string where = view.lines ? view.lines->of(key) : "";
     return where.empty() ? where : where + ": ";
 }
 
-// More sub-lights than there may be would be needed for what the preset promises.
+// Warns of lights for which the preset's promise would need more sub-lights than are allowed.
 void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
     for (const Light& light : view.lights)
         if (light.extended() && light.samples == 0 && subLightCount(view, light) == kMostSubLights)
@@ -74,14 +74,15 @@ void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
                                light.name, kMostSubLights, view.dials.lightError));
 }
 
-/// Light that scatters more than once comes from a few directions, each with the mean of its part of the sky.
+/// Warns of skies whose detail is lost: multiply scattered light uses a few directions, and each receives the mean of
+/// its part of the sky.
 void warnOfBlurredSkies(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
     if (const std::string skies = blurredSkies(view, plan.transport); !skies.empty())
         notify(messages, Severity::warning,
                "light " + skies + "; a distant light with an angle in place of such a spot keeps its shadows sharp");
 }
 
-/// One alpha for three opacities.
+/// Warns that a deep picture has one alpha, while the extinction of three channels differs.
 void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
     if (view.deep && extinctionChannels(view).coloured)
         notify(
@@ -91,7 +92,7 @@ void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
                         placeOf(view, "output.deep")));
 }
 
-/// One frame's way from views to a picture.
+/// Renders one frame, from its views to a picture.
 class FrameRender {
   public:
     FrameRender(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,
@@ -118,12 +119,12 @@ Frame FrameRender::run() {
     const ViewScene view = timed(m_report.seconds.plan, [&] { return withDeep(m_motion.view(), scene.output); });
     warnOfColouredDeep(view, m_options.messages);
     warnOfCappedLights(view, m_options.messages);
-    // Of a picture that shows nothing one wants to know why.
+    // If nothing is visible, the reasons are worth a warning.
     if (view.volumes.empty())
         for (const auto& [name, reason] : view.culled)
             notify(m_options.messages, Severity::warning,
                    fmt::format("frame {}: volume '{}' is culled: {}", m_report.frame, name, reason));
-    // The truth does not depend on what was culled, nor on coarser levels.
+    // The truth depends neither on culling nor on coarser levels.
     const ViewScene truth = isVerified(scene, m_options) ? m_motion.truth() : ViewScene{};
     return scene.tolerance > 0 ? renderTolerance(view, truth) : renderOnce(view, truth);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From a loaded scene to its plan, and to a picture that is verified where that is asked for.
+// Turns a loaded shot into its plan, and into a picture that is verified on request.
 #pragma once
 
 #include <scrim/engine/model/frame.h>
@@ -12,15 +12,14 @@
 
 namespace scrim {
 
-/// Whether the picture is compared with the reference.
+/// True if the picture is compared with the reference.
 bool isVerified(const Scene& scene, const RenderOptions& options);
 
-/// The plan of what a render would do. Throws Error.
+/// The plan of the render, without rendering. Throws Error.
 ShotPlan planLoaded(const LoadedShot& shot, const RenderOptions& options);
 
-/// Renders, and verifies or keeps a tolerance. Fills in `report`, except for what concerns loading and files. Throws
-/// Error.
-/// Calls `begins` with the bytes of its buffers before it begins to render; that may be more than once.
+/// Renders, and verifies or keeps a tolerance. Fills in `report` except for the parts about loading and files. Calls
+/// `begins` with the bytes of its buffers before each render; there may be several. Throws Error.
 Frame renderLoaded(const LoadedShot& shot, const RenderOptions& options, ShotReport& report,
                    const std::function<void(std::size_t)>& begins);
 

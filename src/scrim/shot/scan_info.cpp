@@ -17,7 +17,8 @@
 namespace scrim {
 namespace {
 
-constexpr std::string_view kSamples = "samples of ";  // begins the name of the grid that has the lattice's ends
+// prefix of the name of the grid whose bounds are those of the lattice
+constexpr std::string_view kSamples = "samples of ";
 
 std::vector<double> countsOf(const SparseField& histogram) {
     std::vector<double> counts;
@@ -32,8 +33,8 @@ std::vector<double> countsOf(const SparseField& histogram) {
     return counts;
 }
 
-/// The two thresholds between three classes whose means lie as far apart as can be, weighted by their counts: the bins
-/// at which the second and the third class begin, half-way where nothing lies between two classes.
+/// The two thresholds between three classes that maximise the variance between classes: the bins at which the second
+/// and the third class begin, half-way where two classes are separated by empty bins.
 std::array<std::size_t, 2> otsu(const std::vector<double>& counts) {
     const std::size_t n = counts.size();
     std::vector<double> weight(n + 1), moment(n + 1);
@@ -45,7 +46,8 @@ std::array<std::size_t, 2> otsu(const std::vector<double>& counts) {
         const double w = weight[to] - weight[from], m = moment[to] - moment[from];
         return w > 0 ? m * m / w : 0;
     };
-    std::array<std::size_t, 2> first{n / 3, 2 * n / 3}, last = first;  // of the best: all are where no values lie
+    // range of the best thresholds: all of them are equally good where bins are empty
+    std::array<std::size_t, 2> first{n / 3, 2 * n / 3}, last = first;
     double most = -1;
     for (std::size_t a = 1; a + 1 < n; ++a)
         for (std::size_t b = a + 1; b < n; ++b)
@@ -57,7 +59,7 @@ std::array<std::size_t, 2> otsu(const std::vector<double>& counts) {
     return {(first[0] + last[0]) / 2, (first[1] + last[1]) / 2};
 }
 
-/// In fewer bins, so that all pairs of thresholds can be tried.
+/// The histogram in fewer bins, so that all pairs of thresholds can be tested.
 std::vector<double> coarser(const std::vector<double>& counts, std::size_t bins) {
     if (counts.size() <= bins) return counts;
     std::vector<double> out(bins);
@@ -92,7 +94,7 @@ ScanInfo loadScanInfo(const std::string& path, const LoadOptions& options, const
         info.sampleType.resize(comma);
     }
     info.wsFromIs = ends.wsFromIs;
-    // The ends' values are all the field has: the last of them is the lattice's.
+    // The grid has values only at both ends of the lattice; the last of them is at the lattice's end.
     for (std::size_t i = 0; i < ends.blockCount(); ++i)
         for (int x = 0; x < kBlockEdge; ++x)
             for (int y = 0; y < kBlockEdge; ++y)
@@ -109,7 +111,7 @@ ScanMaterials materialsOf(const ScanInfo& info) {
     const std::vector<double> counts = coarser(info.counts, kBins);
     const double width = double(info.counts.size()) / double(counts.size()) * info.binWidth;
     const auto [soft, solid] = otsu(counts);
-    // Half a bin down: between the values of two classes.
+    // Half a bin lower lies between the values of two classes.
     const auto between = [&](std::size_t bin) { return info.minValue + (double(bin) - 0.5) * width; };
     return {between(soft), between(solid), false};
 }
@@ -119,7 +121,7 @@ std::string histogramText(const ScanInfo& info, int columns, int rows) {
     std::vector<double> counts(static_cast<std::size_t>(columns));
     for (std::size_t i = 0; i < info.counts.size(); ++i)
         counts[i * counts.size() / std::max(info.counts.size(), counts.size())] += info.counts[i];
-    if (info.counts.size() < counts.size())  // a bin each as many columns
+    if (info.counts.size() < counts.size())  // one bin for each column is enough
         for (std::size_t i = counts.size(); i-- > 0;) counts[i] = info.counts[i * info.counts.size() / counts.size()];
     const double most = std::log1p(*std::max_element(counts.begin(), counts.end()));
     std::string text;

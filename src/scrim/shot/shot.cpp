@@ -29,7 +29,7 @@
 namespace scrim {
 namespace {
 
-/// Runs `task` with so many threads, and returns what it returned. All that it throws is an Error.
+/// Runs `task` with `threads` threads and returns its result. Whatever it throws becomes an Error.
 template <typename Task>
 auto withThreads(int threads, const Task& task) {
     return withErrors([&] {
@@ -39,7 +39,7 @@ auto withThreads(int threads, const Task& task) {
     });
 }
 
-/// Reading files begins sooner where the program that does it starts now.
+/// Starts the loader program in advance, so that reading files can begin sooner.
 void warmLoaderOf(const LoadOptions& load, LoadedFiles files = LoadedFiles::volumes) {
     if (load.volumes == VolumeLoading::guarded) warmLoader(load.loader, files);
 }
@@ -78,7 +78,7 @@ Scene Shot::Content::withPlateCamera(Scene scene, const RenderOptions& options) 
 Scene Shot::Content::sceneAt(int frame, const RenderOptions& options) {
     if (text) {
         frameAsset(options);
-        for (const std::string& warning : std::exchange(opened.warnings, {}))  // the same for all frames
+        for (const std::string& warning : std::exchange(opened.warnings, {}))  // they are the same for all frames
             notify(options.messages, Severity::warning, warning);
     }
     return withPlateCamera(sceneUnframed(frame), options);
@@ -104,7 +104,8 @@ int Shot::Content::richestFrame(const Scene& scene) const {
     }
     const auto richest =
         std::max_element(bytes.begin(), bytes.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-    // Where the scene moves one frame must speak for all, or tasks of one frame each would choose by themselves.
+    // Where the scene moves, one fixed frame decides for all; otherwise farm tasks of one frame each would decide
+    // differently.
     if (richest == bytes.end()) return scene.moves && !scene.plate ? 1 : static_cast<int>(scene.frame);
     return richest->first;
 }
@@ -142,8 +143,8 @@ void Shot::Content::keepPromise(Scene& scene, const RenderOptions& options, Shot
             const ViewScene view = loaded->view(whole, loaded->scene.dials.lod, VolumesOf::picture);
             promised.emplace(scene.quality, promisedDials(view, scene.quality));
         } catch (const Error& error) {
-            // What is wrong with a file is said when its own frame comes; until then the preset is that of an average
-            // scene.
+            // An error in a file is reported when its own frame is rendered. Until then the preset's dials are those of
+            // an average scene.
             if (error.kind() != ErrorKind::input) throw;
             return;
         }
@@ -185,7 +186,8 @@ ShotPlan Shot::Content::plan(Scene scene, const RenderOptions& options) {
 void Shot::Content::readAhead(const RenderOptions& options, const LoadedShot& loaded, VolumesOf volumesOf,
                               std::size_t buffers) {
     if (!text || !options.next) return;
-    // A child takes about as much for a tree as for the field that is made of it.
+    // Memory beside a field while a child reads one: the child needs about as much for the tree as for the field it
+    // makes.
     constexpr std::size_t kFieldsBeside = 3;
     const std::size_t bytes = kFieldsBeside * bytesOf(loaded.fields) + loaded.slideBytes + buffers;
     if (options.memory > 0 && bytes > options.memory) return;
@@ -193,7 +195,7 @@ void Shot::Content::readAhead(const RenderOptions& options, const LoadedShot& lo
         const Scene next = text->at(*options.next, stores->colour);
         stores->fields.readAhead(next, stores->fields.filesOf(next), volumesOf);
     } catch (const Error&) {
-        // It is thrown again when its frame comes.
+        // The error occurs again, and is reported, when its frame is rendered.
     }
 }
 

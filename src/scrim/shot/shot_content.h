@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a Shot holds: for shot.cpp and for studies.
+// The contents of a Shot, for shot.cpp and for studies.
 #pragma once
 
 #include <scrim/shot/load_shot.h>
@@ -22,32 +22,32 @@ struct Shot::Content {
     LoadOptions load;
     std::shared_ptr<ShotStores> stores;
     std::optional<std::pair<std::string, PromisedDials>> promised;  ///< by preset
-    std::set<std::string> said;                                     ///< by keepPromise
+    std::set<std::string> said;                                     ///< messages that keepPromise has sent
 
     /// The scene at a frame, before the options change it. Frames an asset first.
     Scene sceneAt(int frame, const RenderOptions& options);
     void frameAsset(const RenderOptions& options);
-    /// With the camera that a picture's header has, where the scene asks for it.
+    /// The scene with the camera of a picture's header, where it asks for that.
     Scene withPlateCamera(Scene scene, const RenderOptions& options) const;
-    /// The same without reading an asset: camera, lights and density are then not known.
+    /// The scene at a frame without reading an asset, whose camera, lights and density are then unknown.
     Scene sceneUnframed(int frame) const;
 
-    /// Puts the dials into `scene` that keep its preset's promise: the same for all frames of the shot, and all parts
-    /// of a picture.
+    /// Sets the dials of `scene` that keep its preset's promise. They are the same for all frames of the shot and all
+    /// parts of a picture.
     void keepPromise(Scene& scene, const RenderOptions& options, ShotUse use);
-    /// As loadShot; what keepPromise has said of the same files is not said again.
+    /// As loadShot, but without the messages about the same files that keepPromise has sent.
     std::optional<LoadedShot> loadOnce(Scene scene, const RenderOptions& options, VolumesOf volumesOf, ShotUse use);
-    /// Of a scene that was changed by hand nothing is keyed any more: only velocities move it.
+    /// A scene that was changed in code: its values are no longer keyed, and only velocities move it.
     static Scene byHand(Scene scene);
-    /// The existing frame whose files are largest; where nothing is a sequence, the first, or
-    /// of a scene that does not move its own.
+    /// The existing frame whose files are largest. Without sequences it is frame 1 for a scene that moves by its text,
+    /// else the scene's own frame.
     int richestFrame(const Scene& scene) const;
 
     ShotPlan plan(Scene scene, const RenderOptions& options);
-    /// Lets files be read that `options.next` needs, where they fit in beside what is in memory: `loaded`, and
-    /// `buffers`.
+    /// Starts reading the files that `options.next` needs, if they fit into memory beside `loaded` and `buffers`
+    /// (bytes).
     void readAhead(const RenderOptions& options, const LoadedShot& loaded, VolumesOf volumesOf, std::size_t buffers);
-    /// `seconds`: that reading the scene took.
+    /// `seconds`: the time that reading the scene took.
     ShotFrame render(Scene scene, double seconds, const RenderOptions& options);
 };
 

@@ -13,7 +13,7 @@ std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& fra
         const std::vector<SceneFile> own = filesReadBy(scene);
         files.insert(files.end(), own.begin(), own.end());
     }
-    // An asset is a volume.
+    // The file of an asset is already listed as a volume.
     if (!shot.isAsset() && !shot.path().empty()) files.push_back({shot.path(), "the scene"});
     return files;
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The files that a shot reads, for whoever writes others beside them. Nothing of them is read here.
+// The files that a shot reads, for code that writes other files beside them. None of them is read here.
 #pragma once
 
 #include <scrim/scene/scene_files.h>
@@ -9,8 +9,8 @@
 
 namespace scrim {
 
-/// For `frames`, and of sequences all files that there are; the shot's own among them. Throws Error(input) where the
-/// scene is wrong at one of the frames.
+/// The files of `frames`, all existing files of sequences, and the shot's own file. Throws Error(input) where the scene
+/// is wrong at one of the frames.
 std::vector<SceneFile> filesReadBy(const Shot& shot, const std::vector<int>& frames);
 
 }  // namespace scrim

@@ -29,7 +29,7 @@ void warnOfClamped(std::size_t values, const std::string& file, const std::strin
                            file, values, key));
 }
 
-/// Runs `task` with so many threads. All that it throws is an Error.
+/// Runs `task` with `threads` threads. Whatever it throws becomes an Error.
 template <typename Task>
 void withThreads(int threads, const Task& task) {
     withErrors([&] { TaskArena(threads).run(task); });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rendered frame: its picture, its layers, what it took, and its files.
+// A rendered frame: its picture, its layers, its cost, and its files.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -15,18 +15,18 @@
 
 namespace scrim {
 
-/// A picture beside the beauty, over the same window.
+/// A picture beside the beauty, with the same window.
 struct ShotLayer {
-    std::string name;                   ///< "light.key", "ambient", "depth"
-    std::vector<std::string> channels;  ///< as in the file: "light.key.R", ...; of depth "Z" and "depth.mean", of
-                                        ///< motion "motion.u" and "motion.v"
-    std::vector<float> data;            ///< channels.size() floats a pixel, interleaved, rows from top to bottom
+    std::string name;  ///< "light.key", "ambient", "depth"
+    /// names as in the file: "light.key.R", ...; for depth "Z" and "depth.mean", for motion "motion.u" and "motion.v"
+    std::vector<std::string> channels;
+    std::vector<float> data;  ///< channels.size() floats a pixel, interleaved, rows from top to bottom
 };
 
-/// Seconds of wall clock.
+/// Seconds of wall clock time.
 struct ShotTimes {
-    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< plan: with a tolerance's pilots
-    /// Of `render`.
+    double load = 0, plan = 0, render = 0, verify = 0, write = 0;  ///< `plan` includes the pilots of a tolerance
+    /// Parts of `render`.
     double prepare = 0, scatter = 0, splat = 0, attenuate = 0, shade = 0, composite = 0;
 
     double total() const { return load + plan + render + verify + write; }
@@ -34,9 +34,9 @@ struct ShotTimes {
 
 /// A comparison with the brute-force reference. Errors are relative RMSE over R, G and B.
 struct VerificationReport {
-    int pixels = 0;          ///< that counted: those that show something
+    int pixels = 0;          ///< pixels that counted because they show something
     std::size_t looked = 0;  ///< pixels that were evaluated
-    bool complete = false;   ///< no pixel was left out: the error is exact
+    bool complete = false;   ///< no pixel was left out, so the error is exact
     bool outOfTime = false;  ///< RenderOptions::verifyLimit ended it early
     double error = 0;
     double lower = 0, upper = 0;  ///< 95 % confidence interval of `error`
@@ -46,36 +46,36 @@ struct VerificationReport {
     int worstX = 0, worstY = 0;  ///< that pixel
 };
 
-/// What came of a tolerance.
+/// The outcome of a tolerance.
 struct ToleranceReport {
     double wanted = 0;
-    double predicted = 0;  ///< of the setting that was rendered last
+    double predicted = 0;  ///< predicted error of the setting that was rendered last
     double texel = 0, sheetThickness = 0;
-    double bound = 0;  ///< the error is below it with a confidence of 97.5 %
-    int attempts = 0;  ///< settings that were rendered
+    double bound = 0;  ///< the error is below this with a confidence of 97.5 %
+    int attempts = 0;  ///< number of settings that were rendered
     bool met = false;
 };
 
-/// How light that scatters more than once was solved for.
+/// The convergence of multiply scattered light.
 struct ScatteringReport {
     double wanted = 0;      ///< the dial scatter_error
-    double change = 0;      ///< what one more sweep would have changed of it, relative
-    bool converged = true;  ///< is that as little as was wanted?
+    double change = 0;      ///< relative change by one more sweep
+    bool converged = true;  ///< `change` is at most `wanted`
 };
 
 struct ShotReport {
     std::string input;  ///< the shot's path
-    std::string file;   ///< where the picture goes: the last one written, or else as the scene says
+    std::string file;   ///< path of the picture: the last one written, or else the scene's
     int frame = 1;
     Int2 resolution{0};
     int threads = 0;
     ShotTimes seconds;
     std::string planJson;       ///< the plan that was rendered, as one JSON object
-    std::string workJson;       ///< counts of work, as one JSON object; the same on every run
-    std::size_t peakBytes = 0;  ///< memory of the process at its most so far
+    std::string workJson;       ///< counts of work as one JSON object; the same in every run
+    std::size_t peakBytes = 0;  ///< peak memory of the process so far
     std::optional<VerificationReport> verification;
     std::optional<ToleranceReport> tolerance;
-    std::optional<ScatteringReport> scattering;  ///< none where light scatters but once
+    std::optional<ScatteringReport> scattering;  ///< none where light scatters once at most
 };
 
 /// `report` as one JSON object.
@@ -84,34 +84,37 @@ std::string reportAsJson(const ShotReport& report);
 /// Movable. Its const members may be called from several threads at once.
 class ShotFrame {
   public:
-    /// Whether MissingPolicy::skip left the frame out: then there is no picture.
+    /// True if MissingPolicy::skip left the frame out; there is no picture then.
     bool skipped() const;
 
-    /// Premultiplied, scene-linear, in the working space. Covers the picture with its overscan, or the crop.
+    /// The picture: premultiplied, scene-linear, in the working space. It covers the picture with its overscan, or the
+    /// crop.
     const Image& image() const;
 
-    /// The layers that the scene asks for, in its order; of lights one each: "light.key". In the working space, except
-    /// for depth (world units along the viewing axis) and motion (pixels a frame, to the right and up).
+    /// The names of the layers that the scene asks for, in its order; one for each light or volume: "light.key". Layers
+    /// are in the working space, except for depth (world units along the viewing axis) and motion (pixels per frame, to
+    /// the right and up).
     std::vector<std::string> layerNames() const;
     /// Throws Error(usage), which lists the names, where there is no such layer.
     const ShotLayer& layer(const std::string& name) const;
 
     const ShotReport& report() const;
 
-    /// Writes picture and layers as one OpenEXR file with all metadata, in the space and type that the scene's output
-    /// says. "####" in `path` stands for the frame, as in scenes; "": the scene's own output file. The file appears
-    /// whole or not at all. Throws Error: usage, output.
+    /// Writes picture and layers as one OpenEXR file with all metadata, in the colour space and type of the scene's
+    /// output. "####" in `path` stands for the frame, as in scenes; "" stands for the scene's own output file. The file
+    /// appears completely or not at all. Throws Error: usage, output.
     void write(const std::string& path = "", const MessageSink& messages = {});
 
-    /// Whether the scene asked for a deep picture.
+    /// True if the scene asks for a deep picture.
     bool hasDeep() const;
 
     /// Writes the deep picture: an OpenEXR file of volume samples with the same metadata, in the type that the scene's
-    /// output says for it. Otherwise as `write`; "": the scene's own deep file. Throws Error(usage) where there is
-    /// none.
+    /// output states for it. `path` is as in `write`; "" stands for the scene's own deep file. Throws Error(usage)
+    /// where there is no deep picture.
     void writeDeep(const std::string& path = "", const MessageSink& messages = {});
 
-    /// Writes the picture as a display shows it: a PNG, or what the extension says. "": the scene's own preview file.
+    /// Writes the picture as a display shows it, as PNG or in the format of the extension. "" stands for the scene's
+    /// own preview file.
     void preview(const std::string& path = "");
 
     struct Content;

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kMostSamples = 128;
 
-// Adds up frames of equal weight.
+// The mean of frames of equal weight.
 class MeanFrame {
   public:
     explicit MeanFrame(int count) : m_weight(1.0f / static_cast<float>(count)) {}
@@ -42,7 +42,7 @@ class MeanFrame {
         m_mean.scatterChange = std::max(m_mean.scatterChange, frame.scatterChange);
         m_mean.scatterConverged = m_mean.scatterConverged && frame.scatterConverged;
     }
-    /// The mean of the first `count`, which were added.
+    /// The mean of the `count` frames that were added so far.
     Image soFar(int count) const {
         Image image = m_mean.image;
         for (float& value : image.rgba) value /= m_weight * static_cast<float>(count);
@@ -68,11 +68,11 @@ class MeanFrame {
     void addTo(std::vector<float>& sum, const std::vector<float>& values) const {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * values[i];
     }
-    // By opacity.
+    // Weighted by opacity.
     void addMotion(std::vector<float>& sum, const std::vector<float>& motion, const Image& image) const {
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += m_weight * image.rgba[i / 2 * 4 + 3] * motion[i];
     }
-    // Where nothing is both depths are 0.
+    // Both depths are 0 where nothing is visible.
     void addDepth(std::vector<float>& sum, const std::vector<float>& depth, const Image& image) {
         for (std::size_t i = 0; i < m_alpha.size(); ++i) {
             const float first = depth[2 * i], alpha = image.rgba[4 * i + 3];
@@ -85,10 +85,10 @@ class MeanFrame {
 
     float m_weight;
     Frame m_mean;
-    std::vector<float> m_alpha;  // sums, of pixels with depths
+    std::vector<float> m_alpha;  // summed over frames in which the pixel has a depth
 };
 
-// Raster position, or nothing where the point is not in front of the camera.
+// The raster position of a point; no value where it is not in front of the camera.
 std::optional<Vec2> rasterOf(const Camera& camera, const Vec3& ws, double least) {
     const RayFamily rays = wsRays(camera);
     const Mat3 ways(rays.directionX, rays.directionY, rays.direction0);
@@ -117,7 +117,7 @@ Bounds boundsOf(const std::vector<Vec3>& points) {
 
 Places pointsOf(const ViewScene& view) {
     Places out{view.camera, {}, view.lights};
-    // Whether there is a velocity at a moment or not, the corners are those of the fields where they stand.
+    // The corners are those of the fields at rest, so that their number does not depend on whether there is a velocity.
     for (ViewVolume volume : view.volumes) {
         volume.velocity = nullptr;
         const std::vector<Vec3> corners = wsCorners(volume, view.dials.kernel);
@@ -130,7 +130,7 @@ Places pointsOf(const ViewScene& view) {
     return out;
 }
 
-// How far the shadows that a light throws on something move meanwhile, roughly, in world units.
+// A rough estimate, in world units, of how far the shadows that a light throws move between two moments.
 double lightWay(const Light& a, const Light& b, const Bounds& ws) {
     const double radius = 0.5 * glm::length(ws.size());
     const double turn = glm::length(a.wsDirection - b.wsDirection) * radius;
@@ -186,7 +186,7 @@ ViewScene ShotMotion::truth() const {
     return out;
 }
 
-// Fields are those of `base`, which many moments share, unless what they look like changes.
+// The view at `t`. It shares the fields of `base`, as many moments do, unless their look changes.
 ViewScene ShotMotion::truthAt(double t, const ViewScene& base) const {
     const Scene at = m_shot.sceneAt(t), middle = m_shot.sceneAt(this->middle());
     for (std::size_t i = 0; i < at.volumes.size(); ++i)
@@ -214,8 +214,9 @@ ViewScene ShotMotion::truthAt(double t, const ViewScene& base) const {
 double ShotMotion::longestPath() {
     constexpr int kMoments = 9;
     std::vector<Places> places;
-    double wsWay = 0;                         // of velocities
-    std::pair<double, double> outlier{0, 0};  // what counts of velocities with outliers, and the longest way of those
+    double wsWay = 0;  // displacement by velocities
+    // for velocities with outliers: the displacement that counts, and the longest one
+    std::pair<double, double> outlier{0, 0};
     const ViewScene base = viewAt(middle(), 0, VolumesOf::scene, Moved::byVelocity);
     for (int i = 0; i < kMoments; ++i) {
         const double part = static_cast<double>(i) / (kMoments - 1);
@@ -257,7 +258,7 @@ double ShotMotion::longestPath() {
     const Camera& camera = places.front().camera;
     const double distance = glm::distance(glm::clamp(camera.wsPosition, box.lower, box.upper), camera.wsPosition);
     const double pixel = pixelAt(camera, std::max(distance, 0.25 * glm::length(box.size())));
-    // Finer voxels than that are seen one by one in no picture.
+    // No picture shows finer voxels than these one by one.
     constexpr double kFinest = 0.7;
     m_voxelPixels = std::max(voxelUnit(base) / pixel, kFinest);
     if (outlier.second > 0)
@@ -266,14 +267,14 @@ double ShotMotion::longestPath() {
             fmt::format("motion blur: fewer than one in 5,000 voxels of a velocity go up to {:.3g} pixels, all others "
                         "at most {:.3g}; those few do not count for how many renders are made",
                         outlier.second / pixel, outlier.first / pixel));
-    const double most = 2.0 * (camera.resolution.x + camera.resolution.y);  // beyond that it is out of the picture
+    const double most = 2.0 * (camera.resolution.x + camera.resolution.y);  // anything beyond this has left the picture
     return std::min(*std::max_element(paths.begin(), paths.end()) + (wsWay + lights) / pixel, most);
 }
 
 int ShotMotion::samplesFor(double path) const {
     const Scene& scene = m_shot.scene;
-    // Measured: of steps of a voxel the mean is off by about 1.2 %, and of s voxels by s^2 times that; of edges of
-    // solids, which are hard, by about a fifth of a step. Half of the promise is for this.
+    // Measured error of the mean: about 1.2 % for steps of one voxel, s^2 times that for s voxels, and about a fifth of
+    // a step for the hard edges of solids. Half of the promised error is reserved for it.
     constexpr double kOfVoxelSteps = 0.012, kOfHardSteps = 0.2, kShare = 0.5;
     const bool classified =
         std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const auto& v) { return v.classified != nullptr; });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A loaded shot while its shutter is open: its views moment by moment, and the picture that is their mean. Radiance is
-// averaged, of whole renders, so that what hides what, and what shadows what, is right at every moment.
+// A loaded shot while its shutter is open: its views moment by moment, and the picture that is their mean. The radiance
+// of whole renders is averaged, so that occlusion and shadows are right at every moment.
 #pragma once
 
 #include <scrim/engine/model/frame.h>
@@ -14,22 +14,22 @@ namespace scrim {
 
 class ShotMotion {
   public:
-    /// `shot` must outlive this and all views. Of a shot in which nothing moves while the shutter is open there is
-    /// one moment, its frame. Throws Error.
+    /// `shot` must outlive this object and all views. If nothing in the shot moves while the shutter is open, there is
+    /// one moment, the shot's frame. Throws Error.
     ShotMotion(const LoadedShot& shot, const RenderOptions& options);
 
-    /// Does anything move?
+    /// True if anything moves.
     bool moves() const { return m_moves; }
-    /// Renders that the picture is the mean of.
+    /// The number of renders that the picture averages.
     int samples() const { return m_samples; }
 
-    /// The view in the middle of the shutter; with what is planned of the shutter. Throws Error.
+    /// The view in the middle of the shutter, with the shutter's data for the plan. Throws Error.
     ViewScene view() const;
-    /// The truth that the picture is compared with.
+    /// The scene that the picture is compared with.
     ViewScene truth() const;
 
-    /// Plans and renders the samples, with the dials of `view`, and returns their mean: of depths the nearest, and of
-    /// mean depths the mean by opacity. Throws Error.
+    /// Plans and renders the samples with the dials of `view`, and returns their mean. Depth is the nearest one, mean
+    /// depth is averaged by opacity. Throws Error.
     Frame render(const ViewScene& view, const ProgressSink& progress) const;
 
   private:

@@ -16,7 +16,7 @@
 namespace scrim {
 namespace {
 
-/// `path` as a scene would name it, literally where there is such a file.
+/// `path` as a scene would name it; taken literally where such a file exists.
 std::string assetPattern(const std::string& path) {
     std::error_code ignored;
     return std::filesystem::exists(path, ignored) ? patternOf(path) : path;
@@ -38,7 +38,7 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
                                                   ".nhdr, .nii, .nii.gz)",
                                                   shortened(path)));
     if (m_asset) {
-        // Until the asset is loaded: its scene but for the numbers.
+        // Until the asset is loaded, its scene lacks the numbers that depend on it.
         m_asAsset.resolution = options.resolution.value_or(m_asAsset.resolution);
         m_asAsset.wsUp = options.wsUp;
         m_assetPattern = assetPattern(path);
@@ -84,7 +84,7 @@ void ShotText::frameAsset(FieldStore& store, const MessageSink& messages) {
 
 Scene ShotText::at(int frame, const ColourConfig& colour, double within) const {
     Scene scene = readScene(m_text, frame, m_overrides, colour, within);
-    // The scene's text cannot name it.
+    // A name that is not UTF-8 cannot be part of the scene's text, so it is set here.
     if (m_asset && !isUtf8(m_assetPattern))
         for (SceneVolume& volume : scene.volumes) {
             const FramePath path{"", m_assetPattern};

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text behind a shot: that of a scene file, or one that is made up for an asset, so that all that follows knows
-// scenes only.
+// The text behind a shot: that of a scene file, or one that is generated for an asset, so that all later code deals
+// with scenes only.
 #pragma once
 
 #include <scrim/image/colour.h>
@@ -17,22 +17,21 @@ namespace scrim {
 
 class ShotText {
   public:
-    /// Reads a scene file. Of an asset only the path is looked at. Throws Error: usage, input.
+    /// Reads a scene file. Only the path of an asset is examined. Throws Error: usage, input.
     ShotText(const std::string& path, const std::vector<std::string>& overrides, const OpenOptions& options);
-    /// A scene in memory. Throws Error: usage, input.
+    /// Takes a scene in memory. Throws Error: usage, input.
     ShotText(SceneText text, const std::vector<std::string>& overrides, const OpenOptions& options);
 
     const std::string& path() const { return m_path; }
     bool isAsset() const { return m_asset; }
 
-    /// Loads an asset that was not framed yet into `store`, and frames it.
+    /// Frames an asset unless that has been done, and loads it into `store` for this.
     void frameAsset(FieldStore& store, const MessageSink& messages);
 
-    /// The scene at a frame. Where it names no output, the output is called as the shot is.
-    /// `within`: as readScene.
+    /// The scene at a frame. If it names no output, the output gets the shot's name. `within` is as in readScene.
     Scene at(int frame, const ColourConfig& colour, double within = 0) const;
 
-    /// With the overrides, and `more` of them.
+    /// The text with its overrides and those in `more`.
     std::string toml(const std::vector<std::string>& more) const;
 
   private:
@@ -46,11 +45,11 @@ class ShotText {
     bool m_framed = false;
     std::string m_assetPattern;  ///< the asset's path as a scene names it
     SceneText m_text;
-    std::vector<std::string> m_given;      ///< overrides
-    std::vector<std::string> m_overrides;  ///< and those of a turntable
+    std::vector<std::string> m_given;      ///< overrides of the caller
+    std::vector<std::string> m_overrides;  ///< those and the overrides of a turntable
 };
 
-/// The extension of a file's name, in lower case: ".exr".
+/// The extension of a file's name in lower case: ".exr".
 std::string lowerExtension(const std::string& path);
 
 }  // namespace scrim

@@ -10,7 +10,7 @@
 namespace scrim {
 namespace {
 
-/// Slides that were made in code have their pictures already.
+/// True if the slide must be loaded; slides that were made in code have their pictures already.
 bool hasFile(const Light& light) {
     return light.slide && !light.slide->file.empty();
 }
@@ -24,7 +24,7 @@ std::shared_ptr<const Texture> read(const Slide& slide, const ColourConfig& colo
 
 void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages,
                           const Checkpoint& checkpoint) {
-    // Kept are those of this frame only; two frames' pictures need never be in memory together.
+    // Only pictures of this frame are kept, so that those of two frames need never be in memory together.
     std::map<Key, std::shared_ptr<const Texture>> before;
     before.swap(m_images);
     for (const Light& light : scene.lights) {

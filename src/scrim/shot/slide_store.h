@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The pictures of lights' slides: read once, and kept as long as the next frame shows them, too.
+// The pictures of lights' slides. They are read once and kept as long as the next frame shows them, too.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -19,12 +19,12 @@ class SlideStore {
   public:
     explicit SlideStore(ColourConfig colour) : m_colour(std::move(colour)) {}
 
-    /// Gives every slide of `scene` that names a file its picture; forgets those of the frame before that this one does
-    /// not use. A guarded load calls `checkpoint` while it waits. Throws Error(input) "scene.toml:12:18: light 'key':
-    /// ...".
+    /// Loads the picture of every slide of `scene` that names a file, and forgets pictures of the previous frame that
+    /// this one does not use. A guarded load calls `checkpoint` while it waits. Throws Error(input) "scene.toml:12:18:
+    /// light 'key': ...".
     void loadInto(Scene& scene, const LoadOptions& load, const MessageSink& messages, const Checkpoint& checkpoint);
 
-    /// That the pictures take.
+    /// Memory of the pictures.
     std::size_t bytes() const;
 
   private:

@@ -10,7 +10,7 @@
 namespace scrim {
 namespace {
 
-// The grid's values are those of the moment; a volume of a transfer function moves as a whole alone.
+// The velocity's values are those of the moment. A volume with a transfer function moves only as a whole.
 void addFlow(const ViewVolume& volume, const SceneVolume& now, const std::vector<FieldPointer>& velocity,
              VolumeMotion& motion) {
     for (int axis = 0; axis < 3; ++axis) {

@@ -21,13 +21,13 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kRoles = 3;
 
-/// Embree does not always say that it was memory that was wanting.
+/// Memory where memory is limited, else `kind`: Embree does not always report that memory was insufficient.
 ErrorKind unlessLimited(ErrorKind kind) {
     constexpr std::size_t kEnough = std::size_t{1} << 30;
     return limitsMemory(kEnough) ? ErrorKind::memory : kind;
 }
 
-// For the whole process; Embree then shares its threads' memory. Only rays are asked of it, one at a time.
+// Embree's device for the whole process, which shares its threads' memory. Only single rays are traced with it.
 RTCDevice device() {
     static const RTCDevice one = rtcNewDevice(nullptr);
     if (one == nullptr)
@@ -39,10 +39,10 @@ RTCDevice device() {
 
 struct Solids::Traced {
     Bounds wsBounds;
-    Vec3 wsMiddle{0};  // floats are relative to it
+    Vec3 wsMiddle{0};  // floats are relative to this point
     std::vector<Vec3> wsPoints;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<bool> hides;  // of triangles
+    std::vector<bool> hides;  // for each triangle
     RTCScene scene = nullptr;
 
     Traced(const std::vector<Solid>& solids, SolidRole role) {
@@ -72,7 +72,7 @@ struct Solids::Traced {
 
     void build() {
         scene = rtcNewScene(device());
-        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // rays do not slip through between two triangles
+        rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);  // rays must not slip through between two triangles
         RTCGeometry geometry = rtcNewGeometry(device(), RTC_GEOMETRY_TYPE_TRIANGLE);
         auto* points = static_cast<float*>(rtcSetNewGeometryBuffer(
             geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), wsPoints.size()));
@@ -128,7 +128,7 @@ SolidHit Solids::trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirec
     const Traced& traced = of(role);
     if (traced.scene == nullptr) return {kInfinity};
     const double length = glm::length(wsDirection);
-    // The ray begins at the box, where floats are fine: an eye may stand far away.
+    // The ray is started at the box, where floats are precise; an eye may be far away.
     const double slack = 1e-6 * (glm::length(traced.wsBounds.size()) + 1e-30) / length;
     const auto [enter, leave] = traced.wsBounds.clip(wsOrigin, wsDirection, -kInfinity, kInfinity);
     const double from = std::max(begin, enter - slack), to = std::min(end, leave + slack);
@@ -153,7 +153,7 @@ SolidHit Solids::trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirec
     const Vec3 normal = traced.normal(query.hit.primID);
     const Vec3& corner = traced.wsPoints[traced.triangles[query.hit.primID][0]];
     const double exact = glm::dot(normal, corner - wsOrigin) / glm::dot(normal, wsDirection);
-    // Within a sliver of a triangle, or all but along it, its plane says less than the float; and may say nothing.
+    // On a sliver of a triangle, or almost along one, its plane is less precise than the float, or useless.
     const double doubt = 1e-4 * (glm::length(traced.wsBounds.size()) + 1e-30) / length;
     const bool sure = std::abs(exact - near) < doubt;
     return {sure ? exact : near, normal, traced.hides[query.hit.primID]};
@@ -161,7 +161,7 @@ SolidHit Solids::trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirec
 
 std::size_t Solids::bytes() const {
     std::size_t sum = 0;
-    constexpr std::size_t kTreeBytes = 100;  // a triangle: Embree's tree, about
+    constexpr std::size_t kTreeBytes = 100;  // bytes for each triangle in Embree's tree, about
     for (const auto& traced : std::set(m_traced.begin(), m_traced.end()))
         sum += traced->wsPoints.size() * (sizeof(Vec3) + 3 * sizeof(float)) +
                traced->triangles.size() * (2 * sizeof(traced->triangles[0]) + kTreeBytes);

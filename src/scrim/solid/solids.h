@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Surfaces that end rays: triangle meshes at one frame, which rays of eyes and lights are traced against.
+// Surfaces that end rays: triangle meshes at one frame, against which rays of the eye and of lights are traced.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -13,11 +13,11 @@
 
 namespace scrim {
 
-/// What a solid does. One mesh may do several things.
+/// The roles of a solid. One mesh may have several.
 enum class SolidRole {
-    holdout,  ///< hides from the eye what is behind it, and adds nothing
-    shadow,   ///< takes light from volumes
-    catcher,  ///< shows what light the volumes leave on it
+    holdout,  ///< hides what is behind it from the eye, and adds nothing
+    shadow,   ///< casts shadows into volumes
+    catcher,  ///< shows the light that the volumes leave on it
 };
 
 struct Solid {
@@ -31,14 +31,14 @@ struct Solid {
     }
 };
 
-/// Where a ray meets a surface.
+/// A ray's intersection with a surface.
 struct SolidHit {
-    double t;            ///< the ray's parameter; infinity: it meets none
-    Vec3 wsNormal{0};    ///< of the triangle, of any length and to either side
-    bool hides = false;  ///< is it of a holdout?
+    double t;            ///< the ray's parameter; infinity: no intersection
+    Vec3 wsNormal{0};    ///< normal of the triangle, of any length and to either side
+    bool hides = false;  ///< the surface belongs to a holdout
 };
 
-/// A set of solids, ready for rays (Embree). May be asked from many threads.
+/// A set of solids, prepared for rays (Embree). May be used from many threads at once.
 class Solids {
   public:
     /// Throws Error(memory).
@@ -49,29 +49,29 @@ class Solids {
 
     const std::vector<Solid>& all() const { return m_solids; }
     bool any(SolidRole role) const;
-    /// World-space box around all with that role; empty where there are none.
+    /// World-space box around all solids of that role; empty where there are none.
     const Bounds& wsBounds(SolidRole role) const;
 
-    /// Where, with the least t in [begin, end] at which wsOrigin + t wsDirection meets a surface of a solid with that
-    /// role, from either side. The direction has any length but 0. Exact to the last digits of a double where the
-    /// surface is hit at all; which triangle an edge belongs to is decided in floats, relative to the middle of the
+    /// The intersection with the least t in [begin, end] at which wsOrigin + t wsDirection meets a surface of a solid
+    /// of that role, from either side. The direction has any length but 0. t is exact to the last digits of a double if
+    /// the surface is hit at all. Which triangle an edge belongs to is decided in floats, relative to the centre of the
     /// solids.
     SolidHit trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const;
 
-    /// Its t.
+    /// The t of that intersection.
     double firstHit(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirection, double begin, double end) const {
         return trace(role, wsOrigin, wsDirection, begin, end).t;
     }
 
-    /// Of meshes and what was built for them.
+    /// Memory of the meshes and of the structures built for them, bytes.
     std::size_t bytes() const;
 
   private:
-    struct Traced;  // what one role's rays are traced against
+    struct Traced;  // the geometry that one role's rays are traced against
     const Traced& of(SolidRole role) const { return *m_traced[static_cast<std::size_t>(role)]; }
 
     std::vector<Solid> m_solids;
-    std::vector<std::shared_ptr<const Traced>> m_traced;  // one a role; roles of the same solids share one
+    std::vector<std::shared_ptr<const Traced>> m_traced;  // one for each role; roles with the same solids share one
 };
 
 }  // namespace scrim

@@ -11,16 +11,16 @@
 namespace scrim {
 namespace {
 
-// Okabe and Ito's palette (2008) without its yellow, which white swallows.
+// Okabe and Ito's palette (2008) without its yellow, which is hard to see on white.
 constexpr std::array<const char*, 7> kColours{"#999999", "#0072B2", "#D55E00", "#009E73",
                                               "#CC79A7", "#56B4E9", "#E69F00"};
 constexpr int kLeft = 64, kRight = 20, kTop = 44, kBottom = 48;
 constexpr double kMarker = 4;
 
-// One logarithmic axis, from data to picture.
+// One logarithmic axis, which maps data to positions in the picture.
 struct Axis {
-    double low = std::numeric_limits<double>::infinity(), high = 0;  // of the data
-    double from = 0, to = 0;                                         // of the picture
+    double low = std::numeric_limits<double>::infinity(), high = 0;  // range of the data
+    double from = 0, to = 0;                                         // range in the picture
 
     void include(double v) {
         if (!(v > 0) || !std::isfinite(v)) return;
@@ -41,7 +41,7 @@ struct Axis {
     }
     double at(double v) const { return from + (to - from) * std::log(v / low) / std::log(high / low); }
 
-    /// 1, 2 and 5 times powers of ten; powers alone where that would be too many.
+    /// The ticks: 1, 2 and 5 times powers of ten, or powers alone where those would be too many.
     std::vector<double> ticks() const {
         std::vector<double> all;
         const bool wide = high / low > 1e3;
@@ -148,7 +148,7 @@ std::string chartAsSvg(const Chart& chart) {
         chart.width, chart.height, htmlEscaped(chart.title));
     svg += axes(chart, x, y);
     for (const ChartSeries& s : chart.series) svg += series(s, x, y);
-    // The key, right above the chart, in the order of the series.
+    // The key stands on the right above the chart, in the order of the series.
     double at = chart.width - kRight;
     for (auto s = chart.series.rbegin(); s != chart.series.rend(); ++s) {
         at -= 6.6 * double(s->name.size()) + 26;

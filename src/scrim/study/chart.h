@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Charts on two logarithmic axes as SVG: no script, no font file, nothing to fetch. Series differ in colour (a palette
-// that the colour-blind can tell apart), in the shape of their markers, and are named in the chart.
+// Charts with two logarithmic axes as SVG, without scripts, font files or anything else to download. Series differ in
+// colour (from a palette for the colour-blind) and in the shape of their markers, and are named in the chart.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 namespace scrim {
 
 struct ChartPoint {
-    double x = 0, y = 0;          ///< > 0; others are left out
-    std::string label;            ///< shown where the mouse rests on the marker
+    double x = 0, y = 0;          ///< > 0; points with other values are left out
+    std::string label;            ///< shown when the mouse rests on the marker
     double lower = 0, upper = 0;  ///< an interval around y; none where both are 0
 };
 
@@ -18,8 +18,8 @@ struct ChartSeries {
     std::string name;
     std::vector<ChartPoint> points;
     bool line = false;    ///< joins the points in their order
-    bool labels = false;  ///< labels are also written beside the points
-    int style = 0;        ///< of colour and marker: equal numbers look alike in all charts
+    bool labels = false;  ///< also writes labels beside the points
+    int style = 0;        ///< selects colour and marker; equal numbers look the same in all charts
 };
 
 struct Chart {
@@ -30,7 +30,7 @@ struct Chart {
 
 std::string chartAsSvg(const Chart& chart);
 
-/// `text` with what HTML and SVG take for markup escaped.
+/// `text` with the characters escaped that HTML and SVG take for markup.
 std::string htmlEscaped(const std::string& text);
 
 }  // namespace scrim

@@ -13,7 +13,7 @@ std::optional<double> convergenceOrder(const std::vector<DialDistance>& distance
         if (d.size > finest && d.distance > 0) used.push_back(d);
     if (used.size() < 2) return std::nullopt;
 
-    // One unknown besides the factor, so trying all of its values is the simplest way to the best.
+    // There is one unknown besides the factor, so trying all of its values is the simplest way to find the best.
     double best = 0, leastScatter = std::numeric_limits<double>::infinity();
     for (double p = kLeast; p <= kMost; p += kStep) {
         double sum = 0, squares = 0;

@@ -27,7 +27,7 @@ DialSweep choice(std::string dial, std::vector<std::string> values) {
     return {std::move(dial), std::move(values), {}, {}, {}, {}};
 }
 
-// More of these is finer.
+// A sweep of counts, of which more is finer.
 DialSweep steps(std::string dial, std::vector<std::string> values) {
     DialSweep sweep = sized(std::move(dial), std::move(values));
     for (double& size : sweep.sizes) size = 1 / size;
@@ -38,7 +38,7 @@ void turn(Dials& dials, const std::string& dial, const std::string& value) {
     setDialFromText(dials, dial, value, "study");
 }
 
-// What distinguishes `dials` from `base`.
+// The settings by which `dials` differ from `base`, as a name.
 std::string differenceName(const Dials& dials, const Dials& base) {
     std::string name;
     for (const DialInfo& dial : dialTable()) {
@@ -48,8 +48,8 @@ std::string differenceName(const Dials& dials, const Dials& base) {
     return name.empty() ? "the scene's own" : name;
 }
 
-// Dials whose neighbours are tried along the front. The others have no use there: they change what is shown, or only
-// serve comparison.
+// The dials that are varied along the front. The others are of no use there: they change what is shown, or serve
+// comparison only.
 constexpr std::array<std::string_view, 6> kTuned{"footprint_steps", "shadow_texel", "shadow_filter",
                                                  "shade",           "max_slant",    "opacity_cutoff"};
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a study tries: every dial alone around the scene's own setting, the presets, and sheets and texels jointly.
+// The settings that a study tries: every dial alone around the scene's own setting, the presets, and sheets and texels
+// jointly.
 #pragma once
 
 #include <scrim/study/trial.h>
@@ -9,29 +10,30 @@
 
 namespace scrim {
 
-/// One dial, from its finest value to its coarsest.
+/// The values of one dial, from the finest to the coarsest.
 struct DialSweep {
     std::string dial;
     std::vector<std::string> values;
-    std::vector<double> sizes;        ///< what shrinks as the dial gets finer; empty: the values have no size
-    std::vector<std::size_t> trials;  ///< one a value: places in the study's list
-    std::vector<double> distances;    ///< RMS from the finest that was run, over the mean; one a value, 0: not known
-    std::optional<double> order;      ///< measured, see convergenceOrder
+    std::vector<double> sizes;        ///< the quantity that shrinks as the dial gets finer; empty: the values have none
+    std::vector<std::size_t> trials;  ///< index into the study's list of trials, for each value
+    /// RMS distance from the finest value that was rendered, relative to the mean, for each value; 0: unknown
+    std::vector<double> distances;
+    std::optional<double> order;  ///< the measured order, see convergenceOrder
 };
 
-/// All dials that a study turns, without trials.
+/// Sweeps for all dials that a study varies, still without trials.
 std::vector<DialSweep> dialSweeps();
 
-/// The place of `dials` in `trials`, where they are put if they are not there yet.
+/// The index of `dials` in `trials`, to which they are added if they are missing.
 std::size_t addTrial(std::vector<Trial>& trials, const std::string& name, const Dials& dials);
 
-/// Every value of every sweep, alone: fills in the sweeps' trials.
+/// Adds a trial for every value of every sweep, each varied alone, and fills in the sweeps' trials.
 void addSweeps(std::vector<Trial>& trials, std::vector<DialSweep>& sweeps, const Dials& base);
 
-/// Texels and sheets together, which is where the time goes.
+/// Adds trials that vary texels and sheets together, since these cost most of the time.
 void addJoint(std::vector<Trial>& trials, const Dials& base);
 
-/// Each trial of the front with every other dial one value finer and one coarser.
+/// Adds, for each trial of the front, variants with every other dial one value finer and one coarser.
 void addNeighbours(std::vector<Trial>& trials, const std::vector<DialSweep>& sweeps,
                    const std::vector<std::size_t>& front);
 

@@ -14,7 +14,7 @@ double meanError(const Image& difference, std::size_t pixel) {
 }
 
 std::array<std::uint8_t, 4> colourOf(double error) {
-    // White, and the blue and the vermilion of Okabe and Ito's palette; the root shows small errors, too.
+    // White, and the blue and the vermilion of Okabe and Ito's palette; the square root makes small errors visible.
     constexpr std::array<double, 3> kTooDark{0, 114, 178}, kTooBright{213, 94, 0};
     const double strength = std::sqrt(std::min(std::abs(error), 1.0));
     const std::array<double, 3>& end = error < 0 ? kTooDark : kTooBright;

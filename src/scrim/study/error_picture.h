@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Errors as pictures: blue where a picture is too dark, orange where it is too bright, on one scale for all of them.
+// Errors as pictures: blue where a picture is too dark, orange where it is too bright, all on one scale.
 #pragma once
 
 #include <scrim/image/colour.h>
@@ -7,11 +7,12 @@
 
 namespace scrim {
 
-/// Mean of R, G and B of `difference` over `scale`, in [-1, 1], as colour; white is no error. Every `stride`-th pixel
-/// in both directions.
+/// The mean of R, G and B of `difference`, divided by `scale` and clamped to [-1, 1], as a colour; white is no error.
+/// Only every `stride`-th pixel in both directions is used.
 DisplayImage errorPicture(const Image& difference, double scale, int stride);
 
-/// The scale: largest of the means but for the worst pixels, a thousandth of those that are not empty.
+/// The scale for errorPicture: the largest mean after leaving out the worst thousandth of the pixels that are not
+/// empty.
 double errorScale(const Image& difference);
 
 /// Every `stride`-th pixel of `picture`.

@@ -23,7 +23,7 @@ ViewScene ShotStudy::viewWith(const Dials& dials, VolumesOf volumesOf) {
     if (found == m_views.end()) found = m_views.emplace(key, m_loaded.view(m_options, dials.lod, volumesOf)).first;
     ViewScene turned = found->second;
     turned.dials = dials;
-    turned.layers.clear();  // the study looks at the beauty
+    turned.layers.clear();  // the study examines the beauty only
     return turned;
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The study of a frame of a shot.
+// The study of one frame of a shot.
 #pragma once
 
 #include <scrim/shot/load_shot.h>
@@ -16,7 +16,7 @@ class ShotStudy {
     /// Loads the frame with all its volumes. Missing files are errors, whatever the options say. Throws Error.
     ShotStudy(Shot& shot, int frame, const RenderOptions& options);
 
-    /// `budget` in seconds, 0: none. Throws as runStudy.
+    /// Runs the study. `budget` is in seconds, 0: none. Throws as runStudy.
     Study run(double budget, const ProgressSink& progress);
 
   private:
@@ -24,7 +24,8 @@ class ShotStudy {
 
     RenderOptions m_options;
     LoadedShot m_loaded;
-    std::map<std::pair<double, VolumesOf>, ViewScene> m_views;  ///< by lod: no other dial changes what is assembled
+    /// keyed by lod, the only dial that changes which fields are assembled
+    std::map<std::pair<double, VolumesOf>, ViewScene> m_views;
 };
 
 }  // namespace scrim

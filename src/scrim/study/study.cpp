@@ -23,11 +23,12 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kPixelSeed = 1;
-constexpr std::size_t kPixelsAtATime = 64, kLeastPixels = 128;  // before their interval is looked at
-// Of a budget: the reference at most so much, each setting at most so much, all settings once at most so much, and with
-// pictures so much.
+// the error's interval is examined after this many pixels
+constexpr std::size_t kPixelsAtATime = 64, kLeastPixels = 128;
+// Fractions of the budget: the most that the reference may take, the most that each setting may take, the most that the
+// first render of all settings may take, and the time after which no pictures are made.
 constexpr double kReferencePart = 0.25, kTrialPart = 0.08, kFirstRoundPart = 0.65, kPicturesPart = 0.8;
-// Other kernels have references of their own, and only serve to compare them: fewer pixels do.
+// Other kernels need references of their own, and only serve comparison, so fewer pixels suffice.
 constexpr std::size_t kOtherKernelPixels = 128;
 
 class Run {
@@ -63,9 +64,9 @@ class Run {
     const Clock::time_point m_start = Clock::now();
     Study m_study;
     std::map<Kernel, std::vector<VerifiedPixel>> m_truth;
-    double m_shown = 0;          // of the progress, last
-    double m_scale = 1;          // measured over expected time
-    double m_referenceTime = 0;  // seconds a pixel
+    double m_shown = 0;          // the last progress reported
+    double m_scale = 1;          // ratio of measured to expected time
+    double m_referenceTime = 0;  // seconds per pixel
 };
 
 void Run::report(double done) {
@@ -85,7 +86,7 @@ Image Run::timedRender(const ViewScene& scene, Trial& trial) const {
     return std::move(frame.image);
 }
 
-// Pixels of `image` and their references, until its error is known well enough, or time is up.
+// Draws pixels of `image` and evaluates their references until the error is known well enough or time is up.
 std::vector<VerifiedPixel> Run::reference(const ViewScene& truth, const Image& image) {
     SampleOptions options;
     options.count = m_options.mostPixels;
@@ -126,7 +127,7 @@ void Run::renderBase() {
     m_study.meanReference = v.mean;
     m_study.pixels = v.pixels;
     m_truth[m_base.kernel] = std::move(pixels);
-    trial.seconds.clear();  // the first render pays for pages that the later ones find
+    trial.seconds.clear();  // the first render maps memory pages that later renders reuse, so its time does not count
 }
 
 bool Run::affordable(double seconds) const {
@@ -162,8 +163,8 @@ void Run::tryOnce(Trial& trial) {
     trial.run = true;
 }
 
-// Those that take least time first, so that a budget leaves out as few as it can; other kernels, which need references
-// of their own, last.
+// Tries the fastest settings first, so that a budget leaves out as few as possible, and settings with other kernels,
+// which need references of their own, last.
 void Run::tryAll(std::size_t first, double from, double to) {
     std::vector<Trial>& trials = m_study.trials;
     std::vector<std::pair<double, std::size_t>> order;
@@ -179,7 +180,7 @@ void Run::tryAll(std::size_t first, double from, double to) {
     }
 }
 
-// Round after round, so that a machine whose speed drifts bends no curve.
+// Repeats the renders round after round, so that a machine whose speed drifts does not bend the curves.
 void Run::repeat() {
     for (int round = 1; round < m_options.repeats; ++round) {
         double done = 0;
@@ -188,7 +189,7 @@ void Run::repeat() {
             if (!trial.run) continue;
             if (m_options.budget > 0 && spent() + trial.time() > 0.97 * m_options.budget) {
                 m_study.outOfTime = true;
-                continue;  // a faster one may still fit
+                continue;  // a faster setting may still fit
             }
             timedRender(m_sceneWith(trial.dials), trial);
             report(0.5 + 0.45 * (round - 1 + done / double(m_study.trials.size())) / (m_options.repeats - 1));
@@ -196,8 +197,8 @@ void Run::repeat() {
     }
 }
 
-// RMS distance from the finest picture over the `counted` of the reference's pixels that show something: free of what
-// the other dials cost.
+// RMS distance from the finest picture over the first `counted` reference pixels that show something. It does not
+// contain the error of other dials.
 double distance(const Trial& a, const Trial& b, int counted) {
     double squares = 0;
     for (std::size_t i = 0; i < a.seen.size(); ++i)
@@ -207,7 +208,7 @@ double distance(const Trial& a, const Trial& b, int counted) {
 
 void Run::findOrders() {
     for (DialSweep& sweep : m_study.sweeps) {
-        if (sweep.sizes.empty() || sweep.dial == "lod") continue;  // lod steps by whole levels
+        if (sweep.sizes.empty() || sweep.dial == "lod") continue;  // lod changes in whole levels
         std::vector<DialDistance> distances;
         const Trial* finest = nullptr;
         double finestSize = 0;
@@ -226,7 +227,7 @@ void Run::findOrders() {
     }
 }
 
-// Errors of whole pictures are taken from the most accurate one, since the reference knows single pixels.
+// Error pictures show the difference from the most accurate picture, since the reference only covers single pixels.
 void Run::drawErrors() {
     m_study.best = m_study.front.back();
     if (past(kPicturesPart)) return;
@@ -271,14 +272,14 @@ Study Run::study() {
     return std::move(m_study);
 }
 
-// The place of `base` in a sweep, if it is there.
+// The index of `base` in a sweep, if it is part of it.
 std::optional<std::size_t> placeOfBase(const DialSweep& sweep) {
     const auto at = std::find(sweep.trials.begin(), sweep.trials.end(), std::size_t{0});
     if (at == sweep.trials.end()) return std::nullopt;
     return std::size_t(at - sweep.trials.begin());
 }
 
-constexpr double kSameError = 1.05;  // smaller changes at some hundred pixels are noise
+constexpr double kSameError = 1.05;  // with some hundred pixels, smaller changes are noise
 
 std::string verdictOn(const Trial& base, const Trial* finer, const Trial* coarser) {
     const auto error = [&](const Trial& t) { return t.error.error / std::max(base.error.error, 1e-12); };

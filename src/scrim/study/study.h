@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What accuracy costs on a scene: settings of the dials rendered, timed and compared with the brute-force reference.
+// Measures what accuracy costs on a scene: settings of the dials are rendered, timed and compared with the brute-force
+// reference.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -14,57 +15,60 @@
 
 namespace scrim {
 
-/// The scene under other dials: `lod` makes other fields of the same file, so a scene cannot simply be turned.
+/// The scene under other dials. It is a function, since `lod` makes other fields from the same file.
 using SceneWith = std::function<ViewScene(const Dials&)>;
 
 struct StudyOptions {
-    double budget = 0;            ///< seconds after which to stop with what there is; 0: none
-    int mostPixels = 1000;        ///< of the reference, at most
-    double intervalWanted = 0.1;  ///< of the error: stop adding pixels where half the 95 % interval is this narrow
-    int repeats = 5;              ///< of every render, interleaved; the median counts
-    int mostPictures = 4;         ///< error pictures
-    std::function<Dials(const std::string&)> preset = {};  ///< what a preset is in this scene; none: presetDials
-    SceneWith truth = {};  ///< with all volumes, those too that a picture has no use for; none: as rendered
+    double budget = 0;      ///< seconds after which the study stops with what it has; 0: none
+    int mostPixels = 1000;  ///< largest number of reference pixels
+    /// relative to the error: no pixels are added once half the 95 % interval is this narrow
+    double intervalWanted = 0.1;
+    int repeats = 5;                                       ///< renders of every setting, interleaved; the median counts
+    int mostPictures = 4;                                  ///< largest number of error pictures
+    std::function<Dials(const std::string&)> preset = {};  ///< the dials of a preset in this scene; none: presetDials
+    /// the scene with all volumes, including those that a picture has no use for; none: the scene as rendered
+    SceneWith truth = {};
 };
 
-/// A picture's distance from the most accurate one of the study.
+/// A picture's difference from the most accurate one of the study.
 struct ErrorPicture {
     std::string name;
     std::size_t trial = 0;
-    Image difference;  ///< signed, R, G, B; alpha of the most accurate
+    Image difference;  ///< signed, R, G, B; alpha is that of the most accurate picture
 };
 
 struct Study {
-    std::vector<Trial> trials;  ///< the scene's own setting first
+    std::vector<Trial> trials;  ///< the first is the scene's own setting
     std::vector<DialSweep> sweeps;
-    std::vector<std::pair<std::string, std::size_t>> presets;  ///< name and trial, fast to accurate
-    std::vector<std::size_t> front;                            ///< trials, fast to accurate
-    int pixels = 0;                                            ///< of the reference
-    double meanReference = 0;                                  ///< what errors are relative to
+    std::vector<std::pair<std::string, std::size_t>> presets;  ///< name and trial, from fast to accurate
+    std::vector<std::size_t> front;                            ///< trials, from fast to accurate
+    int pixels = 0;                                            ///< number of reference pixels
+    double meanReference = 0;                                  ///< mean of the reference, which errors are relative to
     std::size_t best = 0;                                      ///< the most accurate trial
-    Image picture;                                             ///< its picture
+    Image picture;                                             ///< picture of the most accurate trial
     std::vector<ErrorPicture> errorPictures;
     double spent = 0;        ///< seconds
-    bool outOfTime = false;  ///< the budget ended it
+    bool outOfTime = false;  ///< the budget ended the study
     int threads = 0;
 };
 
-/// Around the dials `base`. Throws Error: as rendering does, and render where the picture is empty.
+/// Studies the scene around the dials `base`. Throws Error: as rendering does, and of kind render where the picture is
+/// empty.
 Study runStudy(const SceneWith& sceneWith, const Dials& base, const StudyOptions& options,
                const ProgressSink& progress = {});
 
-/// What a tolerance takes: the cheapest trial within it.
+/// The cheapest trial within a tolerance.
 struct Recommendation {
     double tolerance = 0;
     std::optional<std::size_t> trial;
 };
 std::vector<Recommendation> recommendations(const Study& study);
 
-/// What one value finer, and one value coarser, than the scene's own does to error and time.
+/// The effect on error and time of setting a dial one value finer or coarser than in the scene.
 struct DialWorth {
     std::string dial;
     std::optional<std::size_t> finer, coarser;  ///< trials
-    std::string verdict;                        ///< in words, with numbers
+    std::string verdict;                        ///< a sentence with numbers
 };
 std::vector<DialWorth> worthOfDials(const Study& study);
 

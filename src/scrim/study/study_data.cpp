@@ -45,7 +45,7 @@ Json trialJson(const Trial& t) {
 }
 
 std::string quoted(const std::string& text) {
-    return "\"" + text + "\"";  // names hold no quotes
+    return "\"" + text + "\"";  // names contain no quotes
 }
 
 }  // namespace

@@ -8,11 +8,11 @@
 
 namespace scrim {
 
-/// One line a trial: setting, error with its 95 % interval, bias, worst pixel, median, least and most seconds, repeats,
-/// counts of work, and every dial's value.
+/// A table with one line for each trial: setting, error with its 95 % interval, bias, worst pixel, median, least and
+/// most seconds, repeats, counts of work, and every dial's value.
 std::string studyAsCsv(const Study& study);
 
-/// `scene`: what was studied, as a name.
+/// All of the study. `scene`: the name of the scene.
 std::string studyAsJson(const Study& study, const std::string& scene);
 
 }  // namespace scrim

@@ -155,7 +155,8 @@ std::string pictures(const Study& study, const ColourConfig& colour) {
                               "The picture: " + resultText(study.trials[study.best]));
     double scale = 0;
     for (const ErrorPicture& p : study.errorPictures)
-        if (p.trial == 0 || scale == 0) scale = errorScale(p.difference);  // the scene's own where it is among them
+        // the scale of the scene's own setting, where that is among them
+        if (p.trial == 0 || scale == 0) scale = errorScale(p.difference);
     for (const ErrorPicture& p : study.errorPictures)
         html += figure(errorPicture(p.difference, scale, stride),
                        fmt::format("{}: {}", p.name, percent(study.trials[p.trial].error.error)));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A study as one self-contained page: charts, tables and pictures, nothing to fetch, no script.
+// A study as one self-contained page of charts, tables and pictures, with nothing to download and no script.
 #pragma once
 
 #include <scrim/image/colour.h>
@@ -9,7 +9,7 @@
 
 namespace scrim {
 
-/// `scene`: what was studied, as a name. `colour` shows the picture on its default display.
+/// `scene`: the name of the scene. `colour` converts the picture to its default display.
 std::string studyAsHtml(const Study& study, const std::string& scene, const ColourConfig& colour);
 
 }  // namespace scrim

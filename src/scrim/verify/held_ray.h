@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a depth or deep picture leaves of what one ray shows, point by point: for the reference, which integrates
-// numerically what the engine has in closed form.
+// The fraction of a ray's light that a depth or deep picture lets through, point by point. The reference uses it to
+// integrate numerically what the engine computes in closed form.
 #pragma once
 
 #include <scrim/image/depth_picture.h>
@@ -9,19 +9,21 @@ namespace scrim {
 
 class HeldRay {
   public:
-    /// The ray through raster position (x, y), by distance along it; `perDepth`: what that grows by with the depth.
+    /// The ray through raster position (x, y). Points on it are given by their distance; `perDepth` is the distance for
+    /// each unit of depth.
     HeldRay(const DepthPicture* picture, double x, double y, double perDepth);
 
-    /// The distance from which on nothing is seen.
+    /// The distance beyond which nothing is seen.
     double end() const;
-    /// What part is seen of what a point at that distance sends to the eye.
+    /// The fraction of light from a point at `distance` that reaches the eye.
     double transmittance(double distance) const;
-    /// `step` from `distance` on, or less: so that within it nothing begins or ends, and little is hidden.
+    /// `step`, shortened so that no piece of the picture begins or ends within it and it hides at most an optical depth
+    /// of `mostTau`.
     double limited(double distance, double step, double mostTau) const;
 
   private:
     DepthPicture::Pieces m_pieces;
-    double m_scale = 1;  // distance over depth in the picture
+    double m_scale = 1;  // distance over the picture's depth
 };
 
 }  // namespace scrim

@@ -16,14 +16,16 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Directions around `axis` to within the angle whose 1 - cos is `depth`, solid angles in proportion.
+// Maps a point of the unit square to a direction around `axis`, uniformly over the solid angle of the cone whose half
+// angle has 1 - cos = `depth`.
 Vec3 inCone(const Vec3& axis, double depth, const Vec2& p) {
     const Mat3 frame = frameAround(axis);
     const double lower = p.x * depth, r = std::sqrt(std::max(0.0, lower * (2 - lower)));
     return (1 - lower) * axis + r * (std::cos(2 * kPi * p.y) * frame[0] + std::sin(2 * kPi * p.y) * frame[1]);
 }
 
-// Where in the running sums `part` of the last lies, and how far into that entry.
+// The entry of the running sums at which the fraction `part` of the total is reached, and the position within that
+// entry in [0, 1).
 std::pair<std::size_t, double> find(const double* sums, std::size_t count, double part) {
     const double wanted = part * sums[count - 1];
     const auto i = std::min(std::size_t(std::upper_bound(sums, sums + count, wanted) - sums), count - 1);
@@ -31,8 +33,8 @@ std::pair<std::size_t, double> find(const double* sums, std::size_t count, doubl
     return {i, own > 0 ? std::clamp((wanted - before) / own, 0.0, 1.0) : 0.5};
 }
 
-// A rectangle as it is seen from the origin: C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for
-// Spherical Rectangles", 2013. It lies in the plane z = z0 < 0, from (x0, y0) to (x1, y1).
+// A rectangle as seen from the origin: C. Urena, M. Fajardo, A. King, "An Area-Preserving Parametrization for Spherical
+// Rectangles", 2013. It lies in the plane z = z0 < 0, from (x0, y0) to (x1, y1).
 struct SphericalRectangle {
     double x0, y0, x1, y1, z0;
     double b0, b1, k, solidAngle;
@@ -88,13 +90,14 @@ Rgb LightRays::pictureAt(double u, double v) const {
 
 LightRay LightRays::fromRectangle(const Vec3& ws, const Vec2& square) const {
     const Light::Area& area = *m_light.area();
-    // As seen from the point: right, up, and the plane at -height.
+    // The rectangle's place as seen from the point: right, up, and the distance of its plane, which is at -height.
     const Vec3 to = m_light.wsPosition - ws;
     const double x = glm::dot(to, m_frame[0]), y = glm::dot(to, m_frame[1]), z = glm::dot(to, m_frame[2]);
     if (z >= 0) return {};
     const double w = 0.5 * area.width, h = 0.5 * area.height;
     const SphericalRectangle seen(x - w, y - h, x + w, y + h, z);
-    // So far away that the angles of its corners say nothing of its size.
+    // At such a distance the angles of the corners cancel to nothing, and the solid angle is taken as area over
+    // distance squared.
     constexpr double kTiny = 1e-6;
     const double r2 = glm::dot(to, to);
     const double plain = area.area() * -z / (r2 * std::sqrt(r2));
@@ -107,7 +110,8 @@ LightRay LightRays::fromRectangle(const Vec3& ws, const Vec2& square) const {
     return {hit / distance, distance, radiance * solidAngle};
 }
 
-// Around the foot of the perpendicular: the angle there, and the cosine to the perpendicular.
+// Polar coordinates around the foot of the perpendicular from the point: the angle there and the cosine to the
+// perpendicular.
 LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
     const double radius = m_light.area()->radius;
     const Vec3 from = ws - m_light.wsPosition;
@@ -118,7 +122,7 @@ LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
     const Vec3 inwards = c > 0 ? -foot / c : m_frame[0], aside = glm::cross(m_frame[2], inwards);
     double angle = 2 * kPi * square.x, perSquare = 2 * kPi;
     if (c > radius) {
-        // The chord vanishes like a root at either end: a sine makes that smooth.
+        // The chord vanishes like a square root at either end; a sine substitution makes the integrand smooth.
         const double widest = std::asin(radius / c), t = kPi * (square.x - 0.5);
         angle = widest * std::sin(t);
         perSquare = widest * kPi * std::cos(t);
@@ -144,7 +148,7 @@ LightRay LightRays::fromSphere(const Vec3& ws, const Vec2& square) const {
     return {direction, along - half, m_light.intensity * (2 * kPi * depth)};
 }
 
-// A pixel by its share of all light, and a place within it.
+// Chooses a pixel in proportion to its light, and a place within it.
 LightRay LightRays::fromPicture(const Vec2& square) const {
     const Texture::Level& level = m_light.slide->image->levels().front();
     if (!(m_rows.back() > 0)) return {};
@@ -156,7 +160,7 @@ LightRay LightRays::fromPicture(const Vec2& square) const {
     const double v = std::acos(std::clamp(top + down * (bottom - top), -1.0, 1.0)) / kPi;
     const float* p = level.pixel(static_cast<int>(column), static_cast<int>(row));
     const Rgb value(p[0], p[1], p[2]);
-    // All of the light, in the colour of the pixel.
+    // The total light, in the colour of this pixel.
     const double total = m_rows.back() * 2 * kPi / level.width;
     return {domeDirection(m_light, (double(column) + across) / level.width, v), kInfinity,
             m_light.intensity * value * (total / (value.x + value.y + value.z))};

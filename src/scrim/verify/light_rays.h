@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// The rays that an extended light sends to one point: a map from the unit square onto all directions in which it is
-// seen from there, with the radiance that comes from each. Whoever adds up over the square has integrated over the
-// light as it is, without any sub-lights.
+// The rays that an extended light sends to one point: a map from the unit square onto all directions in which the light
+// is seen from there, with the radiance that comes from each. An integral over the square is an integral over the light
+// as it is, without any sub-lights.
 #pragma once
 
 #include <scrim/scene/light.h>
@@ -14,15 +14,15 @@ namespace scrim {
 struct LightRay {
     Vec3 toLight{0};      ///< unit
     double distance = 0;  ///< to the light, world units; infinite for suns and domes
-    Rgb weight{0};        ///< radiance times solid angle per area of the square; of a sun: irradiance
+    Rgb weight{0};        ///< radiance times solid angle per area of the square; for suns, the irradiance
 };
 
 class LightRays {
   public:
-    /// Of an extended light; its picture is loaded. `light` must outlive this.
+    /// `light` must be extended, must have its picture loaded, and must outlive this object.
     explicit LightRays(const Light& light);
 
-    /// The ray for a point of the unit square, [0, 1) x [0, 1). The mean of its weight over the square is the integral
+    /// The ray for a point of the unit square [0, 1) x [0, 1). The mean of its weight over the square is the integral
     /// of radiance over the solid angle that the light fills at `ws`.
     LightRay ray(const Vec3& ws, const Vec2& square) const;
 
@@ -35,7 +35,7 @@ class LightRays {
 
     const Light& m_light;
     Mat3 m_frame;
-    // Of a dome's picture: sums of light over rows, and over the pixels of each row.
+    // For a dome's picture: running sums of light over rows, and over the pixels of each row.
     std::vector<double> m_rows, m_pixels;
 };
 

@@ -12,8 +12,8 @@ namespace {
 using Rgba = std::array<double, 4>;
 
 constexpr std::size_t kMostIntervals = 256;  // 512 moments
-constexpr int kPaths = 2048;                 // of light that scatters more than once, a pixel
-constexpr double kChange = 1e-3;             // of the brightest: less than this is none
+constexpr int kPaths = 2048;                 // paths per pixel for multiply scattered light
+constexpr double kChange = 1e-3;             // convergence threshold, relative to the brightest mean
 
 bool differ(const Rgba& a, const Rgba& b, const Rgba& brightest) {
     for (std::size_t c = 0; c < 4; ++c)
@@ -30,7 +30,8 @@ MomentsReference::MomentsReference(const ViewScene& truth) : m_truth(truth) {
         still.paths = std::make_unique<const PathTracer>(truth, &m_samplers);
         return;
     }
-    // Nothing goes further than about two pixels between two moments of the first level, if there is a limit to that.
+    // If the limit of 24 intervals allows it, nothing travels further than about two pixels between two moments of the
+    // first level.
     m_intervals = static_cast<std::size_t>(std::clamp(truth.moments->path / 4, 3.0, 24.0));
 }
 
@@ -103,7 +104,7 @@ void MomentsReference::evaluate(std::span<VerifiedPixel> pixels) {
     addScattered(pixels);
 }
 
-// Noise hides what is between the moments of the first level.
+// Adds multiply scattered light on the first level only; its noise exceeds the differences between levels.
 void MomentsReference::addScattered(std::span<VerifiedPixel> pixels) const {
     const std::vector<Moment>& moments = m_levels.front();
     const int paths = std::max(kPaths / static_cast<int>(moments.size()), 16);

@@ -19,22 +19,22 @@ namespace scrim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kBoxes = 64;         // of majorants, along the longest axis
-constexpr double kRoulette = 0.1;  // a path of less weight than this goes on by lot
+constexpr int kBoxes = 64;         // number of majorant boxes along the longest axis
+constexpr double kRoulette = 0.1;  // a path of less weight than this is ended at random (Russian roulette)
 constexpr int kMostScatterings = 100000;
 
 double most(const Rgb& v) {
     return std::max({v.x, v.y, v.z});
 }
 
-// A unit vector at an angle to `axis` whose cosine is given, turned around it by `turn`.
+// The unit vector at the given cosine to `axis`, turned around it by `turn` radians.
 Vec3 around(const Vec3& axis, double cosine, double turn) {
     const Mat3 frame = frameAround(axis);
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
     return glm::normalize(frame * Vec3(sine * std::cos(turn), sine * std::sin(turn), cosine));
 }
 
-// The cosine that a share `u` of all light is scattered below, of a Henyey-Greenstein lobe.
+// The cosine below which a Henyey-Greenstein lobe scatters the fraction `u` of all light.
 double lobeCosine(double g, double u) {
     if (std::abs(g) < 1e-4) return 1 - 2 * u;
     const double s = (1 - g * g) / (1 - g + 2 * g * u);
@@ -43,7 +43,7 @@ double lobeCosine(double g, double u) {
 
 }  // namespace
 
-// S. Vigna's splitmix64.
+// The random numbers of S. Vigna's splitmix64.
 struct PathTracer::Random {
     std::uint64_t state;
 
@@ -52,7 +52,7 @@ struct PathTracer::Random {
         state += kSplitMixStep;
         return static_cast<double>(bits >> 11) * 0x1p-53;
     }
-    double free() { return -std::log(1 - next()); }  // a length, in mean free paths
+    double free() { return -std::log(1 - next()); }  // a free path, in mean free paths
 };
 
 PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(scene) {
@@ -69,7 +69,7 @@ PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(
     measure();
 }
 
-// Boxes of majorants: every voxel counts in all boxes that its kernel reaches.
+// Fills the majorants. Every voxel counts in all boxes that its kernel reaches.
 void PathTracer::measure() {
     for (const Vec3& corner : wsCorners(m_scene)) m_wsBounds.include(corner);
     const Vec3 size = m_wsBounds.size();
@@ -117,7 +117,7 @@ void PathTracer::measure() {
         for (const ViewEmission& emission : volume.emission)
             mark(emission.field, [&](std::size_t box, double) { glows[box] = true; });
     }
-    // Where something glows flights stop now and then, to gather it.
+    // In boxes that glow, the majorant is large enough for a flight to stop now and then and gather the emission.
     for (std::size_t i = 0; i < m_majorants.size(); ++i)
         if (glows[i]) m_majorants[i] = std::max(m_majorants[i], 2 / m_edge);
 }
@@ -131,7 +131,7 @@ PathTracer::Matter PathTracer::matterAt(const Vec3& ws) const {
     return matter;
 }
 
-// visit(begin, end, majorant) for the boxes along a ray, until it returns false.
+// Calls visit(begin, end, majorant) for the boxes along a ray until it returns false.
 template <class Visit>
 void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double from, double length, const Visit& visit) const {
     const auto [begin, end] = m_wsBounds.clip(ws, direction, from, length);
@@ -160,7 +160,7 @@ void PathTracer::forCells(const Vec3& ws, const Vec3& direction, double from, do
     }
 }
 
-// To the next collision, by delta tracking; where extinction is coloured, with weights.
+// Flies to the next collision by delta tracking. Coloured extinction changes the flight's weight.
 PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double from, double length,
                                    Random& random) const {
     Flight flight;
@@ -183,7 +183,7 @@ PathTracer::Flight PathTracer::fly(const Vec3& ws, const Vec3& direction, double
     return flight;
 }
 
-// By ratio tracking.
+// Transmittance by ratio tracking.
 Rgb PathTracer::transmittance(const Vec3& ws, const Vec3& direction, double length, Random& random) const {
     Rgb left(1);
     forCells(ws, direction, 0, length, [&](double begin, double end, double majorant) {
@@ -207,7 +207,7 @@ double PathTracer::solidAhead(SolidRole role, const Vec3& ws, const Vec3& direct
     return m_scene.solids ? m_scene.solids->firstHit(role, ws, direction, begin, kInfinity) : kInfinity;
 }
 
-// Light straight from a light, before anything takes some of it; of an extended one along a ray drawn at random.
+// The light that arrives from a light before any attenuation. For an extended light, the ray is drawn at random.
 Arriving PathTracer::arriving(std::size_t index, const Vec3& ws, Random& random) const {
     if (const LightAt* light = std::get_if<LightAt>(&m_lights[index])) return light->at(ws);
     const double u = random.next(), v = random.next();
@@ -215,8 +215,8 @@ Arriving PathTracer::arriving(std::size_t index, const Vec3& ws, Random& random)
     return {ray.weight, -ray.toLight, ray.distance};
 }
 
-// Radiance that a unit of the volume's scattering coefficient sends back along `direction`, of light straight from
-// lights.
+// The radiance sent back along `direction` per unit of the volume's scattering coefficient, from light that comes
+// directly from lights.
 Rgb PathTracer::lit(const VolumeOptics& v, const Vec3& ws, const Vec3& direction, Random& random) const {
     Rgb sum(0);
     for (std::size_t i = 0; i < m_scene.lights.size(); ++i) {
@@ -244,7 +244,7 @@ Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const
         if (!flight.collided) return scattered > 0 && length == kInfinity ? sum + weight * m_scene.ambient : sum;
         ws = flight.ws;
         if (scattered == 0) weight *= held.transmittance(glm::distance(eye, ws));
-        // Which volume it is scattered by, or whether it is absorbed.
+        // Draws the volume that scatters the path, or its absorption.
         Rgb extinction(0), all(0);
         std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
         for (std::size_t i = 0; i < m_volumes.size(); ++i) {
@@ -264,7 +264,7 @@ Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const
             if (random.next() >= 0.5) return sum;
             weight *= 2;
         }
-        // Backwards along the light: its cosine is that of the two ways of the path.
+        // The path is traced backwards, but the phase function depends only on the cosine between its two directions.
         const Phase& phase = m_volumes[volume].volume().medium.phase;
         double cosine = 0;
         if (phase.type == PhaseType::rayleigh) {

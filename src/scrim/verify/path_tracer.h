@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light that scatters more than once, by Monte Carlo: what is added to the reference where a medium asks for it. Paths
-// go from the eye, collisions are found by delta tracking, lights are asked for at each (E. Woodcock and others, 1965;
-// J. Novak and others, Monte Carlo Methods for Volumetric Light Transport Simulation, 2018). It knows nothing of cells,
-// ordinates or shadow buffers. Its noise is known, and is told.
+// Multiply scattered light by Monte Carlo integration, which is added to the reference where a medium asks for it.
+// Paths start at the eye, collisions are found by delta tracking, and light from the lights is added at each collision
+// (E. Woodcock and others, 1965; J. Novak and others, Monte Carlo Methods for Volumetric Light Transport Simulation,
+// 2018). The code shares nothing with cells, ordinates or shadow buffers. It returns the variance of its estimates.
 #pragma once
 
 #include <scrim/scene/light_at.h>
@@ -18,30 +18,31 @@ namespace scrim {
 
 class HeldRay;
 
-/// Of a mean of random numbers: the mean, and the variance of it.
+/// The mean of random numbers and the variance of that mean.
 struct Estimate {
     Rgb mean{0}, variance{0};
 };
 
 class PathTracer {
   public:
-    /// `scene` must outlive this. `samplers`: as for a Reference.
+    /// `scene` must outlive this object. `samplers`: as for Reference.
     explicit PathTracer(const ViewScene& scene, FieldSamplers* samplers = nullptr);
 
-    /// Does anything scatter light more than once?
+    /// True if any volume scatters light more than once.
     bool any() const { return m_any; }
 
-    /// Premultiplied radiance, in the mean over pixel (x, y), of light of lights that has scattered twice or more, and
-    /// of ambient light and of what glows that has scattered at all. `paths` paths, of which every `seed` has others.
+    /// Premultiplied radiance, averaged over pixel (x, y), of light from lights that has scattered at least twice, and
+    /// of ambient light and emission that has scattered at least once. Averages `paths` paths; each `seed` gives a
+    /// different set.
     Estimate pixel(int x, int y, int paths, std::uint64_t seed = 1) const;
 
   private:
     struct Random;
-    // What is at a point.
+    // The extinction and emission at a point.
     struct Matter {
         Rgb extinction{0}, emission{0};
     };
-    // Where a ray that was followed ends, and the weight that it has there.
+    // The end of a ray's flight and the weight that it carries there.
     struct Flight {
         bool collided = false;
         Vec3 ws{0};
@@ -61,8 +62,9 @@ class PathTracer {
     const ViewScene& m_scene;
     bool m_any = false;
     std::vector<VolumeOptics> m_volumes;
-    std::vector<std::variant<LightAt, LightRays>> m_lights;  // as they are extended or not
-    // The most extinction that there is in each box of a grid around everything.
+    // one of the two, depending on whether the light is extended
+    std::vector<std::variant<LightAt, LightRays>> m_lights;
+    // The majorants: the largest extinction in each box of a grid around all volumes.
     Bounds m_wsBounds;
     Int3 m_size{0};
     double m_edge = 1;

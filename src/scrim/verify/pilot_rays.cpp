@@ -18,15 +18,16 @@
 namespace scrim {
 namespace {
 
-constexpr double kStep = 3, kShadowStep = 3;  // voxels, along rays of eye and lights
-constexpr double kLeastShare = 1e-3;          // of a step in what is seen, below which its light does not matter
+constexpr double kStep = 3, kShadowStep = 3;  // steps of eye rays and of shadow rays, voxels
+constexpr double kLeastShare = 1e-3;          // steps that contribute less than this to the ray are not lit
 constexpr double kMostDepth = 7;              // optical depth at which a ray ends
-constexpr int kMostSteps = 400;               // of a ray
+constexpr int kMostSteps = 400;               // per ray
 constexpr double kFar = 1e300;
 constexpr std::size_t kMostLights = 3;
 constexpr double kFourPi = 4 * glm::pi<double>();
 
-// What a volume is at a point of the world, per world unit. Light is measured in irradiances that are scattered evenly.
+// Extinction and emission at a point, per world unit. Emission is given as the irradiance that would be scattered
+// evenly to the same effect.
 struct Stuff {
     double extinction = 0, glow = 0;
 
@@ -55,15 +56,15 @@ class PilotVolume {
     VolumeOptics optics;
 
   private:
-    std::vector<double> m_glow;  // of each emission
+    std::vector<double> m_glow;  // for each emission
 };
 
 struct PilotLight {
     const Light* light;
-    double power;  // irradiance; radiant intensity
+    double power;  // irradiance, or radiant intensity
 };
 
-// The scene as pilots see it.
+// The scene as pilot rays see it.
 class PilotScene {
   public:
     explicit PilotScene(const ViewScene& scene) {
@@ -85,9 +86,9 @@ class PilotScene {
         m_ambient = kFourPi * glm::dot(scene.ambient, Rgb(1.0 / 3));
         const bool glows = std::any_of(scene.volumes.begin(), scene.volumes.end(),
                                        [](const ViewVolume& volume) { return !volume.emission.empty(); });
-        // In the dark what covers is what is seen.
+        // In a scene without light only opacity is visible; constant ambient light then stands for it.
         if (m_ambient == 0 && !glows && (m_lights.empty() || m_lights.front().power == 0)) m_ambient = 1;
-        // Sheets lie half-way between eye and light; any two axes along them do.
+        // Sheets lie half-way between eye and light. Any two axes within them will do.
         Vec3 axis = viewingAxis(scene.camera);
         if (!m_lights.empty()) {
             const Vec3 way = -toLight(*m_lights.front().light, m_bounds.center());
@@ -99,7 +100,7 @@ class PilotScene {
         m_v = frame[1];
     }
 
-    // Radiance of a ray, through the field and through texels of it; nothing where the ray meets nothing.
+    // Radiance of a ray through the field and through texels of it, and alpha; all 0 where the ray meets nothing.
     struct Seen {
         double exact = 0, texels = 0, alpha = 0;
     };
@@ -119,7 +120,8 @@ class PilotScene {
                 for (const PilotLight& l : m_lights) addLight(l, at, jitter, light);
             for (int i = 0; i < 2; ++i) {
                 const double tau = stuff[i].extinction * step, left = std::exp(-tau);
-                const double sent = tau > 1e-6 ? (1 - left) / tau : 1;  // of what glows in the step
+                // mean transmittance of emission within the step
+                const double sent = tau > 1e-6 ? (1 - left) / tau : 1;
                 radiance[i] += through[i] * ((1 - left) * light[i] + sent * stuff[i].glow * step);
                 through[i] *= left;
             }
@@ -129,7 +131,7 @@ class PilotScene {
     }
 
   private:
-    // 0, 0, 0 where the light itself is.
+    // Unit vector to the light; 0, 0, 0 at the place of the light itself.
     static Vec3 toLight(const Light& light, const Vec3& from) {
         const Vec3 way = light.distant() ? -light.wsDirection : light.wsPosition - from;
         return way == Vec3(0) ? way : glm::normalize(way);
@@ -142,7 +144,8 @@ class PilotScene {
             for (const std::uint32_t v : m_cells[cellOf(ws)]) sum.add(m_volumes[v].at(ws), 1);
         return sum;
     }
-    // Of thousands of instances a point lies in a few: which, is known for each cell of a grid.
+    // Among thousands of instances only a few volumes contain a given point. Each cell of a grid lists the volumes
+    // whose boxes touch it.
     static constexpr int kCells = 24;  // along an axis
     using Cells = std::vector<std::vector<std::uint32_t>>;
     int cellAlong(double x, int axis) const {
@@ -168,15 +171,16 @@ class PilotScene {
                         m_cells[std::size_t((x * kCells + y) * kCells + z)].push_back(static_cast<std::uint32_t>(v));
         }
     }
-    // How many steps along a ray from `at` on meet the same as there, in the field and in texels; 0: none is known to.
+    // How many steps along a ray from `at` see the same values as `at`, both in the field and in texels; 0 if unknown.
     int evenSteps(const Vec3& at, const Vec3& direction, double step) const {
         constexpr double kReach = 2.25;  // texels: two along one axis, one along the other
         if (m_volumes.size() != 1) return 0;
         const double way = m_volumes.front().optics.evenAlong(at, direction, kReach * m_voxel);
         return way < 0 ? 0 : 1 + static_cast<int>(std::min(way / step, 1.0 * kMostSteps));
     }
-    // Between the four prefiltered texels around: f - 1/12 (second differences), from which what a bilinear look-up
-    // adds on average is missing. Texels at -1 and 2 of a row or column count through that alone.
+    // The field as texels reconstruct it: bilinear between the four nearest texels of f - 1/12 (second differences), a
+    // prefilter that makes up for the blur of the bilinear look-up. Texels at -1 and 2 of a row or column contribute
+    // only through the prefilter.
     Stuff texelsAt(const Vec3& ws) const {
         const double u = glm::dot(ws, m_u) / m_voxel, v = glm::dot(ws, m_v) / m_voxel;
         const double fu = u - std::floor(u), fv = v - std::floor(v);
@@ -221,7 +225,7 @@ class PilotScene {
     }
 
     std::vector<PilotVolume> m_volumes;
-    Cells m_cells;  // empty: there are few volumes
+    Cells m_cells;  // empty if there are few volumes
     std::vector<PilotLight> m_lights;
     double m_ambient = 0;
     Bounds m_bounds;
@@ -235,7 +239,7 @@ double pilotError(const ViewScene& given, int rays) {
     const ViewScene scene = withFewSubLights(given, static_cast<int>(kMostLights));
     const RayFamily family = wsRays(scene.camera);
     const Int2 size = scene.camera.resolution;
-    // Additive recurrence over the picture: even, and the same every time.
+    // An additive recurrence spreads the rays evenly over the picture and is the same in every run.
     const auto place = [](int i, double alpha) {
         const double x = 0.5 + alpha * i;
         return x - std::floor(x);

@@ -15,9 +15,9 @@ namespace {
 
 constexpr int kRays = 48;  // a few milliseconds
 
-// Edges of solids' shadows are as wide as a texel, and their error is of first order. examples/scenes/arch.toml, where
-// they fill the picture, has 3.0, 1.2 and 0.6 % with texels and sheets of 2, 1 and 0.5 voxels, and a third to a half
-// more where sheets are twice as thick as texels are wide.
+// Refines texels and sheets for the edges of solids' shadows, which are as wide as a texel and whose error is of first
+// order. In examples/scenes/arch.toml, where such edges fill the picture, the error is 3.0, 1.2 and 0.6 % with texels
+// and sheets of 2, 1 and 0.5 voxels, and a third to a half more where sheets are twice as thick as texels are wide.
 void resolveEdges(PromisedDials& promised, double finest) {
     constexpr double kEdges = 0.018;
     const double finer = std::max(promised.promised / kEdges, finest);
@@ -52,14 +52,15 @@ double meanSlant(const ViewScene& scene) {
 }
 
 ToleranceModel expectedModel(double pilot, double slant, bool classified) {
-    // Of 27 scenes drawn by lot (tests/bench/promises_scenes.py, seed 1001) texels of one voxel left 0.43 pilot^0.89,
-    // within a factor of 1.3 for two of three; of sheets of one voxel a tenth to a third of it. Surfaces are harder.
+    // In 27 scenes drawn at random (tests/bench/promises_scenes.py, seed 1001), texels of one voxel left an error of
+    // 0.43 pilot^0.89, within a factor of 1.3 for two of three scenes; sheets of one voxel left a tenth to a third of
+    // that. Surfaces are harder.
     constexpr double kMargin = 1.65, kSurfaceMargin = 2.5, kSheets = 0.25, kSurfaceSheets = 0.35;
-    // Sheets: of smoke1.vdb with the sun at 0, 35 and 70 degrees to the view, and the same from behind, 0.1 to 0.2,
-    // 0.35 to 0.8 and 0.9 to 1.7 % for sheets of a voxel. Those of scenes by lot are a mean over slants of about 0.55.
+    // Sheets of one voxel, in smoke1.vdb with the sun at 0, 35 and 70 degrees to the view and the same from behind,
+    // left 0.1 to 0.2, 0.35 to 0.8 and 0.9 to 1.7 %. The random scenes above average over slants of about 0.55.
     constexpr double kMeanSlant = 0.55, kUpright = 0.2;
     const double oblique = std::max(slant / kMeanSlant, kUpright);
-    // What pilots of surfaces say beyond this is the doing of a few rays along rims, in pictures that are nearly black.
+    // Pilots of surfaces above this come from a few rays along rims in pictures that are nearly black.
     constexpr double kMostOfSurfaces = 0.2;
     if (classified) pilot = std::min(pilot, kMostOfSurfaces);
     const double texels = (classified ? kSurfaceMargin : kMargin) * 0.43 * std::pow(std::max(pilot, 1e-6), 0.89);
@@ -69,12 +70,12 @@ ToleranceModel expectedModel(double pilot, double slant, bool classified) {
 PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double promised, double finest) {
     constexpr double kCoarsestTexel = 2, kCoarsestSheets = 4;
     const auto square = [](double x) { return x * x; };
-    // How fine a dial must be for its part of error^2.
+    // The dial's value, in voxels, at which it takes the fraction `part` of error^2.
     const auto fineness = [](double part, double coefficient) {
         return std::pow(std::sqrt(std::max(part, 0.0)) / coefficient, 1 / ToleranceModel::kOrder);
     };
-    // A voxel costs as 1 / (texel^2 thickness): then texels are best left two thirds of error^2, and sheets one. What
-    // the limits of either take away or leave is the other's.
+    // The cost of a voxel is 1 / (texel^2 thickness), so it is cheapest to leave two thirds of error^2 to texels and
+    // one third to sheets. Where a limit takes from one or leaves something over, the other gets the difference.
     const double all = square(promised);
     double texel = std::clamp(fineness(2 * all / 3, model.texels), finest, kCoarsestTexel);
     const double thickness =
@@ -82,7 +83,7 @@ PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double p
     texel = std::clamp(fineness(all - square(model.predict(0, thickness)), model.texels), finest, kCoarsestTexel);
 
     PromisedDials out{dials, promised, 0};
-    // So that the setting can be read, and typed again.
+    // Rounded so that the setting is easy to read and to type again.
     out.dials.texel = std::max(std::floor(100 * texel) / 100, finest);
     out.dials.sheetThickness = std::max(std::floor(100 * thickness) / 100, finest);
     out.dials.opacityCutoff = std::min(dials.opacityCutoff, promised / 10);
@@ -95,13 +96,13 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     const bool classified = std::any_of(scene.volumes.begin(), scene.volumes.end(),
                                         [](const ViewVolume& volume) { return volume.classified != nullptr; });
     const double promised = promisedError(quality, classified);
-    // Kinks, rounding and quantised footprints take from the order where dials are this fine.
+    // With dials this fine, kinks, rounding and quantised footprints lower the order of convergence.
     constexpr double kFine = 2e-3, kFineAim = 0.6;
-    // Opaque surfaces are of first order: to be sure of the last of their error would take minutes. Where this is not
-    // fine enough, a warning says so.
+    // Opaque surfaces converge with first order, and guaranteeing the last of their error would take minutes. Where
+    // this limit is not fine enough, a warning says so.
     const double finest = classified ? std::clamp(22 * promised, 0.12, 0.5) : kFinestPromised;
-    // The scenes that errors were measured in had lights. Where none shines, sheets lie along the picture, and nothing
-    // but edges is seen of the volume: twice the error, and more in thin media.
+    // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
+    // edges of the volume are visible: the error is twice as large, and larger in thin media.
     constexpr double kUnlit = 2;
     const bool lit = std::any_of(scene.lights.begin(), scene.lights.end(),
                                  [](const Light& light) { return light.intensity != Rgb(0); });

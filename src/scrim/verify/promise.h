@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a preset promises: an error. Before anything is rendered, the dials that should keep it are chosen, from a few
-// rays through the scene (pilot_rays.h). Nothing here depends on crops, threads or memory, so all parts of a picture
+// The error that a preset promises. Before anything is rendered, a few rays through the scene (pilot_rays.h) choose the
+// dials that should keep the promise. The choice does not depend on crops, threads or memory, so all parts of a picture
 // get the same dials.
 #pragma once
 
@@ -11,28 +11,29 @@
 
 namespace scrim {
 
-inline constexpr double kFinestPromised = 0.1;  ///< voxels: texels and sheets are chosen no finer
+inline constexpr double kFinestPromised = 0.1;  ///< voxels; texels and sheets are never chosen finer
 
 struct PromisedDials {
     Dials dials;
-    double promised = 0, expected = 0;  ///< relative RMSE; expected > promised: no dials that are tried keep it
+    /// relative RMSE; expected > promised: none of the dials tried keeps the promise
+    double promised = 0, expected = 0;
 };
 
-/// How obliquely eye and lights pass the sheets between them: the tangent of half the angle between an eye's ray and a
-/// light's (or the light's, reversed), a mean over the shadowed lights by their power. Error of sheets grows with it:
-/// along the sheets' axis a sheet holds just what a ray meets, on other ways what lies beside it.
+/// How obliquely eye rays and lights pass the sheets between them: the tangent of half the angle between an eye ray and
+/// a light's ray (or its reverse), averaged over shadowed lights by their power. The error of sheets grows with it,
+/// because a sheet holds exactly what a ray along the sheets' axis meets, but on slanted rays also what lies beside it.
 double meanSlant(const ViewScene& scene);
 
-/// The error that texels and sheets leave in a scene where pilotError() is `pilot`, with a margin that holds for nine
-/// scenes of ten.
+/// The model of the error that texels and sheets leave in a scene where pilotError() is `pilot`. Its margin covers nine
+/// of ten scenes.
 ToleranceModel expectedModel(double pilot, double slant, bool classified);
 
-/// The cheapest texels and sheets that keep `promised` by `model`, none finer than `finest` voxels, and whatever else
-/// it asks for; the other dials are those of `dials`.
+/// `dials` with the cheapest texels and sheets that keep `promised` by `model`, none finer than `finest` voxels, and
+/// with the other dials that the promise requires.
 PromisedDials dialsFor(const Dials& dials, const ToleranceModel& model, double promised,
                        double finest = kFinestPromised);
 
-/// `scene.dials` with the cheapest texels and sheets that should keep what preset `quality` promises.
+/// `scene.dials` with the cheapest texels and sheets that should keep the promise of preset `quality`.
 PromisedDials promisedDials(const ViewScene& scene, const std::string& quality);
 
 }  // namespace scrim

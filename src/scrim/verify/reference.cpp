@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// A step passes over at most this many pixels of a slide, unless that takes more than so many steps for one.
+// The most pixels of a slide that one step may cross; a step is divided into at most kMostSlideSteps for this.
 constexpr double kSlidePixels = 0.5;
 constexpr double kMostSlideSteps = 64;
 
@@ -33,7 +33,8 @@ double least(const Rgb& v) {
     return std::min({v.x, v.y, v.z});
 }
 
-// Two numbers in [0, 1) by lot: the same for the same place and light, and no others' doing.
+// Two random numbers in [0, 1) that depend only on the place and the light, so that every evaluation gives the same
+// result.
 Vec2 lotOf(const Vec3& ws, std::size_t light) {
     std::uint64_t state = kSplitMixStep * (light + 1);
     for (int axis = 0; axis < 3; ++axis) state = splitMix(state + std::bit_cast<std::uint64_t>(ws[axis]));
@@ -55,7 +56,7 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
             m_lights.emplace_back(std::in_place_type<LightRays>, light);
         else
             m_lights.emplace_back(std::in_place_type<LightAt>, light);
-    // What n x n rays miss shrinks at least as 1 / n^2, and the samples along an eye's ray miss different things.
+    // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
     constexpr int kFewest = 6, kMost = 24;
     if (m_options.lightRays == 0)
         m_options.lightRays =
@@ -65,7 +66,8 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
         m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);
 }
 
-// The part of a step that the pixels of slides allow: light that varies within a step would be missed.
+// Shortens a step so that it crosses at most kSlidePixels of any slide; light that varies within a step would be
+// missed.
 double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) const {
     double most = 1;
     for (const auto& light : m_lights) {
@@ -76,7 +78,7 @@ double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) 
         if (a.z > 0 && b.z > 0)
             most = std::max(most, glm::distance(Vec2(a) / a.z, Vec2(b) / b.z) / kSlidePixels);
         else if (a.z > 0 || b.z > 0)
-            most = kMostSlideSteps;  // into the light, or out of it
+            most = kMostSlideSteps;  // the step enters or leaves the slide's light
     }
     return step / std::min(most, kMostSlideSteps);
 }
@@ -102,7 +104,7 @@ Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
     if (length == 0 || m_volumes.empty()) return Rgb(0);
     const Vec3 direction = (b - a) / length;
     const auto [begin, end] = m_wsBounds.clip(a, direction, 0, length);
-    // Steps of two-point Gauss quadrature, exact for the cubics of a trilinear field within a cell.
+    // Two-point Gauss quadrature for each step; it is exact for the cubics that a trilinear field forms within a cell.
     const double gauss = 0.5 / std::sqrt(3.0);
     Rgb tau(0);
     for (double t = begin; t < end;) {
@@ -132,12 +134,12 @@ Rgb Reference::reflect(const VolumeOptics& v, const Vec3& ws, const Vec3& toLigh
     return value.extinction / std::numbers::pi * (share.diffuse * value.color + share.specular);
 }
 
-// Beyond all volumes.
+// A point on the ray beyond all volumes.
 Vec3 Reference::farAway(const Vec3& ws, const Vec3& direction) const {
     return ws + direction * (std::max(0.0, m_wsBounds.clip(ws, direction, 0, kInfinity).second) + m_voxel);
 }
 
-// Is there a solid on the way from `ws` along `toLight`, a unit vector, within `distance`?
+// True if a solid is hit from `ws` along the unit vector `toLight` within `distance`.
 bool Reference::blocked(const Vec3& ws, const Vec3& toLight, double distance) const {
     return m_scene.solids && m_scene.solids->firstHit(SolidRole::shadow, ws, toLight, 0, distance) < kInfinity;
 }
@@ -155,9 +157,9 @@ Rgb Reference::scatter(std::size_t index, const Vec3& ws, const Vec3& eye) const
     return arriving.irradiance * towardsEye(index, ws, arriving.travel, eye, tau);
 }
 
-// The same of a light with an extent: n x n places of the square of its rays, which an additive recurrence spreads
-// evenly (M. Roberts' R2), all moved on by one offset that differs from point to point, so that what they miss averages
-// out along the eye's ray.
+// As `scatter`, for an extended light. It sends n x n rays through the square of the light's rays. An additive
+// recurrence spreads them evenly (M. Roberts' R2), and one random offset per sample shifts them all, so that their
+// errors average out along the eye ray.
 Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& eye) const {
     const int n = m_options.lightRays;
     const Vec2 offset = lotOf(ws, index);
@@ -177,7 +179,8 @@ Rgb Reference::scatterExtended(std::size_t index, const Vec3& ws, const Vec3& ey
     return sum / double(n * n);
 }
 
-// Radiance per world unit and unit of irradiance that volumes send along `eye`, of light that arrives along `travel`.
+// Radiance per world unit and unit of irradiance that the volumes send along `eye`, from light that arrives along
+// `travel`.
 Rgb Reference::towardsEye(std::size_t index, const Vec3& ws, const Vec3& travel, const Vec3& eye,
                           const Rgb& tau) const {
     Rgb sum(0);
@@ -217,7 +220,7 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
         if (volume.classified) {
             const ClassifiedValue value = classify(*volume.classified, v.density(ws));
             out.source += value.extinction * volume.classified->ambient * value.color * m_scene.ambient;
-        } else if (!scattersFully(volume)) {  // what that makes of ambient light is the path tracer's
+        } else if (!scattersFully(volume)) {  // the path tracer computes the ambient light of media that scatter fully
             out.source += v.scattering(ws) * m_scene.ambient;
         }
     }
@@ -245,7 +248,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
             t += empty;
             continue;
         }
-        // A step is as long as its optical depth allows.
+        // The step's optical depth limits its length.
         double step = slideStep(origin + t * direction, direction, std::min(m_step, end - t));
         step = held.limited(t, step, m_options.mostTau);
         for (int halvings = 0; halvings < 40; ++halvings) {
@@ -256,7 +259,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
             step = std::max(0.5 * step, m_options.mostTau / densest);
             if (step * densest <= m_options.mostTau * 1.0001) break;
         }
-        // Two Gauss points; each sees half of the step's optical depth in front of or behind it.
+        // Two Gauss points; at each, half of the step's optical depth lies in front of it or behind it.
         const double middle = t + 0.5 * step;
         const double nearT = middle - gauss * step, farT = middle + gauss * step;
         const Sample near = sample(origin + nearT * direction, direction);
@@ -272,7 +275,8 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         tau += stepTau;
         t += step;
     }
-    // Where all that hides is seen alpha is what transmittance leaves; else it is a sum as radiance is.
+    // If everything that hides is also shown, alpha is 1 - transmittance. Otherwise alpha is summed along the ray like
+    // radiance.
     if (holdsOut(m_scene)) return {radiance.x, radiance.y, radiance.z, (shown.x + shown.y + shown.z) / 3};
     const double alpha = -(std::expm1(-tau.x) + std::expm1(-tau.y) + std::expm1(-tau.z)) / 3;
     return {radiance.x, radiance.y, radiance.z, alpha};

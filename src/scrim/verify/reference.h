@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// The brute-force reference: one pixel at a time, double precision, small adaptive steps, a shadow ray marched
-// from every sample to every light. Slow, and meant to be obviously right: everything else is judged by it.
+// The brute-force reference: one pixel at a time, in double precision, with small adaptive steps, and a shadow ray
+// marched from every sample to every light. It is slow and meant to be obviously right, because everything else is
+// judged by it.
 //
-// It shares with the engine what a scene means: how a kernel reconstructs a field (volume/field_sampler), what a volume
-// does to light and what a light sends (scene/optics, scene/light_at). How light is carried is computed here alone.
+// It shares with the engine the meaning of a scene: how a kernel reconstructs a field (volume/field_sampler), what a
+// volume does to light and what a light sends (scene/optics, scene/light_at). The transport of light is computed
+// independently here.
 #pragma once
 
 #include <scrim/scene/light_at.h>
@@ -19,30 +21,30 @@
 namespace scrim {
 
 struct ReferenceOptions {
-    double step = 0.5;                 ///< voxels, at most
-    double mostTau = 0.1;              ///< optical depth of a step, at most: denser places take smaller steps
-    double leastTransmittance = 1e-7;  ///< an eye ray ends where less is left
-    double classifiedStep = 0.0625;    ///< voxels, at most, where a volume is classified
-    /// Eye rays end at this depth along the viewing axis, world units. Light comes through all of the volumes.
+    double step = 0.5;                 ///< largest step, voxels
+    double mostTau = 0.1;              ///< largest optical depth of a step; denser places take smaller steps
+    double leastTransmittance = 1e-7;  ///< an eye ray ends where its transmittance falls below this
+    double classifiedStep = 0.0625;    ///< largest step where a volume is classified, voxels
+    /// Eye rays end at this depth along the viewing axis, world units. Light still passes through all volumes.
     double far = std::numeric_limits<double>::infinity();
-    /// n, where n^2 rays go to an extended light from every sample, moved by lot from sample to sample. 0: what the
-    /// scene's light_error calls for.
+    /// n, where each sample sends n^2 rays to an extended light, with a random offset for each sample. 0: n follows
+    /// from the scene's light_error.
     int lightRays = 0;
 };
 
 class Reference {
   public:
-    /// `scene` must outlive this, and so must the fields of `samplers`, which get what is not among them yet; null: it
-    /// has its own. Of a scene of moments it sees the one that the scene is.
+    /// `scene` must outlive this object, and so must the fields of `samplers`, to which missing ones are added. null:
+    /// it has its own samplers. In a scene of several moments it sees the one moment that `scene` is.
     explicit Reference(const ViewScene& scene, const ReferenceOptions& options = {}, FieldSamplers* samplers = nullptr);
 
-    /// Premultiplied RGBA along the ray through raster position (x, y). A pixel's centre is at + 1/2.
+    /// Premultiplied RGBA along the ray through raster position (x, y). Pixel centres are at + 1/2.
     std::array<double, 4> ray(double x, double y) const;
 
-    /// Mean over the n x n rays of pixel (x, y), n = the scene's antialias dial.
+    /// Mean over the n x n rays of pixel (x, y), where n is the scene's antialias dial.
     std::array<double, 4> pixel(int x, int y) const;
 
-    /// Optical depth from `a` to `b`, world space, of each channel.
+    /// Optical depth of each channel between two points in world space.
     Rgb opticalDepth(const Vec3& wsA, const Vec3& wsB) const;
 
     /// Radiance per world unit of path at `ws`, scattered and emitted, for an eye ray of direction `wsDirection` (unit,
@@ -50,7 +52,7 @@ class Reference {
     struct Sample {
         Rgb source{0};
         Rgb extinction{0};
-        Rgb seen{0};  ///< extinction of what is not held out
+        Rgb seen{0};  ///< extinction of volumes that are not held out
     };
     Sample sample(const Vec3& ws, const Vec3& wsDirection) const;
 
@@ -69,7 +71,8 @@ class Reference {
     const ViewScene& m_scene;
     ReferenceOptions m_options;
     std::vector<VolumeOptics> m_volumes;
-    std::vector<std::variant<LightAt, LightRays>> m_lights;  // as they are extended or not
+    // one of the two, depending on whether the light is extended
+    std::vector<std::variant<LightAt, LightRays>> m_lights;
     Bounds m_wsBounds;
     double m_voxel, m_step;
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Numbers by lot that are the same every time (G. Steele, D. Lea and C. Flood, Fast Splittable Pseudorandom Number
+// Random numbers that are the same in every run (G. Steele, D. Lea and C. Flood, Fast Splittable Pseudorandom Number
 // Generators, 2014: SplitMix64).
 #pragma once
 

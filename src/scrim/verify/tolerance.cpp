@@ -14,15 +14,17 @@
 namespace scrim {
 namespace {
 
-constexpr unsigned kPilotSeed = 7919;  // away from those of verifications, whose pixels must not be tuned for
-constexpr double kDoubt = 0.025;       // chance that the bound of any attempt lies below the error
+// differs from the seeds of verifications, because dials must not be tuned for their pixels
+constexpr unsigned kPilotSeed = 7919;
+constexpr double kDoubt = 0.025;  // probability that the bound of any attempt lies below the error
 
-constexpr double kAim = 0.7;  // part of a tolerance that the prediction may use up
+constexpr double kAim = 0.7;  // fraction of the tolerance that the predicted error may take
 
-// An interval this much wider than the error is what `aim` leaves room for.
+// `aim` leaves room for a confidence interval up to this much wider than the error.
 constexpr double kWidthAllowed = 1.3;
 
-// Sub-lights are left half of it: neither pilots nor attempts may stumble over them.
+// The scene with sub-lights that may take half of the tolerance, so that neither pilots nor attempts fail because of
+// them.
 ViewScene litWithin(const ViewScene& scene, double tolerance) {
     ViewScene out = scene;
     out.dials.lightError = std::min(scene.dials.lightError, tolerance / 2);
@@ -49,7 +51,8 @@ std::array<Pilot, 2> pilotsFor(double tolerance) {
 }
 
 ToleranceModel fitModel(const std::array<Pilot, 2>& pilots) {
-    constexpr double kLeastPart = 0.05;  // of a pilot's squared error is that of either, even where it seems to be none
+    // each of the two takes at least this fraction of a pilot's squared error, even where it seems to have none
+    constexpr double kLeastPart = 0.05;
     const auto square = [](double x) { return x * x; };
     const auto& [thick, thin] = pilots;
     const auto power = [](double x) { return std::pow(x, 2 * ToleranceModel::kOrder); };
@@ -68,8 +71,8 @@ ToleranceModel scaled(const ToleranceModel& model, double factor) {
 ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model, double tolerance, double aim,
                             const ProgressSink& progress) {
     constexpr double kFinestTexel = 0.15, kCoarsestTexel = 2.1, kFinestSheets = 0.2, kCoarsestSheets = 4.1;
-    constexpr double kStep = 1.19;           // sixth root of two and a little
-    constexpr double kFineTolerance = 3e-3;  // below which eight steps of footprints show
+    constexpr double kStep = 1.19;           // a little more than the sixth root of two
+    constexpr double kFineTolerance = 3e-3;  // below this tolerance the error of eight footprint steps shows
     ViewScene with = scene;
     with.dials.opacityCutoff = std::min(scene.dials.opacityCutoff, tolerance / 10);
     with.dials.footprintSteps = std::max(scene.dials.footprintSteps, tolerance < kFineTolerance ? 16 : 8);
@@ -78,7 +81,7 @@ ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model,
     double leastTime = std::numeric_limits<double>::infinity();
     const auto take = [&best](const Dials& dials, double error, bool reachable) {
         best = {dials, error, reachable};
-        // So that the setting can be read, and typed again.
+        // Rounded so that the setting is easy to read and to type again.
         best.dials.texel = std::round(1000 * dials.texel) / 1000;
         best.dials.sheetThickness = std::round(1000 * dials.sheetThickness) / 1000;
     };
@@ -95,7 +98,7 @@ ToleranceChoice chooseDials(const ViewScene& scene, const ToleranceModel& model,
                 leastTime = time;
                 take(tried.dials, error, true);
             }
-            break;  // thinner sheets only take longer
+            break;  // thinner sheets would only take longer
         }
     return best;
 }
@@ -106,7 +109,7 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
     for (Pilot& pilot : pilots) {
         const bool first = &pilot == &pilots.front();
         ViewScene tried = turned(scene, pilot.texel, pilot.thickness);
-        tried.layers.clear();  // nobody looks at those
+        tried.layers.clear();  // layers are not needed here
         const ProgressSink rendering = first ? partOf(progress, 0, 0.2) : partOf(progress, 0.8, 1);
         const Image image = render(tried, makePlan(tried, threadCount(), rendering), rendering).image;
         if (first)
@@ -120,7 +123,8 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
 
 ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth, const ToleranceOptions& options) {
     const ViewScene scene = litWithin(given, options.tolerance), truth = litWithin(givenTruth, options.tolerance);
-    constexpr double kPiloted = 0.3, kRendered = 0.2;  // of progress: all; of an attempt
+    // fractions of progress: pilots of the whole, rendering of an attempt
+    constexpr double kPiloted = 0.3, kRendered = 0.2;
     ToleranceResult out;
     std::array<Pilot, 2> pilots = pilotsFor(options.tolerance);
     timed(out.seconds.pilots, [&] {
@@ -134,7 +138,7 @@ ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth
     const auto make = [&](const Plan& plan, const ProgressSink& progress) {
         return options.render ? options.render(tried, plan, progress) : render(tried, plan, progress);
     };
-    double wanted = options.tolerance;  // less where an interval turned out to be wide
+    double wanted = options.tolerance;  // smaller after an interval turned out to be wide
     for (int attempt = 0; attempt < options.attempts; ++attempt) {
         const double from = kPiloted + (1 - kPiloted) * attempt / options.attempts;
         const double to = kPiloted + (1 - kPiloted) * (attempt + 1) / options.attempts;

@@ -14,10 +14,10 @@
 namespace scrim {
 namespace {
 
-constexpr double kLeastAlpha = 1e-3;        // pixels below this do not count, unless they shine
-constexpr double kLeastLight = 1e-3;        // of the brightest reference
+constexpr double kLeastAlpha = 1e-3;        // pixels below this count only if they shine
+constexpr double kLeastLight = 1e-3;        // relative to the brightest reference
 constexpr std::size_t kPixelsPerStep = 16;  // between two reports of progress
-constexpr double kAnnounceAfter = 0.5;      // seconds of a verification
+constexpr double kAnnounceAfter = 0.5;      // seconds after the start of a verification
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double mostLight(const std::array<double, 4>& rgba) {
@@ -39,28 +39,28 @@ bool counts(const VerifiedPixel& p, double brightest) {
            std::max(mostLight(p.reference), mostLight(p.rendered)) > kLeastLight * brightest;
 }
 
-// What one pixel adds: to the squares of differences, and to the mean that they are measured by.
+// The contribution of one pixel: to the sum of squared differences, and to the mean that they are relative to.
 struct Term {
     double square = 0, mean = 0;
 };
 
-// Sums over pixels whose relative RMSE is asked for.
+// The terms of all pixels whose relative RMSE is computed.
 class RelativeError {
   public:
     explicit RelativeError(std::vector<Term> terms) : m_terms(std::move(terms)) {}
 
     double value() const { return valueOf(m_terms).error; }
-    /// Ends of the interval of `confidence`, where deviations are `scale` times as large as of pixels that are few
+    /// The ends of the interval of `confidence`. `scale` multiplies the deviation that holds for pixels that are few
     /// among many.
     std::array<double, 2> interval(double confidence, double scale) const;
-    /// The same where the reference's own noise was taken out of the squares: much of what they differ by is noise, and
-    /// their sum may even be below zero.
+    /// The same for a noisy reference whose variance was subtracted from the squares: noise dominates their spread, and
+    /// their sum may even be negative.
     std::array<double, 2> noisyInterval(double confidence, double scale) const;
 
   private:
     struct Value {
         double error = 0;
-        double logError = 0, deviation = 0;  // of the logarithm; deviation 0: unknown
+        double logError = 0, deviation = 0;  // of the logarithm of the error; 0: unknown
     };
     template <typename Terms>
     static Value valueOf(const Terms& terms);
@@ -68,7 +68,7 @@ class RelativeError {
     std::vector<Term> m_terms;
 };
 
-// Deviation by the delta method: error = sqrt(mean square) / mean.
+// The deviation comes from the delta method: error = sqrt(mean square) / mean.
 template <typename Terms>
 RelativeError::Value RelativeError::valueOf(const Terms& terms) {
     double s = 0, m = 0, ss = 0, sm = 0, mm = 0;
@@ -89,12 +89,12 @@ RelativeError::Value RelativeError::valueOf(const Terms& terms) {
     return {error, std::log(error), std::sqrt(std::max(variance, 0.0))};
 }
 
-// Bootstrap-t of the logarithm (B. Efron and R. Tibshirani, An Introduction to the Bootstrap, ch. 12): squares of
-// errors have long tails, and percentiles of plain resamples would promise too much.
+// Bootstrap-t of the logarithm (B. Efron and R. Tibshirani, An Introduction to the Bootstrap, ch. 12). Squared errors
+// have long tails, and percentiles of plain resamples would give an upper end that is too low.
 std::array<double, 2> RelativeError::interval(double confidence, double scale) const {
     const Value own = valueOf(m_terms);
     if (own.deviation == 0 || scale == 0 || m_terms.size() < 2) return {own.error, own.error};
-    constexpr double kWork = 2e7;  // terms that are drawn, at most
+    constexpr double kWork = 2e7;  // most terms that are drawn
     const auto n = m_terms.size();
     const auto count = std::size_t(std::clamp(kWork / double(n), 200.0, 4000.0));
     std::mt19937_64 random(1);
@@ -116,7 +116,7 @@ std::array<double, 2> RelativeError::interval(double confidence, double scale) c
             own.error * std::exp(std::max(-step * at(tail), 0.0))};
 }
 
-// Bootstrap of the mean square (Efron and Tibshirani, ch. 13), which knows no sign.
+// Bootstrap of the mean square (Efron and Tibshirani, ch. 13), which may have either sign.
 std::array<double, 2> RelativeError::noisyInterval(double confidence, double scale) const {
     const auto n = m_terms.size();
     double square = 0, mean = 0;
@@ -133,7 +133,7 @@ std::array<double, 2> RelativeError::noisyInterval(double confidence, double sca
     std::sort(drawn.begin(), drawn.end());
     const double tail = 0.5 * (1 - confidence);
     const auto farFrom = [&](double part) { return scale * (drawn[std::size_t(part * (kCount - 1))] - square); };
-    // Squares have long tails: to either side what resamples or their reflection reach.
+    // Squares have long tails, so each end uses the larger distance that resamples reach on either side.
     const double away = std::max(farFrom(1 - tail), -farFrom(tail));
     return {std::sqrt(std::max(square - away, 0.0)) / mean, std::sqrt(std::max(square, 0.0) + away) / mean};
 }
@@ -159,7 +159,8 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
         a.square = (p.rendered[3] - p.reference[3]) * (p.rendered[3] - p.reference[3]);
         a.mean = p.reference[3];
         if (!isFinite(p.rendered)) c.square = a.square = kInfinity;
-        if (brightest == 0) c.mean = a.mean;  // nothing is lit: what shines all the same is measured by what covers
+        // if nothing is lit, what shines in the picture is measured relative to opacity
+        if (brightest == 0) c.mean = a.mean;
         mean += c.mean;
         if (c.square >= v.worst) {
             v.worst = c.square;
@@ -174,7 +175,7 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
     v.mean = mean / v.pixels;
     v.bias = mean > 0 ? signedSum / mean : 0;
     v.worst = mean > 0 ? std::sqrt(v.worst) / v.mean : v.worst > 0 ? kInfinity : 0;
-    // Of a picture that was looked at as a whole the error is known.
+    // The error of a picture that was examined completely is known.
     const double left = candidates > 0 ? 1 - double(pixels.size()) / double(candidates) : 1;
     const RelativeError ofColour(std::move(colour)), ofAlpha(std::move(alpha));
     v.error = ofColour.value();
@@ -207,7 +208,7 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
     const auto wanted = std::size_t(options.count);
     const double prepared = spent();
     bool announced = false;
-    std::size_t counted = 0, judged = 0;  // of the first `judged` pixels
+    std::size_t counted = 0, judged = 0;  // among the first `judged` pixels
     double brightest = 0;
     for (std::size_t first = 0; first < order.size() && counted < wanted; first += kPixelsPerStep) {
         const std::size_t step = std::min(kPixelsPerStep, order.size() - first);
@@ -216,14 +217,14 @@ PixelSample samplePixels(const ViewScene& truth, const Image& image, const Sampl
         reference.evaluate(fresh);
         setRendered(fresh, image);
         if (const double now = std::max(brightest, brightestOf(fresh)); now > brightest) {
-            brightest = now;  // what counted in its shade may not count any more
+            brightest = now;  // pixels that counted relative to the former brightest may no longer count
             counted = judged = 0;
         }
         for (; judged < sample.pixels.size() && counted < wanted; ++judged)
             counted += counts(sample.pixels[judged], brightest) ? 1 : 0;
         sample.pixels.resize(judged);
         const double done = std::max(double(counted) / double(wanted), double(first + step) / double(order.size()));
-        // Not of the very first pixels, which find cold caches.
+        // The first pixels are excluded from the estimate, because caches are cold then.
         if (!announced && options.announce && spent() - prepared > kAnnounceAfter) {
             announced = true;
             options.announce(prepared + (spent() - prepared) / done);

@@ -15,7 +15,7 @@
 namespace scrim {
 namespace {
 
-// A field's box, kernels included, and the eye's rays in its index space.
+// The box of a field, kernel included, and the eye's rays in the field's index space.
 struct BoxTest {
     Bounds isBox;
     RayFamily isRays;
@@ -59,10 +59,10 @@ std::vector<BoxTest> boxTests(const ViewScene& scene) {
 bool shows(const Image& image, int x, int y) {
     if (!image.window.contains(x, y)) return false;
     const float* rgba = image.rgba.data() + image.indexOf(x, y);
-    return std::any_of(rgba, rgba + 4, [](float v) { return v != 0; });  // a NaN shows
+    return std::any_of(rgba, rgba + 4, [](float v) { return v != 0; });  // a NaN counts as shown
 }
 
-// The bits of x at even places.
+// Spreads the bits of x to the even places.
 std::uint64_t spread(std::uint32_t x) {
     std::uint64_t v = x;
     v = (v | v << 16) & 0x0000ffff0000ffff;
@@ -72,11 +72,12 @@ std::uint64_t spread(std::uint32_t x) {
     return (v | v << 1) & 0x5555555555555555;
 }
 
-// The i-th point of a scrambled van der Corput sequence, in steps of 2^-bits. A permutation of [0, 2^bits).
+// The i-th point of a scrambled van der Corput sequence, in steps of 2^-bits. As a function of i it is a permutation of
+// [0, 2^bits).
 std::uint64_t scrambledPoint(std::uint64_t i, int bits, std::uint64_t seed) {
     std::uint64_t point = 0;
     for (int b = 0; b < bits; ++b) {
-        // Every node of the tree of halvings swaps its halves or does not.
+        // Each node of the binary tree either swaps its halves or does not.
         const std::uint64_t node = std::uint64_t{1} << b | point;
         point = point << 1 | ((i >> b & 1) ^ (splitMix(splitMix(seed) ^ node) & 1));
     }
@@ -89,7 +90,8 @@ std::vector<Int2> verificationOrder(const ViewScene& truth, const Image& image, 
     const PixelWindow& region = truth.region;
     std::vector<BoxTest> tests = boxTests(truth);
     if (truth.moments) {
-        // As many moments as make steps of about a pixel: what is nearer to a box than that shows in the picture.
+        // The number of moments at which boxes are tested: steps of about a pixel, since anything closer to a box than
+        // that may show in the picture.
         const int steps = std::clamp(static_cast<int>(truth.moments->path), 4, 64);
         for (int i = 0; i <= steps; ++i) {
             const double part = static_cast<double>(i) / steps;

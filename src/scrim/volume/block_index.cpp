@@ -7,7 +7,7 @@
 
 namespace scrim {
 
-// At most 1 MB: enough for a box of 4,096^3 voxels.
+// Makes the table of pages unless it would be too large: at most 1 MB, enough for a box of 4,096^3 voxels.
 void BlockIndex::makeTable() {
     constexpr double kMostPages = 1 << 18;
     if (glm::any(glm::greaterThan(m_lower, m_upper))) return;

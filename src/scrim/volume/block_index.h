@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Finds what a field holds at a place: pages of 8^3 cubes, by one table; a cube is a block, a part of a constant tile,
-// or empty.
+// Finds the contents of a field at a place. One table leads to pages of 8^3 cubes; a cube is a block, a part of a
+// constant tile, or empty.
 //
-// A level set of radius 500 has 10^5 blocks, and rays through it ask 10^8 times, so that no look-up may scan tiles or
-// try one size after the other. Everything that asks a field for single voxels asks here; the splatter, which streams
-// whole fields, does not.
+// A level set of radius 500 has 10^5 blocks, and rays through it look up 10^8 places, so a look-up may neither scan the
+// tiles nor try one size after another. All code that asks a field for single voxels uses this index; the splatter,
+// which streams whole fields, does not.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
@@ -19,18 +19,21 @@
 
 namespace scrim {
 
-/// Safe to read from many threads.
+/// Safe to read from many threads at once.
 class BlockIndex {
   public:
-    /// `field` must outlive this. Takes 2 KB for each 64^3 voxels that hold anything, as a block does.
+    /// `field` must outlive this object. Takes 2 KB for each 64^3 voxels that contain anything, about as much as a
+    /// block.
     explicit BlockIndex(const SparseField& field);
 
-    /// What fills a cube of 8^3 voxels: the 512 values of a block, or one constant (0 where the field has nothing).
+    /// The contents of a cube of 8^3 voxels: the 512 values of a block, or a constant (0 where the field is empty).
     struct Place {
         const float* values = nullptr;
         float constant = 0;
-        const ConstantTile* tile = nullptr;  ///< that the constant is of
-        int cubes = 1;  ///< a power of two: the cubes of the lattice with this edge that this one lies in are the same
+        const ConstantTile* tile = nullptr;  ///< the tile that holds the constant
+        /// Edge, in cubes, of a region of equal cubes around this one, aligned to a multiple of the edge; a power of
+        /// two.
+        int cubes = 1;
 
         bool empty() const { return !values && !tile; }
         double voxel(const Int3& is) const {
@@ -40,15 +43,16 @@ class BlockIndex {
 
     /// The cube with the voxels `cube` * 8 + [0, 8) on each axis.
     Place at(const Int3& cube) const;
-    /// Calls visit(place, number) for every block and tile that has voxels in the cubes [lower, upper]: blocks by their
-    /// number in the field, tiles by theirs behind them. A box of more cubes than there are blocks costs no more.
+    /// Calls visit(place, number) for every block and tile that has voxels in the cubes [lower, upper]. Blocks have
+    /// their number in the field; tiles are numbered after them. A box with more cubes than there are blocks costs no
+    /// more than a loop over all blocks.
     template <class Visit>
     void visit(const Int3& lower, const Int3& upper, const Visit& visit) const;
-    /// Does a block's cube, or a voxel of a tile, touch the box (index space, of any size)?
+    /// True if the cube of a block, or a voxel of a tile, touches the box (index space, of any size).
     bool anyIn(const Bounds& is) const;
     /// The value of voxel `is`; 0 where it is not active.
     double voxel(const Int3& is) const { return at(is >> 3).voxel(is); }
-    /// Box around the centres of all voxels of blocks and tiles, index space; empty where there are none.
+    /// Box around the centres of all voxels of blocks and tiles, in index space; empty where there are none.
     const Bounds& isBounds() const { return m_isBounds; }
 
   private:
@@ -66,7 +70,7 @@ class BlockIndex {
     static std::size_t inPage(const Int3& cube) { return std::size_t(blockOffset(cube.x & 7, cube.y & 7, cube.z & 7)); }
     std::uint32_t& entry(const Int3& cube);
     std::uint32_t& pageNumber(const Int3& page);
-    /// kNothing where nothing is.
+    /// The number of a page, or kNothing if it is empty.
     std::uint32_t pageAt(const Int3& page) const {
         if (m_table.empty()) {
             const auto found = m_pages.find(page);
@@ -87,16 +91,17 @@ class BlockIndex {
     static Int3 lastCube(const ConstantTile& tile) { return firstCube(tile) + (tile.edge / kBlockEdge - 1); }
 
     const SparseField& m_field;
-    Int3 m_lower, m_upper;  // cubes of all that there is; m_upper below m_lower where there is nothing
+    Int3 m_lower, m_upper;  // range of the cubes in use; m_upper is below m_lower if there are none
     Bounds m_isBounds;
-    // Pages by their first cubes over 8: a table of their box, or a hash where that would be too large.
+    // The pages, keyed by their first cube divided by 8: a table over their box, or a hash map where the table would be
+    // too large.
     std::vector<std::uint32_t> m_table;
     Int3 m_firstPage{0};
     std::array<std::uint32_t, 3> m_tableSize{};
     std::unordered_map<Int3, std::uint32_t, Hash> m_pages;
-    std::vector<Int3> m_pageOf;  // of each of the entries
+    std::vector<Int3> m_pageOf;  // key of each element of m_entries
     std::vector<Page> m_entries;
-    // Tiles of more than a page, by their first cubes, and their edges in cubes, ascending.
+    // Tiles larger than a page, keyed by their first cube, and their edges in cubes, ascending.
     std::unordered_map<Int3, std::uint32_t, Hash> m_large;
     std::vector<int> m_largeEdges;
 };
@@ -117,7 +122,7 @@ void BlockIndex::visit(const Int3& lower, const Int3& upper, const Visit& visit)
                     const std::uint32_t number = entries[inPage({x, y, z})];
                     if (number == kNothing) continue;
                     const Place place = placeOf(number);
-                    // A tile once: at the first of its cubes.
+                    // A tile is visited once, at the first of its cubes in the page.
                     if (!place.tile || glm::max(firstCube(*place.tile), from) == Int3(x, y, z)) visit(place, number);
                 }
     };

@@ -11,16 +11,16 @@ namespace scrim {
 
 namespace {
 
-/// One eighth of a coarse block: a fine block, or a part of a tile.
+/// One octant of a coarse block: a fine block, or a part of a tile.
 struct Part {
     Int3 coarseOrigin;
     int octant;           ///< 4 x + 2 y + z
-    const float* values;  ///< nullptr: `constant` everywhere
+    const float* values;  ///< null: `constant` everywhere
     float constant;
 };
 
-/// Fine block at a multiple of 8 → the coarse block that holds it. Dividing by 16 with an arithmetic shift
-/// rounds down, also below zero.
+/// Finds the coarse block that contains the fine block at `origin`, a multiple of 8. The arithmetic shift divides by 16
+/// and rounds down, also below zero.
 Part partAt(const Int3& origin, const float* values, float constant) {
     const Int3 block(origin.x >> 3, origin.y >> 3, origin.z >> 3);
     const Int3 coarse(block.x >> 1, block.y >> 1, block.z >> 1);
@@ -43,7 +43,7 @@ void addPart(const Part& part, float* coarse) {
             const float* b = part.values + blockOffset(2 * x, 2 * y + 1, 0);
             const float* c = part.values + blockOffset(2 * x + 1, 2 * y, 0);
             const float* d = part.values + blockOffset(2 * x + 1, 2 * y + 1, 0);
-            // An eighth of each first: the sum of eight large values could overflow.
+            // Each value is divided by eight first, because the sum of eight large values could overflow.
             std::array<float, kBlockEdge> row;
             for (std::size_t z = 0; z < row.size(); ++z)
                 row[z] = (0.125f * a[z] + 0.125f * b[z]) + (0.125f * c[z] + 0.125f * d[z]);
@@ -59,7 +59,7 @@ bool even(const ConstantTile& tile) {
     return ((tile.origin.x | tile.origin.y | tile.origin.z | tile.edge) & kMask) == 0;
 }
 
-/// Tiles that stay tiles go to `tiles`, all else becomes parts of blocks.
+/// Collects the parts of coarse blocks. Tiles that remain tiles go to `tiles`.
 std::vector<Part> collectParts(const SparseField& fine, std::vector<ConstantTile>& tiles) {
     std::vector<Part> parts;
     parts.reserve(fine.blockCount() + fine.tiles.size());
@@ -87,7 +87,7 @@ std::vector<Part> collectParts(const SparseField& fine, std::vector<ConstantTile
 SparseField coarser(const SparseField& fine) {
     FieldPieces pieces;
     const std::vector<Part> parts = collectParts(fine, pieces.tiles);
-    std::vector<std::size_t> begins;  // of the parts of each coarse block
+    std::vector<std::size_t> begins;  // index of the first part of each coarse block
     for (std::size_t i = 0; i < parts.size(); ++i) {
         if (i > 0 && parts[i].coarseOrigin == parts[i - 1].coarseOrigin) continue;
         begins.push_back(i);
@@ -96,7 +96,7 @@ SparseField coarser(const SparseField& fine) {
     begins.push_back(parts.size());
 
     pieces.name = fine.name;
-    // Coarse index c is the middle of fine 2c and 2c + 1.
+    // The centre of coarse voxel c lies half-way between those of the fine voxels 2c and 2c + 1.
     pieces.wsFromIs = fine.wsFromIs;
     for (int axis = 0; axis < 3; ++axis) {
         pieces.wsFromIs[3] += 0.5 * fine.wsFromIs[axis];

@@ -6,9 +6,9 @@
 
 namespace scrim {
 
-/// Every coarse voxel is the mean of the 2^3 fine ones it covers, empty ones counting as 0, so that optical
-/// depth through the whole of the field is kept; its centre is theirs. Coarse voxel c covers the fine ones 2c
-/// and 2c + 1 on each axis, also for negative c. What cleaning counted is handed on.
+/// Every coarse voxel is the mean of the 2^3 fine voxels it covers, empty ones counting as 0, so that the optical depth
+/// through the whole field is preserved; its centre is the centre of the eight. Coarse voxel c covers the fine voxels
+/// 2c and 2c + 1 on each axis, also for negative c. The counts of cleaned values are copied.
 SparseField coarser(const SparseField& fine);
 
 }  // namespace scrim

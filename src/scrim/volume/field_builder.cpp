@@ -22,11 +22,11 @@ namespace scrim {
 
 namespace {
 
-/// Blocks a task: some tens of microseconds of work.
+/// Blocks per task: some tens of microseconds of work.
 constexpr std::size_t kBlocksPerTask = 64;
 
-/// Denormal values count as 0, and are not worth a warning: whether a thread can tell them from 0 depends on
-/// how its arithmetic is set, and the result must not.
+/// Smallest normal value. Denormal values count as 0 without a warning: whether a thread can tell them from 0 depends
+/// on its floating-point mode, and the result must not.
 constexpr float kSmallest = std::numeric_limits<float>::min();
 
 struct Counts {
@@ -44,8 +44,8 @@ struct Counts {
 };
 
 Counts clean(float* values) {
-    // Made for vectors: no branches, 32-bit counts, and the largest as its bits, which are in the order of values that
-    // are not negative.
+    // Written so that compilers vectorise it: no branches, 32-bit counts, and the maximum taken over the bits of the
+    // values, whose order is that of non-negative floats.
     constexpr float kLargest = std::numeric_limits<float>::max();
     std::int32_t active = 0, nonFinite = 0, negative = 0, largest = 0;
     for (int i = 0; i < kBlockVoxels; ++i) {
@@ -80,7 +80,7 @@ void checkTransform(const std::string& name, const Mat4& m) {
         for (int r = 0; r < 4; ++r) finite = finite && std::isfinite(m[c][r]);
     if (!finite) refuse(name, "its transform is not finite");
     if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1) refuse(name, "its transform is not affine");
-    // Relative to the edge lengths, so that tiny voxels pass and flat ones do not.
+    // The threshold is relative to the edge lengths, so that tiny voxels pass and flat ones do not.
     const double volume = std::abs(glm::determinant(Mat3(m)));
     const double edges = glm::length(Vec3(m[0])) * glm::length(Vec3(m[1])) * glm::length(Vec3(m[2]));
     if (!(volume > 1e-12 * edges)) refuse(name, "its transform cannot be inverted");
@@ -96,8 +96,8 @@ void checkTiles(const FieldPieces& pieces) {
     }
 }
 
-/// Blocks and tiles live on nested lattices, so two of them overlap only where the lattice cell of the
-/// smaller one lies in that of the larger.
+/// Blocks and tiles lie on nested lattices, so two of them overlap only where the lattice cell of the smaller one lies
+/// in that of the larger.
 void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks,
                   const std::vector<ConstantTile>& tiles) {
     for (std::size_t i = 1; i < sortedBlocks.size(); ++i)
@@ -132,15 +132,16 @@ void checkOverlap(const std::string& name, const std::vector<Int3>& sortedBlocks
     for (const ConstantTile& tile : tiles) check(tile.origin, tile.edge);
 }
 
-// Eight tiles of one value that fill a cube become one, over and over: the inside of a level set of radius 500 comes as
-// 400,000 of them. Ascending by their origins.
+// Repeatedly joins eight tiles of one value that fill a cube; the inside of a level set of radius 500 comes as 400,000
+// small tiles. The result ascends by origin.
 void joinTiles(std::vector<ConstantTile>& tiles) {
     const auto byOrigin = [](const ConstantTile& a, const ConstantTile& b) { return originLess(a.origin, b.origin); };
-    constexpr int kLargest = 4096;  // as OpenVDB's own
+    constexpr int kLargest = 4096;  // as in OpenVDB
     std::map<int, std::vector<ConstantTile>> byEdge;
     for (const ConstantTile& tile : tiles) byEdge[tile.edge].push_back(tile);
     tiles.clear();
-    for (auto now = byEdge.begin(); now != byEdge.end(); ++now) {  // what is joined comes later in the map
+    // a joined tile is added later in the map, so the loop still reaches it
+    for (auto now = byEdge.begin(); now != byEdge.end(); ++now) {
         auto& [edge, own] = *now;
         if (edge >= kLargest) {
             tiles.insert(tiles.end(), own.begin(), own.end());
@@ -191,7 +192,7 @@ bool originLess(const Int3& a, const Int3& b) {
 
 bool haveOneTopology(const SparseField& field, const SparseField& other) {
     if (!field.tiles.empty() || !other.tiles.empty() || field.wsFromIs != other.wsFromIs) return false;
-    // Both are in lattice order.
+    // Both lists are in lattice order.
     return std::includes(field.blockOrigins.begin(), field.blockOrigins.end(), other.blockOrigins.begin(),
                          other.blockOrigins.end(), originLess);
 }
@@ -210,7 +211,7 @@ void checkPieces(const FieldPieces& pieces) {
 }
 
 SparseField buildField(FieldPieces pieces) {
-    // Where each block goes.
+    // The target place of each block.
     const std::size_t count = pieces.blockOrigins.size();
     std::vector<std::size_t> order(count);
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -223,7 +224,7 @@ SparseField buildField(FieldPieces pieces) {
     pieces.blockOrigins.swap(origins);
     checkPieces(pieces);
 
-    // Their values, cleaned.
+    // The cleaned values, in that order.
     const std::shared_ptr<float[]> values = std::make_shared_for_overwrite<float[]>(count * kBlockVoxels);
     std::vector<Counts> perBlock(count);
     parallelFor((count + kBlocksPerTask - 1) / kBlocksPerTask, [&](std::size_t task) {
@@ -235,7 +236,7 @@ SparseField buildField(FieldPieces pieces) {
         }
     });
 
-    // Close the gaps that blocks without any value leave.
+    // Closes the gaps that blocks without any value leave.
     SparseField field;
     Counts total;
     std::size_t kept = 0;
@@ -267,7 +268,7 @@ void reportCleaning(const SparseField& field, const std::string& where, const Me
     std::string what;
     if (field.negative > 0) what = fmt::format("{} are below 0", field.negative);
     if (field.nonFinite > 0) what += fmt::format("{}{} are no numbers", what.empty() ? "" : " and ", field.nonFinite);
-    // Units that begin below 0, as Hounsfield's, are a scan's. Its source can do something about it.
+    // Scans have units that begin below 0, such as Hounsfield's; their source has parameters to deal with that.
     const bool scan = field.negative > 0 && where.starts_with("source 'scan'");
     notify(messages, Severity::warning,
            shortened(fmt::format("{}: grid '{}': of {} voxels with a value {}, and count as empty{}", where,

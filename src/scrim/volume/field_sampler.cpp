@@ -10,7 +10,7 @@
 namespace scrim {
 namespace {
 
-// First and last voxel of the region of equal cubes that `place`, found at `cube`, belongs to.
+// First and last voxel of the region of equal cubes (Place::cubes) around `cube`, where `place` was found.
 Bounds regionOf(const BlockIndex::Place& place, const Int3& cube) {
     const Vec3 first = double(kBlockEdge) * Vec3(cube & ~(place.cubes - 1));
     return {first, first + double(place.cubes * kBlockEdge - 1)};
@@ -25,7 +25,7 @@ FieldSampler::FieldSampler(const SparseField& field, Kernel kernel)
 }
 
 double FieldSampler::nearest(const Vec3& is) const {
-    if (!m_reached.contains(is)) return 0;  // nor need it be anywhere near a whole number
+    if (!m_reached.contains(is)) return 0;  // such a point may be so far away that it does not fit an integer
     return m_index.voxel(Int3(glm::floor(is + 0.5)));
 }
 
@@ -45,11 +45,12 @@ double FieldSampler::value(const Vec3& is) const {
     return sum;
 }
 
-// Between the eight voxels around. Cubes are looked up once, and only those that the eight lie in.
+// Interpolates between the eight voxels around `is`. Only the cubes that contain some of the eight are looked up, once
+// each.
 double FieldSampler::linear(const Vec3& is) const {
     const Vec3 floor = glm::floor(is), f = is - floor;
     const Int3 base(floor), cube = base >> 3;
-    int across = 0;  // bits of the axes along which the eight lie in two cubes: x is 4, z is 1
+    int across = 0;  // one bit for each axis along which the eight lie in two cubes: x is 4, z is 1
     for (int axis = 0; axis < 3; ++axis)
         if ((base[axis] & 7) == 7) across |= 4 >> axis;
     BlockIndex::Place places[8];
@@ -80,7 +81,7 @@ double FieldSampler::evenAlong(const Vec3& is, const Vec3& direction, double rad
     if (here.values) return -1;
     const Bounds region = regionOf(here, cube);
     if (!region.contains(is - radius) || !region.contains(is + radius)) {
-        constexpr int kMost = 2;  // cubes along an axis, of a box that reaches into few
+        constexpr int kMost = 2;  // a box of at most this many cubes along an axis is examined cube by cube
         const Int3 first = Int3(glm::floor(is - radius)) >> 3, last = Int3(glm::ceil(is + radius)) >> 3;
         if (glm::any(glm::greaterThan(last - first, Int3(kMost)))) return -1;
         for (int x = first.x; x <= last.x; ++x)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Asks a field for its value at a place: of one voxel, or between voxels as a kernel reconstructs it. All that looks at
-// fields point by point asks here; the splatter, which streams whole fields, does not.
+// The value of a field at a point: that of a voxel, or between voxels as a kernel reconstructs it. All code that
+// examines fields point by point asks here; the splatter, which streams whole fields, does not.
 #pragma once
 
 #include <scrim/volume/block_index.h>
@@ -8,10 +8,10 @@
 
 namespace scrim {
 
-/// All positions are index space. Safe to use from many threads.
+/// All positions are in index space. Safe to use from many threads at once.
 class FieldSampler {
   public:
-    /// `field` must outlive this.
+    /// `field` must outlive this object.
     explicit FieldSampler(const SparseField& field, Kernel kernel = Kernel::linear);
 
     Kernel kernel() const { return m_kernel; }
@@ -19,16 +19,17 @@ class FieldSampler {
 
     /// Value of voxel `is`; 0 where it is not active.
     double voxel(const Int3& is) const { return m_index.voxel(is); }
-    /// Value of the voxel whose cell holds `is`.
+    /// Value of the voxel whose cell contains `is`.
     double nearest(const Vec3& is) const;
     /// The reconstructed field: the sum of all voxels' kernels.
     double value(const Vec3& is) const;
 
-    /// True only where no voxel within the kernel's reach of the ball of `radius` voxels around `is` is active: the
-    /// field is 0 there.
+    /// True only if no voxel is active within the kernel's reach of the ball of `radius` voxels around `is`, so that
+    /// the field is 0 there.
     bool emptyAround(const Vec3& is, double radius) const;
-    /// How far `is` can go along `direction`, in multiples of it, while the linearly reconstructed field is known to be
-    /// constant within `radius` voxels along each axis. Below 0 where it is not known to be constant at `is` itself.
+    /// How far a point can go from `is` along `direction`, in multiples of `direction`, while the linearly
+    /// reconstructed field is known to be constant within `radius` voxels of it along each axis. Below 0 where it is
+    /// not known to be constant at `is` itself.
     double evenAlong(const Vec3& is, const Vec3& direction, double radius) const;
 
   private:

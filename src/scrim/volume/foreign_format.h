@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Formats of volumes that are not read, by the endings of their files' names: whoever meets one says what it is and
-// what to do.
+// Volume formats that Scrim does not read, by the extensions of their files, with advice for messages.
 #pragma once
 
 #include <scrim/base/letter_case.h>
@@ -17,7 +16,7 @@ struct ForeignFormat {
     std::string_view advice;
 };
 
-/// Null where the name does not end like one of them.
+/// The format of a file name; null where its ending is not in the table.
 inline const ForeignFormat* foreignFormat(std::string_view path) {
     constexpr std::string_view kToNrrd = "convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView do)";
     constexpr std::string_view kToVdb = "convert it to .vdb";

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kNameLimit = 80;  ///< bytes of a name in a message
 
-/// How many grids before `i`, and in all, have the name of grid i.
+/// The number of grids that share the name of grid i: those before `i`, and all.
 std::pair<std::size_t, std::size_t> placeAmongEqual(const std::vector<GridOffer>& offers, std::size_t i) {
     std::size_t before = 0;
     std::size_t all = 0;
@@ -40,7 +40,7 @@ std::string listOf(const std::vector<GridOffer>& offers) {
     return list;
 }
 
-/// "name[i]" → name and i, where it has that form.
+/// Splits "name[i]" into name and i; returns false for text of another form.
 bool splitIndex(const std::string& text, std::string& name, std::size_t& index) {
     const std::size_t open = text.rfind('[');
     if (open == std::string::npos || text.back() != ']') return false;
@@ -52,7 +52,7 @@ bool splitIndex(const std::string& text, std::string& name, std::size_t& index) 
     return true;
 }
 
-/// The grid of that name, or "name[i]", for which `fits` holds.
+/// The grid called `wanted`, or "name[i]", for which `fits` holds.
 template <typename Fits>
 std::optional<std::size_t> named(const std::vector<GridOffer>& offers, const std::string& wanted, const Fits& fits) {
     for (std::size_t i = 0; i < offers.size(); ++i)
@@ -110,12 +110,12 @@ bool GridOffer::isVector() const {
 }
 
 std::string GridOffer::valueType() const {
-    // Between "Tree_" and the logarithms of the nodes' sizes.
+    // The word stands between "Tree_" and the logarithms of the node sizes.
     constexpr std::string_view kPrefix = "Tree_";
     if (!type.starts_with(kPrefix)) return type;
     std::string word = type.substr(kPrefix.size());
     const std::size_t end = word.find_last_not_of("_0123456789");
-    // Digits of the word itself stand before the first of the separators.
+    // The word's own digits stand before the first separator.
     if (end != std::string::npos) word.resize(std::min(word.size(), word.find('_', end)));
     return word;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which grid of a file, or of a volume source, a request means. Needs names and types only, so that grids can
-// be chosen before any of them is read.
+// Finds the grid of a file, or of a volume source, that a request means. It uses names and types only, so that grids
+// can be chosen before any of them is read.
 #pragma once
 
 #include <scrim/volume/grid_request.h>
@@ -17,36 +17,36 @@ namespace scrim {
 struct GridOffer {
     std::string name;
     std::string type = kFloat;  ///< as OpenVDB writes it into files: "Tree_float_5_4_3"
-    std::string gridClass{};    ///< "fog volume", "level set", "staggered", else anything
+    std::string gridClass{};    ///< "fog volume", "level set", "staggered", or anything else
 
     static constexpr const char* kFloat = "Tree_float_5_4_3";
 
-    bool isScalar() const;          ///< float (also saved as half) or double
-    bool isVector() const;          ///< three of those
-    std::string valueType() const;  ///< OpenVDB's word for what it holds: "float", "vec3s", "int32", ...
+    bool isScalar() const;          ///< float (also if saved as half) or double
+    bool isVector() const;          ///< vectors of three such numbers
+    std::string valueType() const;  ///< OpenVDB's word for the values: "float", "vec3s", "int32", ...
 };
 
 /// All grids of a file whose layout is known.
 std::vector<GridOffer> offersOf(const VdbLayout& layout);
 
-/// What a request means.
+/// The grid that a request means.
 struct GridChoice {
-    std::size_t grid = 0;                  ///< the place of the offer
-    int component = GridRequest::kScalar;  ///< of a vec3 grid, else kScalar
+    std::size_t grid = 0;                  ///< index of the offer
+    int component = GridRequest::kScalar;  ///< component of a vec3 grid, else kScalar
 };
 
-/// What `request` means among `offers`; none where they do not have it.
+/// The grid that `request` means among `offers`; no value if there is none.
 ///
-/// Of a scalar `grid` is the name, or "name[i]" for the i-th (from 0) of that name; "" stands for the one called
-/// "density", else the first fog volume, else the first that is not a level set, else the first. Of a colour see
-/// GridRequest; "name[i]" is understood there, too.
+/// For a scalar, `grid` is the name, or "name[i]" for the i-th grid (from 0) of that name; "" stands for the grid
+/// called "density", else the first fog volume, else the first grid that is not a level set, else the first grid. For a
+/// colour see GridRequest; it accepts "name[i]", too.
 std::optional<GridChoice> chooseGrid(const std::vector<GridOffer>& offers, const GridRequest& request);
 
-/// Why `chooseGrid` finds nothing: what is there and what was expected.
+/// Why `chooseGrid` finds nothing: which grids there are and what was expected.
 std::string whyNoGrid(const std::vector<GridOffer>& offers, const GridRequest& request);
 
 /// The names by which requests find the scalar grids: "density", or "density[0]", "density[1]" where a name is not
-/// unique, or "[0]" for one without a name.
+/// unique, or "[0]" for a grid without a name.
 std::vector<std::string> scalarNames(const std::vector<GridOffer>& offers);
 
 }  // namespace scrim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which numbers of a file become a field.
+// A request for the numbers of a file that become a field.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -9,20 +9,22 @@
 
 namespace scrim {
 
-/// Which numbers of a grid count. Fields hold none below 0, so numbers of both signs are the difference of two fields.
+/// The part of a grid's numbers that counts. A field holds no number below 0, so a grid with both signs becomes two
+/// fields, whose difference it is.
 enum class GridPart {
-    whole,     ///< all: those below 0 are faults, and count as 0
-    positive,  ///< of a velocity: those above 0, or 0
-    negative,  ///< of a velocity: those below 0 without their sign, or 0
+    whole,     ///< all numbers; those below 0 are errors and count as 0
+    positive,  ///< for velocities: numbers above 0, others as 0
+    negative,  ///< for velocities: numbers below 0 without their sign, others as 0
 };
 
-/// A scalar grid as it is, or one component of a colour or velocity.
+/// A scalar grid as it is, or one component of a colour or a velocity.
 struct GridRequest {
-    /// Of a scalar grid, as chooseGrid (grid_choice.h) understands it. A colour is a vec3 grid of this name, or three
-    /// scalar grids with .x, .y, .z (or .r, .g, .b) behind it, or a scalar one, which is grey (no velocity is).
+    /// For a scalar, the name as chooseGrid (grid_choice.h) understands it. A colour or velocity is a vec3 grid of this
+    /// name, or three scalar grids with .x, .y, .z (or .r, .g, .b) after it; a colour may also be one scalar grid,
+    /// which is grey.
     std::string grid;
-    int component = kScalar;  ///< or 0, 1, 2: red, green, blue; x, y, z
-    /// Components of velocities stand where they are: on the faces of voxels where the grid's class is "staggered".
+    int component = kScalar;  ///< kScalar, or 0, 1, 2 for red, green, blue or x, y, z
+    /// Components of a velocity keep their positions: the faces of voxels where the grid's class is "staggered".
     GridPart part = GridPart::whole;
 
     static constexpr int kScalar = -1;
@@ -32,12 +34,12 @@ struct GridRequest {
     }
 };
 
-/// One word between processes: "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx". Back again; throws Error(usage)
-/// for anything else.
+/// Convert a request to one word for other processes, "scalar:density", "0:Cd", "+0:velocity", "-scalar:vx", and back.
+/// The latter throws Error(usage) for any other text.
 std::string toText(const GridRequest& request);
 GridRequest gridRequestFrom(const std::string& text);
 
-/// A file cannot give what was requested of it. Whoever requested it may know where that was written.
+/// A file lacks the grid that was requested. The caller may know where the request was written.
 class GridError : public Error {
   public:
     GridError(const std::string& message, GridRequest request);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kGaussianRadius = 2.0;
 
-// 1 over the integral of exp(-2 r^2) over the ball of radius 2: pi^(3/2)/2^(3/2) erf(2 sqrt 2) - 2 pi e^-8.
+// 1 over the integral of exp(-2 r^2) over the ball of radius 2, which is pi^(3/2)/2^(3/2) erf(2 sqrt 2) - 2 pi e^-8.
 const double kGaussianScale = [] {
     constexpr double pi = std::numbers::pi;
     const double integral = std::pow(pi / 2, 1.5) * std::erf(2 * std::sqrt(2.0)) -
@@ -53,7 +53,8 @@ double kernelValue(Kernel kernel, const Vec3& o) {
 }
 
 std::span<const double> twoScaleWeights(Kernel kernel) {
-    // 1/2, 1, 1/2; and 1, 4, 6, 4, 1 eighths.
+    // The weights on both sides are 1/2, 1, 1/2 (linear) and 1, 4, 6, 4, 1 eighths (cubic); the table holds those from
+    // the centre outwards.
     static constexpr double kLinear[] = {1, 0.5}, kCubic[] = {6.0 / 8, 4.0 / 8, 1.0 / 8};
     if (kernel == Kernel::linear) return kLinear;
     if (kernel == Kernel::bspline) return kCubic;

@@ -9,11 +9,11 @@
 
 namespace scrim {
 
-/// How a voxel spreads into the space around it (ZC02 section 2).
+/// The shape of a voxel's contribution to the space around it (ZC02 section 2).
 enum class Kernel {
-    linear,    ///< trilinear tent: an exact partition of unity, what ray marchers show
+    linear,    ///< trilinear tent: an exact partition of unity, as in ray marchers
     gaussian,  ///< exp(-2 r^2) cut off at radius 2 voxels, ZC02's usual choice; ripples by about 1 %
-    bspline,   ///< cubic B-spline, an exact and smooth partition of unity; blurs
+    bspline,   ///< cubic B-spline: an exact and smooth partition of unity, which blurs
 };
 
 /// Half the edge of the box (index space, voxels) outside of which the kernel is 0.
@@ -21,15 +21,15 @@ inline double kernelRadius(Kernel kernel) {
     return kernel == Kernel::linear ? 1.0 : 2.0;
 }
 
-/// Half the extent, along the direction whose coordinate is the linear form `row` of index space offsets, of the
-/// region where the kernel is not 0.
+/// Half the extent of the region where the kernel is not 0, measured along a coordinate that is the linear form `row`
+/// of index-space offsets.
 double kernelExtent(Kernel kernel, const Vec3& row);
 
 /// The kernel at `offset` (index space, voxels) from a voxel's centre. Its integral over index space is 1.
 double kernelValue(Kernel kernel, const Vec3& offset);
 
-/// The kernel of voxels twice as large is the sum of such kernels: their weights, by the distance along each axis from
-/// its middle, in voxels. Empty where it is not (the Gaussian's).
+/// The weights by which a kernel of twice the size is a sum of kernels of this size: by the distance from its centre
+/// along each axis, in voxels. Empty for the Gaussian, which has no such weights.
 std::span<const double> twoScaleWeights(Kernel kernel);
 
 }  // namespace scrim

@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kFilePrefix = "scrim_source_";
 constexpr const char* kFileSuffix = ".so";
-constexpr std::uint32_t kMaxParameters = 1000;  ///< more than that is a damaged description
+constexpr std::uint32_t kMaxParameters = 1000;  ///< a description with more parameters is damaged
 
 [[noreturn]] void refuse(const std::string& path, const std::string& reason) {
     throw Error(ErrorKind::input, shortened(path + ": " + reason, 600));
@@ -45,7 +45,8 @@ ParameterDescription describe(const scrim_parameter& p, const std::string& path)
     return out;
 }
 
-/// Parameters lie as far apart as the source's own structure is large, which may be larger than ours.
+/// The descriptions of all parameters. Their stride is the size of the source's own structure, which may be larger than
+/// ours.
 std::vector<ParameterDescription> describeAll(const scrim_source& source, const std::string& path) {
     std::vector<ParameterDescription> out;
     if (source.parameter_count == 0) return out;
@@ -113,7 +114,8 @@ std::vector<SparseField> LoadedSource::run(const SourceParameters& parameters, c
     try {
         code = m_abi->generate(host.abi(), values.values.data());
     } catch (...) {
-        // Undefined by the interface, but where the run-time allows it a reason is better than an abort.
+        // The interface leaves this undefined, but where the run-time can carry the exception, a reason is better than
+        // an abort.
         throw Error(ErrorKind::input, where + ": it threw an exception, which sources must not");
     }
     return host.finish(code);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: one shared object that makes volumes (scrim_source.h). Finding it is the business of others (source.h): the
-// program `scrim-load` is told where it is.
+// Internal: one shared object that makes volumes (scrim_source.h). source.h finds it; the program `scrim-load` is told
+// its path.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -19,18 +19,18 @@ struct SourceDescription {
     std::vector<ParameterDescription> parameters;
 };
 
-/// NAME of ".../scrim_source_NAME.so"; "" where the file is called otherwise.
+/// NAME of ".../scrim_source_NAME.so"; "" for a file with any other name.
 std::string sourceNameOf(const std::string& path);
 
 class LoadedSource {
   public:
-    /// Loads the file for good: what has been loaded once may have started threads or registered handlers, and is
-    /// never unloaded. Throws Error(input) "`path`: ..." where it is no source.
+    /// Loads the file and never unloads it, because its code may have started threads or registered handlers. Throws
+    /// Error(input) "`path`: ..." where it is not a source.
     explicit LoadedSource(const std::string& path);
 
     const SourceDescription& description() const { return m_description; }
 
-    /// As `generate` (source.h). `alone`: this process was made for that, and can do nothing else (src/load).
+    /// As `generate` (source.h). `alone`: this process was made for the call and is confined (src/load).
     std::vector<SparseField> run(const SourceParameters& parameters, const MessageSink& messages,
                                  const ProgressSink& progress, bool alone = false) const;
 

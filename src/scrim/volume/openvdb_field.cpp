@@ -19,8 +19,8 @@ namespace scrim {
 
 namespace {
 
-/// A frustum grid resampled at its middle's voxel size may grow without bounds; this many voxels of its
-/// bounding box are the most it gets (the box, not the active part: a frustum fills about half of it).
+/// Limit on the voxels of a resampled frustum grid's bounding box. Resampled at the voxel size of its middle, such a
+/// grid could grow without bounds. (The box counts, not the active part; a frustum fills about half of it.)
 constexpr double kMaxResampledVoxels = 1e9;
 
 /// OpenVDB multiplies rows from the left: its row i is the image of axis i, which is GLM's column i.
@@ -62,7 +62,8 @@ void visitTiles(const Grid& grid, const Visit& visit) {
     }
 }
 
-/// The grid on an affine lattice: world-aligned cubes as large as the smallest edge of a voxel in its middle.
+/// The grid resampled on an affine lattice of world-aligned cubes, as large as the smallest edge of a voxel in the
+/// grid's middle.
 template <typename Grid>
 typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const MessageSink& messages) {
     typename Grid::Ptr out = Grid::create(typename Grid::ValueType(0));
@@ -91,7 +92,7 @@ typename Grid::Ptr resampled(const Grid& grid, const std::string& where, const M
     return out;
 }
 
-/// The active voxels of a grid, each as the number that `numberOf` makes of its value.
+/// The active voxels of a grid, with `numberOf` applied to each value.
 template <typename Grid, typename NumberOf>
 SparseField convert(const Grid& grid, const std::string& name, const NumberOf& numberOf) {
     const auto list = leaves(grid);
@@ -114,7 +115,7 @@ SparseField convert(const Grid& grid, const std::string& name, const NumberOf& n
     return buildField(std::move(pieces));
 }
 
-/// `convert`, with the file in errors and a warning of what was cleaned.
+/// As `convert`, with the file named in errors and a warning about cleaned values.
 template <typename Grid, typename NumberOf>
 SparseField reportedField(const Grid& grid, const std::string& name, const NumberOf& numberOf, const std::string& where,
                           const MessageSink& messages) {
@@ -128,7 +129,7 @@ SparseField reportedField(const Grid& grid, const std::string& name, const Numbe
     return field;
 }
 
-/// A number as it is.
+/// Converts a number without changing it.
 constexpr auto kAsItIs = [](auto value) { return static_cast<float>(value); };
 
 template <typename Grid, typename NumberOf>
@@ -138,14 +139,14 @@ SparseField scalarField(const Grid& grid, const NumberOf& number, const std::str
     return reportedField(*resampled(grid, where, messages), grid.getName(), number, where, messages);
 }
 
-/// One component as a grid of its own.
+/// One component as a separate grid.
 template <typename Grid>
 openvdb::FloatGrid::Ptr componentOf(const Grid& grid, int component, const std::string& name) {
     const auto out =
         openvdb::FloatGrid::create(std::make_shared<openvdb::FloatTree>(grid.tree(), 0.0f, openvdb::TopologyCopy()));
     out->setName(name);
     out->setTransform(grid.transform().copy());
-    // Both trees have the same nodes, so values come in the same order.
+    // Both trees have the same nodes, so their values come in the same order.
     auto to = out->tree().beginValueOn();
     for (auto from = grid.tree().cbeginValueOn(); from; ++from, ++to)
         to.setValue(static_cast<float>((*from)[component]));
@@ -168,14 +169,14 @@ auto withVectorGrid(const openvdb::GridBase& grid, const Task& task) {
     return task(static_cast<const openvdb::Vec3DGrid&>(grid));
 }
 
-/// Component `c` of a staggered grid stands half a voxel below the voxel's centre (openvdb/tools/Interpolation.h).
+/// Component `c` of a staggered grid lies half a voxel below the voxel's centre (openvdb/tools/Interpolation.h).
 void placeOnFaces(SparseField& field, int c) {
     Mat4 isFromFace(1.0);
     isFromFace[3][c] = -0.5;
     field.wsFromIs = field.wsFromIs * isFromFace;
 }
 
-/// Range and oddities of one part of a grid.
+/// Value range and counts of unusable values in one part of a grid.
 struct Statistics {
     double minValue = std::numeric_limits<double>::infinity();
     double maxValue = -std::numeric_limits<double>::infinity();
@@ -228,7 +229,7 @@ void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const Me
     if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !offerOf(grid).isScalar()) return;
     withScalarGrid(grid, [&](const auto& typed) {
         using Grid = std::decay_t<decltype(typed)>;
-        openvdb::tools::sdfToFogVolume(static_cast<Grid&>(grid));  // says so in the grid's class
+        openvdb::tools::sdfToFogVolume(static_cast<Grid&>(grid));  // it records that in the grid's class
     });
     notify(messages, Severity::info,
            fmt::format("{}: grid '{}' is a level set: turned into fog of density 1", where,
@@ -256,7 +257,7 @@ SparseField colourFromGrid(const openvdb::GridBase& grid, int component, const s
 
 SparseField velocityFromGrid(const openvdb::GridBase& grid, int component, bool negative, const std::string& where,
                              const MessageSink& messages) {
-    // What is not finite stays so, and is found to be.
+    // NaN and infinity pass unchanged, so that cleaning finds them.
     const auto number = [negative](auto value) {
         const auto v = static_cast<float>(negative ? -value : value);
         return v < 0 ? 0.0f : v;

@@ -13,11 +13,12 @@
 
 namespace scrim {
 
-/// The fields that `requests` mean, in that order. Tells each message once: a grey grid is read once a component.
+/// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid is read once for
+/// each component.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
                                     const MessageSink& messages);
 
-/// Runs `task`, which reads `path`; turns exceptions of libraries into Errors.
+/// Runs `task`, which reads `path`, and turns exceptions of libraries into Errors.
 void readWithErrors(const std::string& path, const std::function<void()>& task);
 
 }  // namespace scrim

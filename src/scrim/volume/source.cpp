@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Sources by name, with the path of the first found.
+/// Sources by name, each with the path where it is found first.
 std::map<std::string, std::string> sourceFiles() {
     std::map<std::string, std::string> files;
     for (const std::string& folder : sourceFolders()) {

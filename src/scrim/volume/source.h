@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // Volume sources: finds, loads and runs the shared objects that make volumes (scrim_source.h). Those that read files
-// may run in another process: load_fields.h.
+// may run in another process: see load_fields.h.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -13,24 +13,23 @@
 
 namespace scrim {
 
-/// Where sources are looked for, in order, each folder once, whether it exists or not: those of
+/// The folders in which sources are searched, in order and without repetitions, whether they exist or not: those of
 /// $SCRIM_PLUGIN_PATH, ../lib/scrim/sources beside the running program, scrim/sources beside this library.
 std::vector<std::string> sourceFolders();
 
-/// All sources there are, by name; of two of one name the one found first. One that cannot be loaded is
-/// left out with a warning.
+/// All sources by name; of two with the same name, the one found first. A source that cannot be loaded is left out with
+/// a warning.
 std::vector<SourceDescription> listSources(const MessageSink& messages);
 
-/// The path of one source's shared object. Throws Error(input) where it is missing (with those found).
+/// The path of one source's shared object. Throws Error(input), which lists those found, where it is missing.
 std::string sourceFile(const std::string& name);
 
-/// The description of one source. Throws Error(input) where it is missing (with those found) or cannot be
-/// loaded.
+/// The description of one source. Throws Error(input) where it is missing (and lists those found) or cannot be loaded.
 SourceDescription describeSource(const std::string& name);
 
-/// Runs a source in this process, with parameters given as text, defaults for the others. Throws Error(input) on a
-/// missing or bad source, bad parameters and whatever the source does wrong, Error(interrupted) where `progress` asks
-/// to stop. Not for use from several threads at once unless the source allows it (those of Scrim do).
+/// Runs a source in this process, with parameters given as text and defaults for the others. Throws Error(input) for a
+/// missing or bad source, bad parameters and any mistake of the source, Error(interrupted) where `progress` asks to
+/// stop. Must not be called from several threads at once unless the source allows it (Scrim's own sources do).
 std::vector<SparseField> generate(const std::string& name, const SourceParameters& parameters,
                                   const MessageSink& messages, const ProgressSink& progress = {});
 

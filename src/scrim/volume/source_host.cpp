@@ -25,8 +25,8 @@ SourceHost::SourceHost(std::string where, MessageSink messages, ProgressSink pro
 
 template <typename Task>
 int SourceHost::guarded(const Task& task) noexcept {
-    // Called from another thread, even noting the error would be a race; a race in an error path that ends
-    // the run is the lesser evil than calling sinks from a thread their owner does not expect.
+    // Recording this error from another thread is a race. It is the lesser evil in an error path that ends the run:
+    // calling sinks from a thread that their owner does not expect would be worse.
     try {
         if (std::this_thread::get_id() != m_thread) refuse("it called the host from a thread of its own");
         if (m_problem) return -1;
@@ -95,7 +95,7 @@ void SourceHost::warn(const scrim_host* host, const char* text) noexcept {
 int SourceHost::progress(const scrim_host* host, double done) noexcept {
     SourceHost& h = self(host);
     return h.guarded([&] {
-        const double part = done >= 0 && done <= 1 ? done : 1;  // also NaN
+        const double part = done >= 0 && done <= 1 ? done : 1;  // NaN also becomes 1
         if (h.m_progress && !h.m_progress(part)) throw Error(ErrorKind::interrupted, h.m_where + ": interrupted");
         return 0;
     });

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the host's side of the plug-in ABI during one call of a source's `generate`. Everything a source
-// hands over is checked here; exceptions of ours wait here until the source has returned.
+// Internal: the host's side of the plug-in ABI during one call of a source's `generate`. Everything that a source
+// passes is checked here; our exceptions are kept until the source has returned.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -16,15 +16,15 @@ namespace scrim {
 
 class SourceHost {
   public:
-    /// `where` starts every message and error. `alone`: what the source is told about its process (scrim_source.h).
+    /// `where` starts every message and error. `alone` is what the source is told about its process (scrim_source.h).
     SourceHost(std::string where, MessageSink messages, ProgressSink progress, bool alone);
     SourceHost(const SourceHost&) = delete;
     SourceHost& operator=(const SourceHost&) = delete;
 
-    /// What to hand to the source; lives as long as this object.
+    /// The pointer to pass to the source; valid as long as this object.
     const scrim_host* abi() const { return &m_abi; }
 
-    /// The grids, once `generate` has returned `code`. Throws what went wrong, if anything did.
+    /// The grids, once `generate` has returned `code`. Throws the error of the call, if there was one.
     std::vector<SparseField> finish(int code);
 
   private:
@@ -38,7 +38,7 @@ class SourceHost {
     static int progress(const scrim_host* host, double done) noexcept;
     static void fail(const scrim_host* host, const char* text) noexcept;
 
-    /// Runs `task`; an exception is kept (the first one counts) and becomes -1.
+    /// Runs `task`. An exception is kept (the first one counts) and the result is then -1.
     template <typename Task>
     int guarded(const Task& task) noexcept;
     FieldBuilder& grid(int number);
@@ -50,7 +50,7 @@ class SourceHost {
     std::thread::id m_thread = std::this_thread::get_id();
     scrim_host m_abi;
     std::vector<FieldBuilder> m_grids;
-    std::string m_failure;         ///< what the source said through `fail`
+    std::string m_failure;         ///< text that the source passed to `fail`
     std::exception_ptr m_problem;  ///< the first problem on our side
 };
 

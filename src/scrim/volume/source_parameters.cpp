@@ -21,7 +21,7 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
-/// All of `text` as a number.
+/// Parses all of `text` as a number.
 template <typename T>
 bool parse(std::string_view text, T& value) {
     text = trimmed(text);
@@ -33,7 +33,7 @@ bool parseFinite(std::string_view text, double& value) {
     return parse(text, value) && std::isfinite(value);
 }
 
-/// "x, y, z" with or without brackets around it.
+/// Parses "x, y, z", with or without brackets around it.
 bool parseVec3(std::string_view text, double* value) {
     text = trimmed(text);
     if (text.size() >= 2 && text.front() == '[' && text.back() == ']') text = text.substr(1, text.size() - 2);

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A scalar field as the splatter wants it: the active voxels of one grid in blocks of 8^3, and nothing else.
+// A scalar field as the splatter needs it: the active voxels of one grid in blocks of 8^3, and nothing else.
 //
-// OpenVDB's trees are read once, cleaned, and let go: a flat list of leaves streams faster than a tree, is
-// trivially handed from one process to another, and keeps OpenVDB's headers out of the engine. Memory is that
-// of the grid's leaves. The grid is never densified: empty space has no entry, and constant regions above leaf
-// level stay one entry each.
+// OpenVDB's trees are read once, cleaned, and released: a flat list of leaves streams faster than a tree, passes easily
+// from one process to another, and keeps OpenVDB's headers out of the engine. Memory is that of the grid's leaves. The
+// grid is never densified: empty space has no entry, and each constant region above leaf level remains a single entry.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -34,13 +33,13 @@ struct ConstantTile {
 };
 
 struct SparseField {
-    std::string name;                ///< of the grid, for messages
+    std::string name;                ///< name of the grid, for messages
     Mat4 wsFromIs{1.0};              ///< affine, invertible; voxel centres at integers in index space
-    std::vector<Int3> blockOrigins;  ///< multiples of 8, each once, in ascending (x, y, z) order
-    /// 512 values a block in `blockOffset` order: finite, not negative, 0 where a voxel is inactive. Shared,
-    /// because a field may live in memory that another process filled.
+    std::vector<Int3> blockOrigins;  ///< multiples of 8, without repetitions, in ascending (x, y, z) order
+    /// The 512 values of each block in `blockOffset` order: finite, not negative, 0 where a voxel is inactive. The
+    /// pointer is shared because the memory may have been filled by another process.
     std::shared_ptr<const float> blockValues;
-    std::vector<ConstantTile> tiles;  ///< of values > 0
+    std::vector<ConstantTile> tiles;  ///< with values > 0
 
     std::uint64_t activeVoxels = 0;  ///< leaf voxels and tile voxels with a value > 0
     std::uint64_t nonFinite = 0;     ///< active voxels that were NaN or infinite and count as 0
@@ -50,12 +49,12 @@ struct SparseField {
     std::size_t blockCount() const { return blockOrigins.size(); }
     const float* block(std::size_t i) const { return blockValues.get() + i * kBlockVoxels; }
     bool empty() const { return activeVoxels == 0; }
-    /// Memory of blocks and tiles.
+    /// Memory of blocks and tiles, bytes.
     std::size_t bytes() const {
         return blockCount() * (kBlockVoxels * sizeof(float) + sizeof(Int3)) + tiles.size() * sizeof(ConstantTile);
     }
 
-    /// Box around the centres of all voxels that blocks and tiles hold, in index space.
+    /// Box around the centres of all voxels of blocks and tiles, in index space.
     Bounds isBounds() const {
         Bounds b;
         for (const Int3& o : blockOrigins) {

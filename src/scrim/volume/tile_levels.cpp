@@ -14,7 +14,7 @@
 namespace scrim {
 namespace {
 
-// Does visit return true of all cubes of 8^3 in the hull of the box [lower, upper], of cubes?
+// True if visit returns true for all cubes on the surface of the box [lower, upper] (in cubes).
 template <class Visit>
 bool allOfHull(const Int3& lower, const Int3& upper, const Visit& visit) {
     for (int x = lower.x; x <= upper.x; ++x)
@@ -28,7 +28,7 @@ bool allOfHull(const Int3& lower, const Int3& upper, const Visit& visit) {
 
 }  // namespace
 
-// Parts one level: what a coarser one can hold goes there.
+// Divides one level: moves all that a coarser level can hold to that level.
 class TileLevels::Split {
   public:
     Split(TileLevels& own, std::span<const double> weights, const SparseField& tiles)
@@ -40,12 +40,12 @@ class TileLevels::Split {
 
     const SparseField& coarse() const { return m_coarse; }
 
-    // What the coarser level leaves of this one.
+    // The rest of this level, without what the coarser level holds.
     TileLevel rest() {
         const BlockIndex coarse(m_coarse);
         for (const ConstantTile& tile : m_kept) keep(coarse, tile.origin, tile.value);
         for (const ConstantTile& tile : m_coarse.tiles) {
-            const Int3 first = tile.origin >> 2, last = first + (tile.edge / 4 - 1);  // this level's cubes
+            const Int3 first = tile.origin >> 2, last = first + (tile.edge / 4 - 1);  // in cubes of this level
             allOfHull(first, last, [&](const Int3& cube) {
                 keep(coarse, kBlockEdge * cube, tile.value);
                 return true;
@@ -73,7 +73,8 @@ class TileLevels::Split {
         return e * e * e;
     }
 
-    // Coarser voxels may fill a tile, or a part of it, where all that their kernels reach beyond it has its value, too.
+    // Coarser voxels may fill a tile, or a part of it, if everything that their kernels reach beyond it has the tile's
+    // value, too.
     void take(const ConstantTile& tile) {
         const auto alike = [&](const Int3& cube) {
             const BlockIndex::Place place = m_index.at(cube);
@@ -90,13 +91,13 @@ class TileLevels::Split {
             m_kept.push_back(tile);
     }
 
-    // The cube of 8^3 at `origin`, as far as coarser voxels do not fill it.
+    // Keeps the part of the cube of 8^3 at `origin` that coarser voxels do not fill.
     void keep(const BlockIndex& coarse, const Int3& origin, float value) {
         const int reach = static_cast<int>(m_weights.size()) - 1;
         const Int3 first = (origin - reach + 1) >> 1,
                    last = (origin + (kBlockEdge - 1 + reach)) >> 1;  // coarser voxels
         const Int3 cube = first >> 3;
-        int filled = 0, count = 0;  // a bit for each of the coarser cubes that reach here
+        int filled = 0, count = 0;  // one bit for each of the coarser cubes whose voxels reach this cube
         for (int i = 0; i < 8; ++i) {
             const Int3 at = glm::min(cube + Int3(i >> 2 & 1, i >> 1 & 1, i & 1), last >> 3);
             const bool fills = coarse.at(at).tile != nullptr;
@@ -115,7 +116,7 @@ class TileLevels::Split {
             m_rests.emplace_back(origin, block.get());
     }
 
-    // What the coarser cubes from `cube` on leave of the block's voxels.
+    // The part of the block's voxels that the coarser cubes from `cube` on leave.
     Block blockOf(const Int3& origin, const Int3& cube, int filled, float value) const {
         const int reach = static_cast<int>(m_weights.size()) - 1;
         Block block;
@@ -141,7 +142,7 @@ class TileLevels::Split {
     const BlockIndex m_index;
     SparseField m_coarse;
     std::vector<ConstantTile> m_kept,
-        m_tiles;  // of one cube each; those among them that coarser voxels leave as they are
+        m_tiles;  // tiles of one cube each, which coarser voxels leave unchanged
     std::vector<std::pair<Int3, const Block*>> m_rests;
 };
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Constant tiles as a few large voxels. What B-splines on voxels of edge 2 reconstruct, B-splines on voxels of edge 1
-// reconstruct as well (their two-scale relation), so that the inside of a large constant region can be splatted by
-// voxels of edge 2, 4, 8, ..., and what is missing towards its rim by smaller ones. The sum is the same field, but for
-// rounding: a level set of radius 500 has 5 10^8 voxels, and needs 10^7 footprints.
+// Represents constant tiles by a few large voxels. B-splines on voxels of edge 2 are sums of B-splines on voxels of
+// edge 1 (the two-scale relation), so voxels of edge 2, 4, 8, ... can splat the inside of a large constant region, and
+// smaller voxels add the remainder towards its rim. The sum is the same field up to rounding: a level set of radius 500
+// has 5 10^8 voxels and needs 10^7 footprints.
 #pragma once
 
 #include <scrim/volume/sparse_field.h>
@@ -16,24 +16,23 @@
 
 namespace scrim {
 
-/// Some of a field's constant voxels, in an index space of its own: voxel i of level k stands at voxel 2^k i of the
-/// field's.
+/// Some of a field's constant voxels in an index space of their own: voxel i of level k lies at voxel 2^k i of the
+/// field.
 struct TileLevel {
-    /// Constant tiles, and blocks next to voxels of another level. Of the blocks it holds the origins alone.
+    /// Constant tiles, and blocks next to voxels of another level. Only the origins of the blocks are stored in it.
     std::shared_ptr<const SparseField> field;
-    std::vector<const float*> values;  ///< 512 of each block
+    std::vector<const float*> values;  ///< pointer to the 512 values of each block
 };
 
 class TileLevels {
   public:
-    /// At most `levels` beside the field's own. None at all where no region is large enough: then the tiles have to be
-    /// splatted as they are.
-    /// `weights`: of the voxels 0, 1, ... away from a coarser one along an axis, with which their kernels add up to its
-    /// kernel. Fewer than 4.
+    /// Makes at most `levels` levels beside the field's own; none at all where no region is large enough, in which case
+    /// the tiles must be splatted as they are. `weights`: the two-scale weights of voxels at distance 0, 1, ... from a
+    /// coarser voxel along an axis; fewer than 4.
     TileLevels(const SparseField& field, std::span<const double> weights, int levels);
     TileLevels(TileLevels&&) = default;
 
-    /// Level k is number k. Together they are the field's tiles.
+    /// The levels; element k is level k. Their sum equals the field's tiles.
     const std::vector<TileLevel>& levels() const { return m_levels; }
 
   private:
@@ -41,7 +40,8 @@ class TileLevels {
     class Split;
 
     std::vector<TileLevel> m_levels;
-    // What a coarser level leaves of a block: the same for all that lie alike. By the value, and by how they lie.
+    // The rest that a coarser level leaves of a block, shared by all blocks with the same value and the same
+    // arrangement of coarser cubes; keyed by these two.
     std::map<std::pair<float, int>, std::unique_ptr<const Block>> m_blocks;
 };
 

@@ -24,11 +24,11 @@ Vec3 vectorAt(VdbWalker& walk) {
     return {x, y, z};
 }
 
-/// The transform of an OpenVDB map (openvdb/math/Maps.h, each map's `write`), none for those that are not affine.
+/// Reads the transform of an OpenVDB map (openvdb/math/Maps.h, each map's `write`); no value where it is not affine.
 std::optional<Mat4> readMap(VdbWalker& walk, const std::string& map) {
     Mat4 m(1.0);
     if (map == "AffineMap" || map == "UnitaryMap") {
-        // Row by row; rows are multiplied from the left, so that row i is GLM's column i.
+        // Row by row; OpenVDB multiplies rows from the left, so its row i is GLM's column i.
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < 4; ++j) m[i][j] = walk.number<double>(kNumber);
         return m;
@@ -39,7 +39,7 @@ std::optional<Mat4> readMap(VdbWalker& walk, const std::string& map) {
     if (!scales && !translates && !both) return {};
     if (translates || both) m[3] = glm::dvec4(vectorAt(walk), 1.0);
     if (scales || both) {
-        // What follows are numbers that can be made from the scale.
+        // The numbers that follow can be computed from the scale.
         const Vec3 scale = vectorAt(walk);
         for (int i = 0; i < 3; ++i) m[i][i] = scale[i];
     }
@@ -63,7 +63,7 @@ std::optional<Bounds> boundsOf(const VdbBytes& file, const VdbLayout::Grid& grid
     const std::optional<Mat4> wsFromIs = readMap(walk, grid.map);
     if (!wsFromIs || walk.at() > grid.end || !isAffine(*wsFromIs)) return {};
     Bounds is{Vec3(*grid.isLower), Vec3(*grid.isUpper)};
-    if (is.empty()) return Bounds{};  // as OpenVDB notes it of an empty grid
+    if (is.empty()) return Bounds{};  // the form in which OpenVDB stores an empty grid
     is.lower -= kPadding;
     is.upper += kPadding;
     const Bounds ws = transformed(*wsFromIs, is);
@@ -94,7 +94,7 @@ std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequ
             all.include(*bounds);
         }
         return all;
-    } catch (const std::exception&) {  // for want of memory, too
+    } catch (const std::exception&) {  // this includes lack of memory
         return {};
     }
 }

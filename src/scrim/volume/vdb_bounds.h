@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the volume of a .vdb file is, known before any voxel is read: OpenVDB notes the active bounds of every grid
-// in its metadata. Read by our own walker, which any bytes may be given to, in this process.
+// Finds the place of a .vdb file's volume before any voxel is read: OpenVDB stores the active bounds of every grid in
+// its metadata. Our own walker reads them in this process; it is safe on any bytes.
 #pragma once
 
 #include <scrim/geometry/bounds.h>
@@ -13,12 +13,13 @@
 
 namespace scrim {
 
-/// The box, in the file's own world space, around the active voxels of the grids that `requests` mean, with two voxels
-/// more on each side: whatever a kernel of reach 2 makes of them lies inside. Empty where they have no active voxel.
+/// The box, in the file's own world space, around the active voxels of the grids that `requests` mean, extended by two
+/// voxels on each side so that it contains everything a kernel of reach 2 makes of them. Empty where they have no
+/// active voxels.
 ///
-/// None where that cannot be known without reading them: the file cannot be read, is old, a pipe's or damaged, has no
-/// such grid, or one without bounds or with a transform that is not affine. Never throws. What a file
-/// claims is believed: its writer may have been wrong.
+/// No value where the box cannot be known without reading the voxels: the file cannot be read, is old, was written to a
+/// pipe or is damaged, or it lacks such a grid, the grid's bounds or an affine transform. Never throws. The file's
+/// statement is believed, although its writer may have been wrong.
 std::optional<Bounds> vdbBounds(const std::string& path, const std::vector<GridRequest>& requests);
 std::optional<Bounds> vdbBounds(const VdbBytes& file, const std::vector<GridRequest>& requests);
 

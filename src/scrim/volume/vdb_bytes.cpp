@@ -16,7 +16,7 @@ namespace scrim {
 
 namespace {
 
-constexpr std::uint32_t kLongestText = 1 << 20;  ///< bytes of a name: more is no name, and not worth its memory
+constexpr std::uint32_t kLongestText = 1 << 20;  ///< bytes; a longer text is no name and not worth its memory
 
 [[noreturn]] void fail(const std::string& path, const std::string& reason) {
     throw Error(ErrorKind::input, shortened(path + ": " + reason, 1000));
@@ -39,7 +39,7 @@ std::uint64_t sizeOfRegularFile(int file, const std::string& path) {
 }  // namespace
 
 VdbBytes::VdbBytes(const std::string& path)
-    // Without O_NONBLOCK opening a FIFO would wait for a writer.
+    // Without O_NONBLOCK, opening a FIFO would wait for a writer.
     : VdbBytes(path, aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {}
 
 VdbBytes::VdbBytes(const std::string& path, int file) : m_path(path), m_file(file) {
@@ -66,7 +66,7 @@ void VdbBytes::copy(std::uint64_t at, std::uint64_t count, char* to) const {
     }
     if (count > m_window.size()) return read(at, count, to);
     if (at < m_windowAt || at + count > m_windowAt + m_windowSize) {
-        m_windowSize = 0;  // should the next line throw
+        m_windowSize = 0;  // in case the next line throws
         const std::uint64_t size = std::min<std::uint64_t>(m_window.size(), m_size - at);
         read(at, size, m_window.data());
         m_windowAt = at;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: the bytes of a .vdb file by their place, in memory or still on disk, and a reader that walks along
-// them and never past their end. On disk only what is asked for is read; the file is not mapped, since a file
-// that shrinks under a mapping kills the process.
+// Internal: random access to the bytes of a .vdb file, in memory or on disk, and a reader that walks along them and
+// never past their end. From disk only the requested bytes are read. The file is not mapped, since a file that shrinks
+// under a mapping kills the process.
 #pragma once
 
 #include <scrim/base/error.h>
@@ -13,17 +13,18 @@
 
 namespace scrim {
 
-/// What is said of a small file for which there is not enough memory, unless there is less of it than files are given.
+/// The message about a small file for which memory is insufficient, unless less memory is available than files are
+/// given.
 constexpr const char* kClaimsMemory = "it claims more memory than its size allows";
 
-/// Not for use from several threads at once.
+/// Must not be used from several threads at once.
 class VdbBytes {
   public:
     /// Opens `path`, which must be a regular file. Throws Error(input) "path: reason".
     explicit VdbBytes(const std::string& path);
-    /// A regular file that is open as the descriptor `file`, which this closes; `path` is for messages.
+    /// Uses a regular file that is open as descriptor `file`, which this object will close; `path` is for messages.
     VdbBytes(const std::string& path, int file);
-    /// Bytes in memory, which must outlive this; `path` is for messages.
+    /// Uses bytes in memory, which must outlive this object; `path` is for messages.
     VdbBytes(const std::string& path, std::span<const char> bytes);
     ~VdbBytes();
     VdbBytes(const VdbBytes&) = delete;
@@ -31,10 +32,10 @@ class VdbBytes {
 
     const std::string& path() const { return m_path; }
     std::uint64_t size() const { return m_size; }
-    /// Of the file; -1: there is none.
+    /// The file's descriptor; -1: none.
     int descriptor() const { return m_file; }
 
-    /// Copies `count` bytes, all within the size, from place `at`. Throws Error(input) where the disk fails.
+    /// Copies `count` bytes, all within the size, from position `at`. Throws Error(input) where the disk fails.
     void copy(std::uint64_t at, std::uint64_t count, char* to) const;
 
   private:
@@ -44,13 +45,13 @@ class VdbBytes {
     int m_file = -1;
     const char* m_memory = nullptr;
     std::uint64_t m_size = 0;
-    // Of a file: what was read last, since a walk asks for a few bytes at a time.
+    // The part of the file that was read last, since a walk asks for a few bytes at a time.
     mutable std::array<char, 4096> m_window;
     mutable std::uint64_t m_windowAt = 0;
     mutable std::uint64_t m_windowSize = 0;
 };
 
-/// Reads one thing after the other; `what` says in errors what was to be read.
+/// Reads one item after another; `what` names the item in errors.
 class VdbWalker {
   public:
     explicit VdbWalker(const VdbBytes& bytes, std::uint64_t at = 0) : m_bytes(bytes), m_at(at) {}
@@ -64,12 +65,12 @@ class VdbWalker {
         return value;
     }
 
-    /// A length and as many bytes.
+    /// Reads a length and that many bytes.
     std::string text(const char* what);
     void skip(std::uint64_t size, const char* what);
 
-    /// A map of metadata: names, types and values of a stated size. Calls `visit(name, type, size)` with this at
-    /// each value; wherever that leaves it, it goes on behind the value.
+    /// Reads a map of metadata: names, types and values of a stated size. Calls `visit(name, type, size)` with this
+    /// walker at each value. Wherever `visit` leaves it, reading continues behind the value.
     template <typename Visit>
     void metadata(const Visit& visit) {
         for (std::uint32_t left = metadataCount(); left > 0; --left) {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// An open .vdb file: what it holds, and fields made of its grids.
+// An open .vdb file: its description, and fields made from its grids.
 //
-// OpenVDB's reader is not safe on damaged files. What can be done inside one process is done here: the bytes
-// are read first, their outer structure is checked, and the stream that OpenVDB parses throws at its end. A
-// crash inside OpenVDB remains possible; a program that must survive it opens files in a child process and
-// takes the result over with field_transfer.h.
+// OpenVDB's reader is not safe on damaged files. What can be done about that inside one process is done here: the bytes
+// are read first, their outer structure is checked, and the stream that OpenVDB parses throws at its end. A crash
+// inside OpenVDB remains possible; a program that must survive it opens files in a child process and receives the
+// result through field_transfer.h.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -24,33 +24,34 @@ class VdbFile {
   public:
     /// Reads all of `path`, a regular file. Throws Error(input) with one line "path: reason".
     static VdbFile open(const std::string& path);
-    /// Reads no more of it than `field` needs for these requests, where the file says where its grids are. A request
-    /// that the file cannot serve is `field`'s concern.
+    /// Reads only as much as `field` needs for these requests, if the file states where its grids are. Requests that
+    /// the file cannot serve are reported by `field`.
     static VdbFile open(const std::string& path, const std::vector<GridRequest>& requests);
 
-    /// The same of a file that is open already, or in memory.
+    /// The same for a file that is already open, or in memory.
     static VdbFile open(const VdbBytes& bytes);
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
 
-    /// Describes all grids that were read; looks at every active voxel of the scalar ones.
+    /// Describes all grids that were read; visits every active voxel of the scalar ones.
     VdbFileInfo info() const;
 
-    /// Grids that `field` accepts, as it accepts them: "density", or "density[0]", "density[1]" where a name
-    /// is not unique, or "[0]" for one without a name. In the file's order.
+    /// The names of grids that `field` accepts, in the file's order: "density", or "density[0]", "density[1]" where a
+    /// name is not unique, or "[0]" for a grid without a name.
     std::vector<std::string> usableGrids() const;
 
-    /// The field of one grid, or of one component of a colour; chooseGrid says what a request means.
+    /// The field of one grid, or of one component of a colour; chooseGrid defines what a request means.
     ///
-    /// Level sets become fog (as colours they stay what they are), and grids whose transform is not affine are
-    /// resampled; both are said in an info message. Values that are not finite or negative count as 0 and are reported
-    /// in one warning; the field of a component is called "Cd.r". Throws GridError where there is no such grid, it
-    /// was not read, or it does not hold floating-point numbers.
+    /// Level sets become fog (except as colours), and grids whose transform is not affine are resampled; an info
+    /// message reports either. Values that are not finite or negative count as 0 and are reported in one warning; the
+    /// field of a component is called "Cd.r". Throws GridError where there is no such grid, it was not read, or it does
+    /// not hold floating-point numbers.
     SparseField field(const GridRequest& request, const MessageSink& messages) const;
     SparseField field(const std::string& grid, const MessageSink& messages) const {
         return field(GridRequest{grid}, messages);
     }
 
-    /// The same of a grid that is not asked for again: a level set becomes fog where it stands, in half the memory.
+    /// The same for a grid that will not be requested again: a level set is turned into fog in place, which takes half
+    /// the memory.
     SparseField lastField(const GridRequest& request, const MessageSink& messages);
 
     VdbFile(VdbFile&&) noexcept;

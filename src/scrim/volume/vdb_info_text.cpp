@@ -24,7 +24,7 @@ Vector vectorFrom(const json& j) {
     return Vector(j.at(0).get<Part>(), j.at(1).get<Part>(), j.at(2).get<Part>());
 }
 
-/// Row by row, as everywhere in text.
+/// A matrix row by row, as in all text.
 json matrix(const Mat4& m) {
     json rows = json::array();
     for (int row = 0; row < 4; ++row) rows.push_back({m[0][row], m[1][row], m[2][row], m[3][row]});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// VdbFileInfo as JSON: between processes, and for programs that ask for it. Apart, because the JSON library
-// is slow to compile.
+// VdbFileInfo as JSON, for other processes and for programs that ask for it. It is a separate file because the JSON
+// library is slow to compile.
 #pragma once
 
 #include <scrim/volume/vdb_info.h>
@@ -12,7 +12,7 @@ namespace scrim {
 /// All of `info` as one JSON object. Bytes that are not UTF-8 are replaced.
 std::string toJson(const VdbFileInfo& info);
 
-/// The reverse. Throws Error(input) where `text` does not come from `toJson`.
+/// Parses the output of `toJson`. Throws Error(input) for any other text.
 VdbFileInfo vdbFileInfoFromJson(const std::string& text);
 
 }  // namespace scrim

@@ -14,16 +14,18 @@ namespace scrim {
 
 namespace {
 
-constexpr std::uint64_t kMagic = 0x56444220;    ///< openvdb::OPENVDB_MAGIC, as a little-endian 64-bit number
-constexpr std::uint32_t kOldestChecked = 222;   ///< compression flags moved into the grids: the layout below
-constexpr std::uint32_t kOldestReadable = 211;  ///< the first to carry library versions
+constexpr std::uint64_t kMagic = 0x56444220;  ///< openvdb::OPENVDB_MAGIC, as a little-endian 64-bit number
+/// from this version on compression flags are stored in the grids, as the layout below assumes
+constexpr std::uint32_t kOldestChecked = 222;
+constexpr std::uint32_t kOldestReadable = 211;  ///< the first version with library versions
 constexpr std::uint32_t kNewestKnown = 224;     ///< OPENVDB_FILE_VERSION of OpenVDB 5 to 12
-constexpr std::uint32_t kNewestTried = 255;     ///< later ones so far have changed little: reading them is tried
-constexpr std::uint32_t kZip = 0x1;             ///< openvdb::io::COMPRESS_ZIP
-constexpr std::uint32_t kActiveValues = 0x2;    ///< openvdb::io::COMPRESS_ACTIVE_MASK
-constexpr std::uint32_t kBlosc = 0x4;           ///< openvdb::io::COMPRESS_BLOSC
+/// later versions have changed little so far, so reading them is attempted
+constexpr std::uint32_t kNewestTried = 255;
+constexpr std::uint32_t kZip = 0x1;           ///< openvdb::io::COMPRESS_ZIP
+constexpr std::uint32_t kActiveValues = 0x2;  ///< openvdb::io::COMPRESS_ACTIVE_MASK
+constexpr std::uint32_t kBlosc = 0x4;         ///< openvdb::io::COMPRESS_BLOSC
 constexpr std::size_t kUuidBytes = 36;
-constexpr std::uint32_t kLongestClass = 40;  ///< bytes; those there are take 13 at most
+constexpr std::uint32_t kLongestClass = 40;  ///< bytes; the existing classes take 13 at most
 constexpr std::uint32_t kLongestCreator = 200;
 constexpr std::string_view kHalfSuffix = "_HalfFloat";  ///< GridDescriptor: appended to the type of grids saved as half
 constexpr char kNameSeparator = '\x1e';                 ///< GridDescriptor: unique name = name, this, number
@@ -49,7 +51,7 @@ std::string codecName(std::uint32_t flags) {
     return name.empty() ? "none" : name;
 }
 
-/// Takes what is of use from a grid's metadata.
+/// Takes the useful entries from a grid's metadata.
 void walkMetadata(VdbWalker& walk, VdbLayout::Grid& grid) {
     walk.metadata([&](const std::string& name, const std::string& type, std::uint32_t size) {
         const auto vector = [&]() -> std::optional<Int3> {
@@ -65,7 +67,7 @@ void walkMetadata(VdbWalker& walk, VdbLayout::Grid& grid) {
     });
 }
 
-/// One grid's descriptor and the head of its data; leaves `walk` at the grid's end.
+/// Reads one grid's descriptor and the head of its data; leaves `walk` at the grid's end.
 VdbLayout::Grid walkGrid(VdbWalker& walk, std::uint64_t fileSize) {
     VdbLayout::Grid grid;
     grid.begin = walk.at();
@@ -93,7 +95,7 @@ VdbLayout::Grid walkGrid(VdbWalker& walk, std::uint64_t fileSize) {
     return grid;
 }
 
-/// The rest of the file's head, and all grids' heads.
+/// Reads the rest of the file's head and the heads of all grids.
 VdbLayout walkGrids(VdbWalker& walk, const VdbBytes& bytes, VdbLayout layout) {
     layout.hasOffsets = walk.number<char>("the header") != 0;
     walk.skip(kUuidBytes, "the header");
@@ -104,7 +106,7 @@ VdbLayout walkGrids(VdbWalker& walk, const VdbBytes& bytes, VdbLayout layout) {
     });
     layout.gridsBegin = walk.at();
     const auto count = walk.number<std::int32_t>("the number of grids");
-    // A descriptor takes at least three lengths; with offsets three of those too.
+    // A descriptor takes at least three lengths, and with offsets three of those, too.
     if (count < 0 || static_cast<std::uint64_t>(count) > walk.left() / 12)
         walk.damaged(fmt::format("it claims {} grids", count));
     if (!layout.hasOffsets) return layout;
@@ -131,7 +133,7 @@ VdbLayout checkVdbLayout(const VdbBytes& bytes) {
     try {
         return walkGrids(walk, bytes, layout);
     } catch (const Error&) {
-        // A version that nobody here has seen may be laid out as the last one; where it is not, OpenVDB may know.
+        // A version that is unknown here may have the last known layout; where it does not, OpenVDB may still read it.
         if (!layout.isNewer) throw;
         return layout;
     }

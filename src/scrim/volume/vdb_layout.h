@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The outer structure of a .vdb file, checked before OpenVDB sees a byte of it.
 //
-// OpenVDB believes the lengths it reads: one flipped byte in a name's length makes it allocate gigabytes. The
-// header, the descriptors and each grid's metadata are a simple chain of lengths and offsets that must end
-// exactly at the end of the file; walking it costs microseconds and catches every truncation and most damage
-// outside the voxels. What is inside a grid's tree is OpenVDB's business (and that of the process that guards
-// it).
+// OpenVDB believes the lengths it reads: one flipped byte in a name's length makes it allocate gigabytes. The header,
+// the descriptors and each grid's metadata form a simple chain of lengths and offsets that must end exactly at the end
+// of the file. Walking it costs microseconds and catches every truncation and most damage outside of the voxels. The
+// contents of a grid's tree are left to OpenVDB (and to the process that guards it).
 #pragma once
 
 #include <scrim/geometry/spaces.h>
@@ -24,23 +23,25 @@ struct VdbLayout {
         std::string name;         ///< without the suffix OpenVDB adds to tell equal names apart
         std::string type;         ///< "Tree_float_5_4_3", ...
         std::string codec;        ///< "zip + active values", "blosc", "none", ...
-        std::string gridClass;    ///< "fog volume", "level set", ...; "" where its metadata do not say
-        bool instance = false;    ///< has no tree of its own, but that of another grid
-        std::uint64_t begin = 0;  ///< of the bytes of its descriptor and its data
+        std::string gridClass;    ///< "fog volume", "level set", ...; "" where the metadata does not say
+        bool instance = false;    ///< the grid has no tree of its own, but uses that of another grid
+        std::uint64_t begin = 0;  ///< start of the bytes of its descriptor and its data
         std::uint64_t end = 0;
-        /// Active bounds, inclusive, as its writer noted them in its metadata, if it did.
+        /// Active bounds, inclusive, if the writer stored them in the metadata.
         std::optional<Int3> isLower, isUpper;
-        std::string map;          ///< the kind of its transform: "UniformScaleMap", ...
-        std::uint64_t mapAt = 0;  ///< of the first byte of the transform's numbers
+        std::string map;          ///< kind of its transform: "UniformScaleMap", ...
+        std::uint64_t mapAt = 0;  ///< position of the first byte of the transform's numbers
     };
     std::uint32_t fileVersion = 0;
     std::uint32_t libraryMajor = 0;
     std::uint32_t libraryMinor = 0;
-    std::string creator;           ///< the program that wrote it, as it says in the file's metadata; "": it does not
-    bool isNewer = false;          ///< than any version that is known here: what is said below may be missing
-    bool hasOffsets = false;       ///< written to a file, not to a pipe
-    std::uint64_t gridsBegin = 0;  ///< of the number of grids (int32), which ends the header; with offsets only
-    std::vector<Grid> grids;       ///< empty where the file does not say where grids begin (no offsets, or before 222)
+    std::string creator;      ///< the program that wrote the file, by the file's metadata; "": unknown
+    bool isNewer = false;     ///< the version is newer than all that are known here; what follows may be missing
+    bool hasOffsets = false;  ///< the file was written to disk, not to a pipe
+    /// position of the number of grids (int32), which ends the header; only with offsets
+    std::uint64_t gridsBegin = 0;
+    /// empty where the file does not say where grids begin (no offsets, or before version 222)
+    std::vector<Grid> grids;
 };
 
 /// Throws Error(input) "path: not a VDB file (...)" or "path: truncated or damaged: ...".

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal: what needs OpenVDB. Its library has 67,000 names to be bound at every start, which takes four times as long
-// as all the rest. So the library is not linked to it: a module is, which is loaded where this process reads or writes
-// .vdb files itself, and so is the program `scrim-load`, which reads them for it.
+// Internal: the code that needs OpenVDB. Binding the 67,000 names of OpenVDB's library takes four times as long as the
+// rest of a program's start. Therefore the library is not linked to it. A module is, which is loaded only where this
+// process itself reads or writes .vdb files; the program `scrim-load`, which reads them on its behalf, is linked to it,
+// too.
 #pragma once
 
 #include <scrim/volume/vdb_bytes.h>
@@ -15,7 +16,7 @@
 
 namespace scrim {
 
-/// What VdbFile is made of.
+/// The interface behind VdbFile.
 struct VdbFile::Content {
     virtual ~Content() = default;
     virtual VdbFileInfo info() const = 0;
@@ -24,8 +25,8 @@ struct VdbFile::Content {
     virtual SparseField lastField(const GridRequest& request, const MessageSink& messages) = 0;
 };
 
-/// Each as the function that calls it: VdbFile::open (null: for no requests, but all of the file), writeVdb and
-/// writeVdbGrids.
+/// Each implements the function that calls it: VdbFile::open (null: read the whole file, for no particular requests),
+/// writeVdb and writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests);
 void writeVdbContent(const std::string& path, const std::vector<SparseField>& fields);
 void writeVdbGridContent(const std::string& path, const std::vector<VdbGrid>& grids,
@@ -37,12 +38,12 @@ struct VdbModule {
     decltype(&writeVdbGridContent) writeGrids = nullptr;
 };
 
-/// The one function that the module exports. Its name changes with whatever stands above.
+/// The single function that the module exports. The name must change whenever anything above changes.
 #define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_2"
 using VdbModuleFunction = const VdbModule* (*)();
 
-/// Loads the module, for good. May be called from any thread. Throws Error(render) where it cannot be loaded. In
-/// `scrim-load` it is part of the program.
+/// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be
+/// loaded. In `scrim-load` the module is part of the program.
 const VdbModule& vdbModule();
 
 }  // namespace scrim

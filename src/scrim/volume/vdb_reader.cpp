@@ -21,15 +21,16 @@ namespace scrim {
 
 namespace {
 
-/// A file that was parsed.
+/// A parsed file.
 struct ParsedVdb : VdbFile::Content {
     std::string path;
     VdbLayout layout;
     std::uint64_t bytes = 0;
     std::vector<std::pair<std::string, std::string>> metadata;
-    std::vector<GridOffer> offers;      ///< all grids of the file
-    openvdb::GridPtrVec grids;          ///< one each of `offers`, null where it was not read
-    std::vector<std::string> problems;  ///< one each, why not; or empty: all is well
+    std::vector<GridOffer> offers;  ///< all grids of the file
+    openvdb::GridPtrVec grids;      ///< one for each of `offers`; null where it was not read
+    /// one for each of `offers`, why it was not read; or empty if there were no problems
+    std::vector<std::string> problems;
 
     VdbFileInfo info() const override;
     std::vector<std::string> usableGrids() const override;
@@ -38,8 +39,8 @@ struct ParsedVdb : VdbFile::Content {
 };
 
 constexpr std::size_t kMessageLimit = 1000;  ///< bytes of an error that lists grids
-/// A node of OpenVDB's trees takes some 35 times as much memory as it can be compressed to in a file, so
-/// files below this need less than 1 GiB, and an allocation that fails is their fault, not the machine's.
+/// A node of OpenVDB's trees takes some 35 times its smallest compressed size in memory. Files below this limit need
+/// less than 1 GiB, and a failed allocation is their fault, not the machine's.
 constexpr std::size_t kSmallFile = std::size_t{16} << 20;
 constexpr std::size_t kMetadataLimit = 200;  ///< bytes of a metadata value worth keeping
 
@@ -68,8 +69,8 @@ class MemoryBuffer : public std::streambuf {
     }
 };
 
-/// The places of the grids that `requests` need, in the file's order; none where all of the file must be read: it does
-/// not say where its grids are, or one of them has its voxels in another one.
+/// The indices of the grids that `requests` need, in the file's order. No value where the whole file must be read,
+/// because it does not say where its grids are, or one of the grids shares the voxels of another.
 std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests) {
     if (!layout.hasOffsets) return {};
     const std::vector<GridOffer> offers = offersOf(layout);
@@ -81,8 +82,8 @@ std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, con
     return std::vector<std::size_t>(needed.begin(), needed.end());
 }
 
-/// A file that holds, of those of `file`, only the grids at `places`. OpenVDB's stream does not go to the offsets that
-/// the descriptors state, which are those of the original.
+/// The bytes of a file that contains only the grids of `file` at `places`. The offsets in the descriptors are those of
+/// the original, but OpenVDB's stream does not use them.
 std::vector<char> partOfFile(const VdbBytes& file, const VdbLayout& layout, const std::vector<std::size_t>& places) {
     const auto count = static_cast<std::int32_t>(places.size());
     std::uint64_t size = layout.gridsBegin + sizeof count;
@@ -105,7 +106,7 @@ std::vector<char> allOfFile(const VdbBytes& file) {
     return bytes;
 }
 
-/// The file is sound, but has something that this OpenVDB knows nothing of.
+/// The file is sound, but contains something unknown to this version of OpenVDB.
 class UnknownType : public Error {
     using Error::Error;
 };
@@ -120,7 +121,8 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
                                         kMessageLimit));
 }
 
-/// What OpenVDB says of points whose attributes have a codec of somebody's own ends with its name.
+/// Turns OpenVDB's error into ours. Its message about points whose attributes have a third-party codec ends with the
+/// codec's name.
 [[noreturn]] void failToParse(const std::string& path, const std::string& damaged, const std::string& what) {
     constexpr std::string_view kUnregistered = "Cannot create attribute of unregistered type ";
     const std::size_t at = what.find(kUnregistered);
@@ -134,7 +136,7 @@ void checkTypes(const std::string& path, const std::vector<GridOffer>& offers, c
                   kMessageLimit));
 }
 
-/// Has OpenVDB parse `bytes`, and returns the grids; everything it can throw becomes an Error.
+/// Has OpenVDB parse `bytes` and returns the grids; everything it can throw becomes an Error.
 openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
     const std::string damaged = content.layout.isNewer
                                     ? fmt::format("file version {} is newer than what OpenVDB {} knows, or damaged: ",
@@ -168,7 +170,7 @@ openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
     return grids;
 }
 
-/// Each grid alone, where one of them is of a kind that OpenVDB does not know.
+/// Reads each grid separately, where one of them is of a kind unknown to OpenVDB.
 void readSingly(const VdbBytes& file, ParsedVdb& content) {
     const std::size_t count = content.offers.size();
     content.grids.assign(count, nullptr);
@@ -184,7 +186,7 @@ void readSingly(const VdbBytes& file, ParsedVdb& content) {
         }
 }
 
-/// Opens the file for `requests`, or for all there is.
+/// Opens the file for `requests`, or for all grids.
 std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests) {
     const std::string& path = file.path();
     auto content = std::make_unique<ParsedVdb>();
@@ -206,7 +208,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
         checkTypes(path, content->offers, *places);
         grids = parse(*content, bytes);
     } catch (const UnknownType&) {
-        // Who wants to know about all grids hears of those, too.
+        // A caller without requests wants to know about all grids, including unknown ones.
         if (requests || !content->layout.hasOffsets) throw;
         readSingly(file, *content);
         return content;
@@ -221,7 +223,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     content->grids.resize(content->offers.size());
     for (std::size_t i = 0; i < grids.size(); ++i) {
         const std::size_t place = (*places)[i];
-        // Whoever uses a grid goes by the type that was chosen, and the file may have changed since.
+        // Users of a grid rely on the type by which it was chosen, and the file may have changed since.
         if (grids[i]->type() != content->offers[place].type)
             fail(path, "truncated or damaged: it changed while it was read");
         content->grids[place] = grids[i];
@@ -229,7 +231,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     return content;
 }
 
-/// Of a grid that was not read: what its descriptor says.
+/// The description of a grid that was not read, from its descriptor.
 GridInfo describeUnread(const VdbLayout::Grid& grid, const GridOffer& offer, const std::string& problem) {
     GridInfo info;
     info.name = grid.name;
@@ -256,7 +258,7 @@ VdbFileInfo ParsedVdb::info() const {
             continue;
         }
         out.grids.push_back(describeGrid(*grids[i]));
-        // Without offsets in the file there is only what its writer noted in each grid's metadata, if anything.
+        // Without offsets in the file there is only what the writer stored in each grid's metadata, if anything.
         if (i < described.size()) out.grids.back().codec = described[i].codec;
     }
     return out;
@@ -298,7 +300,7 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
 
 }  // namespace
 
-/// With a file that is too large as the reason of what is thrown.
+/// As `read`; a file that is too large becomes the reason of the error.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests) {
     try {
         return read(file, requests);

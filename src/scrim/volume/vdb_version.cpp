@@ -6,7 +6,7 @@
 namespace scrim {
 
 std::string openVdbVersion() {
-    // As compiled against: asking the library itself would load it.
+    // This is the version compiled against; asking the library itself would load it.
     return OPENVDB_LIBRARY_VERSION_STRING;
 }
 

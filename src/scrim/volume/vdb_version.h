@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which OpenVDB this is, and which files it can read.
+// The version of OpenVDB and the files that it can read.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ std::string openVdbVersion();
 /// The newest version of the file format that it writes.
 std::uint32_t vdbFileVersion();
 
-/// The compressions it was built with: "zip", "blosc". Files without any are always read.
+/// The compressions that it was built with: "zip", "blosc". Files without compression are always read.
 std::vector<std::string> vdbCodecs();
 
 }  // namespace scrim

@@ -48,7 +48,7 @@ openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
     return grid;
 }
 
-/// `valueAt(floats of the block, voxel)`.
+/// Makes a grid of type `Grid`. `valueAt(floats of the block, voxel)` gives a voxel's value.
 template <typename Grid, typename ValueAt>
 openvdb::GridBase::Ptr gridFrom(const VdbGrid& from, std::size_t floatsABlock, const ValueAt& valueAt) {
     typename Grid::Ptr grid = Grid::create();
@@ -74,19 +74,19 @@ openvdb::GridBase::Ptr gridFrom(const VdbGrid& from) {
     });
 }
 
-/// Why nothing can be added to a file.
+/// The errno of appending to a file, which tells why a write failed.
 int errorOfAdding(const std::string& path) {
     const std::vector<char> zeros(std::size_t{1} << 20);
     const int file = ::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC);
     int error = file < 0 ? errno : 0;
-    // What fits is added at first.
+    // The first attempt may succeed with whatever still fits.
     for (int attempt = 0; attempt < 2 && error == 0; ++attempt)
         if (::write(file, zeros.data(), zeros.size()) < 0) error = errno;
     if (file >= 0) ::close(file);
     return error == 0 ? EIO : error;
 }
 
-/// OpenVDB does not look whether what it writes arrives.
+/// Checks the written file, since OpenVDB ignores failed writes.
 void checkWritten(const AtomicFile& file) {
     try {
         checkVdbLayout(VdbBytes(file.tempPath()));
