@@ -3,7 +3,7 @@
 #include "bindings.h"
 
 #include <scrim/volume/field_builder.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 #include <scrim/volume/vdb_info.h>
 
 #include <algorithm>

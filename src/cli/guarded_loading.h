@@ -2,7 +2,7 @@
 // How all commands read volumes: in a guarded process.
 #pragma once
 
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_options.h>
 
 #include <cstddef>
 

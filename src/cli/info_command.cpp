@@ -9,8 +9,8 @@
 #include <scrim/base/error.h>
 #include <scrim/scene/frame_path.h>
 #include <scrim/volume/foreign_format.h>
-#include <scrim/volume/load_fields.h>
-#include <scrim/volume/scan_info.h>
+#include <scrim/guard/load_fields.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/vdb_info_text.h>
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 // The text that `scrim info` prints about a file, a sequence or a scan.
 #pragma once
 
-#include <scrim/volume/scan_info.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/vdb_info.h>
 
 #include <string>

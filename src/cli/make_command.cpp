@@ -10,7 +10,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/shot/shot_text.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 #include <scrim/volume/source.h>
 #include <scrim/volume/vdb_write.h>
 

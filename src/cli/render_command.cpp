@@ -16,7 +16,7 @@
 #include <scrim/image/exr.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/image/whole_picture.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include <fmt/format.h>
 

@@ -24,6 +24,8 @@ find_package(OpenImageIO CONFIG REQUIRED)
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
 pkg_check_modules(OpenColorIO REQUIRED IMPORTED_TARGET OpenColorIO)  # its CMake config has a wrong path
 
+pkg_check_modules(seccomp REQUIRED IMPORTED_TARGET libseccomp)
+
 find_package(glm CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(tomlplusplus CONFIG REQUIRED)

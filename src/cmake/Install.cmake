@@ -25,6 +25,7 @@ foreach(
     geometry/box2.h
     geometry/camera.h
     geometry/spaces.h
+    guard/load_options.h
     image/colour.h
     image/image.h
     image/texture.h
@@ -43,7 +44,7 @@ foreach(
     solid/triangle_mesh.h
     volume/field_builder.h
     volume/grid_request.h
-    volume/load_options.h
+    volume/kernel.h
     volume/scrim_source.h # for volume sources, in C
     volume/sparse_field.h
     volume/vdb_file.h
@@ -87,10 +88,13 @@ install(FILES ${scrim_pages}/scrim-scene.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/m
 install(FILES ${scrim_pages}/completion DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME scrim
         COMPONENT program)
 
-# The farm's scripts form one folder; they find it by following the link in bin.
+# The farm's scripts form one folder; they find it by following the link in bin. The kit lies beside it, as in the source
+# tree.
 install(PROGRAMS ${scrim_farm}/scrim-submit DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/farm COMPONENT program)
 install(DIRECTORY ${scrim_farm}/scrim_farm DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/farm COMPONENT program
         FILES_MATCHING PATTERN *.py)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/plugins/kit/scrim_kit DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/kit
+        COMPONENT program FILES_MATCHING PATTERN *.py)
 file(RELATIVE_PATH scrim_farm_from_bin ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_DATADIR}/scrim/farm/scrim-submit)
 file(CREATE_LINK ${scrim_farm_from_bin} ${PROJECT_BINARY_DIR}/scrim-submit SYMBOLIC)
 install(FILES ${PROJECT_BINARY_DIR}/scrim-submit DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)

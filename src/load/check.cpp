@@ -4,7 +4,7 @@
 #include "answered_calls.h"
 #include "confine.h"
 
-#include <scrim/volume/load_protocol.h>
+#include <scrim/guard/load_protocol.h>
 #include <scrim/volume/loaded_source.h>
 
 #include <fmt/format.h>

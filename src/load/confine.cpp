@@ -5,24 +5,19 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstdint>
 #include <fstream>
-#include <vector>
 
 #include <fcntl.h>
-#include <linux/audit.h>
 #include <linux/capability.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
+#include <seccomp.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
-
-#include <csignal>
-#include <cstddef>
 
 #if defined(__has_feature)
 #if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
@@ -31,14 +26,6 @@
 #endif
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define SCRIM_SANITIZED 1
-#endif
-
-#if defined(__x86_64__)
-#define SCRIM_AUDIT_ARCH AUDIT_ARCH_X86_64
-#elif defined(__aarch64__)
-#define SCRIM_AUDIT_ARCH AUDIT_ARCH_AARCH64
-#else
-#error "name this processor's AUDIT_ARCH_... of <linux/audit.h>"
 #endif
 
 namespace scrim::load {
@@ -72,79 +59,56 @@ bool dropCapabilities() {
     return ::syscall(SYS_capset, &self, none) == 0;
 }
 
-/// Builds a filter of system calls, instruction by instruction (linux/filter.h).
+/// Builds a filter of system calls. A call that is not named ends the process.
 class Filter {
   public:
-    Filter() {
-        load(offsetof(seccomp_data, arch));
-        unlessEqual(SCRIM_AUDIT_ARCH, 1);
-        end(SECCOMP_RET_KILL_PROCESS);
-        loadCall();
+    Filter() : m_context(::seccomp_init(SCMP_ACT_KILL_PROCESS)) {
+        // By default the library would end the thread only.
+        m_good = m_context != nullptr &&
+                 ::seccomp_attr_set(m_context, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS) == 0;
     }
+    ~Filter() { ::seccomp_release(m_context); }
+    Filter(const Filter&) = delete;
+    Filter& operator=(const Filter&) = delete;
 
-    void allow(long call) { answer(call, SECCOMP_RET_ALLOW); }
+    void allow(long call) { add(SCMP_ACT_ALLOW, call); }
     /// The call fails with `error` without being made.
-    void refuse(long call, int error) { answer(call, SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(error)); }
+    void refuse(long call, int error) { add(SCMP_ACT_ERRNO(std::uint32_t(error)), call); }
     /// The call is passed to the handler of SIGSYS.
-    void trap(long call) { answer(call, SECCOMP_RET_TRAP); }
-    /// Allowed where argument number `argument` (its lower half) has none of the bits `forbidden`.
-    void allowWithout(long call, int argument, std::uint32_t forbidden) {
-        answerWithout(call, argument, forbidden, SECCOMP_RET_ALLOW);
+    void trap(long call) { add(SCMP_ACT_TRAP, call); }
+    /// Allowed where argument number `argument` has none of the bits `forbidden`.
+    void allowWithout(long call, unsigned argument, std::uint32_t forbidden) {
+        add(SCMP_ACT_ALLOW, call, hasBits(argument, forbidden, 0));
     }
-    /// Allowed where argument number `argument` has one of `bits`; otherwise it fails without being made.
-    void allowOnlyWith(long call, int argument, std::uint32_t bits, int error) {
-        skipUnless(call, 4);
-        loadArgument(argument);
-        add(BPF_JMP | BPF_JSET | BPF_K, bits, 0, 1);
-        end(SECCOMP_RET_ALLOW, SECCOMP_RET_ERRNO | static_cast<std::uint32_t>(error));
+    void trapWithout(long call, unsigned argument, std::uint32_t forbidden) {
+        add(SCMP_ACT_TRAP, call, hasBits(argument, forbidden, 0));
     }
-    void trapWithout(long call, int argument, std::uint32_t forbidden) {
-        answerWithout(call, argument, forbidden, SECCOMP_RET_TRAP);
+    /// Allowed where argument number `argument` has the bit `bit`; otherwise it fails without being made.
+    void allowOnlyWith(long call, unsigned argument, std::uint32_t bit, int error) {
+        add(SCMP_ACT_ALLOW, call, hasBits(argument, bit, bit));
+        add(SCMP_ACT_ERRNO(std::uint32_t(error)), call, hasBits(argument, bit, 0));
     }
-    void allowWith(long call, int argument, std::uint32_t value) {
-        skipUnless(call, 4);
-        loadArgument(argument);
-        unlessEqual(value, 1);
-        end(SECCOMP_RET_KILL_PROCESS, SECCOMP_RET_ALLOW);
+    /// Allowed where argument number `argument` is `value`.
+    void allowWith(long call, unsigned argument, std::uint32_t value) {
+        add(SCMP_ACT_ALLOW, call, hasBits(argument, 0xFFFFFFFF, value));
     }
 
-    bool install() {
-        end(SECCOMP_RET_KILL_PROCESS);
-        const sock_fprog program{static_cast<unsigned short>(m_code.size()), m_code.data()};
-        return ::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, 0, &program) == 0;
-    }
+    bool install() { return m_good && ::seccomp_load(m_context) == 0; }
 
   private:
-    void answer(long call, std::uint32_t action) {
-        skipUnless(call, 1);
-        end(action);
+    // The kernel reads these arguments as 32 bits; their upper halves may hold anything.
+    static scmp_arg_cmp hasBits(unsigned argument, std::uint32_t mask, std::uint32_t value) {
+        return {argument, SCMP_CMP_MASKED_EQ, mask, value};
     }
-    void answerWithout(long call, int argument, std::uint32_t forbidden, std::uint32_t action) {
-        skipUnless(call, 4);
-        loadArgument(argument);
-        add(BPF_JMP | BPF_JSET | BPF_K, forbidden, 1, 0);
-        end(action);
-        end(SECCOMP_RET_KILL_PROCESS);
+    void add(std::uint32_t action, long call) {
+        m_good = m_good && ::seccomp_rule_add_array(m_context, action, static_cast<int>(call), 0, nullptr) == 0;
     }
-    void add(int code, std::uint32_t k, int ifTrue = 0, int ifFalse = 0) {
-        m_code.push_back({static_cast<std::uint16_t>(code), static_cast<std::uint8_t>(ifTrue),
-                          static_cast<std::uint8_t>(ifFalse), k});
-    }
-    void load(std::size_t at) { add(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(at)); }
-    void loadCall() { load(offsetof(seccomp_data, nr)); }
-    void loadArgument(int i) { load(offsetof(seccomp_data, args) + 8 * static_cast<std::size_t>(i)); }
-    void end(std::uint32_t action) { add(BPF_RET | BPF_K, action); }
-    void end(std::uint32_t action, std::uint32_t other) {
-        end(action);
-        end(other);
-    }
-    /// Skips `count` instructions if the value equals `value`.
-    void unlessEqual(std::uint32_t value, int count) { add(BPF_JMP | BPF_JEQ | BPF_K, value, count, 0); }
-    void skipUnless(long call, int count) {
-        add(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, count);
+    void add(std::uint32_t action, long call, const scmp_arg_cmp& where) {
+        m_good = m_good && ::seccomp_rule_add_array(m_context, action, static_cast<int>(call), 1, &where) == 0;
     }
 
-    std::vector<sock_filter> m_code;
+    scmp_filter_ctx m_context;
+    bool m_good = false;
 };
 
 /// Traps the calls of libraries that open files by name. Opening a file for writing is not included.

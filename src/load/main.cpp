@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program that reads volumes or pictures for others (scrim/volume/load_protocol.h): one process, started once, that
+// The program that reads volumes or pictures for others (scrim/guard/load_protocol.h): one process, started once, that
 // forks for each file. It has no active threads, so a fork finds everything in a consistent state. The fork reads the
 // files it was passed, behind a filter of system calls, and ends. A file that crashes its reader crashes nothing else.
 // Volume sources that read files are loaded by the fork before the filter is installed.
@@ -14,7 +14,7 @@
 #include "read_volume.h"
 
 #include <scrim/base/system_error.h>
-#include <scrim/volume/load_protocol.h>
+#include <scrim/guard/load_protocol.h>
 
 #include <algorithm>
 #include <cerrno>

@@ -5,7 +5,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/system_error.h>
-#include <scrim/volume/mesh_transfer.h>
+#include <scrim/guard/mesh_transfer.h>
 #include <scrim/volume/read_fields.h>
 
 #include <utility>

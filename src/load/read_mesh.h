@@ -5,7 +5,7 @@
 #include "confine.h"
 
 #include <scrim/solid/mesh_module.h>
-#include <scrim/volume/field_transfer.h>
+#include <scrim/guard/field_transfer.h>
 
 #include <string>
 

@@ -4,7 +4,7 @@
 #include "answered_calls.h"
 
 #include <scrim/base/error.h>
-#include <scrim/volume/picture_transfer.h>
+#include <scrim/guard/picture_transfer.h>
 #include <scrim/volume/read_fields.h>
 
 #include <chrono>

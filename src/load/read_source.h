@@ -5,7 +5,7 @@
 #include "confine.h"
 
 #include <scrim/base/error.h>
-#include <scrim/volume/field_transfer.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/volume/loaded_source.h>
 
 #include <optional>

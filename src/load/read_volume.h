@@ -4,7 +4,7 @@
 
 #include "confine.h"
 
-#include <scrim/volume/field_transfer.h>
+#include <scrim/guard/field_transfer.h>
 #include <scrim/volume/vdb_bytes.h>
 
 #include <memory>

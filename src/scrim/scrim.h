@@ -25,7 +25,7 @@
 #include <scrim/shot/shot_options.h>
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/grid_request.h>
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_options.h>
 #include <scrim/volume/sparse_field.h>
 #include <scrim/volume/vdb_file.h>
 #include <scrim/volume/vdb_info.h>

@@ -4,7 +4,7 @@
 #include "support/slides.h"
 #include "support/verified.h"
 
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>

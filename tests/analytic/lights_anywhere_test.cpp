@@ -3,6 +3,7 @@
 // fields of view too wide for one sweep. Where views are cut into parts, the cuts must not show.
 #include "support/verified.h"
 
+#include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/verify/reference.h>
 

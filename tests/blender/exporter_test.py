@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "plugins", "blender"))
-from scrim import child, exr, export, motion  # noqa: E402
+from scrim import exr, export, motion  # noqa: E402
+from scrim.scrim_kit import Failure  # noqa: E402
 
 UNIT = [[1.0, 0, 0, 0], [0, 1.0, 0, 0], [0, 0, 1.0, 0], [0, 0, 0, 1.0]]
 # Turned by 90 degrees about z, twice as large, at (5, 6, 7)
@@ -73,7 +74,7 @@ def test_parallel_cameras_have_a_height(world):
 
 
 def test_other_cameras_fail_and_blur_is_warned_of(world):
-    with pytest.raises(child.Failure, match="the camera 'eye' is neither perspective nor orthographic"):
+    with pytest.raises(Failure, match="the camera 'eye' is neither perspective nor orthographic"):
         camera(world, type="PANO")
     camera(world, dof=SimpleNamespace(use_dof=True))
     camera(world, dof=SimpleNamespace(use_dof=True))
@@ -263,7 +264,7 @@ def test_volumes_that_cannot_be_are_left_out_or_fail(world):
     assert world.said[-1] == "volume 'Smoke': throws its shadow, though it should not"
     broken = Grids(("density",), "")
     broken.error_message = "cannot be read"
-    with pytest.raises(child.Failure, match="volume 'Smoke': cannot be read"):
+    with pytest.raises(Failure, match="volume 'Smoke': cannot be read"):
         volume(world, grids=broken)
 
 

@@ -1,61 +1,21 @@
 # SPDX-License-Identifier: Apache-2.0
 # What the add-on maps and reads, without Blender: laws by closed forms, nodes by look-alikes, pictures byte by byte.
+# What it shares with the other front ends is tested by tests/python/test_kit_*.py.
 import math
 import os
 import struct
-import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
 from lookalikes import link, node, principled, tree_of
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "plugins", "blender"))
-from scrim import child, exr, export, formulae, meshes, nodes, scene_text  # noqa: E402
+from scrim import exr, formulae, nodes  # noqa: E402
+from scrim.program_path import program_path  # noqa: E402
+from scrim.scrim_kit import Failure  # noqa: E402
 
 # Laws
-
-
-def test_a_sun_gives_the_same_irradiance_whatever_its_angle():
-    for angle in (0.0, 0.01, 0.5, 1.5):
-        sun = formulae.sun([2, 1, 0], angle)
-        # On a card that faces the sun: radiance times the integral of the cosine, pi sin^2(half).
-        half = 0.5 * angle
-        solid = 2 * math.pi * (1 - math.cos(half)) if angle else 1.0
-        card = sun["intensity"] / solid * (math.pi * math.sin(half) ** 2 if angle else 1.0)
-        assert card == pytest.approx(2.0)
-        assert sun["color"] == [1, 0.5, 0]
-
-
-def test_a_sphere_has_the_intensity_of_its_point():
-    small = formulae.point([8, 8, 8], 0.0)
-    large = formulae.point([8, 8, 8], 0.5)
-    assert large["intensity"] * math.pi * 0.5**2 == pytest.approx(small["intensity"])
-
-
-def test_a_disk_gives_what_its_area_says():
-    disk, square = (formulae.area([1, 1, 1], 2, 2, ellipse) for ellipse in (True, False))
-    assert disk["intensity"] * math.pi * disk["radius"] ** 2 == pytest.approx(1 / math.pi)
-    assert square["intensity"] * 4 == pytest.approx(1 / math.pi)
-    assert formulae.area([1, 1, 1], 2, 2, False, normalize=False)["intensity"] == pytest.approx(1 / math.pi)
-
-
-def test_a_spot_fades_between_the_same_cosines():
-    for size in (0.3, 1.0, 2.5):
-        for blend in (0.0, 0.2, 1.0):
-            spot = formulae.spot([1, 1, 1], size, blend)
-            outer = math.cos(size / 2)
-            inner = math.cos(math.radians(spot["cone"]) / 2 * (1 - spot["blend"]))
-            assert inner - outer == pytest.approx((1 - outer) * blend, abs=1e-12)
-
-
-def test_strength_counts_exposure_and_temperature():
-    assert formulae.light_strength((1, 0.5, 0), 3, 1, (1, 1, 0.5)) == [6, 3, 0]
-
-
-def test_a_light_that_takes_light_away_gives_none():
-    assert formulae.split([-1, 0, 0]) == ([1, 1, 1], 0)
 
 
 def test_extinction_is_scattering_and_absorption():
@@ -152,19 +112,7 @@ def test_what_only_shapes_the_look_is_noted():
     assert medium.notes == ["node 'Noise' at 'Anisotropy'", "emission of one strength everywhere; link a grid to it"]
 
 
-# Scenes, pictures, meshes
-
-
-def test_scenes_are_toml():
-    import tomllib
-
-    scene = {"camera": {"fov": 35.0, "matrix": [[1.0, 0.0], [0.0, 1.0]]}, "volume": [{"name": 'a"\\\n', "on": True}]}
-    assert tomllib.loads(scene_text.scene_text(scene)) == {"scene_version": 2, **scene}
-
-
-def test_numbers_that_are_none_are_refused():
-    with pytest.raises(ValueError, match="inf is no number for a scene"):
-        scene_text.scene_text({"camera": {"near": math.inf}})
+# Pictures
 
 
 def picture_bytes(compression=0, flags=0):
@@ -214,109 +162,22 @@ def test_pictures_that_are_written_are_read(tmp_path):
     assert np.array_equal(np.stack([picture.region(c, 0, 0, 3, 2) for c in "RGB"], axis=-1), rgb)
 
 
-def test_meshes_are_ply(tmp_path):
-    meshes.write_ply(tmp_path / "a.ply", np.arange(9).reshape(3, 3), np.array([[0, 1, 2]]))
-    data = (tmp_path / "a.ply").read_bytes()
-    assert data.endswith(struct.pack("<9f", *range(9)) + struct.pack("<B3i", 3, 0, 1, 2))
-
-
-def test_names_are_plain_and_used_once():
-    names = export.Names()
-    assert [names.of(n) for n in ("Key.001", "Key 001", "")] == ["Key_001", "Key_001_2", "_"]
-
-
-# The child
-
-
-def script(tmp_path, text):
-    path = tmp_path / "program"
-    path.write_text("#!/bin/sh\n" + text)
-    path.chmod(0o755)
-    return str(path)
-
-
-def test_a_child_reports(tmp_path):
-    program = script(tmp_path, """echo '{"progress":50.0}'; echo other; echo 'scrim: warning: w' >&2; exit 5""")
-    parts = []
-    status, told = child.run([program], parts.append)
-    assert (status, parts, child.warnings(told)) == (child.WRITTEN_BUT_MISSED, [0.5], ["w"])
-
-
-def test_a_child_is_cancelled(tmp_path):
-    program = script(tmp_path, f"echo $$ > {tmp_path}/pid; exec sleep 60")
-    begun = time.monotonic()
-    with pytest.raises(child.Cancelled):
-        child.run([program], cancelled=lambda: (tmp_path / "pid").exists() and (tmp_path / "pid").stat().st_size > 0)
-    assert time.monotonic() - begun < 10
-    with pytest.raises(ProcessLookupError):
-        os.kill(int((tmp_path / "pid").read_text()), 0)
-
-
-def test_a_child_in_the_background_may_say_much(tmp_path):
-    """More than pipes hold: 200 KiB of warnings, and as much on standard output."""
-    line = "scrim: warning: " + "w" * 1000
-    many = f"for i in $(seq 200); do echo '{line}' >&2; echo '{line}'; done; echo 'scrim: error: why' >&2; exit 3"
-    background = child.Background([script(tmp_path, many)], str(tmp_path / "told"))
-    deadline = time.monotonic() + 10
-    while not background.ended():
-        if time.monotonic() > deadline:
-            background.stop()
-            pytest.fail("it was stopped by what it says")
-        time.sleep(0.01)
-    status, told = background.result()
-    assert (status, len(told), child.reason(status, told)) == (3, 201, "why")
-
-
-def test_a_child_in_the_background_is_stopped(tmp_path):
-    background = child.Background([script(tmp_path, "echo begun >&2; exec sleep 60")], str(tmp_path / "told"))
-    assert not background.ended()
-    background.stop()
-    assert background.ended() and background.result()[0] < 0
-
-
-def test_a_child_ends_with_its_parent(tmp_path):
-    """The parent ends as SIGTERM ends Blender: without a word."""
-    program = script(tmp_path, f"echo $$ > {tmp_path}/pid; exec sleep 60")
-    code = f"import sys; sys.path[:0] = {sys.path!r}; from scrim import child; child.run([{program!r}])"
-    parent = subprocess.Popen([sys.executable, "-c", code])
-    deadline = time.monotonic() + 20
-    while not ((tmp_path / "pid").exists() and (tmp_path / "pid").read_text().strip()):
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    parent.kill()
-    parent.wait()
-    pid = int((tmp_path / "pid").read_text())
-    while time.monotonic() < deadline:
-        try:
-            with open(f"/proc/{pid}/stat") as file:
-                if file.read().rpartition(")")[2].split()[0] == "Z":
-                    return
-        except FileNotFoundError:
-            return
-        time.sleep(0.05)
-    os.kill(pid, 9)
-    pytest.fail("the child lives on")
-
-
-def test_why_a_child_failed():
-    assert child.reason(3, ["x", "scrim: error: 'fov' is 200", ""]) == "'fov' is 200"
-    assert child.reason(-11, []) == "scrim was ended by signal 11"
-    assert child.reason(1, []) == "scrim ended with exit status 1"
+# The program
 
 
 def test_the_program_is_found(tmp_path, monkeypatch):
-    program = script(tmp_path, "")
-    os.rename(program, tmp_path / "scrim")
+    (tmp_path / "scrim").write_text("#!/bin/sh\n")
+    (tmp_path / "scrim").chmod(0o755)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv("SCRIM", raising=False)
-    assert child.find_program() == str(tmp_path / "scrim")
+    assert program_path() == str(tmp_path / "scrim")
     text = "the add-on's preferences name 'no' as the program scrim, which cannot be run"
-    with pytest.raises(child.Failure, match=text):
-        child.find_program("no")
+    with pytest.raises(Failure, match=text):
+        program_path("no")
     monkeypatch.setenv("SCRIM", "/nowhere/scrim")
-    with pytest.raises(child.Failure, match=r"\$SCRIM names '/nowhere/scrim' as the program scrim, which cannot"):
-        child.find_program()
+    with pytest.raises(Failure, match=r"\$SCRIM names '/nowhere/scrim' as the program scrim, which cannot"):
+        program_path()
     monkeypatch.delenv("SCRIM")
     monkeypatch.setenv("PATH", "/nowhere")
-    with pytest.raises(child.Failure, match="the program scrim was not found: name it in the add-on's preferences"):
-        child.find_program()
+    with pytest.raises(Failure, match="the program scrim was not found: name it in the add-on's preferences"):
+        program_path()

@@ -269,25 +269,6 @@ def test_other_worlds_are_named(made, text):
 # Laws
 
 
-def test_lights_that_are_not_normalised_have_their_radiance():
-    angle = 0.4
-    solid = 2 * math.pi * (1 - math.cos(0.5 * angle))
-    assert formulae.sun([2, 2, 2], angle, normalize=False)["intensity"] == pytest.approx(2 * solid)
-    assert formulae.point([2, 2, 2], 0.5, normalize=False)["intensity"] == pytest.approx(2 / math.pi)
-    # A ball of radius r and radiance L has the intensity L pi r^2 from afar.
-    spot = formulae.spot([2, 2, 2], 1.0, 0.2, radius=0.5, normalize=False)
-    assert spot["intensity"] == pytest.approx(2 / math.pi * math.pi * 0.5**2)
-
-
-def test_lights_before_4_0_follow_laws_of_their_own():
-    for angle in (0.0, 0.7):
-        sun = formulae.sun([2, 1, 0], angle, before_4=True)
-        assert sun["intensity"] == 2 and sun.get("angle", 0.0) == pytest.approx(math.degrees(angle))
-    for ellipse in (True, False):
-        old, new = (formulae.area([1, 1, 1], 2, 2, ellipse, before_4=before) for before in (True, False))
-        assert old["intensity"] / new["intensity"] == pytest.approx(math.pi / 4)
-
-
 def test_uneven_scales_count_along_the_diagonal():
     matrix = [[1, 0, 0, 0], [0, 2, 0, 0], [0, 0, 3, 0], [0, 0, 0, 1]]
     assert formulae.object_density(matrix) == pytest.approx(1 / math.sqrt((1 + 4 + 9) / 3))

@@ -2,7 +2,7 @@
 // Baked light: what arrives at voxels, against closed forms and brute force; and as emission it is the picture.
 #include "scenes.h"
 
-#include <scrim/engine/light/baked_light.h>
+#include <scrim/engine/baked_light.h>
 #include <scrim/verify/reference.h>
 
 #include <gtest/gtest.h>

@@ -7,6 +7,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/transport/light_sources.h>
 #include <scrim/engine/transport/ordinates.h>
 #include <scrim/engine/transport/scattered_light.h>
@@ -145,92 +146,6 @@ SlabLight slabLight(double tau, double albedo, double mu0, double mu) {
         out.through += s * std::exp(-(kLayers - 1 - i) * h / mu) * (1 - e);
     }
     return out;
-}
-
-TEST(SplitPhase, LosesNothingAndKeepsTheMeanCosine) {
-    const Phase two{0.9, PhaseType::twoLobe, -0.3, 0.25};
-    for (const Phase& phase : {Phase{0.75}, Phase{0.9}, Phase{0.3}, Phase{-0.8}, two}) {
-        const SplitPhase split(phase, 64);
-        const auto cosineOf = [](const Phase& p) {
-            return p.type == PhaseType::twoLobe ? (1 - p.blend) * p.g + p.blend * p.g2 : p.g;
-        };
-        EXPECT_NEAR(split.straight() + (1 - split.straight()) * cosineOf(split.spread()), cosineOf(phase), 1e-12);
-        EXPECT_EQ(split.straight() > 0, phase.g > 0.6);
-        // Of light that comes a long way all but e^-depth has been scattered.
-        for (const double depth : {0.3, 2.0, 20.0}) {
-            double sum = 0;
-            constexpr int kSteps = 20000;
-            for (int i = 0; i < kSteps; ++i)
-                sum += 2 * kPi * split.scatteredAgain(depth, (i + 0.5) / kSteps * 2 - 1) * 2 / kSteps;
-            EXPECT_NEAR(sum, split.straight() > 0 ? 1 - std::exp(-depth) : 0, 0.01) << phase.g << " " << depth;
-        }
-    }
-}
-
-// Henyey and Greenstein's functions fold into one another, so light that was scattered n times is a binomial sum of
-// them.
-TEST(SplitPhase, SpreadsABeamAsRepeatedScatteringDoes) {
-    const Phase phase{0.85};
-    const SplitPhase split(phase, 64);
-    const double f = split.straight(), w = split.spread().g;
-    for (const double depth : {0.2, 1.0, 3.0})
-        for (const double cosine : {0.98, 0.8, 0.3, -0.5}) {
-            double sum = 0, poisson = std::exp(-depth);
-            for (int n = 1; n < 25; ++n) {
-                poisson *= depth / n;
-                double binomial = 1;
-                for (int k = 0; k <= n; ++k) {
-                    sum += poisson * binomial * std::pow(-(1 - f), k) / std::pow(f, n) *
-                           phaseValue({std::pow(phase.g, n - k + 1) * std::pow(w, k)}, cosine);
-                    binomial *= double(n - k) / (k + 1);
-                }
-            }
-            EXPECT_NEAR(split.scatteredAgain(depth, cosine), sum, 0.01 * std::abs(sum) + 1e-4)
-                << depth << " " << cosine;
-        }
-}
-
-TEST(Ordinates, IntegrateLowPolynomialsExactly) {
-    for (const int count : kOrdinateCounts) {
-        const Ordinates set = ordinates(count);
-        ASSERT_EQ(set.count(), count);
-        double sum = 0;
-        Mat3 moments(0);
-        for (int m = 0; m < count; ++m) {
-            const Vec3& d = set.directions[std::size_t(m)];
-            EXPECT_NEAR(glm::length(d), 1, 1e-12);
-            for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(d[axis] < 0, (m / set.perOctant >> axis & 1) != 0);
-            sum += set.weights[std::size_t(m)];
-            moments += set.weights[std::size_t(m)] * glm::outerProduct(d, d);
-        }
-        EXPECT_NEAR(sum, 4 * kPi, 1e-12);
-        for (int i = 0; i < 3; ++i)
-            for (int j = 0; j < 3; ++j) EXPECT_NEAR(moments[i][j], i == j ? 4 * kPi / 3 : 0, 1e-12) << count;
-    }
-    EXPECT_THROW(ordinates(65), Error);
-}
-
-TEST(Ordinates, ScatterWithoutLossAndWithThePhaseFunctionsMeanCosine) {
-    for (const double g : {-0.5, 0.0, 0.3, 0.75, 0.9}) {
-        const Ordinates set = ordinates(64);
-        Phase phase;
-        phase.g = g;
-        const std::vector<Real> matrix = scatteringMatrix(set, phase);
-        for (int n = 0; n < 64; ++n) {
-            double row = 0, column = 0, cosine = 0;
-            for (int m = 0; m < 64; ++m) {
-                const auto weights = set.weights[std::size_t(m)] / set.weights[std::size_t(n)];
-                const double into = double(matrix[std::size_t(n * 64 + m)]) * weights;  // of n's light
-                EXPECT_GE(into, 0);
-                column += into;
-                cosine += into * glm::dot(set.directions[std::size_t(n)], set.directions[std::size_t(m)]);
-                row += double(matrix[std::size_t(m * 64 + n)]);
-            }
-            EXPECT_NEAR(row, 1, 1e-5) << g;
-            EXPECT_NEAR(column, 1, 1e-5) << g;
-            EXPECT_NEAR(cosine, g, 0.03) << g;
-        }
-    }
 }
 
 // Where the same light comes from everywhere and nothing is absorbed, the same light is everywhere.

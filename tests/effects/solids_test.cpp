@@ -61,6 +61,16 @@ TEST(Holdout, EndsTheHazeWhereverItLiesInASheet) {
         }
 }
 
+// A surface between the eye and all of the volume hides it, in the reference as in the picture.
+TEST(Holdout, HidesAVolumeThatLiesWhollyBehindIt) {
+    ViewScene scene = haze(0.07);
+    scene.ambient = Rgb(1);
+    ASSERT_GT(Reference(scene).pixel(10, 10)[3], 0.1);
+    scene.solids = oneSolid(squareMesh({0, 0, 15}, {0.1, 0.2, 1}, 300));
+    for (const double value : Reference(scene).pixel(10, 10)) EXPECT_EQ(value, 0);
+    for (const double value : pixelOf(renderScene(scene), 10, 10)) EXPECT_EQ(value, 0);
+}
+
 // In front of it lies only what the light and the eye both reach. The plane is lit from the eye's side, or from behind.
 double slantedError(double offset, const Vec3& light, const Vec3& normal, double thickness) {
     ViewScene scene = haze(0.05);

@@ -169,8 +169,9 @@ std::vector<std::string> filesOf(const std::string& folder, const std::string& e
 }
 
 std::vector<std::string> pages() {
-    std::vector<std::string> names = filesOf("examples", ".md");
-    names.insert(names.begin(), "README.md");
+    std::vector<std::string> names{"README.md"};
+    for (const char* folder : {"examples", "examples/guide"})
+        for (const std::string& name : filesOf(folder, ".md")) names.push_back(name);
     return names;
 }
 

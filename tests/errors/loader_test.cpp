@@ -4,9 +4,9 @@
 #include "errors/program_test.h"
 
 #include <scrim/scrim.h>
-#include <scrim/volume/field_transfer.h>
-#include <scrim/volume/load_fields.h>
-#include <scrim/volume/load_job.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_fields.h>
+#include <scrim/guard/load_job.h>
 #include <scrim/volume/vdb_info_text.h>
 
 #include "support/expect_error.h"

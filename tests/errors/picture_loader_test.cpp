@@ -3,7 +3,7 @@
 #include "errors/program_test.h"
 
 #include <scrim/image/picture_module.h>
-#include <scrim/volume/guarded_load.h>
+#include <scrim/guard/guarded_load.h>
 
 #include <OpenImageIO/imageio.h>
 #include <OpenImageIO/strutil.h>

@@ -3,9 +3,9 @@
 // filter allows it, and what a file that took over its reader would do, it does not.
 #include "errors/program_test.h"
 
-#include <scrim/volume/field_transfer.h>
-#include <scrim/volume/load_fields.h>
-#include <scrim/volume/load_job.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/load_fields.h>
+#include <scrim/guard/load_job.h>
 #include <scrim/volume/source.h>
 
 #include "support/data.h"

@@ -8,10 +8,10 @@
 #include <scrim/image/texture.h>
 #include <scrim/image/texture_read.h>
 #include <scrim/volume/field_builder.h>
-#include <scrim/volume/field_transfer.h>
-#include <scrim/volume/guarded_load.h>
-#include <scrim/volume/load_fields.h>
-#include <scrim/volume/picture_transfer.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/guarded_load.h>
+#include <scrim/guard/load_fields.h>
+#include <scrim/guard/picture_transfer.h>
 
 #include "support/file_size_limit.h"
 #include "support/expect_error.h"

@@ -9,16 +9,18 @@ import stat
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 FARM = os.path.join(HERE, "..", "..", "plugins", "farm")
-sys.path.insert(0, FARM)
+KIT = os.path.join(HERE, "..", "..", "plugins", "kit")
+sys.path[:0] = [FARM, KIT]
 from scrim_farm import slurm  # noqa: E402
-from scrim_farm.job import FarmError, Job, Task, at_frame, crops_of, frames_text, parse_frames  # noqa: E402
-from scrim_farm.job import pattern_of, result_of, without_frame  # noqa: E402
+from scrim_farm.job import Job, Task, crops_of, result_of  # noqa: E402
 from scrim_farm.shot import resolved_sets  # noqa: E402
 from scrim_farm.status import next_tasks  # noqa: E402
+from scrim_kit import Failure  # noqa: E402
 
 SCRIM = os.environ.get("SCRIM", "scrim")
 
@@ -49,9 +51,6 @@ resolution = [32, 24]
 source = "noise"
 parameters = { resolution = 16 }
 """
-# All that a pattern may hold, and what looks like it.
-PATTERNS = ("####", "%04d", "$F4", "#", "%d", "$F", "$F0", "$F12", "%4d", "%0d", "%00d", "%03d", "%s", "100%", "$$", "$#",
-            "$%", "$$F4", "$#$#", "$%04d", "$#####", "##$F2%02d", "$F4000", "$F99999999999", "%099999999999d")
 
 
 def planned(folder, *arguments):
@@ -65,34 +64,22 @@ def planned(folder, *arguments):
     return json.loads(done.stdout)
 
 
+def alive(pid):
+    """Whether a process runs; one that nobody has waited for yet does not."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8") as text:
+            return text.read().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False
+
+
 class Texts(unittest.TestCase):
-    def test_frames_are_read_and_written(self):
-        self.assertEqual(parse_frames("1-9x4,20,3"), [1, 3, 5, 9, 20])
-        self.assertEqual(frames_text([1, 2, 3, 7, 9, 10]), "1-3,7,9-10")
-        for wrong in ("1:3", "3-1", "1-3x0", ""):
-            with self.assertRaisesRegex(FarmError, "expected a range such as 1-48x2,60"):
-                parse_frames(wrong)
-
-    def test_patterns_and_frames_are_those_of_scrim(self):
-        pattern = ".".join(PATTERNS) + ".exr"
-        with tempfile.TemporaryDirectory() as folder:
-            said = planned(folder, "--frames=7,12345-12347x2,-12--11", "-o", pattern)
-        self.assertEqual(sorted(plan["frame"] for plan in said), parse_frames("7,12345-12347x2,-12--11"))
-        for plan in said:
-            self.assertEqual(plan["outputs"]["file"]["path"], at_frame(pattern, plan["frame"]))
-        self.assertEqual(at_frame(pattern, -2).split(".")[:3], ["-002", "-002", "-002"])
-
-    def test_every_name_has_a_pattern(self):
-        for name in (*PATTERNS, "do$lar", "plain"):
-            self.assertEqual(at_frame(pattern_of(name), 7), name)
-        self.assertEqual([without_frame(p) for p in ("a.####", "a$#1.%04d", "%4d.$F")], ["a.", "a#1.", "%4d."])
-
     def test_crops_share_the_picture(self):
         crops = crops_of([-2, -1, 65, 40], 3, 2)
         self.assertEqual(sum((c[2] - c[0]) * (c[3] - c[1]) for c in crops), 67 * 41)
         self.assertEqual([crops[0][:2], crops[-1][2:]], [[-2, -1], [65, 40]])
         self.assertTrue(all((edge - corner) % 16 == 0 for c in crops[:1] for edge, corner in ((c[2], -2), (c[3], -1))))
-        with self.assertRaisesRegex(FarmError, "--tiles 3x2: a picture of 20 x 40 pixels has no tiles of at least 16"):
+        with self.assertRaisesRegex(Failure, "--tiles 3x2: a picture of 20 x 40 pixels has no tiles of at least 16"):
             crops_of([0, 0, 20, 40], 3, 2)
 
     def test_what_tasks_would_choose_is_resolved(self):
@@ -116,8 +103,7 @@ class Texts(unittest.TestCase):
 
     def test_an_exit_status_says_what_becomes_of_a_task(self):
         wanted = {0: "done", 1: "fatal", 2: "fatal", 3: "fatal", 4: "retry", 5: "warned", 33: "memory",
-                  130: "cancelled", 143: "cancelled", -15: "cancelled", 137: "lost", -9: "lost", 139: "crashed",
-                  -11: "crashed"}
+                  130: "cancelled", 143: "cancelled", 137: "lost", 139: "crashed"}
         self.assertEqual({status: result_of(status) for status in wanted}, wanted)
 
 
@@ -150,16 +136,30 @@ class Folder(unittest.TestCase):
             json.dump(self.data | more, out)
         return Job(self.folder)
 
+    def code(self, frame, tile, kind, memory):
+        return (f"import sys; sys.path[:0] = [{FARM!r}, {KIT!r}]\n"
+                "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
+                f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
+
     def run_frame(self, frame, *statuses, memory=1 << 30, tile=-1, kind="render", before=lambda: None):
         """Runs a task in a process of its own, as farms do, once for each status."""
         with open(os.path.join(self.folder, "statuses"), "w", encoding="utf-8") as out:
             out.write(" ".join(map(str, statuses)))
-        code = (f"import sys; sys.path.insert(0, {FARM!r})\n"
-                "from scrim_farm.job import *\nfrom scrim_farm.task import *\n"
-                f"sys.exit(run_task(Job({self.folder!r}), Task({kind!r}, ({frame},), {tile}), {memory}))")
-        command = [sys.executable, "-B", "-c", code]
+        command = [sys.executable, "-B", "-c", self.code(frame, tile, kind, memory)]
         return [subprocess.run(command, capture_output=True, check=False, timeout=60, preexec_fn=before).returncode
                 for _ in statuses]
+
+    def start_frame(self, folder):
+        """Starts a task whose program does not end by itself. Gives both processes once the program is there."""
+        with open(os.path.join(folder, "statuses"), "w", encoding="utf-8") as out:
+            out.write("99")
+        task = subprocess.Popen([sys.executable, "-B", "-c", self.code(1, -1, "render", 1 << 30)],
+                                stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        for undo in (task.wait, task.kill, task.stderr.close):  # the last is called first
+            self.addCleanup(undo)
+        self.assertIn("reason 99", task.stderr.readline())
+        with open(f"/proc/{task.pid}/task/{task.pid}/children", encoding="utf-8") as text:
+            return task, int(text.read())
 
     def next(self, job):
         again, merges, given_up = next_tasks(job, job.attempts())
@@ -203,6 +203,27 @@ class Folder(unittest.TestCase):
             self.assertEqual(self.run_frame(frame, 99, before=limit), [1])
             self.assertEqual(self.next(job)[2][frame], "fatal: it takes more processor time than a process may; raise "
                                                        "the limit (ulimit -t)")
+
+    def test_a_signal_to_a_task_reaches_its_program(self):
+        job = self.job()
+        task, program = self.start_frame(self.folder)
+        task.terminate()
+        self.assertEqual(task.wait(20), 143)
+        with self.assertRaises(ProcessLookupError):
+            os.kill(program, 0)
+        self.assertEqual(self.next(job)[2][1], "cancelled: killed by SIGTERM")
+
+    def test_a_task_that_is_killed_takes_its_program_along(self):
+        self.job()
+        task, program = self.start_frame(self.folder)
+        task.kill()
+        self.assertEqual(task.wait(20), -9)
+        for _ in range(200):
+            if not alive(program):
+                return
+            time.sleep(0.05)
+        os.kill(program, 9)
+        self.fail("the program goes on, and would write what another task does anew")
 
     def test_retries_end(self):
         job = self.job()

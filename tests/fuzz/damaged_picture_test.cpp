@@ -5,7 +5,7 @@
 #include "fuzz/damage.h"
 
 #include <scrim/base/error.h>
-#include <scrim/volume/guarded_load.h>
+#include <scrim/guard/guarded_load.h>
 
 #include <OpenImageIO/imageio.h>
 

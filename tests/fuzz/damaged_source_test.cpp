@@ -5,7 +5,7 @@
 #include "fuzz/damage.h"
 
 #include <scrim/base/error.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include "support/source_files.h"
 

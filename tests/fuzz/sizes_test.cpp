@@ -5,7 +5,7 @@
 #include "support/fields.h"
 
 #include <scrim/base/error.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 
 #include <gtest/gtest.h>
 

@@ -4,8 +4,8 @@
 #include "require.h"
 
 #include <scrim/base/error.h>
-#include <scrim/volume/field_transfer.h>
-#include <scrim/volume/picture_transfer.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/guard/picture_transfer.h>
 
 #include <cmath>
 #include <cstdint>

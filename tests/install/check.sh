@@ -107,6 +107,11 @@ check="$("$loader" --check)" || fail "children of the installed program are not 
 grep -q '^with volume sources loaded (mesh, noise, primitives, scan)$' <<<"$check" || grep -q '^no filter' <<<"$check" ||
     fail "it does not find the installed volume sources: $check"
 
+echo "-- the installed scripts for farms"
+"$prefix/bin/scrim-submit" noise.vdb --frames 1-2 --on openjd --scrim "$scrim" --res 32x32 -o 'tile.####.exr' >farm.log 2>&1 ||
+    { cat farm.log >&2; fail "scrim-submit does not run"; }
+[ -s noise.farm/template.json ] || fail "scrim-submit made no job: $(cat farm.log)"
+
 echo "-- a volume source of someone else's, made with the installed header alone"
 mkdir "$work/own"
 cp "$here/../../examples/source/ball.c" "$work/own"

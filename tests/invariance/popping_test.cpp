@@ -170,7 +170,7 @@ TEST(CrossFade, SharesOfBothSidesSumToOne) {
         double light = 0, primary = 0;
         for (const GroupPlan& group : makePlan(scene, 1).groups) {
             primary += group.primary;
-            for (const LightPlan& part : group.lights) light += part.share;
+            for (const PlannedLight& part : group.lights) light += part.share;
         }
         EXPECT_NEAR(light, 1, 1e-12) << degrees;
         EXPECT_NEAR(primary, 1, 1e-12) << degrees;

@@ -6,6 +6,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from scrim_kit import toml_text
 
 import scrim
 
@@ -41,6 +42,13 @@ color = [0.5, 0.7, 1]
 type = "float"
 layers = ["light", "depth"]
 """
+
+# The least that a shot needs, for what is about words and not about pictures.
+SHOT = {
+    "camera": {"position": [0.0, 0.0, 3.0], "target": [0.0, 0.0, 0.0], "resolution": [32, 24]},
+    "volume": [{"name": "smoke", "source": "noise", "parameters": {"resolution": 16}, "density": {"scale": 5.0}}],
+    "light": [{"name": "key", "type": "distant", "direction": [0.0, 0.0, -1.0]}],
+}
 
 # A slab of 16 units seen and lit from the front: closed forms are known of it.
 SLAB = {
@@ -79,3 +87,23 @@ def python_path():
     """The environment in which a child finds the package."""
     package = str(Path(scrim.__file__).parents[1])
     return {**os.environ, "PYTHONPATH": package}
+
+
+@pytest.fixture
+def shot(tmp_path):
+    """The path of SHOT as the kit of the front ends writes it."""
+    path = tmp_path / "shot.toml"
+    path.write_text(toml_text.document(SHOT), encoding="utf-8")
+    return str(path)
+
+
+@pytest.fixture
+def ask(tmp_path):
+    """Runs the program in the folder of the test, and gives its standard output. Fails where the program does."""
+
+    def run(*arguments):
+        done = subprocess.run([PROGRAM, *arguments], capture_output=True, cwd=tmp_path, timeout=60)
+        assert done.returncode == 0, done.stderr.decode(errors="replace")
+        return done.stdout.decode()
+
+    return run

@@ -343,6 +343,18 @@ def test_fields_that_cannot_be_mapped_are_named(foggy):
     assert "/two: field 'lost' is /nowhere, nothing and no OpenVDBAsset, and not read" in shot.warnings
 
 
+def test_an_asset_is_the_file_of_that_very_name(foggy):
+    """Another file, which is one of its frames where the name is taken for a pattern, does not stand in for it."""
+    asset = foggy.stage.GetPrimAtPath("/fog/density").GetAttribute("filePath")
+    write_fog(foggy.folder, "take1.vdb")
+    for name in ("take#.vdb", "take%d.vdb", "take$F.vdb"):
+        asset.Set(Sdf.AssetPath(str(foggy.folder / name)))
+        with pytest.raises(scrim.InputError, match="take"):
+            foggy.open().render(1)
+        write_fog(foggy.folder, name)
+        assert alpha(foggy.open().render(1)).max() > 0.3
+
+
 def test_archives_are_read(foggy):
     from pxr import UsdUtils
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stands in for the program `scrim-load` (load_protocol.h), with children that were taken over by the files they read:
 // a file holds what is to be handed over, byte by byte, and each child says that all went well.
-#include <scrim/volume/load_protocol.h>
+#include <scrim/guard/load_protocol.h>
 
 #include <sys/socket.h>
 #include <unistd.h>

@@ -21,8 +21,13 @@ namespace {
 
 // From the bottom up: a file includes its own folder and those before it. The last one is no folder: it is the header
 // that includes all that is public.
-const std::vector<std::string> kLayers{"base",   "geometry", "image", "solid", "volume", "scene",
+const std::vector<std::string> kLayers{"base", "geometry", "image", "solid", "volume", "guard", "scene",
                                        "engine", "verify",   "shot",  "study", "scrim.h"};
+
+// The rooms of the engine, likewise. Files of the engine itself stand above all of them; what is compiled anew for
+// every instruction set stands below.
+const std::vector<std::string> kRooms{"simd-inl.h", "model", "transport", "splat",
+                                      "light",      "shade", "composite", "plan"};
 
 constexpr int kMostLines = 600, kManyLines = 400, kMedianLines = 150;
 
@@ -176,6 +181,31 @@ TEST(Layers, IncludeNothingFromAbove) {
             EXPECT_LE(layerOf(folder), layerOf(file.folder))
                 << file.path << " (" << file.folder << ") includes scrim/" << include << ", which stands above it";
         }
+}
+
+// kRooms.size(): a file of the engine itself.
+std::size_t roomOf(const std::string& belowEngine) {
+    const std::string folder = folderOf(belowEngine), room = folder.empty() ? belowEngine : folder;
+    return static_cast<std::size_t>(std::find(kRooms.begin(), kRooms.end(), room) - kRooms.begin());
+}
+
+TEST(Rooms, OfTheEngineIncludeNothingFromAbove) {
+    const std::string engine = "engine/", source = "src/scrim/engine/";
+    std::size_t across = 0;
+    for (const SourceFile& file : library()) {
+        if (!file.path.starts_with(source)) continue;
+        const std::string own = file.path.substr(source.size());
+        if (!folderOf(own).empty()) {
+            ASSERT_LT(roomOf(own), kRooms.size()) << file.path << ": no room that is known";
+        }
+        for (const std::string& include : ourIncludes(file)) {
+            if (!include.starts_with(engine)) continue;
+            const std::size_t there = roomOf(include.substr(engine.size()));
+            EXPECT_LE(there, roomOf(own)) << file.path << " includes scrim/" << include << ", which stands above it";
+            across += there < roomOf(own) ? 1 : 0;
+        }
+    }
+    EXPECT_GT(across, 50u);
 }
 
 // Ours are included as <scrim/...>: the only other form would escape the test above.

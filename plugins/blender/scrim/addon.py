@@ -2,13 +2,14 @@
 # What is registered: the scene's properties, preferences, panels, and the operator that shows a plan.
 import os
 import shutil
-import subprocess
 import tempfile
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
-from . import child, colour, engine, export, motion
+from . import colour, engine, export, motion
+from .program_path import program_path
+from .scrim_kit import Failure, program
 
 PLAN_SECONDS = 60
 
@@ -73,23 +74,21 @@ class ScrimPreferences(bpy.types.AddonPreferences):
 
 def plan_text(context):
     """What `scrim plan` says of the scene as it is."""
-    program = child.find_program(engine.preference())
+    scrim = program_path(engine.preference())
     depsgraph = context.evaluated_depsgraph_get()
     scene = depsgraph.scene
     if scene.camera is None:
-        raise child.Failure("the scene has no camera")
+        raise Failure("the scene has no camera")
     camera = scene.camera.evaluated_get(depsgraph)
     folder = tempfile.mkdtemp(prefix="scrim-plan-")
     try:
         moves = motion.Moves(motion.matrices(depsgraph, camera.matrix_world), export.FRAME)
         said = []
         content, _ = engine.export_scene(folder, depsgraph, said.append, (camera, camera.data.shift_x), moves)
-        arguments = [program, "plan", engine.write_scene(folder, content), "--ocio", colour.config_file(bpy, folder)]
-        done = subprocess.run(arguments, capture_output=True, text=True, timeout=PLAN_SECONDS)
-        if done.returncode != 0:
-            raise child.Failure(child.reason(done.returncode, done.stderr.splitlines()))
+        arguments = [scrim, "plan", engine.write_scene(folder, content), "--ocio", colour.config_file(bpy, folder)]
+        plan = program.ask(arguments, PLAN_SECONDS).output
         notes = "".join(f"not mapped: {text}\n" for text in said)
-        return notes + done.stdout.replace(folder + os.sep, "")
+        return notes + plan.replace(folder + os.sep, "")
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -102,7 +101,7 @@ class SCRIM_OT_plan(bpy.types.Operator):
     def execute(self, context):
         try:
             text = plan_text(context)
-        except (child.Failure, subprocess.TimeoutExpired) as failure:
+        except Failure as failure:
             self.report({"ERROR"}, f"Scrim: {failure}")
             return {"CANCELLED"}
         block = bpy.data.texts.get("Scrim plan") or bpy.data.texts.new("Scrim plan")

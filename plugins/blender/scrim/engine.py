@@ -10,7 +10,9 @@ import traceback
 import bpy
 import numpy as np
 
-from . import child, colour, exr, export, formulae, motion, preview, scene_text
+from . import colour, exr, export, formulae, motion, preview
+from .program_path import program_path
+from .scrim_kit import Failure, frames, program, toml_text
 
 SHUTTER_TIMES = 5
 FAR = 1e10  # what Blender writes as the depth of nothing
@@ -45,7 +47,7 @@ def arguments_for(scene, folder):
     try:
         changes = shlex.split(settings.overrides)
     except ValueError as error:
-        raise child.Failure(f"the overrides '{settings.overrides}' cannot be read: {error}") from None
+        raise Failure(f"the overrides '{settings.overrides}' cannot be read: {error}") from None
     for change in changes:
         out += ["--set", change]
     if scene.render.threads_mode == "FIXED":
@@ -68,7 +70,7 @@ def output_table(scene, layers):
 def write_scene(folder, scene):
     path = os.path.join(folder, "scene.toml")
     with open(path, "w", encoding="utf-8") as file:
-        file.write(scene_text.scene_text(scene))
+        file.write(toml_text.document({"scene_version": 2, **scene}))
     return path
 
 
@@ -114,9 +116,9 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         folder = tempfile.mkdtemp(prefix="scrim-blender-")
         try:
             self.render_in(folder, depsgraph)
-        except child.Cancelled:
+        except program.Cancelled:
             pass
-        except child.Failure as failure:
+        except Failure as failure:
             self.report({"ERROR"}, f"Scrim: {failure}")
         except Exception as error:
             traceback.print_exc()
@@ -129,11 +131,11 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
 
     def render_in(self, folder, depsgraph):
         scene = depsgraph.scene
-        program = child.find_program(preference())
+        scrim = program_path(preference())
         self.update_stats("", "Scrim: writing the scene")
         camera = self.camera_override or scene.camera
         if camera is None:
-            raise child.Failure("the scene has no camera")
+            raise Failure("the scene has no camera")
         camera = camera.evaluated_get(depsgraph)
         moves = self.moves(depsgraph, camera)
         content, passes = export_scene(folder, depsgraph, self.warn, (camera, self.camera_shift_x(camera)), moves)
@@ -142,7 +144,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         x0, y0, wide, high = self.window(scene.render, width, height)
         picture = os.path.join(folder, "picture.exr")
         stats = os.path.join(folder, "stats.json")
-        arguments = [program, "render", write_scene(folder, content), "-o", child.pattern_of(picture)]
+        arguments = [scrim, "render", write_scene(folder, content), "-o", frames.pattern_of(picture)]
         arguments += arguments_for(scene, folder) + ["--stats", stats, "--progress", "json"]
         top = height - y0 - high
         if (wide, high) != (width, height):
@@ -186,15 +188,15 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
             self.update_progress(part)
             self.update_stats("", f"Scrim: {100 * part:.0f} %")
 
-        status, told = child.run(arguments, progress, self.cancelled)
-        for text in child.warnings(told):
+        ended = program.run(arguments, progress, self.cancelled)
+        for text in ended.warnings:
             self.warn(text)
-        if status not in (0, child.WRITTEN_BUT_MISSED):
-            raise child.Failure(child.reason(status, told))
-        if status == child.WRITTEN_BUT_MISSED:
-            self.warn(child.reason(status, told))
+        if ended.status not in (program.Status.DONE, program.Status.INACCURATE):
+            raise Failure(ended.reason)
+        if ended.status == program.Status.INACCURATE:
+            self.warn(ended.reason)
         # The last one: a long verification tells of itself before.
-        summary = next((line for line in reversed(told) if line.startswith("frame ")), "")
+        summary = next((line for line in reversed(ended.told) if line.startswith("frame ")), "")
         last_run["text"] = summary.partition(", ")[2]
         self.update_stats("", f"Scrim: {last_run['text']}")
 
@@ -254,7 +256,7 @@ def grey(name, channels):
     for candidate in (base, base + ".Y", base + ".A"):
         if candidate in channels:
             return candidate
-    raise child.Failure(f"the picture has no channel '{name}', but {', '.join(sorted(channels))}")
+    raise Failure(f"the picture has no channel '{name}', but {', '.join(sorted(channels))}")
 
 
 def fill(target, pixels):

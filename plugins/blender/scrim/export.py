@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: Apache-2.0
 # A depsgraph of Blender as a scene of Scrim: tables, and files in a folder of their own. What cannot be mapped is said
-# once, by name, through `warn`; what cannot be rendered at all raises child.Failure.
+# once, by name, through `warn`; what cannot be rendered at all raises Failure.
 import os
-import re
 import shutil
 
 import numpy as np
 
-from . import child, exr, formulae, meshes, motion, nodes
+from . import exr, formulae, meshes, motion, nodes
+from .scrim_kit import Failure, frames, light_laws, ply
+from .scrim_kit.names import Names
 
 FRAME = 1  # of the scene: files are those of Blender's frame, and keys are about this one
 _SOLIDS = ("MESH", "CURVE", "SURFACE", "META", "FONT")
@@ -24,22 +25,6 @@ def column(matrix, i):
 
 def length(v):
     return sum(c * c for c in v) ** 0.5
-
-
-class Names:
-    """Names for a scene: letters, digits and underscores, each once."""
-
-    def __init__(self):
-        self.taken = set()
-
-    def of(self, name):
-        plain = re.sub(r"[^A-Za-z0-9_]", "_", name) or "_"
-        out, n = plain, 1
-        while out in self.taken:
-            n += 1
-            out = f"{plain}_{n}"
-        self.taken.add(out)
-        return out
 
 
 class Exporter:
@@ -81,7 +66,7 @@ class Exporter:
                 solids += self.solid(thing, key)
         lights += self.world(scene.world)
         if not volumes:
-            raise child.Failure("there is no Volume object that Scrim can render in this view layer")
+            raise Failure("there is no Volume object that Scrim can render in this view layer")
         out["volume"] = volumes
         if solids:
             out["mesh"] = solids
@@ -94,7 +79,7 @@ class Exporter:
     def camera(self, scene, thing, shift_x):
         data, render = thing.data, scene.render
         if thing.type != "CAMERA" or data.type not in ("PERSP", "ORTHO"):
-            raise child.Failure(f"the camera '{thing.name}' is neither perspective nor orthographic")
+            raise Failure(f"the camera '{thing.name}' is neither perspective nor orthographic")
         width, height = resolution(render)
         pixel_aspect = render.pixel_aspect_x / render.pixel_aspect_y
         horizontal, sensor, aspect = formulae.camera_window(
@@ -119,7 +104,7 @@ class Exporter:
         name = f"volume '{thing.name}'"
         data.grids.load()
         if data.grids.error_message:
-            raise child.Failure(f"{name}: {data.grids.error_message}")
+            raise Failure(f"{name}: {data.grids.error_message}")
         grids = [grid.name for grid in data.grids]
         if not grids:
             return []  # such as a sequence beyond its end, which other engines show nothing of, too
@@ -138,7 +123,7 @@ class Exporter:
         in_object = data.render.space == "OBJECT"
         density, keys = medium.keys(formulae.object_density(matrix) if in_object else 1.0)
         keys["scattering"] = self.settings.scattering.lower()
-        out = {"name": self.names.of(thing.name), "file": child.pattern_of(self.volume_file(thing))}
+        out = {"name": self.names.of(thing.name), "file": frames.pattern_of(self.volume_file(thing))}
         out.update(transform=self.moves.transform(key, self.warn, name), density=density, medium=keys)
         if self.moves.shutter and data.velocity_grid:
             out.update(self.velocity(data, grids, name))
@@ -170,7 +155,7 @@ class Exporter:
         memory = ("memory", data.session_uid if hasattr(data, "session_uid") else data.name)
         if memory not in self.files:
             if not data.grids.save(filepath=saved):
-                raise child.Failure(f"volume '{thing.name}': cannot write its grids: {data.grids.error_message}")
+                raise Failure(f"volume '{thing.name}': cannot write its grids: {data.grids.error_message}")
             self.files[memory] = saved
         return self.files[memory]
 
@@ -199,7 +184,7 @@ class Exporter:
             self.warn(f"{name}: Scrim does not know {what} (taken for white of strength 1)")
             emitted = nodes.WHITE
         warmth = data.temperature_color if getattr(data, "use_temperature", False) else (1, 1, 1)
-        strength = formulae.light_strength(data.color, data.energy, getattr(data, "exposure", 0.0), warmth)
+        strength = light_laws.cycles_strength(data.color, data.energy, getattr(data, "exposure", 0.0), warmth)
         strength = [s * e for s, e in zip(strength, emitted)]
         if max(strength) <= 0:
             return []
@@ -230,15 +215,15 @@ class Exporter:
     def lamp(self, data, strength, name):
         normalize = getattr(data, "normalize", True)
         if data.type == "SUN":
-            return formulae.sun(strength, data.angle, normalize, self.before_4)
+            return light_laws.cycles_sun(strength, data.angle, normalize, self.before_4)
         radius = data.shadow_soft_size
         if data.type == "POINT":
-            return formulae.point(strength, radius, normalize)
+            return light_laws.cycles_point(strength, radius, normalize)
         if radius > 0:
             self.warn(f"{name}: the radius of a spot is not rendered; its shadows are sharp")
         if data.use_square:
             self.warn(f"{name}: a square spot is rendered as a round one")
-        return formulae.spot(strength, data.spot_size, data.spot_blend, radius, normalize)
+        return light_laws.cycles_spot(strength, data.spot_size, data.spot_blend, radius, normalize)
 
     def area(self, data, matrix, strength, name):
         width = data.size * length(column(matrix, 0))
@@ -250,7 +235,7 @@ class Exporter:
         if data.spread < 3.1415:
             self.warn(f"{name}: its spread is not rendered; it shines to all of one side")
         normalize = getattr(data, "normalize", True)
-        return formulae.area(strength, width, height, ellipse, normalize, self.before_4)
+        return light_laws.cycles_area(strength, width, height, ellipse, normalize, self.before_4)
 
     def world(self, world):
         if world is None:
@@ -262,7 +247,7 @@ class Exporter:
             return []
         if sky is None:
             return []
-        out = {"name": self.names.of("World"), "type": "dome", **formulae.shining(sky.color, 1.0)}
+        out = {"name": self.names.of("World"), "type": "dome", **light_laws.shining(sky.color, 1.0)}
         self.light_passes[out["name"]] = "World"
         if sky.image is not None:
             # Cycles' pictures of skies have +x in their middle and z up; the turn that takes Scrim's y up to z has -y.
@@ -281,7 +266,7 @@ class Exporter:
             image.pixels.foreach_get(pixels)
             pixels = pixels.reshape(height, width, -1)[::-1]
             exr.write(path, pixels[:, :, :3] if image.channels >= 3 else np.repeat(pixels[:, :, :1], 3, axis=2))
-        return {"file": child.pattern_of(path), "colorspace": image.colorspace_settings.name}
+        return {"file": frames.pattern_of(path), "colorspace": image.colorspace_settings.name}
 
     # Solids
 
@@ -305,9 +290,9 @@ class Exporter:
             return []
         path = os.path.join(self.folder, f"mesh{len(self.files)}.ply")
         self.files[path] = path
-        meshes.write_ply(path, points, corners)
+        ply.write(path, points, corners)
         name = f"'{thing.name}'"
-        out = {"name": self.names.of(thing.name), "file": child.pattern_of(path)}
+        out = {"name": self.names.of(thing.name), "file": frames.pattern_of(path)}
         out["transform"] = self.moves.transform(key, self.warn, name)
         seen = thing.visible_camera
         out.update(holdout=bool(seen and self.settings.solids == "HOLDOUT"), shadows=bool(shadows))

@@ -1,79 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# What Cycles' numbers are in Scrim's units. Plain numbers in, tables of a scene out, nothing of Blender: each law
-# stands here once, with the place in Cycles' source text that it was read from.
+# What Blender's numbers of media and cameras are in Scrim's units, with the place in Cycles' source text that a law was
+# read from. Plain numbers in, tables of a scene out, nothing of Blender. The laws of light are the kit's.
 import math
 
 _LEAST = 1e-12
-
-
-def light_strength(color, energy, exposure=0.0, temperature_color=(1.0, 1.0, 1.0)):
-    """What all laws below begin with: colour * energy * 2^exposure (* the colour of the light's temperature)."""
-    return [c * t * energy * 2.0**exposure for c, t in zip(color, temperature_color)]
-
-
-def split(strength):
-    """(colour with a largest part of 1, intensity), so that scenes stay readable. Lights do not take light away."""
-    strength = [max(s, 0.0) for s in strength]
-    most = max(strength)
-    if most <= 0:
-        return [1.0, 1.0, 1.0], 0.0
-    return [s / most for s in strength], most
-
-
-def shining(strength, factor):
-    color, intensity = split(strength)
-    return {"color": color, "intensity": intensity * factor}
-
-
-# scene/light.cpp: eval_fac of a distant light is 1 / (pi sin^2(angle / 2)) if normalised, else 1: its radiance. Scrim's
-# intensity is what thin smoke gets from all of the sun: radiance times the solid angle 2 pi (1 - cos(angle / 2)).
-# Before 4.0 it is the strength, whatever the angle (kernel/light/light.h: the factor and the density of samples are
-# the same number).
-def sun(strength, angle, normalize=True, before_4=False):
-    half = 0.5 * angle
-    if before_4:
-        return {"type": "distant", **shining(strength, 1.0), **({"angle": math.degrees(angle)} if half > 0 else {})}
-    if half <= 0:
-        return {"type": "distant", **shining(strength, 1.0)}
-    cap = 2 * math.pi * 2 * math.sin(0.5 * half) ** 2
-    radiance = 1 / (math.pi * math.sin(half) ** 2) if normalize else 1.0
-    return {"type": "distant", **shining(strength, radiance * cap), "angle": math.degrees(angle)}
-
-
-# scene/light.cpp: 1 / (4 pi) for points without a size; radiance 1 / (4 pi^2 r^2) on a sphere, or 1 / pi if not
-# normalised.
-def point(strength, radius, normalize=True):
-    if radius <= _LEAST:
-        return {"type": "point", **shining(strength, 1 / (4 * math.pi))}
-    radiance = 1 / (4 * math.pi**2 * radius**2) if normalize else 1 / math.pi
-    return {"type": "area", "shape": "sphere", **shining(strength, radiance), "radius": radius}
-
-
-# kernel/light/spot.h: smoothstep of (cos - cos(size / 2)) / ((1 - cos(size / 2)) * blend). Scrim's fades by the same
-# law, from the cone's border to the angle at which that is 1.
-def spot(strength, size, blend, radius=0.0, normalize=True):
-    half = 0.5 * size
-    outer = math.cos(half)
-    inner = math.acos(min(1.0, outer + (1 - outer) * blend))
-    flux = 1 / (4 * math.pi)
-    if radius > _LEAST and not normalize:
-        flux = radius**2  # radiance 1 / pi over a disk that faces what it lights
-    return {
-        "type": "spot",
-        **shining(strength, flux),
-        "cone": math.degrees(size),
-        "blend": min(max(1 - inner / half, 0.0), 1.0),
-    }
-
-
-# scene/light.cpp: radiance 1 / (pi area), or 1 / pi if not normalised; one-sided, and even where the spread is 180
-# degrees. Before 4.0: 1 / (4 area).
-def area(strength, width, height, ellipse, normalize=True, before_4=False):
-    size = width * height * (0.25 * math.pi if ellipse else 1.0)
-    radiance = 1 / ((4 if before_4 else math.pi) * size) if normalize else 1 / math.pi
-    if ellipse:
-        return {"type": "area", "shape": "disk", **shining(strength, radiance), "radius": 0.25 * (width + height)}
-    return {"type": "area", "shape": "rectangle", **shining(strength, radiance), "width": width, "height": height}
 
 
 def object_density(matrix):

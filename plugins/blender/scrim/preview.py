@@ -13,7 +13,9 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix
 
-from . import child, colour, exr, export, motion
+from . import colour, exr, export, motion
+from .program_path import program_path
+from .scrim_kit import Failure, frames, program
 
 PIXELS = 0.5  # of the region's, along each side
 POLL_SECONDS = 0.05
@@ -66,7 +68,7 @@ class Preview:
         """Blender would only print what it raises, and go on to draw the scene as it was."""
         try:
             step(*arguments)
-        except child.Failure as failure:
+        except Failure as failure:
             self.fail(str(failure))
         except Exception as error:
             traceback.print_exc()
@@ -75,7 +77,7 @@ class Preview:
     def begin(self, context, depsgraph):
         from . import engine
 
-        program = child.find_program(engine.preference())
+        scrim = program_path(engine.preference())
         self.number += 1
         folder = os.path.join(self.folder, str(self.number))
         os.mkdir(folder)
@@ -85,9 +87,9 @@ class Preview:
         content = exporter.scene_of_view(depsgraph, viewport_camera(context), moves)
         content["output"] = {"type": "float", "compression": "none"}
         self.picture = os.path.join(folder, "picture.exr")
-        arguments = [program, "render", engine.write_scene(folder, content), "-o", child.pattern_of(self.picture), "-q"]
+        arguments = [scrim, "render", engine.write_scene(folder, content), "-o", frames.pattern_of(self.picture), "-q"]
         arguments += ["--quality", "draft", "--ocio", colour.config_file(bpy, folder)]
-        self.process = child.Background(arguments, os.path.join(folder, "told"))
+        self.process = program.Background(arguments, os.path.join(folder, "told"))
         self.say("...")
         if not self.polled:
             self.polled = True
@@ -95,7 +97,7 @@ class Preview:
 
     def poll(self):
         """By a timer: asks for a redraw when the child has ended."""
-        if self.process is not None and not self.process.ended():
+        if self.process is not None and not self.process.has_ended():
             return POLL_SECONDS
         self.polled = False
         engine = self.engine()
@@ -106,7 +108,7 @@ class Preview:
     def draw(self, context, depsgraph):
         if self.view is not None and view_of(context) != self.view:
             self.update(context, depsgraph)
-        if self.process is not None and self.process.ended():
+        if self.process is not None and self.process.has_ended():
             self.careful(self.take)
         if self.texture is None:
             return
@@ -118,10 +120,10 @@ class Preview:
 
     def take(self):
         """The picture of the child that has ended, as a texture."""
-        status, told = self.process.result()
+        ended = self.process.result()
         self.process = None
-        if status != 0:
-            raise child.Failure(child.reason(status, told))
+        if ended.returncode != program.Status.DONE:
+            raise Failure(ended.reason)
         picture = exr.read(self.picture)
         left, top, right, bottom = picture.display_window
         width, height = right - left + 1, bottom - top + 1

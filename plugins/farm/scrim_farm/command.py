@@ -5,8 +5,11 @@ import os
 import re
 import sys
 
+from scrim_kit import Failure
+from scrim_kit.frames import parse_range
+
 from . import openjd, slurm
-from .job import FarmError, Job, Task, parse_frames
+from .job import Job, Task
 from .man_page import man_page
 from .shot import make_job
 from .status import print_status
@@ -72,14 +75,15 @@ def parser():
 def openjd_task(words, frames):
     folder, kind = words[:2]
     job = Job(folder)
-    # Chunks may be written as 1,2,3 or 1-3:2.
     tile = int(words[2]) if len(words) > 2 else -1
-    return run_task(job, Task(kind, tuple(parse_frames(frames.replace(":", "x"))), tile), progress="openjd")
+    # Chunks may be written as 1,2,3 or 1-3:2.
+    chunk = sorted(parse_range(frames.replace(":", "x"), "--frames"))
+    return run_task(job, Task(kind, tuple(chunk), tile), progress="openjd")
 
 
 def submit(options):
     if options.on is None:
-        raise FarmError("expected --on slurm or --on openjd")
+        raise Failure("expected --on slurm or --on openjd")
     folder = make_job(options)
     job = Job(folder)
     print(f"{folder}: {len(job['frames'])} frames, {len(job['crops'])} tiles each, "
@@ -116,13 +120,13 @@ def run(options):
         slurm.resume(Job(options.resume), options.dry_run)
         return 0
     if not options.scene:
-        raise FarmError("expected a scene, or --status or --resume and the folder of a job")
+        raise Failure("expected a scene, or --status or --resume and the folder of a job")
     return submit(options)
 
 
 def main(arguments):
     try:
         return run(parser().parse_args(arguments))
-    except FarmError as error:
+    except Failure as error:
         print(f"scrim-submit: error: {error}", file=sys.stderr)
         return error.status

@@ -3,21 +3,17 @@
 import dataclasses
 import json
 import os
-import re
 import time
 
-
-class FarmError(Exception):
-    """Told in one line; `status` is the exit status."""
-
-    def __init__(self, message, status=2):
-        super().__init__(message)
-        self.status = status
+from scrim_kit import Failure
+from scrim_kit.frames import at_frame, pattern_of
+from scrim_kit.program import Status
 
 
-# What an exit status of scrim means here. `lost`: killed from outside, often by the kernel for want
-# of memory.
-RESULTS = {0: "done", 1: "fatal", 2: "fatal", 3: "fatal", 4: "retry", 5: "warned", 33: "memory", 130: "cancelled",
+# What an exit status of scrim means here: `lost` of one that was killed from outside, often by the kernel for want of
+# memory.
+RESULTS = {Status.DONE: "done", Status.RENDER: "fatal", Status.USAGE: "fatal", Status.INPUT: "fatal",
+           Status.OUTPUT: "retry", Status.INACCURATE: "warned", Status.MEMORY: "memory", 130: "cancelled",
            143: "cancelled", 137: "lost"}
 DONE = ("done", "warned")
 AGAIN = ("retry", "memory", "lost", "crashed", "running")  # `running` where nothing runs any more: a machine went down
@@ -25,8 +21,7 @@ SQUARE = 16  # pixels
 
 
 def result_of(status):
-    if status < 0:  # by a signal, as subprocess tells it
-        status = 128 - status
+    """What becomes of a task whose program ended with an exit status, 128 + N where signal N ended it."""
     return RESULTS.get(status, "crashed")
 
 
@@ -41,58 +36,6 @@ def write_json(path, value):
     os.replace(beside, path)
 
 
-def parse_frames(text):
-    """"1-48x2,60": as scrim's --frames has it."""
-    frames = []
-    for part in text.split(","):
-        match = re.fullmatch(r"(-?\d+)(?:-(-?\d+)(?:x(\d+))?)?", part.strip(" "), re.ASCII)
-        if not match or (match[3] and int(match[3]) == 0) or (match[2] and int(match[2]) < int(match[1])):
-            raise FarmError(f"--frames {text}: expected a range such as 1-48x2,60")
-        first, last, step = int(match[1]), int(match[2] or match[1]), int(match[3] or 1)
-        frames += range(first, last + 1, step)
-    return sorted(set(frames))
-
-
-def frames_text(frames):
-    """The shortest text for sorted frames: "1-12,20"."""
-    parts, i = [], 0
-    while i < len(frames):
-        j = i
-        while j + 1 < len(frames) and frames[j + 1] == frames[j] + 1:
-            j += 1
-        parts.append(str(frames[i]) if i == j else f"{frames[i]}-{frames[j]}")
-        i = j + 1
-    return ",".join(parts)
-
-
-# Of a pattern, as scrim has it (scene/frame_path.h): a plain character, or what stands for the frame.
-PLACE = re.compile(r"\$([$#%])|(#+)|\$F(\d*)|%(0\d+)?d", re.ASCII)
-MOST_DIGITS = 20
-
-
-def at_frame(pattern, frame):
-    """The path of a frame: ####, %04d and $F4 stand for it, $$, $# and $% for the second of these characters."""
-
-    def piece(match):
-        plain, hashes, houdini, printf = match.groups()
-        if plain:
-            return plain
-        digits = len(hashes) if hashes else int(houdini or printf or 1)
-        digits = 1 if not hashes and digits > 0x7FFFFFFF else min(max(digits, 1), MOST_DIGITS)
-        return format(frame, f"0{digits}d")
-
-    return PLACE.sub(piece, pattern)
-
-
-def pattern_of(path):
-    """The pattern that names `path`, whatever is in it."""
-    return re.sub(r"[$#%]", r"$\g<0>", path)
-
-
-def without_frame(pattern):
-    return PLACE.sub(lambda match: match[1] or "", pattern)
-
-
 def crops_of(picture, columns, rows):
     """Boxes that share `picture` about evenly, from left to right and top to bottom. Their edges lie where the squares
     that scrim renders at a time have theirs in the whole picture: then each pixel is that of the whole, bit by bit."""
@@ -104,7 +47,7 @@ def crops_of(picture, columns, rows):
 
     xs, ys = edges(x0, x1, columns), edges(y0, y1, rows)
     if any(a >= b for line in (xs, ys) for a, b in zip(line, line[1:])):
-        raise FarmError(f"--tiles {columns}x{rows}: a picture of {x1 - x0} x {y1 - y0} pixels has no tiles of at least "
+        raise Failure(f"--tiles {columns}x{rows}: a picture of {x1 - x0} x {y1 - y0} pixels has no tiles of at least "
                         f"{SQUARE} x {SQUARE}")
     return [[xs[i], ys[j], xs[i + 1], ys[j + 1]] for j in range(rows) for i in range(columns)]
 
@@ -138,7 +81,7 @@ class Job:
             with open(path, encoding="utf-8") as text:
                 self.data = json.load(text)
         except (OSError, ValueError) as error:
-            raise FarmError(f"{folder} is no folder of a job: {path}: {error}") from None
+            raise Failure(f"{folder} is no folder of a job: {path}: {error}") from None
 
     def __getitem__(self, key):
         return self.data[key]

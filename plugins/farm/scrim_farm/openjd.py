@@ -2,7 +2,9 @@
 """Open Job Description (2023-09, with TASK_CHUNKING): a job bundle, which Deadline Cloud and openjd-cli run."""
 import os
 
-from .job import frames_text, write_json
+from scrim_kit.frames import range_text
+
+from .job import write_json
 
 PROGRAM = os.path.join(os.path.dirname(os.path.dirname(os.path.realpath(__file__))), "scrim-submit")
 
@@ -47,7 +49,7 @@ def template_of(job, python):
     return {
         "specificationVersion": "jobtemplate-2023-09", "extensions": ["TASK_CHUNKING"], "name": job["name"],
         "parameterDefinitions": [
-            text("Frames", frames_text(job["frames"]), "frames to do"),
+            text("Frames", range_text(job["frames"]), "frames to do"),
             # Relative to the template, as the specification wants it.
             {"name": "Folder", "type": "PATH", "objectType": "DIRECTORY", "dataFlow": "INOUT", "default": ".",
              "description": "the folder of the job"},
@@ -61,7 +63,7 @@ def template_of(job, python):
 def write_bundle(job, python):
     """The folder of the job is the bundle, since paths of a template may not leave its folder. Returns the files."""
     files = {"template.json": template_of(job, python),
-             "parameter_values.json": {"parameterValues": [{"name": "Frames", "value": frames_text(job["frames"])}]},
+             "parameter_values.json": {"parameterValues": [{"name": "Frames", "value": range_text(job["frames"])}]},
              "asset_references.json": {"assetReferences": {
                  "inputs": {"filenames": [job["scene"]], "directories": [os.path.dirname(job["scene"])]},
                  "outputs": {"directories": job.output_folders()}}}}

@@ -6,10 +6,12 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import tomllib
 
-from .job import FarmError, Job, at_frame, crops_of, parse_frames, pattern_of, without_frame, write_json
+from scrim_kit import Failure, program, toml_text
+from scrim_kit.frames import at_frame, parse_range, pattern_of, without_frame
+
+from .job import Job, crops_of, write_json
 
 SIMD_FLAGS = {"sse4": ("sse4_1", "sse4_2"), "avx2": ("avx2", "fma", "bmi2", "f16c"),
               "avx512": ("avx512f", "avx512bw", "avx512dq", "avx512vl", "avx512cd")}
@@ -17,22 +19,10 @@ GIB = 1 << 30
 PART_SMALLEST = GIB // 2  # of merges and checks
 
 
-def run_scrim(command):
-    """Its standard output; what it refuses is refused here in its words."""
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        lines = done.stderr.strip().splitlines() or [f"{command[0]} ended with status {done.returncode}"]
-        raise FarmError(lines[-1].removeprefix("scrim: error: "), done.returncode if done.returncode > 0 else 1)
-    for line in done.stderr.splitlines():
-        if line.startswith("scrim: warning: "):
-            print(line)
-    return done.stdout
-
-
 def parse_size(text):
     match = re.fullmatch(r"(\d+)([KMGT]?)", text)
     if not match or int(match[1]) == 0:
-        raise FarmError(f"--memory {text}: expected a size such as 8G or 512M")
+        raise Failure(f"--memory {text}: expected a size such as 8G or 512M")
     return int(match[1]) << {"": 0, "K": 10, "M": 20, "G": 30, "T": 40}[match[2]]
 
 
@@ -41,7 +31,7 @@ def resolved_sets(render, given, simd):
     if "tolerance" in given:  # which chooses picture by picture
         render = {key: render[key] for key in ("cross_fade", "simd")}
     machine = "avx2" if render["simd"] == "auto" else render["simd"]
-    return [f"render.{key}={json.dumps(value)}" for key, value in (render | {"simd": simd or machine}).items()]
+    return [toml_text.assignment(f"render.{key}", value) for key, value in (render | {"simd": simd or machine}).items()]
 
 
 def memory_of(crops, plan_of):
@@ -66,19 +56,19 @@ def arguments_of(options):
 def check_options(options):
     """Returns the program, columns and rows of tiles, frames, and the folder of the job."""
     if not options.frames:
-        raise FarmError("expected --frames 1-240")
+        raise Failure("expected --frames 1-240")
     scrim = shutil.which(options.scrim)
     if scrim is None:
-        raise FarmError(f"there is no program '{options.scrim}'; --scrim PATH names it")
+        raise Failure(f"there is no program '{options.scrim}'; --scrim PATH names it")
     if not os.path.isfile(options.scene) and options.scene.endswith(".toml"):
-        raise FarmError(f"there is no scene {options.scene}", 3)
+        raise Failure(f"there is no scene {options.scene}", 3)
     tiles = re.fullmatch(r"([1-9]\d*)x([1-9]\d*)", options.tiles)
     if not tiles:
-        raise FarmError(f"--tiles {options.tiles}: expected COLUMNSxROWS, such as 2x2")
-    frames = parse_frames(options.frames)
+        raise Failure(f"--tiles {options.tiles}: expected COLUMNSxROWS, such as 2x2")
+    frames = sorted(parse_range(options.frames, "--frames"))
     folder = os.path.abspath(options.folder or stem_of(options.scene) + ".farm")
     if os.path.exists(os.path.join(folder, "job.json")):
-        raise FarmError(f"{folder} holds a job already; --resume {folder} goes on with it, --folder names another one")
+        raise Failure(f"{folder} holds a job already; --resume {folder} goes on with it, --folder names another one")
     return os.path.abspath(scrim), (int(tiles[1]), int(tiles[2])), frames, folder
 
 
@@ -91,9 +81,9 @@ def check_outputs(outputs, frames):
     """That frames have files of their own, whose names are known."""
     for pattern in (output["pattern"] for output in outputs.values()):
         if len(frames) > 1 and at_frame(pattern, 1) == at_frame(pattern, 2):
-            raise FarmError(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
+            raise Failure(f"all {len(frames)} frames would be written to '{pattern}'; put #### into its name")
         if "\ufffd" in pattern:
-            raise FarmError(f"the name of the output is not UTF-8: '{pattern}'")
+            raise Failure(f"the name of the output is not UTF-8: '{pattern}'")
 
 
 class Shot:
@@ -107,7 +97,7 @@ class Shot:
         self.scene = tomllib.loads(self._ask("render", "--print-scene"))
         given = self.scene.get("render", {})
         if "tolerance" in given and options.tiles != "1x1":
-            raise FarmError("a tolerance is searched for picture by picture, so tiles of it would not fit together; "
+            raise Failure("a tolerance is searched for picture by picture, so tiles of it would not fit together; "
                             "choose --tiles 1x1 or a preset: --set 'render.quality=\"standard\"'")
         planned = self.plan(*self._outputs_of(options))
         self.window, self.outputs = planned["plan"]["window"], planned["outputs"]
@@ -115,7 +105,11 @@ class Shot:
             self.arguments += ["--set", value]
 
     def _ask(self, command, *more):
-        return run_scrim([self.scrim, command, self.path, *self.arguments, f"--frames={self.frame}", *more])
+        """What the program answers; what it refuses is refused here in its words."""
+        answer = program.ask([self.scrim, command, self.path, *self.arguments, f"--frames={self.frame}", *more])
+        for text in answer.warnings:
+            print("scrim: warning:", text)
+        return answer.output
 
     def _frame_asset(self, options, path):
         """An asset's scene is made here, so that all frames are framed alike. It must name its files from the root of
@@ -138,7 +132,7 @@ class Shot:
     def plan(self, *more):
         planned = json.loads(self._ask("plan", "--json", *more))
         if not planned:
-            raise FarmError(f"frame {self.frame} has no files; begin with one that has", 3)
+            raise Failure(f"frame {self.frame} has no files; begin with one that has", 3)
         return planned[0]
 
     def digest(self):

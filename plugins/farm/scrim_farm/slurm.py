@@ -7,7 +7,10 @@ import shlex
 import subprocess
 import sys
 
-from .job import FarmError, Task, frames_text, read_state, write_json
+from scrim_kit import Failure
+from scrim_kit.frames import range_text
+
+from .job import Task, read_state, write_json
 from .shot import PART_SMALLEST
 from .status import next_tasks, print_status
 
@@ -62,9 +65,9 @@ class Submission:
             done = subprocess.run(command, capture_output=True, text=True, timeout=SBATCH_SECONDS, check=False,
                                   env=clean_environment())
         except (OSError, subprocess.TimeoutExpired) as error:
-            raise FarmError(f"cannot submit to Slurm: {error}", 1) from None
+            raise Failure(f"cannot submit to Slurm: {error}", 1) from None
         if done.returncode != 0:
-            raise FarmError(f"sbatch refused {name}: {done.stderr.strip()}", 1)
+            raise Failure(f"sbatch refused {name}: {done.stderr.strip()}", 1)
         identifier = done.stdout.strip().split(";")[0]
         self.ids.append(identifier)
         self.job.log(f"round {self.round}: {name} is job {identifier}")
@@ -128,7 +131,7 @@ def task_of(job, name, index):
     """The task of an array, and its memory."""
     array = read_state(job.path("submitted", f"{name}.json"))
     if array is None or not 0 <= index < len(array["tasks"]):
-        raise FarmError(f"there is no task {index} of {name}", 1)
+        raise Failure(f"there is no task {index} of {name}", 1)
     return Task.from_json(array["tasks"][index]), array["memory"]
 
 
@@ -175,7 +178,7 @@ def follow(job, round_number):
 
     again, merges, given_up = next_tasks(job, job.attempts(), is_cancelled)
     for task, text in given_up:
-        job.log(f"given up: {task.kind} of frames {frames_text(task.frames)}, tile {task.tile}: {text}")
+        job.log(f"given up: {task.kind} of frames {range_text(task.frames)}, tile {task.tile}: {text}")
     if again or merges:
         attempts = job.attempts()
         waits = any(a[-1]["result"] == "retry" for a in attempts.values())
@@ -193,7 +196,7 @@ def resume(job, dry):
     rounds = [int(m[1]) for n in os.listdir(job.path("submitted")) if (m := re.match(r"r(\d+)-", n))]
     running = ask(["squeue", "--noheader", "--format=%j"]).split()
     if any(name.startswith(job["name"] + "-r") for name in running):
-        raise FarmError(f"jobs of {job['name']} are still in Slurm's queue; wait, or scancel them", 1)
+        raise Failure(f"jobs of {job['name']} are still in Slurm's queue; wait, or scancel them", 1)
     attempts = job.attempts()
     renders, merges = job.missing()
     if not renders and not merges:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """What of a job is there, what is missing, and why."""
 import os
-import subprocess
 
-from .job import AGAIN, DONE, frames_text
+from scrim_kit import program
+from scrim_kit.frames import range_text
+
+from .job import AGAIN, DONE
 
 
 def broken_files(job):
@@ -11,9 +13,7 @@ def broken_files(job):
     there = [path for frame in job["frames"] for path in job.outputs(frame) if os.path.isfile(path)]
     broken = []
     for i in range(0, len(there), 500):
-        done = subprocess.run([job["scrim"], "merge", "--check", *there[i : i + 500]], capture_output=True, text=True,
-                              check=False)
-        broken += done.stdout.splitlines()
+        broken += program.run([job["scrim"], "merge", "--check", *there[i : i + 500]]).output.splitlines()
     return broken
 
 
@@ -54,11 +54,11 @@ def print_status(job):
             what = "merge" if task.kind == "merge" else "picture" if task.tile < 0 else f"tile {task.tile}"
             reasons.setdefault((what, text), []).append(frame)
     for (what, text), frames in sorted(reasons.items()):
-        print(f"  missing: frames {frames_text(frames)}, {what}: {text}")
+        print(f"  missing: frames {range_text(frames)}, {what}: {text}")
     for path in broken:
         print(f"  not whole: {path}; remove it, and --resume")
     for text, frames in sorted(warnings_of(job, attempts).items()):
-        print(f"  warning: frames {frames_text(frames)}: {text}")
+        print(f"  warning: frames {range_text(frames)}: {text}")
     if len(there) < len(job["frames"]):
         if job["on"] == "slurm":
             print(f"scrim-submit --resume {job.folder} submits what is missing")

@@ -6,11 +6,14 @@ import platform
 import resource
 import shlex
 import signal
-import subprocess
 import sys
 import time
 
-from .job import DONE, at_frame, frames_text, result_of
+from scrim_kit import toml_text
+from scrim_kit.frames import at_frame, range_text
+from scrim_kit.program import Child, Status
+
+from .job import DONE, result_of
 from .shot import SIMD_FLAGS
 
 PART_OF_MEMORY = 0.85  # for volumes and buffers; the rest is the program itself
@@ -35,7 +38,7 @@ def machine_problem(job):
 
 
 def render_command(job, task, memory, progress):
-    command = [job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={frames_text(task.frames)}",
+    command = [job["scrim"], "render", job["scene"], *job["arguments"], f"--frames={range_text(task.frames)}",
                "--skip-existing", "--memory", str(int(memory * PART_OF_MEMORY)), "--progress", progress]
     if task.tile < 0:
         command += ["-o", job["output"]]
@@ -50,7 +53,7 @@ def render_command(job, task, memory, progress):
     if job["preview"]:  # the whole gets one later
         command += ["--preview", job.tile_pattern(task.tile, "preview.######.png")]
     if job["merge_compression"]:
-        command += ["--set", 'output.compression="zip"']
+        command += ["--set", toml_text.assignment("output.compression", "zip")]
     return command
 
 
@@ -94,29 +97,29 @@ class Runner:
 
     def _stop(self, number, _frame):
         self.stopped = number
-        if self.child is not None and self.child.poll() is None:
-            self.child.send_signal(number)
+        if self.child is not None:
+            self.child.signal(number)
+
+    def _told(self, line):
+        print(line, file=sys.stderr, flush=True)
+        self.last = line.strip() or self.last
 
     def run(self, command):
-        """Its exit status; the last line on its standard error is kept."""
+        """Its exit status, 128 + N where signal N ended it; the last line on its standard error is kept."""
         if self.stopped:
             return 128 + self.stopped
         print("+", shlex.join(command), flush=True)
         before = seconds_of_children()
-        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, errors="replace") as self.child:
-            if self.stopped:  # in the meantime
-                self.child.send_signal(self.stopped)
-            for line in self.child.stderr:
-                sys.stderr.write(line)
-                sys.stderr.flush()
-                self.last = line.strip() or self.last
-            status = self.child.wait()
-        if was_out_of_time(status, seconds_of_children() - before):
+        self.child = Child(command, reads_output=False)
+        if self.stopped:  # in the meantime
+            self.child.signal(self.stopped)
+        ended = self.child.wait(told=self._told)
+        if was_out_of_time(ended.returncode, seconds_of_children() - before):
             self.last = "it takes more processor time than a process may; raise the limit (ulimit -t)"
-            return 1  # neither memory nor another attempt would help
-        if status < 0:
-            self.last = f"killed by {signal.Signals(-status).name}"
-        return status if status >= 0 else 128 - status
+            return Status.RENDER  # neither memory nor another attempt would help
+        if ended.returncode < 0:
+            self.last = f"killed by {signal.Signals(-ended.returncode).name}"
+        return ended.status
 
 
 def remove_tiles(job, frame):
@@ -148,7 +151,7 @@ def run_task(job, task, memory=0, progress="none"):
     job.note(task, attempt)
     problem = machine_problem(job)
     if problem:
-        status, runner.last = 3, problem
+        status, runner.last = Status.INPUT, problem
         print("scrim-submit:", problem, file=sys.stderr)
     elif task.kind == "merge":
         status = do_merge(job, task, runner)

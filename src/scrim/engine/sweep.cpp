@@ -130,12 +130,10 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         work.footprints += extinction.splat(first, count, own ? nullptr : &group.needed, cull);
         times.splat += watch.lap();
         // 3: light through the sheets.
-        const LightSweep::Work light = lights.attenuate(first, count, extinction);
-        work.lightSamples += light.samples;
-        work.footprints += light.footprints;
+        work += lights.attenuate(first, count, extinction);
         times.attenuate += watch.lap();
         // 4 and 5: the sheets shaded and composited, at texels or where pixels' rays meet them.
-        Compositor::Work seen;
+        RenderWork seen;
         if (shaded) {
             const ShadeWork texels = shadeBatch(shader, eye, tiles, extinction.covered(), first, count, *shaded);
             work.shade += texels;
@@ -145,8 +143,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         } else {
             seen = compositor.throughPixels(first, count, extinction.covered(), group.lattice, shader);
         }
-        work.shade += seen.shade;
-        work.pixelSheets += seen.pixelSheets;
+        work += seen;
         work.layerSamples += seen.pixelSheets * static_cast<std::uint64_t>(layout.quads() - 1);
         times.composite += watch.lap();
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include <scrim/base/messages.h>
-#include <scrim/engine/frame.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/plan/make_plan.h>
 
 namespace scrim {
 

@@ -2,7 +2,7 @@
 // File names with a frame number in them. "####", "%04d" and "$F4" stand for the frame with at least four digits, "%d"
 // and "$F" for the frame without padding; "$$", "$#" and "$%" stand for "$", "#" and "%". "${NAME}" stands for a
 // variable. The frame may stand in a file's name or in the names of its folders. OpenImageIO has patterns, too, but no
-// "$F4". plugins/farm/scrim_farm/job.py repeats these rules in Python, and a test compares the two.
+// "$F4". plugins/kit/scrim_kit/frames.py repeats these rules in Python, and a test compares the two.
 #pragma once
 
 #include <functional>

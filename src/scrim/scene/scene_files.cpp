@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/scene_files.h>
 
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include <fmt/format.h>
 

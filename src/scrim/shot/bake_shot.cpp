@@ -6,8 +6,8 @@
 #include <scrim/base/parallel.h>
 #include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
-#include <scrim/engine/light/baked_light.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/baked_light.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/scene/layer_names.h>
 #include <scrim/scene/nearest_name.h>

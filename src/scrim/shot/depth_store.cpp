@@ -2,7 +2,7 @@
 #include <scrim/shot/depth_store.h>
 
 #include <scrim/base/error.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/shot/view_motion.h>
 #include <scrim/volume/grid_choice.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 #include <scrim/volume/vdb_bounds.h>
 
 #include <fmt/format.h>

@@ -7,9 +7,9 @@
 #include <scrim/scene/scene.h>
 #include <scrim/scene/volume_file.h>
 #include <scrim/volume/grid_request.h>
-#include <scrim/volume/guarded_load.h>
-#include <scrim/volume/load_options.h>
-#include <scrim/volume/scan_info.h>
+#include <scrim/guard/guarded_load.h>
+#include <scrim/guard/load_options.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/source_parameters.h>
 
 #include <map>

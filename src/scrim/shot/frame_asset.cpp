@@ -6,7 +6,7 @@
 #include <scrim/scene/framing.h>
 #include <scrim/shot/framed_scan.h>
 #include <scrim/volume/grid_choice.h>
-#include <scrim/volume/scan_info.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_layout.h>
 

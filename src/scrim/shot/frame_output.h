@@ -2,7 +2,7 @@
 // The contents of a ShotFrame and how they are written to files.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/image/colour.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/scene/scene.h>

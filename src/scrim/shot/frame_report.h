@@ -2,7 +2,7 @@
 // The cost and the accuracy of a frame, as the public types of shot_frame.h.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/shot/shot_frame.h>
 #include <scrim/verify/verify.h>
 

@@ -2,7 +2,7 @@
 // The look of a scan that comes without a scene.
 #pragma once
 
-#include <scrim/volume/scan_info.h>
+#include <scrim/shot/scan_info.h>
 #include <scrim/volume/source_parameters.h>
 
 #include <string>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Moves fields by a velocity (semi-Lagrangian, backwards): at time t a field f becomes f(x - t v(x)). Where v varies
 // strongly over a voxel, or where its grid ends before f has moved that far, the result is not where the smoke would
-// be; see examples/EFFECTS.md.
+// be; see examples/guide/motion-blur.md.
 #pragma once
 
 #include <scrim/geometry/bounds.h>

@@ -4,7 +4,8 @@
 #include <scrim/base/parallel.h>
 #include <scrim/base/timed.h>
 #include <scrim/engine/plan/report.h>
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/sweep.h>
 #include <scrim/shot/frame_report.h>
 #include <scrim/shot/shot_motion.h>

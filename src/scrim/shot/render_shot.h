@@ -2,7 +2,7 @@
 // Turns a loaded shot into its plan, and into a picture that is verified on request.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/shot/load_shot.h>
 #include <scrim/shot/shot_frame.h>
 #include <scrim/shot/shot_options.h>

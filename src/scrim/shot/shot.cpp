@@ -13,9 +13,9 @@
 #include <scrim/shot/render_shot.h>
 #include <scrim/shot/shot_content.h>
 #include <scrim/shot/view_motion.h>
-#include <scrim/volume/guarded_load.h>
-#include <scrim/volume/load_fields.h>
-#include <scrim/volume/load_job.h>
+#include <scrim/guard/guarded_load.h>
+#include <scrim/guard/load_fields.h>
+#include <scrim/guard/load_job.h>
 
 #include <fmt/format.h>
 

@@ -3,8 +3,8 @@
 // of whole renders is averaged, so that occlusion and shadows are right at every moment.
 #pragma once
 
-#include <scrim/engine/frame.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/shot/load_shot.h>
 #include <scrim/shot/shot_options.h>
 

@@ -6,7 +6,7 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/image/image.h>
 #include <scrim/scene/scene.h>
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_options.h>
 
 #include <cstddef>
 #include <functional>

@@ -3,7 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/image/texture_read.h>
-#include <scrim/volume/load_fields.h>
+#include <scrim/guard/load_fields.h>
 
 #include <fmt/format.h>
 

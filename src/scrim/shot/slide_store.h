@@ -5,7 +5,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/image/colour.h>
 #include <scrim/scene/scene.h>
-#include <scrim/volume/load_options.h>
+#include <scrim/guard/load_options.h>
 
 #include <cstddef>
 #include <map>

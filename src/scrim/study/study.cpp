@@ -6,7 +6,7 @@
 #include <scrim/engine/sweep.h>
 #include <scrim/scene/quality.h>
 #include <scrim/study/convergence_order.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 
 #include <algorithm>
 #include <cctype>

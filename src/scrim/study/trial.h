@@ -2,7 +2,7 @@
 // One setting of the dials, tried on a scene: its cost, and its error.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/scene/dials.h>
 #include <scrim/verify/verify.h>
 

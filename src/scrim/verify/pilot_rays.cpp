@@ -2,7 +2,7 @@
 #include <scrim/verify/pilot_rays.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/light_at.h>
 #include <scrim/scene/optics.h>
 

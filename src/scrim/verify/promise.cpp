@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/promise.h>
 
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/quality.h>
 #include <scrim/verify/pilot_rays.h>
 

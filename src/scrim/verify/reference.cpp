@@ -237,7 +237,8 @@ std::array<double, 4> Reference::ray(double x, double y) const {
 
     auto [begin, end] = m_wsBounds.clip(origin, direction, rays.near * depthScale, m_options.far * depthScale);
     if (m_scene.solids)
-        end = std::min(end, m_scene.solids->firstHit(SolidRole::holdout, origin, direction, begin, end));
+        end =
+            std::min(end, m_scene.solids->firstHit(SolidRole::holdout, origin, direction, rays.near * depthScale, end));
     const HeldRay held(m_scene.depths.get(), x, y, depthScale);
     end = std::min(end, held.end());
     const double gauss = 0.5 / std::sqrt(3.0);

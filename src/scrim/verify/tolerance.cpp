@@ -4,7 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
 #include <scrim/engine/sweep.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/base/timed.h>
 
 #include <algorithm>

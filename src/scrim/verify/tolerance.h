@@ -4,8 +4,8 @@
 #pragma once
 
 #include <scrim/base/messages.h>
-#include <scrim/engine/frame.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/verify/verify.h>
 
 #include <array>

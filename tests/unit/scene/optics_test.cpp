@@ -75,7 +75,9 @@ TEST(VolumeOptics, AddsUpWhatGlows) {
 TEST(VolumeOptics, OfAMovedVolumeIsWhatWasUpstream) {
     ViewVolume volume = slopeVolume();
     auto velocity = std::make_shared<ViewVelocity>();
-    const auto constant = [](double v) { return makeField({-20, -20, -20}, {20, 20, 20}, 0.5, [v](const Vec3&) { return v; }); };
+    const auto constant = [](double v) {
+        return makeField({-20, -20, -20}, {20, 20, 20}, 0.5, [v](const Vec3&) { return v; });
+    };
     for (const double part : {2.0, 0.0, 0.0, 4.0, 0.0, 0.0}) {  // (2, -4, 0)
         const auto field = constant(part);
         velocity->parts.push_back({field, field->wsFromIs});

@@ -4,7 +4,7 @@
 #include "support/fields.h"
 
 #include <scrim/shot/assemble.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/verify/verify.h>
 #include <scrim/verify/verify_pixels.h>
 
@@ -60,7 +60,7 @@ void loseSheets(ViewScene&, Plan& plan) {
 
 void loseLight(ViewScene&, Plan& plan) {
     for (GroupPlan& group : plan.groups)
-        std::erase_if(group.lights, [](const LightPlan& light) { return light.light == 1; });
+        std::erase_if(group.lights, [](const PlannedLight& light) { return light.light == 1; });
 }
 
 void loseVolume(ViewScene& scene, Plan& plan) {

@@ -7,8 +7,9 @@ import math
 from collections.abc import Callable
 
 from pxr import Gf, Usd, UsdGeom, UsdLux
+from scrim_kit import light_laws
 
-from . import _colour, _laws, _own
+from . import _colour, _own
 from ._reading import Item, Reading, numbers
 
 _EVEN = 1e-4  # by how much scales along axes may differ
@@ -89,7 +90,7 @@ class Light:
         as_irradiance = reading.options.distant == "irradiance"
 
         def law(strength: float, time: float) -> tuple[float, float]:
-            return _laws.distant(strength, self.input("angle", time), as_irradiance or self.normalized(time))
+            return light_laws.usd_distant(strength, self.input("angle", time), as_irradiance or self.normalized(time))
 
         angle = float(self.input("angle"))
         if angle > 180:
@@ -140,7 +141,7 @@ class Light:
             self.warn("a sphere without a size gives no light unless it is normalized")
         out = {"type": "spot" if cone else "point", "position": self.moving(_place)}
         out["intensity"] = self.by(
-            lambda strength, time: _laws.point(strength, self.sphere_radius(time), self.normalized(time))
+            lambda strength, time: light_laws.usd_point(strength, self.sphere_radius(time), self.normalized(time))
         )
         if cone:
             if radius > 0 and not as_point:
@@ -272,7 +273,7 @@ def read(reading: Reading, item: Item, scale: float, sidecar: _own.Sidecar) -> t
         reading.warn(prim, f"lights of type {prim.GetTypeName() or 'none'} are not rendered")
         return None
     light = Light(reading, item, scale)
-    out = {"name": reading.names.of(prim.GetPath(), item.suffix), **kind(light), **light.colored()}
+    out = {"name": reading.name(item), **kind(light), **light.colored()}
     light.say_what_is_not()
     if prim.HasAPI(UsdLux.ShadowAPI) and not light.input("shadow:enable"):
         out["shadows"] = False

@@ -5,11 +5,11 @@ from __future__ import annotations
 
 import hashlib
 import os
-import struct
-import sys
 from array import array
 
 from pxr import Usd, UsdGeom, UsdVol
+from scrim_kit import ply
+from scrim_kit.frames import pattern_of
 
 from . import _motion, _own
 from ._reading import Item, Reading
@@ -29,22 +29,6 @@ def _triangles(counts: list[int], corners: list[int], holes: set[int]) -> array:
                 out.extend((corners[start], corners[start + k], corners[start + k + 1]))
         start += count
     return out
-
-
-def write_ply(path: str, points: array, triangles: array) -> None:
-    """`points`: x, y, z one after the other, floats; `triangles`: their numbers, three each."""
-    header = (
-        "ply\nformat binary_little_endian 1.0\n"
-        f"element vertex {len(points) // 3}\nproperty float x\nproperty float y\nproperty float z\n"
-        f"element face {len(triangles) // 3}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    if sys.byteorder == "big":
-        points.byteswap()
-    face = struct.Struct("<B3i")
-    with open(path, "wb") as file:
-        file.write(header.encode())
-        file.write(points.tobytes())
-        file.write(b"".join(face.pack(3, *triangles[i : i + 3]) for i in range(0, len(triangles), 3)))
 
 
 def _of_mesh(reading: Reading, prim: Usd.Prim) -> tuple[array, array] | None:
@@ -86,6 +70,7 @@ def _of_plane(reading: Reading, prim: Usd.Prim) -> tuple[array, array]:
 
 
 def _shape(reading: Reading, prim: Usd.Prim) -> tuple[array, array] | None:
+    """x, y, z of its points one after the other, and three numbers of points for each triangle."""
     if prim.IsA(UsdGeom.Mesh):
         return _of_mesh(reading, prim)
     if prim.IsA(UsdGeom.Cube):
@@ -104,9 +89,9 @@ def _file(reading: Reading, prim: Usd.Prim) -> str | None:
     name = hashlib.sha256(shape[0].tobytes() + shape[1].tobytes()).hexdigest()[:24] + ".ply"
     path = os.path.join(reading.folder, name)
     if not os.path.exists(path):
-        write_ply(path + ".part", *shape)
+        ply.write(path + ".part", *shape)
         os.replace(path + ".part", path)
-    return path.replace("$", "$$")
+    return pattern_of(path)
 
 
 def read(reading: Reading, item: Item, sidecar: _own.Sidecar) -> dict | None:
@@ -117,7 +102,7 @@ def read(reading: Reading, item: Item, sidecar: _own.Sidecar) -> dict | None:
     points = UsdGeom.PointBased(item.prim).GetPointsAttr() if item.prim.IsA(UsdGeom.PointBased) else None
     if len(reading.times) > 1 and points and points.ValueMightBeTimeVarying():
         reading.warn(item.prim, "its points move: while the shutter is open those of the frame are taken")
-    out = {"name": reading.names.of(item.prim.GetPath(), item.suffix), "file": path}
+    out = {"name": reading.name(item), "file": path}
     place = _motion.transform(reading, item, lambda time: reading.world(item, time))
     if place:
         out["transform"] = place

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from pxr import Gf, Sdf, Tf, Usd, UsdGeom
+from scrim_kit.frames import pattern_of
+from scrim_kit.names import Names
 
 from .._errors import InputError
 
@@ -49,25 +51,6 @@ class Messages:
             to.append(line)
 
 
-class Names:
-    """Names for a scene: letters, digits and underscores, each once."""
-
-    def __init__(self) -> None:
-        self.taken: set[str] = set()
-
-    def of(self, path: Sdf.Path, suffix: str = "") -> str:
-        parts = [re.sub(r"[^A-Za-z0-9_]", "_", p.name) for p in path.GetPrefixes()]
-        for count in range(1, len(parts) + 1):
-            name = "_".join(parts[-count:]) + suffix
-            if name not in self.taken:
-                break
-        base, number = name, 2
-        while name in self.taken:
-            name, number = f"{base}_{number}", number + 1
-        self.taken.add(name)
-        return name
-
-
 @dataclass
 class Item:
     """A prim that is to be rendered, with what places it beyond its own transforms: instances of a PointInstancer."""
@@ -76,6 +59,11 @@ class Item:
     suffix: str = ""
     within: Callable[[float], Gf.Matrix4d] | None = None
     linked: Sdf.Path | None = None  # the instancer, which collections of lights may name
+
+    def names(self) -> list[str]:
+        """What it may be called: its prim's name, else that with its parent's before it, and so on."""
+        parts = [path.name for path in self.prim.GetPath().GetPrefixes()]
+        return ["_".join(parts[-count:]) + self.suffix for count in range(1, len(parts) + 1)]
 
     def included(self, query: Usd.CollectionMembershipQuery) -> bool:
         return query.IsPathIncluded(self.linked or self.prim.GetPath())
@@ -88,7 +76,7 @@ class Reading:
         self.stage, self.frame, self.options, self.folder = stage, frame, options, folder
         self.warn, self.note = messages.warn, messages.note
         self.times = [frame]
-        self.names = Names()
+        self._names = Names()
         self._caches: dict[float, UsdGeom.XformCache] = {}
 
     def open_shutter(self, opens: float, closes: float) -> None:
@@ -99,6 +87,10 @@ class Reading:
         if time not in self._caches:
             self._caches[time] = UsdGeom.XformCache(Usd.TimeCode(time))
         return Gf.Matrix4d(self._caches[time].GetLocalToWorldTransform(prim))
+
+    def name(self, item: Item) -> str:
+        """A name in the scene, which no other item gets."""
+        return self._names.of(*item.names())
 
     def world(self, item: Item, time: float) -> Gf.Matrix4d:
         matrix = self.local_to_world(item.prim, time)
@@ -128,7 +120,7 @@ class Reading:
         packed = re.fullmatch(r"(.*\.usdz)\[([^\]]+)\]", path)
         if packed:
             path = self._unpacked(*packed.groups())
-        return path.replace("$", "$$")
+        return pattern_of(path)
 
     def _unpacked(self, archive: str, member: str) -> str:
         path = os.path.join(self.folder, os.path.basename(archive), member)

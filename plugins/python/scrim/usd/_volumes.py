@@ -157,7 +157,7 @@ class Mapping:
         self.name_grids(own)
         self.velocity(own)
         self.medium(own)
-        out = {"name": self.reading.names.of(self.item.prim.GetPath(), self.item.suffix), "file": self.first.file}
+        out = {"name": self.reading.name(self.item), "file": self.first.file}
         place = _motion.transform(self.reading, self.item, self.first.matrix)
         if place:
             out["transform"] = place

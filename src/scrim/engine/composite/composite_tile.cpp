@@ -118,35 +118,6 @@ HWY_ATTR void locate(const RayTile& rays, Real step, int width, int height, Addr
     }
 }
 
-HWY_ATTR void fillRaysOnTarget(const RayRow& row, int j, RayTile& tile) {
-    const hn::CappedTag<double, kTileEdge> d;
-    for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
-        const auto column = hn::Iota(d, static_cast<double>(i));
-        const auto at = [&](const double* start, const double* step, int axis)
-                            HWY_ATTR { return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis])); };
-        const auto directionN = at(row.direction, row.directionStep, 2);
-        const auto inverse = hn::Div(hn::Set(d, 1.0), directionN);
-        const auto away = hn::Sub(hn::Set(d, row.reference), at(row.origin, row.originStep, 2));
-        const auto slopeU = hn::Mul(at(row.direction, row.directionStep, 0), inverse);
-        const auto slopeV = hn::Mul(at(row.direction, row.directionStep, 1), inverse);
-        const int k = j * kTileEdge + i;
-        const auto store = [&](auto value, Real* to) HWY_ATTR {
-            const hn::Rebind<Real, decltype(d)> dr;
-            if constexpr (std::is_same_v<Real, double>)
-                hn::StoreU(value, dr, to + k);
-            else
-                hn::StoreU(hn::DemoteTo(dr, value), dr, to + k);
-        };
-        store(hn::MulAdd(slopeU, away, at(row.origin, row.originStep, 0)), tile.u);
-        store(hn::MulAdd(slopeV, away, at(row.origin, row.originStep, 1)), tile.v);
-        store(slopeU, tile.stepU);
-        store(slopeV, tile.stepV);
-        store(hn::MulSub(hn::Set(d, row.near), directionN, away), tile.startN);
-        store(hn::Mul(away, inverse), tile.depth);
-        store(inverse, tile.stepDepth);
-    }
-}
-
 // The pixels of a tile that are not opaque yet.
 struct OpenPixels {
     std::int32_t pixels[kTileSize];
@@ -313,14 +284,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace scrim {
 
-HWY_EXPORT(fillRaysOnTarget);
 HWY_EXPORT(compositeTileOnTarget);
 HWY_EXPORT(samplePlaneOnTarget);
 HWY_EXPORT(compositeSamplesOnTarget);
-
-void fillRays(const RayRow& row, int j, RayTile& tile) {
-    SCRIM_ON_TARGET(row.simd, fillRaysOnTarget)(row, j, tile);
-}
 
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
                    PixelTiles::FirstDepth* first) {

@@ -12,34 +12,12 @@
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/engine/composite/pixel_tiles.h>
-#include <scrim/engine/plan/outputs.h>
+#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/samples.h>
 
 #include <cstddef>
 
 namespace scrim {
-
-/// The rays of a tile of pixels: texel position at the batch's first plane, and step from plane to plane.
-struct RayTile {
-    alignas(64) Real u[kTileSize];
-    alignas(64) Real v[kTileSize];
-    alignas(64) Real stepU[kTileSize];
-    alignas(64) Real stepV[kTileSize];
-    alignas(64) Real startN[kTileSize];  ///< where the ray begins, in sheets from the batch's first plane
-    alignas(64) Real depth[kTileSize];   ///< along the viewing axis, world units, at the batch's first plane
-    alignas(64) Real stepDepth[kTileSize];
-};
-
-/// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
-/// likewise for directions. In double: an eye may be far away.
-struct RayRow {
-    double origin[3], originStep[3], direction[3], directionStep[3];
-    double near;       ///< depth at which rays begin, in units of the direction
-    double reference;  ///< N of the plane that positions are wanted on
-    Simd simd = {};
-};
-
-/// Fills row j of a tile.
-void fillRays(const RayRow& row, int j, RayTile& tile);
 
 struct SheetList {
     const Real* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order

@@ -166,7 +166,7 @@ void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const
     }
 }
 
-Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
+RenderWork Compositor::compositeTexels(int tile, const Range& range, const PlaneStack& shaded) {
     const TileWalk walk = enter(tile, range, shaded);
     Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
@@ -211,7 +211,9 @@ Compositor::Work Compositor::compositeTexels(int tile, const Range& range, const
         }
     }
     flush();
-    return {walked, {}};
+    RenderWork work;
+    work.pixelSheets = walked;
+    return work;
 }
 
 // What compositeTile is about to add, for the same rays; sampled once more, so that the flat picture's own loop stays
@@ -232,12 +234,12 @@ void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheet
 }
 
 // Shades where the tile's rays meet each plane; `cells`: see SheetShader::shadePoints.
-Compositor::Work Compositor::shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells,
-                                        const SheetShader& shader) {
+RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells,
+                                  const SheetShader& shader) {
     Real* states = m_tiles.states(tile);
     const OutputLayout& layout = m_tiles.layout();
     PixelTiles::FirstDepth* const first = firstDepth(tile);
-    Work work;
+    RenderWork work;
     SampleTile points;
     alignas(64) Real part[kTileSize], at[kTileSize];
     Real* samples = sampleScratch(layout);
@@ -300,7 +302,7 @@ Box2<int> Compositor::tilesThatSee(const Range& range, const PlaneStack& planes)
 }
 
 template <class BoxOf, class Walk>
-Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
+RenderWork Compositor::forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk) {
     struct Part {
         Range range;
         Box2<int> box;
@@ -314,7 +316,7 @@ Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf
         parts.push_back({range, boxOf(range), firstSheet + last == blockEnd});
         p = last;
     }
-    std::vector<Work> walked(std::size_t(m_tiles.tilesY()));
+    std::vector<RenderWork> walked(std::size_t(m_tiles.tilesY()));
     parallelFor(std::size_t(m_tiles.tilesY()), [&](std::size_t row) {
         const int ty = static_cast<int>(row);
         for (int tx = 0; tx < m_tiles.tilesX(); ++tx) {
@@ -326,19 +328,19 @@ Compositor::Work Compositor::forOpenTiles(int firstSheet, int count, const BoxOf
             }
         }
     });
-    Work sum;
-    for (const Work& w : walked) sum += w;
+    RenderWork sum;
+    for (const RenderWork& w : walked) sum += w;
     return sum;
 }
 
-Compositor::Work Compositor::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
+RenderWork Compositor::throughTexels(int firstSheet, int count, const PlaneStack& shaded) {
     return forOpenTiles(
         firstSheet, count, [&](const Range& range) { return tilesThatSee(range, shaded); },
         [&](int tile, const Range& range) { return compositeTexels(tile, range, shaded); });
 }
 
-Compositor::Work Compositor::throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
-                                           const SheetShader& shader) {
+RenderWork Compositor::throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
+                                     const SheetShader& shader) {
     if (lattice.shared())
         return forOpenTiles(
             firstSheet, count, [&](const Range& range) { return tilesThatSee(range, covered); },

@@ -6,7 +6,8 @@
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/composite/deep_rays.h>
 #include <scrim/engine/composite/eye_ends.h>
-#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/model/eye_view.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/plane_stack.h>
@@ -23,25 +24,14 @@ class Compositor {
                DeepRays* deep = nullptr)
         : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends), m_deep(deep) {}
 
-    /// What a walk did: pixel and sheet pairs, and what was shaded on the way.
-    struct Work {
-        std::uint64_t pixelSheets = 0;
-        ShadeWork shade;
-
-        Work& operator+=(const Work& other) {
-            pixelSheets += other.pixelSheets;
-            shade += other.shade;
-            return *this;
-        }
-    };
-
-    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p.
-    Work throughTexels(int firstSheet, int count, const PlaneStack& shaded);
+    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. Returns pixel and sheet pairs,
+    /// and what was shaded on the way, here and below.
+    RenderWork throughTexels(int firstSheet, int count, const PlaneStack& shaded);
 
     /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the tiles where anything is, of
     /// `lattice`, on which every pixel may have cells of its own (per-view splatting).
-    Work throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
-                       const SheetShader& shader);
+    RenderWork throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
+                             const SheetShader& shader);
 
     /// Are all pixels opaque? Only ever so front to back.
     bool allOpaque() const;
@@ -58,12 +48,12 @@ class Compositor {
     void cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const;
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
-    Work compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
+    RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);
     void keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff);
-    Work shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
+    RenderWork shadeAlong(const TileWalk& walk, int tile, const std::optional<Int2>& cells, const SheetShader& shader);
     TileWalk enterCells(int tile, const Range& range, const PlaneStack& planes, const Int2& cells) const;
     template <class BoxOf, class Walk>
-    Work forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
+    RenderWork forOpenTiles(int firstSheet, int count, const BoxOf& boxOf, const Walk& walk);
     Box2<int> tilesThatSee(const Range& range, const PlaneStack& planes) const;
     void setRays(int tile, TileWalk& walk) const;
     void markIfOpaque(int tile, int blockEnd);

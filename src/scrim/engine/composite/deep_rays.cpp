@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
+#include <scrim/engine/composite/composite_tile.h>
 
 #include <algorithm>
 #include <array>

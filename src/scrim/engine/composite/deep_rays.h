@@ -5,9 +5,9 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/composite/pixel_tiles.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/image/deep_image.h>
 
 #include <array>

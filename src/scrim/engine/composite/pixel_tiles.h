@@ -6,7 +6,7 @@
 #include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
-#include <scrim/engine/plan/outputs.h>
+#include <scrim/engine/model/outputs.h>
 
 #include <cstdint>
 #include <vector>

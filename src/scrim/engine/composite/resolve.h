@@ -2,9 +2,9 @@
 // From what sweeps left in the pixels of their raster to the frame: sums over sweeps, means over a pixel's rays.
 #pragma once
 
-#include <scrim/engine/frame.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/engine/composite/pixel_tiles.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/plan.h>
 
 namespace scrim {
 

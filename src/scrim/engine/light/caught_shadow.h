@@ -4,8 +4,8 @@
 #pragma once
 
 #include <scrim/base/messages.h>
-#include <scrim/engine/frame.h>
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/scene/view_scene.h>
 
 #include <cstdint>

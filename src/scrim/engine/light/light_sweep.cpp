@@ -33,7 +33,7 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
       m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;
-    for (const LightPlan& light : group.lights) {
+    for (const PlannedLight& light : group.lights) {
         Caster& caster = m_casters.emplace_back();
         if (!light.shadowed) continue;
         if (m_passSolids) caster.solids.emplace(*scene.solids, light.view, group.sheets, scene.camera);
@@ -70,8 +70,8 @@ void LightSweep::enterBatch(int firstSheet, int count) {
 }
 
 // The paper's way (ZC02 Fig. 5, lines 10 and 17): footprints into the light's own sheets, and those into its buffer.
-LightSweep::Work LightSweep::attenuateAligned(Caster& caster, int firstSheet, int count) {
-    Work work;
+RenderWork LightSweep::attenuateAligned(Caster& caster, int firstSheet, int count) {
+    RenderWork work;
     work.footprints = caster.ownSheets->splat(firstSheet, count);
     for (int c = 0; c < m_channels; ++c) {
         ViewShadow& shadow = caster.aligned[c];
@@ -80,12 +80,12 @@ LightSweep::Work LightSweep::attenuateAligned(Caster& caster, int firstSheet, in
         parallelFor(samples.size(), [&](std::size_t task) {
             samples[task] = shadow.attenuate(static_cast<int>(task), caster.ownSheets->total(c));
         });
-        for (const std::uint64_t n : samples) work.samples += n;
+        for (const std::uint64_t n : samples) work.lightSamples += n;
     }
     return work;
 }
 
-LightSweep::Work LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum& extinction) {
+RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum& extinction) {
     enterBatch(firstSheet, count);
     struct Shadowed {
         ShadowBuffer* shadow;
@@ -113,19 +113,17 @@ LightSweep::Work LightSweep::attenuate(int firstSheet, int count, const Extincti
     const auto sheets = std::size_t(count);
     parallelFor(shadowed.size() * sheets,
                 [&](std::size_t i) { shadowed[i / sheets].shadow->prefilter(static_cast<int>(i % sheets)); });
-    Work work;
-    for (const Task& task : tasks) work.samples += task.samples;
+    RenderWork work;
+    for (const Task& task : tasks) work.lightSamples += task.samples;
     for (Caster& caster : m_casters) {
         if (!caster.ownSheets) continue;
-        const Work own = attenuateAligned(caster, firstSheet, count);
-        work.samples += own.samples;
-        work.footprints += own.footprints;
+        work += attenuateAligned(caster, firstSheet, count);
     }
     return work;
 }
 
 std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
-    const LightPlan& plan = m_group.lights[i];
+    const PlannedLight& plan = m_group.lights[i];
     constexpr double kLeastPart = 1e-3;  // of a sheet
     const double part = plan.view.litPart(sheet);
     if (part < kLeastPart) return std::nullopt;
@@ -196,7 +194,7 @@ std::size_t LightSweep::bytes() const {
     return sum;
 }
 
-std::size_t LightSweep::shadowBytes(const LightPlan& light, const Sheets& sheets, int batchSheets) {
+std::size_t LightSweep::shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets) {
     return light.lattice.shared() ? ShadowBuffer::bytes(light.view, sheets, batchSheets)
                                   : ViewShadow::bytes(light.lattice, batchSheets);
 }

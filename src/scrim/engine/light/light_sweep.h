@@ -5,8 +5,9 @@
 
 #include <scrim/engine/light/shadow_buffer.h>
 #include <scrim/engine/light/solid_shadow.h>
-#include <scrim/engine/plan/plan.h>
-#include <scrim/engine/shade/shade_tile.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/light/sheet_light.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
 #include <memory>
@@ -19,13 +20,10 @@ class LightSweep {
   public:
     LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
 
-    struct Work {
-        std::uint64_t samples = 0;     ///< cells of shadow buffers walked
-        std::uint64_t footprints = 0;  ///< splatted for lights alone
-    };
     /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction`: of the shared sheets;
-    /// a light whose lattice is its own splats its own instead.
-    Work attenuate(int firstSheet, int count, const ExtinctionSum& extinction);
+    /// a light whose lattice is its own splats its own instead. Returns
+    /// the light samples, and the footprints that were splatted for lights alone.
+    RenderWork attenuate(int firstSheet, int count, const ExtinctionSum& extinction);
 
     /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each extinction channel
     /// (nullptr: unshadowed).
@@ -43,7 +41,7 @@ class LightSweep {
     std::uint64_t solidRays() const;
 
     /// Upper estimate of the bytes of one light's shadow buffer for one extinction channel.
-    static std::size_t shadowBytes(const LightPlan& light, const Sheets& sheets, int batchSheets);
+    static std::size_t shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets);
 
   private:
     // What casts one light's shadows: a buffer for each extinction channel, resampled from the shared sheets; or, with
@@ -55,7 +53,7 @@ class LightSweep {
         std::optional<SolidShadow> solids;
     };
     void enterBatch(int firstSheet, int count);
-    Work attenuateAligned(Caster& caster, int firstSheet, int count);
+    RenderWork attenuateAligned(Caster& caster, int firstSheet, int count);
     std::optional<SheetLight> atSheet(std::size_t light, int sheet) const;
 
     const ViewScene& m_scene;

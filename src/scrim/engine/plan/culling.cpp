@@ -3,7 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/plan/light_groups.h>
-#include <scrim/engine/shade/surface.h>
+#include <scrim/engine/splat/surface.h>
 #include <scrim/geometry/sheets.h>
 
 #include <algorithm>
@@ -258,19 +258,6 @@ Box2<int> tilesAround(const Bounds& ts, const Sheets& sheets) {
 }
 
 }  // namespace
-
-Box2<int> NeededTiles::over(int from, int to) const {
-    Box2<int> all;
-    for (int n = std::max(from, 0); n < std::min(to, static_cast<int>(sheets.size())); ++n) all.include(sheets[n]);
-    return all;
-}
-
-double NeededTiles::share(const Sheets& s) const {
-    double tiles = 0;
-    for (const Box2<int>& box : sheets)
-        if (!box.empty()) tiles += double(box.width()) * box.height();
-    return tiles / (double(s.tilesX()) * s.tilesY() * s.count);
-}
 
 NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets,
                         const std::vector<const Light*>& shadowed, const Checkpoint& checkpoint) {

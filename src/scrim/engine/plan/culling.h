@@ -3,6 +3,7 @@
 // its way there. Judged by the whole picture and not by a crop, whose pixels must come out as in the whole.
 #pragma once
 
+#include <scrim/engine/model/plan.h>
 #include <scrim/base/messages.h>
 #include <scrim/geometry/box2.h>
 #include <scrim/geometry/camera.h>
@@ -52,19 +53,6 @@ struct VolumeBox {
 /// For each volume why it is culled: it is out of view, and throws no shadow on what is in view. Empty where it is not.
 std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& picture,
                                        const std::vector<Light>& lights, const std::vector<VolumeBox>& volumes);
-
-/// The part of a sweep's sheets that the picture needs: what its pixels see, and what light passes on its way there.
-/// Sheets and tiles keep their places; what is culled is not splatted, so that a crop's pixels come out as in the
-/// whole.
-struct NeededTiles {
-    std::vector<Box2<int>> sheets;  ///< for each sheet the box of needed tiles
-    int first = 0, last = 0;        ///< sheets [first, last) hold all that is needed
-
-    /// The box around those of sheets [from, to), which may reach beyond the stack.
-    Box2<int> over(int from, int to) const;
-    /// Part of all tiles that are needed, in [0, 1].
-    double share(const Sheets& s) const;
-};
 
 /// `window`: the pixels of the sweep. `lights`: of the sweep, those that throw shadows.
 NeededTiles neededTiles(

@@ -2,7 +2,7 @@
 #include <scrim/engine/plan/effects.h>
 
 #include <scrim/base/error.h>
-
+#include <scrim/engine/plan/transport_plan.h>
 #include <scrim/scene/layer_names.h>
 
 #include <algorithm>
@@ -244,7 +244,7 @@ Effect lightLinking(const ViewScene& scene) {
 
 Effect crossFade(const ViewScene& scene, const Plan& plan) {
     for (const GroupPlan& group : plan.groups)
-        for (const LightPlan& light : group.lights)
+        for (const PlannedLight& light : group.lights)
             if (light.share < 1)
                 return {"cross-fade",
                         true,

@@ -9,7 +9,7 @@
 // Each is a pass, a channel or a layout of its own: none doubles the loops that there are.
 #pragma once
 
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 
 #include <string>
 #include <vector>

@@ -51,13 +51,13 @@ const std::vector<Vec3>& windowAxes() {
 }
 
 // Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and its own beam.
-void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<LightPart>& parts) {
+void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<PlannedLight>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
     const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::numbers::pi;
     for (const Vec3& axis : axes) {
         if (angleOf(glm::dot(axis, cone.axis)) > volumeAngle + kWindowAngle) continue;
         if (angleOf(glm::dot(axis, light.wsDirection)) > beam.angle + kWindowAngle) continue;
-        LightPart part;
+        PlannedLight part;
         part.light = index;
         part.wsDirections = rimOfCone(axis, kWindowAngle);
         for (const Vec3& other : axes) {
@@ -69,7 +69,7 @@ void addWindows(int index, const Light& light, const Beam& beam, const Cone& con
     }
 }
 
-void addParts(int index, const Light& light, const std::vector<Vec3>& corners, std::vector<LightPart>& parts) {
+void addParts(int index, const Light& light, const std::vector<Vec3>& corners, std::vector<PlannedLight>& parts) {
     if (light.distant()) {
         parts.push_back({index, {light.wsDirection}, {}, 0});
         return;
@@ -104,9 +104,9 @@ std::vector<Vec3> turnedEye(const std::vector<Vec3>& eye, bool sameSide) {
 }
 
 // The cone around them and the lights' rays.
-Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const LightPart*>& parts, bool sameSide) {
+Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const PlannedLight*>& parts, bool sameSide) {
     std::vector<Vec3> directions = turnedEye(eye, sameSide);
-    for (const LightPart* part : parts)
+    for (const PlannedLight* part : parts)
         directions.insert(directions.end(), part->wsDirections.begin(), part->wsDirections.end());
     return enclosingCone(directions);
 }
@@ -118,7 +118,7 @@ Vec3 meanDirection(const std::vector<Vec3>& directions) {
 }
 
 struct Item {
-    LightPart part;
+    PlannedLight part;
     std::vector<Vec3> corners;  // those of its directions that matter to cones, for which every group asks
     bool sameSide;
     double slant;      // of the best sweep for this part alone
@@ -139,13 +139,13 @@ double shareOfSameSide(double cosine, double crossFade) {
 // Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
 std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
                                const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
-    std::vector<LightPart> parts;
+    std::vector<PlannedLight> parts;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
         if (culled.empty() || culled[i].empty()) addParts(static_cast<int>(i), scene.lights[i], corners, parts);
 
     const Vec3 axis = eye.whole ? viewingAxis(scene.camera) : glm::normalize(meanDirection(eye.wsDirections));
     std::vector<Item> items;
-    for (const LightPart& part : parts) {
+    for (const PlannedLight& part : parts) {
         checkpoint();
         const Vec3 mean = meanDirection(part.wsDirections);
         const double fade = scene.dials.crossFade.value_or(kCrossFade);
@@ -172,9 +172,9 @@ std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& 
     return items;
 }
 
-void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>& eye) {
-    std::vector<const LightPart*> parts;
-    for (const LightPart& part : group.parts) parts.push_back(&part);
+void setAxis(GroupPlan& group, const ViewScene& scene, const std::vector<Vec3>& eye) {
+    std::vector<const PlannedLight*> parts;
+    for (const PlannedLight& part : group.lights) parts.push_back(&part);
     const Cone cone = groupCone(eye, parts, group.sameSide);
     group.wsAxis = cone.axis;
     group.slant = angleOf(cone.cosAngle);
@@ -182,7 +182,7 @@ void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>&
         group.wsAxis = group.sameSide ? viewingAxis(scene.camera) : -viewingAxis(scene.camera);
         double least = 1;
         for (const Vec3& d : eye) least = std::min(least, std::abs(glm::dot(d, group.wsAxis)));
-        for (const LightPart* part : parts)
+        for (const PlannedLight* part : parts)
             for (const Vec3& d : part->wsDirections) least = std::min(least, glm::dot(d, group.wsAxis));
         group.slant = angleOf(least);
     }
@@ -192,7 +192,7 @@ void setAxis(LightGroup& group, const ViewScene& scene, const std::vector<Vec3>&
 // may become that in the next frame; so whoever is about as near has a part in them, which grows as smoothly as its own
 // share does. `groupOf`: of each item.
 void sharePrimary(const std::vector<Item>& items, const std::vector<std::size_t>& groupOf, double crossFade,
-                  std::vector<LightGroup>& groups) {
+                  std::vector<GroupPlan>& groups) {
     const double edge = glm::radians(crossFade);
     if (items.empty() || edge <= 0) {
         groups.front().primary = 1;
@@ -204,19 +204,19 @@ void sharePrimary(const std::vector<Item>& items, const std::vector<std::size_t>
         const double t = std::clamp(1 - (items[i].meanSlant - least) / edge, 0.0, 1.0);
         groups[groupOf[i]].primary += items[i].part.share * t * t * (3 - 2 * t);
     }
-    for (const LightGroup& group : groups) sum += group.primary;
-    for (LightGroup& group : groups) group.primary /= sum;
+    for (const GroupPlan& group : groups) sum += group.primary;
+    for (GroupPlan& group : groups) group.primary /= sum;
 }
 
 }  // namespace
 
-std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
-                                    const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
+std::vector<GroupPlan> groupLights(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& part,
+                                   const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
     const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = glm::radians(scene.dials.maxSlant);
 
     // Each part joins the group in which it costs the least slant, or opens its own.
-    std::vector<LightGroup> groups;
+    std::vector<GroupPlan> groups;
     std::vector<std::size_t> groupOf;
     std::vector<GrowingCone> cones;
     const std::vector<Item> items = orderedParts(scene, corners, part, culled, checkpoint);
@@ -242,15 +242,15 @@ std::vector<LightGroup> groupLights(const ViewScene& scene, const std::vector<Ve
             groups.back().sameSide = item.sameSide;
             cones.emplace_back(turnedEye(eye, item.sameSide));
         }
-        groups[best].parts.push_back(item.part);
+        groups[best].lights.push_back(item.part);
         groupOf.push_back(best);
         cones[best].add(item.corners);
     }
     if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
     sharePrimary(items, groupOf, scene.dials.crossFade.value_or(kCrossFade), groups);
-    for (LightGroup& group : groups) setAxis(group, scene, eye);
+    for (GroupPlan& group : groups) setAxis(group, scene, eye);
 
-    for (const LightGroup& group : groups) {
+    for (const GroupPlan& group : groups) {
         if (group.slant <= kSlantLimit) continue;
         // The paper's own sheets are crossed by lights at any slant, and show it (ZC02 Fig. 17).
         if (scene.dials.sheets == SheetAxis::imageAligned && scene.dials.splat == SplatMode::perView) continue;
@@ -271,7 +271,8 @@ std::vector<Vec3> rimOfCone(const Vec3& axis, double angle) {
     constexpr int kPoints = 16;
     for (int i = 0; i < kPoints; ++i) {
         const double t = 2 * std::numbers::pi * i / kPoints;
-        directions.push_back(std::cos(angle) * axis + std::sin(angle) * (std::cos(t) * frame[0] + std::sin(t) * frame[1]));
+        directions.push_back(std::cos(angle) * axis +
+                             std::sin(angle) * (std::cos(t) * frame[0] + std::sin(t) * frame[1]));
     }
     return directions;
 }

@@ -3,36 +3,16 @@
 // partitioned into groups, each with its own axis and order, so that lights may stand anywhere.
 #pragma once
 
+#include <scrim/engine/model/plan.h>
 #include <scrim/base/messages.h>
 #include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/geometry/enclosing_cone.h>
-#include <scrim/scene/light.h>
 
 #include <string>
 #include <vector>
 
 namespace scrim {
 
-/// A light, or the part of a light that falls into one window of directions: one light view.
-struct LightPart {
-    int light = 0;                   ///< index into ViewScene::lights, none of which is extended
-    std::vector<Vec3> wsDirections;  ///< unit directions of travel whose cone holds all rays that meet the volume
-    std::vector<Vec3> wsWindows;     ///< axes of the windows that overlap this part's, itself included; or none
-    int window = 0;                  ///< which of them is this part's
-    double share = 1;                ///< of the light's intensity: less while two sweeps fade into each other
-};
-
-struct LightGroup {
-    std::vector<LightPart> parts;
-    bool sameSide = true;   ///< s = +1: the eye meets the same side of the sheets first as the lights
-    Vec3 wsAxis{0, 0, -1};  ///< unit
-    double slant = 0;       ///< largest angle of any ray of the eye or a light to the axis, radians
-    double primary = 0;     ///< share in what one sweep owns: alpha and ambient; they sum to 1 over an eye's groups
-};
-
-/// Half the opening of a window of a split light, and the limit beyond which a light's rays count as too wide
-/// for one view; radians.
-constexpr double kWindowAngle = 0.5585;  // 32 degrees
 constexpr double kWidestView = 0.7854;   // 45 degrees
 
 /// No ray may lean further than this from its sweep's axis; radians.
@@ -47,7 +27,7 @@ constexpr double kSlantLimit = 1.4835;  // 85 degrees
 /// and two independent discretisations would meet in a visible jump (ZC02 section 6 admits it). `culled`: for each
 /// light why it is culled, if it is; none: all take part. Throws Error (render) where the eye's own rays are too wide
 /// for image-aligned sheets.
-std::vector<LightGroup> groupLights(
+std::vector<GroupPlan> groupLights(
     const ViewScene& scene, const std::vector<Vec3>& wsCorners, const EyePart& eye,
     const std::vector<std::string>& culled = {}, const Checkpoint& checkpoint = [] {});
 

@@ -2,7 +2,8 @@
 #include <scrim/engine/plan/rasters.h>
 
 #include <scrim/base/error.h>
-#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/model/eye_view.h>
+#include <scrim/engine/plan/light_groups.h>
 #include <scrim/scene/slide_map.h>
 #include <scrim/volume/kernel.h>
 
@@ -92,7 +93,7 @@ Vec3 planeNormal(const ViewScene& scene, const Light& light, const Sheets& sheet
 
 // The lattice of a light's own sheets and shadow buffer.
 Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets,
-                     const LightPart& part) {
+                     const PlannedLight& part) {
     const Light& light = scene.lights[part.light];
     const bool distant = light.distant();
     const Vec3 step(sheets.texel, sheets.texel, sheets.thickness);
@@ -211,26 +212,22 @@ void layPoint(const ViewScene& scene, const Light& light, const std::vector<Vec3
 
 }  // namespace
 
-LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
-                    LightPart part) {
-    const Light& light = scene.lights[part.light];
-    LightPlan plan;
-    plan.light = part.light;
-    plan.shadowed = light.shadows;
-    for (const Vec3& axis : part.wsWindows) plan.ssWindows.push_back(sheets.ssFromWs * axis);
-    plan.window = part.window;
-    plan.share = part.share;
+PlannedLight planLight(const ViewScene& scene, const std::vector<Vec3>& corners, const Sheets& sheets, double slant,
+                       PlannedLight planned) {
+    const Light& light = scene.lights[planned.light];
+    planned.shadowed = light.shadows;
+    for (const Vec3& axis : planned.wsWindows) planned.ssWindows.push_back(sheets.ssFromWs * axis);
     if (scene.dials.splat == SplatMode::perView && light.shadows)
-        plan.lattice = lightLattice(scene, corners, sheets, part);
+        planned.lattice = lightLattice(scene, corners, sheets, planned);
 
-    LightView& view = plan.view;
+    LightView& view = planned.view;
     view.distant = light.distant();
     view.slopeScale = sheets.texel / sheets.thickness;
     if (view.distant)
         layDistant(scene, light, corners, sheets, view);
     else
-        layPoint(scene, light, corners, sheets, slant, part.wsDirections, view);
-    return plan;
+        layPoint(scene, light, corners, sheets, slant, planned.wsDirections, view);
+    return planned;
 }
 
 Lattice eyeLattice(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets) {

@@ -3,19 +3,18 @@
 // for every view (ZC02 section 3.2: the paper's image sheet and shadow sheets).
 #pragma once
 
-#include <scrim/engine/plan/light_groups.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/scene/view_scene.h>
 
 namespace scrim {
 
-/// The view of one light part onto `sheets`: cells as large as the dial `shadow_texel` says where they are
-/// largest, and as many as the rays that meet the volume need. With per-view splatting its own sheets, too:
+/// Completes a light of a group by its view onto `sheets`: cells as large as the dial `shadow_texel` says where they
+/// are largest, and as many as the rays that meet the volume need. With per-view splatting its own sheets, too:
 /// perpendicular to the light, or parallel to the image plane, as the dial `shadow_plane` says. Throws Error(render)
 /// where a light's rays lie along the image plane.
-LightPlan planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets, double slant,
-                    LightPart part);
+PlannedLight planLight(const ViewScene& scene, const std::vector<Vec3>& wsCorners, const Sheets& sheets, double slant,
+                       PlannedLight light);
 
 /// Per-view splatting: the cells of the eye's own sheets, which are the pixels of `window` and some tiles around them.
 Lattice eyeLattice(const ViewScene& scene, const PixelWindow& window, const Sheets& sheets);

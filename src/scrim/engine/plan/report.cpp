@@ -31,7 +31,7 @@ Vec3 axisOf(const GroupPlan& group) {
     return {m[0][2], m[1][2], m[2][2]};
 }
 
-Json lightJson(const ViewScene& scene, const Plan& plan, const LightPlan& light) {
+Json lightJson(const ViewScene& scene, const Plan& plan, const PlannedLight& light) {
     Json out{{"name", ownerOf(scene, plan, light.light).name}, {"shadowed", light.shadowed}};
     if (light.shadowed) out["shadow_raster"] = {light.view.width, light.view.height};
     if (const auto& slide = lightOf(scene, plan, light.light).slide)
@@ -45,7 +45,7 @@ Json lightJson(const ViewScene& scene, const Plan& plan, const LightPlan& light)
 
 Json groupJson(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
     Json lights = Json::array();
-    for (const LightPlan& light : group.lights) lights.push_back(lightJson(scene, plan, light));
+    for (const PlannedLight& light : group.lights) lights.push_back(lightJson(scene, plan, light));
     return {{"primary", group.primary > 0},
             {"eye_part", group.eyePart},
             {"axis", vector(axisOf(group))},
@@ -75,7 +75,7 @@ Json renderJson(Dials dials) {
     return out;
 }
 
-std::string lightLine(const ViewScene& scene, const Plan& plan, const LightPlan& light) {
+std::string lightLine(const ViewScene& scene, const Plan& plan, const PlannedLight& light) {
     std::string line = fmt::format("  light '{}'", ownerOf(scene, plan, light.light).name);
     if (!light.ssWindows.empty()) line += fmt::format(", part {}", light.window + 1);
     if (const auto& slide = lightOf(scene, plan, light.light).slide)

@@ -3,7 +3,7 @@
 // pictures. Apart from plan.h, because the JSON library is slow to compile.
 #pragma once
 
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 
 #include <string>
 

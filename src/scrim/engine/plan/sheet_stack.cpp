@@ -70,12 +70,6 @@ constexpr int kMostAddressed = 1 << 20;
 // Radians.
 constexpr double kSteepestSlant = 1.0472;  // 60 degrees
 
-double rampAt(const Vec2& ramp, double position) {
-    if (ramp.x == ramp.y) return 1;
-    const double t = std::clamp((position - ramp.x) / (ramp.y - ramp.x), 0.0, 1.0);
-    return t * t * (3 - 2 * t);
-}
-
 // `count`, rounded up; `what` it counts.
 int addressable(double count, const std::string& what) {
     if (std::isfinite(count) && count <= kMostAddressed) return static_cast<int>(std::ceil(count));
@@ -87,14 +81,6 @@ int addressable(double count, const std::string& what) {
 }
 
 }  // namespace
-
-double EyePart::weight(double x, double y) const {
-    if (whole) return 1;
-    const auto falling = [](const Vec2& ramp, double position) {
-        return ramp.x == ramp.y ? 1 : 1 - rampAt(ramp, position);
-    };
-    return rampAt(left, x) * falling(right, x) * rampAt(top, y) * falling(bottom, y);
-}
 
 std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& corners) {
     const RayFamily rays = wsRays(scene.camera);

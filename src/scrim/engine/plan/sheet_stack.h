@@ -4,24 +4,12 @@
 // their errors and a hard edge would show them.
 #pragma once
 
-#include <scrim/geometry/sheets.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/scene/view_scene.h>
 
-#include <string>
 #include <vector>
 
 namespace scrim {
-
-struct EyePart {
-    PixelWindow window;  ///< pixels of the picture in which the part counts, before any crop
-    bool whole = true;   ///< the only part: its weight is 1 everywhere
-    /// Else it counts left(x) (1 - right(x)) top(y) (1 - bottom(y)): ramps from 0 to 1 over [first, second] raster
-    /// positions; where those are equal the ramp is 1 everywhere, and 1 - ramp is, too.
-    Vec2 left{0}, right{0}, top{0}, bottom{0};
-    std::vector<Vec3> wsDirections;  ///< unit, away from the eye; their cone holds its rays that meet the volume
-
-    double weight(double x, double y) const;
-};
 
 /// The parts of a scene's eye: one, unless its rays to the volume open wider than 45 degrees from their middle. Does
 /// not depend on a crop, whose pixels must come out as in the whole picture.

@@ -2,8 +2,8 @@
 #include <scrim/engine/plan/transport_plan.h>
 
 #include <scrim/base/error.h>
-#include <scrim/engine/plan/effects.h>
-#include <scrim/engine/plan/picture_cells.h>
+#include <scrim/engine/model/picture_cells.h>
+#include <scrim/engine/transport/cell_media.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,16 +14,8 @@
 namespace scrim {
 namespace {
 
-bool asksFor(const ViewScene& scene, Layer layer) {
-    return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
-}
-
 bool black(const Rgb& v) {
     return v == Rgb(0);
-}
-
-bool grey(const Rgb& v) {
-    return v.x == v.y && v.y == v.z;
 }
 
 // Everything that light comes from, by the layer that it belongs to.
@@ -32,13 +24,13 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
     ScatterTarget beauty;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         if (black(scene.lights[i].intensity)) continue;
-        if (asksFor(scene, Layer::light))
+        if (wants(scene, Layer::light))
             targets.push_back({Output{Layer::light, static_cast<int>(i)}, {static_cast<int>(i)}});
         else
             beauty.lights.push_back(static_cast<int>(i));
     }
     if (!black(scene.ambient)) {
-        if (asksFor(scene, Layer::ambient))
+        if (wants(scene, Layer::ambient))
             targets.push_back({Output{Layer::ambient}, {}, true});
         else
             beauty.ambient = true;
@@ -46,7 +38,7 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
     const bool glows = std::any_of(scene.volumes.begin(), scene.volumes.end(),
                                    [](const ViewVolume& v) { return !v.emission.empty(); });
     if (glows) {
-        if (asksFor(scene, Layer::emission))
+        if (wants(scene, Layer::emission))
             targets.push_back({Output{Layer::emission}, {}, false, true});
         else
             beauty.emission = true;
@@ -99,31 +91,6 @@ double occupied(const ViewScene& scene, double margin) {
 
 }  // namespace
 
-bool greyExtinction(const ViewScene& scene) {
-    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
-}
-
-bool greyScattering(const ViewScene& scene) {
-    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
-           });
-}
-
-std::vector<int> lightsOf(const TransportPlan& plan) {
-    std::vector<int> lights;
-    for (const ScatterTarget& target : plan.targets)
-        lights.insert(lights.end(), target.lights.begin(), target.lights.end());
-    return lights;
-}
-
-bool skiesFromBorder(const ViewScene& scene) {
-    if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return false;
-    const bool caught = scene.solids && asksFor(scene, Layer::shadow);
-    return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                                  [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
-}
-
 void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reasons) {
     if (!skiesFromBorder(scene)) return;
     for (std::size_t i = 0; i < reasons.size(); ++i)
@@ -134,7 +101,7 @@ void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reaso
 std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan) {
     constexpr double kLittle = 0.01;  // of its light
     std::string skies;
-    for (const int i : lightsOf(plan)) {
+    for (const int i : plan.lights()) {
         const Light& light = scene.lights[std::size_t(i)];
         const double share = light.dome() ? lightInSpots(light, plan.ordinates) : 0;
         if (share < kLittle) continue;

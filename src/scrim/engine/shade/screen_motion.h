@@ -3,7 +3,7 @@
 // grid, and by the camera. Apart from shading, which only carries the result, weighted by opacity.
 #pragma once
 
-#include <scrim/engine/light/slide_sampler.h>
+#include <scrim/engine/model/samples.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
 

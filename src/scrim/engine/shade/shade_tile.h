@@ -13,51 +13,20 @@
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/spaces.h>
-#include <scrim/engine/light/slide_sampler.h>
+#include <scrim/engine/light/sheet_light.h>
+#include <scrim/engine/model/frame.h>
+#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/samples.h>
 #include <scrim/scene/medium.h>
-#include <scrim/engine/frame.h>
-#include <scrim/engine/plan/outputs.h>
 
 #include <span>
 #include <vector>
 
 namespace scrim {
 
-/// Eye rays in texel space: parallel ones have constant slopes; those from a point meet at `tsEye`.
-struct EyeSlopes {
-    bool parallel = true;
-    double a = 0, b = 0;  ///< parallel: du/dw and dv/dw
-    Vec3 tsEye{0};        ///< otherwise
-};
-
 /// Fills in the 16 x 16 texels from (texelX, texelY) of the sheet whose plane is at N = `middle`.
 void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
                   SampleTile& samples, Simd simd = {});
-
-/// A light over one sheet. Directions are in sweep space, along which the light travels with +w.
-struct SheetLight {
-    bool distant = true;
-    bool spot = false;
-    bool oneSided = false;  ///< an element of a surface: the cosine to its axis, and nothing behind
-    bool shadowed = true;
-    bool withinSheet = true;  ///< counts what the sheet itself takes of the light
-    bool decay = true;
-    Real slopeA = 0, slopeB = 0;                ///< distant: du/dw, dv/dw
-    Real texelU = 0, texelV = 0;                ///< otherwise: the source, in texels
-    Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
-    Real radius2 = 0;                           ///< world units squared, > 0 where decay
-    Real axisU = 0, axisV = 0, axisW = 1;       ///< spot, element
-    Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: light fades between them
-    // Windows cut a light into overlapping parts (light close to the volume): this part's share of a direction
-    // is its window's value there over the sum of all. None: 0.
-    const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
-    int window = 0;
-    Real windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
-    Real intensity[3] = {1, 1, 1};
-    int output = 0;  ///< where what it lights goes: a part of the beauty, or the beauty
-    int index = 0;   ///< among the lights of the plan
-    SheetSlide slide;
-};
 
 /// A medium's part in a sheet.
 struct SheetMedium {

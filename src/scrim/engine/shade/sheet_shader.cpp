@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/shade/sheet_shader.h>
 
-#include <scrim/engine/shade/surface.h>
+#include <scrim/engine/splat/surface.h>
 #include <scrim/engine/splat/plane_sampling.h>
 
 #include <algorithm>

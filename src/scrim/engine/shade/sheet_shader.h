@@ -4,9 +4,10 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/composite/eye_rays.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/screen_motion.h>
+#include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
 #include <scrim/engine/transport/scattered_light.h>
 

@@ -3,8 +3,8 @@
 // eye and lights pass through.
 #pragma once
 
-#include <scrim/engine/plan/plan.h>
-#include <scrim/engine/shade/surface.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/splat/surface.h>
 #include <scrim/engine/splat/field_planes.h>
 #include <scrim/scene/view_scene.h>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/plan/culling.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/splat/splatter.h>
 #include <scrim/volume/tile_levels.h>

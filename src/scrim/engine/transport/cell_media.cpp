@@ -2,7 +2,7 @@
 #include <scrim/engine/transport/cell_media.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/model/plan.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +14,10 @@
 
 namespace scrim {
 namespace {
+
+bool grey(const Rgb& v) {
+    return v.x == v.y && v.y == v.z;
+}
 
 // One field, what it is of, and how many times a voxel's value goes where.
 struct Deposit {
@@ -267,6 +271,17 @@ CellMedia coarser(const CellMedia& fine) {
     out.extinction = rows(fine.extinction);
     for (const auto& cls : fine.scattering) out.scattering.push_back(rows(cls));
     return out;
+}
+
+bool greyExtinction(const ViewScene& scene) {
+    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
+}
+
+bool greyScattering(const ViewScene& scene) {
+    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
+               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
+           });
 }
 
 }  // namespace scrim

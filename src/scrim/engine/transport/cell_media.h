@@ -56,4 +56,8 @@ CellMedia coarser(const CellMedia& fine);
 /// Of rows on `fine`'s grid, the means on `coarse`, which CellGrid::coarser made of it.
 CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const CellMedia::Row& row);
 
+/// Is extinction the same in all colours? And what is scattered of it?
+bool greyExtinction(const ViewScene& scene);
+bool greyScattering(const ViewScene& scene);
+
 }  // namespace scrim

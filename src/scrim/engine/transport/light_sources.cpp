@@ -2,7 +2,7 @@
 #include <scrim/engine/transport/light_sources.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/plan/sub_lights.h>
+#include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/first_collisions.h>
 #include <scrim/engine/transport/mix_ordinates.h>
 

@@ -4,7 +4,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/engine/transport/cell_grid.h>
 #include <scrim/engine/transport/solver.h>
 #include <scrim/geometry/sheets.h>

@@ -34,7 +34,7 @@ ViewScene fogScene(CameraType type) {
     return scene;
 }
 
-std::vector<LightGroup> groupsOf(const ViewScene& scene) {
+std::vector<GroupPlan> groupsOf(const ViewScene& scene) {
     return groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front());
 }
 
@@ -56,12 +56,12 @@ void expectSame(const Vec3& a, const Vec3& b, double tolerance) {
 }
 
 // The largest angle between the axis and any ray of the group, the eye's turned where it looks against the lights.
-double worstSlant(const ViewScene& scene, const LightGroup& group) {
+double worstSlant(const ViewScene& scene, const GroupPlan& group) {
     double worst = 0;
     const std::vector<EyePart> eye = eyeParts(scene, wsCorners(scene));
     for (const Vec3& d : eye.front().wsDirections)
         worst = std::max(worst, angle(group.sameSide ? d : -d, group.wsAxis));
-    for (const LightPart& part : group.parts)
+    for (const PlannedLight& part : group.lights)
         for (const Vec3& d : part.wsDirections) worst = std::max(worst, angle(d, group.wsAxis));
     return worst;
 }
@@ -89,7 +89,7 @@ TEST(Axis, OfOneParallelLightIsTheHalfWayVector) {
         ViewScene scene = fogScene(CameraType::orthographic);
         const Vec3 l = random.direction(), d(0, 0, -1);
         scene.lights.push_back(distantLight(l));
-        const std::vector<LightGroup> groups = groupsOf(scene);
+        const std::vector<GroupPlan> groups = groupsOf(scene);
         ASSERT_EQ(groups.size(), 1u);
         const double s = glm::dot(l, d) >= 0 ? 1 : -1;
         EXPECT_EQ(groups[0].sameSide, s > 0);
@@ -101,7 +101,7 @@ TEST(Axis, OfOneParallelLightIsTheHalfWayVector) {
 TEST(Axis, OfALightAlongTheViewIsTheView) {
     ViewScene scene = fogScene(CameraType::orthographic);
     scene.lights.push_back(distantLight({0, 0, -1}));
-    const LightGroup group = groupsOf(scene).at(0);
+    const GroupPlan group = groupsOf(scene).at(0);
     EXPECT_TRUE(group.sameSide);
     expectSame(group.wsAxis, {0, 0, -1}, 1e-12);
     EXPECT_NEAR(group.slant, 0, 1e-7);
@@ -111,7 +111,7 @@ TEST(Axis, OfALightAlongTheViewIsTheView) {
 TEST(Axis, OfALightThatFacesTheEyeIsTheLights) {
     ViewScene scene = fogScene(CameraType::orthographic);
     scene.lights.push_back(distantLight({0, 0, 1}));
-    const LightGroup group = groupsOf(scene).at(0);
+    const GroupPlan group = groupsOf(scene).at(0);
     EXPECT_FALSE(group.sameSide);
     expectSame(group.wsAxis, {0, 0, 1}, 1e-12);
     EXPECT_NEAR(group.slant, 0, 1e-7);
@@ -122,7 +122,7 @@ TEST(Axis, OfAPerpendicularLightLeansFortyFiveDegrees) {
     for (const double off : {0.0, 1e-16, -1e-16, 1e-12, -1e-12}) {
         ViewScene scene = fogScene(CameraType::orthographic);
         scene.lights.push_back(distantLight({1, 0, off}));
-        const LightGroup group = groupsOf(scene).at(0);
+        const GroupPlan group = groupsOf(scene).at(0);
         EXPECT_TRUE(group.sameSide) << off;
         expectSame(group.wsAxis, glm::normalize(Vec3(1, 0, -1)), 1e-9);
         EXPECT_NEAR(group.slant, kPi / 4, 1e-9);
@@ -130,13 +130,13 @@ TEST(Axis, OfAPerpendicularLightLeansFortyFiveDegrees) {
 }
 
 TEST(Axis, WithoutLightsIsTheView) {
-    const LightGroup parallel = groupsOf(fogScene(CameraType::orthographic)).at(0);
-    EXPECT_TRUE(parallel.parts.empty());
+    const GroupPlan parallel = groupsOf(fogScene(CameraType::orthographic)).at(0);
+    EXPECT_TRUE(parallel.lights.empty());
     EXPECT_TRUE(parallel.sameSide);
     expectSame(parallel.wsAxis, {0, 0, -1}, 1e-12);
     // In perspective the middle of the rays that meet the volume.
     ViewScene scene = fogScene(CameraType::perspective);
-    const std::vector<LightGroup> groups = groupsOf(scene);
+    const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
     expectSame(groups[0].wsAxis, glm::normalize(Vec3(-0.5, -0.5, -60)), 0.02);
     EXPECT_NEAR(groups[0].slant, worstSlant(scene, groups[0]), 1e-7);
@@ -145,10 +145,10 @@ TEST(Axis, WithoutLightsIsTheView) {
 TEST(Groups, OfOppositeLightsAreTwo) {
     ViewScene scene = fogScene(CameraType::perspective);
     scene.lights = {distantLight({0.2, 0.1, -1}), distantLight({-0.1, 0.3, 1})};
-    const std::vector<LightGroup> groups = groupsOf(scene);
+    const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 2u);
     EXPECT_NE(groups[0].sameSide, groups[1].sameSide);
-    EXPECT_EQ(groups[0].parts.size() + groups[1].parts.size(), 2u);
+    EXPECT_EQ(groups[0].lights.size() + groups[1].lights.size(), 2u);
 }
 
 TEST(Groups, OfLightsThatAgreeAreOne) {
@@ -171,14 +171,14 @@ TEST(Groups, OfManyLightsKeepToTheLimit) {
             scene.lights.push_back(k % 3 ? distantLight(random.direction())
                                          : pointLight(random.in(50, 200) * random.direction()));
         std::multiset<int> served;
-        for (const LightGroup& group : groupsOf(scene)) {
+        for (const GroupPlan& group : groupsOf(scene)) {
             EXPECT_NEAR(glm::length(group.wsAxis), 1, 1e-12);
             EXPECT_NEAR(group.slant, worstSlant(scene, group), 1e-6);
             EXPECT_LT(group.slant, kPi / 2);
-            if (group.parts.size() > 1) {
+            if (group.lights.size() > 1) {
                 EXPECT_LE(group.slant, scene.dials.maxSlant * kPi / 180 + 1e-9);
             }
-            for (const LightPart& part : group.parts) served.insert(part.light);
+            for (const PlannedLight& part : group.lights) served.insert(part.light);
         }
         for (int k = 0; k < lights; ++k) EXPECT_EQ(served.count(k), 1u) << "light " << k;
     }
@@ -208,9 +208,9 @@ TEST(Groups, DoNotHangOnTheOrderOfTheLights) {
     // Names of each group's lights, in order, with its axis.
     const auto described = [](const ViewScene& s) {
         std::vector<std::pair<std::string, Vec3>> out;
-        for (const LightGroup& group : groupsOf(s)) {
+        for (const GroupPlan& group : groupsOf(s)) {
             std::string names;
-            for (const LightPart& part : group.parts) names += s.lights[static_cast<std::size_t>(part.light)].name;
+            for (const PlannedLight& part : group.lights) names += s.lights[static_cast<std::size_t>(part.light)].name;
             out.emplace_back(names, group.wsAxis);
         }
         return out;
@@ -230,10 +230,10 @@ TEST(Groups, DoNotHangOnTheOrderOfTheLights) {
 TEST(PointLight, FarAwayIsOneViewThatHoldsTheVolume) {
     ViewScene scene = fogScene(CameraType::orthographic);
     scene.lights.push_back(pointLight({50, 0, 0}));
-    const std::vector<LightGroup> groups = groupsOf(scene);
+    const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    ASSERT_EQ(groups[0].parts.size(), 1u);
-    EXPECT_TRUE(groups[0].parts[0].wsWindows.empty());
+    ASSERT_EQ(groups[0].lights.size(), 1u);
+    EXPECT_TRUE(groups[0].lights[0].wsWindows.empty());
     for (const Vec3& corner : wsCorners(scene)) {
         EXPECT_LE(angle(corner - scene.lights[0].wsPosition, groups[0].wsAxis), groups[0].slant + 1e-9);
     }
@@ -244,16 +244,16 @@ TEST(PointLight, FarAwayIsOneViewThatHoldsTheVolume) {
 TEST(PointLight, InsideTheVolumeIsCutIntoWindowsThatCoverTheSphere) {
     ViewScene scene = fogScene(CameraType::orthographic);
     scene.lights.push_back(pointLight({1, 2, -3}));
-    std::vector<LightPart> parts;
-    for (const LightGroup& group : groupsOf(scene)) {
+    std::vector<PlannedLight> parts;
+    for (const GroupPlan& group : groupsOf(scene)) {
         EXPECT_LE(group.slant, kSlantLimit);
-        parts.insert(parts.end(), group.parts.begin(), group.parts.end());
+        parts.insert(parts.end(), group.lights.begin(), group.lights.end());
     }
     EXPECT_EQ(parts.size(), 42u);  // corners and edges of an icosahedron
-    for (const LightPart& part : parts) {
+    for (const PlannedLight& part : parts) {
         const Vec3 axis = part.wsWindows.at(static_cast<std::size_t>(part.window));
         for (const Vec3& d : part.wsDirections) EXPECT_NEAR(angle(d, axis), kWindowAngle, 1e-6);
-        for (const LightPart& other : parts) {
+        for (const PlannedLight& other : parts) {
             const Vec3 otherAxis = other.wsWindows.at(static_cast<std::size_t>(other.window));
             const bool listed =
                 std::find(part.wsWindows.begin(), part.wsWindows.end(), otherAxis) != part.wsWindows.end();
@@ -264,7 +264,7 @@ TEST(PointLight, InsideTheVolumeIsCutIntoWindowsThatCoverTheSphere) {
     for (int i = 0; i < 2000; ++i) {
         const Vec3 d = random.direction();
         double nearest = kPi;
-        for (const LightPart& part : parts)
+        for (const PlannedLight& part : parts)
             nearest = std::min(nearest, angle(d, part.wsWindows[static_cast<std::size_t>(part.window)]));
         ASSERT_LT(nearest, 21.2 * kPi / 180);  // the icosahedron's: windows of 32 degrees overlap well
     }
@@ -277,10 +277,10 @@ TEST(SpotLight, WithANarrowConeInsideTheVolumeIsOneView) {
     spot.wsDirection = {1, 0, 0};
     std::get<Light::Spot>(spot.kind).coneAngle = 40;
     scene.lights.push_back(spot);
-    const std::vector<LightGroup> groups = groupsOf(scene);
+    const std::vector<GroupPlan> groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    ASSERT_EQ(groups[0].parts.size(), 1u);
-    for (const Vec3& d : groups[0].parts[0].wsDirections) EXPECT_NEAR(angle(d, {1, 0, 0}), 20 * kPi / 180, 1e-9);
+    ASSERT_EQ(groups[0].lights.size(), 1u);
+    for (const Vec3& d : groups[0].lights[0].wsDirections) EXPECT_NEAR(angle(d, {1, 0, 0}), 20 * kPi / 180, 1e-9);
 }
 
 TEST(SpotLight, WithAWideConeIsCutIntoTheWindowsItMeets) {
@@ -291,8 +291,8 @@ TEST(SpotLight, WithAWideConeIsCutIntoTheWindowsItMeets) {
     std::get<Light::Spot>(spot.kind).coneAngle = 130;
     scene.lights.push_back(spot);
     std::size_t parts = 0;
-    for (const LightGroup& group : groupsOf(scene))
-        for (const LightPart& part : group.parts) {
+    for (const GroupPlan& group : groupsOf(scene))
+        for (const PlannedLight& part : group.lights) {
             const Vec3 axis = part.wsWindows.at(static_cast<std::size_t>(part.window));
             EXPECT_LE(angle(axis, spot.wsDirection), 65 * kPi / 180 + kWindowAngle + 1e-9);
             ++parts;
@@ -306,14 +306,14 @@ TEST(Projector, InsideTheVolumeIsOneViewOfItsBeam) {
     scene.lights = {projector({0, 0, 3}, 40, quarters())};
     auto groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    ASSERT_EQ(groups[0].parts.size(), 1u);
-    EXPECT_TRUE(groups[0].parts[0].wsWindows.empty());
-    for (const Vec3& d : groups[0].parts[0].wsDirections)
+    ASSERT_EQ(groups[0].lights.size(), 1u);
+    EXPECT_TRUE(groups[0].lights[0].wsWindows.empty());
+    for (const Vec3& d : groups[0].lights[0].wsDirections)
         EXPECT_NEAR(angle(d, scene.lights[0].wsDirection), slideHalfAngle(scene.lights[0]), 1e-9);
     // Far away, and narrower than the volume: its beam too.
     scene.lights = {projector({0, 30, 30}, 3, quarters())};
     groups = groupsOf(scene);
-    EXPECT_NEAR(angle(groups[0].parts.at(0).wsDirections.at(0), scene.lights[0].wsDirection),
+    EXPECT_NEAR(angle(groups[0].lights.at(0).wsDirections.at(0), scene.lights[0].wsDirection),
                 slideHalfAngle(scene.lights[0]), 1e-9);
 }
 
@@ -323,7 +323,7 @@ TEST(Projector, ThatMissesTheVolumeIsNoWork) {
     scene.lights[0].wsDirection = {0, 1, 0};
     const auto groups = groupsOf(scene);
     ASSERT_EQ(groups.size(), 1u);
-    EXPECT_TRUE(groups[0].parts.empty());
+    EXPECT_TRUE(groups[0].lights.empty());
 }
 
 TEST(ImageAligned, SheetsFaceTheCamera) {
@@ -334,7 +334,7 @@ TEST(ImageAligned, SheetsFaceTheCamera) {
         // Within 60 degrees of the view, one way or the other.
         const double side = i % 2 ? 1 : -1;
         scene.lights.push_back(distantLight({random.in(-1, 1), random.in(-1, 1), side}));
-        const LightGroup group = groupsOf(scene).at(0);
+        const GroupPlan group = groupsOf(scene).at(0);
         expectSame(group.wsAxis, {0, 0, group.sameSide ? -1 : 1}, 1e-12);
         EXPECT_EQ(group.sameSide, side < 0);
         EXPECT_NEAR(group.slant, worstSlant(scene, group), 1e-7);
@@ -368,7 +368,7 @@ TEST(EyeDirections, HoldEveryRayThatMeetsTheVolume) {
     scene.camera.wsPosition = {10, -5, 40};
     scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, {3, 2, 0}, {0, 1, 0});
     const std::vector<Vec3> corners = wsCorners(scene);
-    const LightGroup group = groupsOf(scene).at(0);
+    const GroupPlan group = groupsOf(scene).at(0);
     Random random(7);
     const RayFamily rays = wsRays(scene.camera);
     Bounds ws;

@@ -5,7 +5,7 @@
 #include "support/slides.h"
 
 #include <scrim/geometry/camera.h>
-#include <scrim/engine/plan/plan.h>
+#include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/plan/report.h>
 
 #include <gtest/gtest.h>
@@ -116,7 +116,7 @@ TEST(LightRaster, HoldsTheRaysToEveryPointOfTheVolume) {
     for (const double shadowTexel : {0.5, 1.0, 2.0}) {
         scene.dials.shadowTexel = shadowTexel;
         for (const GroupPlan& group : makePlan(scene, 2).groups)
-            for (const LightPlan& light : group.lights) {
+            for (const PlannedLight& light : group.lights) {
                 EXPECT_EQ(light.view.width % kTileEdge, 0);
                 EXPECT_EQ(light.view.height % kTileEdge, 0);
                 // The corners, kernels included, and points in between.
@@ -148,7 +148,7 @@ TEST(LightRaster, HoldsTheRaysToEveryPointOfTheVolume) {
 TEST(LightRaster, FollowsTheLightsOwnRays) {
     const ViewScene scene = someScene();
     for (const GroupPlan& group : makePlan(scene, 2).groups)
-        for (const LightPlan& plan : group.lights) {
+        for (const PlannedLight& plan : group.lights) {
             const Light& light = scene.lights[static_cast<std::size_t>(plan.light)];
             if (light.distant()) {
                 const Vec3 ts = group.sheets.tsVector(light.wsDirection);
@@ -170,7 +170,7 @@ TEST(Plan, GivesLightsWithoutShadowsNoBuffer) {
     EXPECT_LT(plan.bytes, with);
     EXPECT_EQ(plan.work.lightSamples, 0);
     for (const GroupPlan& group : plan.groups)
-        for (const LightPlan& light : group.lights) EXPECT_FALSE(light.shadowed);
+        for (const PlannedLight& light : group.lights) EXPECT_FALSE(light.shadowed);
 }
 
 TEST(Plan, CutsPixelsForAntialiasing) {

@@ -376,9 +376,9 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
     inside.kind = Light::Point{};
     scene.lights.push_back(inside);
     scene.dials.crossFade = 0;
-    std::vector<LightPart> parts;
-    for (const LightGroup& group : groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front()))
-        parts.insert(parts.end(), group.parts.begin(), group.parts.end());
+    std::vector<PlannedLight> parts;
+    for (const GroupPlan& group : groupLights(scene, wsCorners(scene), eyeParts(scene, wsCorners(scene)).front()))
+        parts.insert(parts.end(), group.lights.begin(), group.lights.end());
     ASSERT_GT(parts.size(), 20u);
 
     Random random(9);
@@ -399,7 +399,7 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
         tile.tauIn.resize(1);
         const std::vector<float> whole = tile.shaded();
         std::vector<double> sum(kTileSize, 0.0);
-        for (const LightPart& part : parts) {
+        for (const PlannedLight& part : parts) {
             std::vector<Vec3> windows;
             for (const Vec3& window : part.wsWindows) windows.push_back(ssFromWs * window);
             tile.lights[0].windows = &windows;

@@ -1,0 +1,382 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/baked_light.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
+#include <scrim/engine/light/light_sweep.h>
+#include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/shade/shade_tile.h>
+#include <scrim/engine/splat/extinction_sum.h>
+#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/scene/field_rays.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr std::size_t kBlockFloats = std::size_t{3} * kBlockVoxels;
+
+Int3 voxelOf(const Int3& origin, int offset) {
+    return origin + Int3(offset / (kBlockEdge * kBlockEdge), offset / kBlockEdge % kBlockEdge, offset % kBlockEdge);
+}
+
+// Blocks that a field takes once its tiles are cut into blocks.
+double blocksOf(const SparseField& field) {
+    double count = double(field.blockCount());
+    for (const ConstantTile& tile : field.tiles) count += std::pow(double(tile.edge / kBlockEdge), 3);
+    return count;
+}
+
+BakedVolume emptyBake(const SparseField& field) {
+    BakedVolume out;
+    for (std::size_t b = 0; b < field.blockCount(); ++b) {
+        std::bitset<kBlockVoxels> active;
+        for (int i = 0; i < kBlockVoxels; ++i) active[std::size_t(i)] = field.block(b)[i] > 0;
+        if (active.none()) continue;
+        out.blockOrigins.push_back(field.blockOrigins[b]);
+        out.active.push_back(active);
+    }
+    for (const ConstantTile& tile : field.tiles)
+        for (int x = 0; x < tile.edge; x += kBlockEdge)
+            for (int y = 0; y < tile.edge; y += kBlockEdge)
+                for (int z = 0; z < tile.edge; z += kBlockEdge) {
+                    out.blockOrigins.push_back(tile.origin + Int3(x, y, z));
+                    out.active.push_back(std::bitset<kBlockVoxels>().set());
+                }
+    return out;
+}
+
+bool isLitBy(const ViewVolume& volume, std::size_t light) {
+    return volume.lights.empty() || volume.lights[light];
+}
+
+// The way of the light that most is seen of, where one can be named: the sheets then lie across it.
+Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
+    for (const bool shadows : {true, false})
+        for (const Light& light : scene.lights) {
+            if (light.shadows != shadows || light.dome() || light.intensity == Rgb(0)) continue;
+            const Vec3 way = light.distant() ? light.wsDirection : center - light.wsPosition;
+            if (glm::length(way) > 0) return glm::normalize(way);
+        }
+    return {0, 0, -1};
+}
+
+// The scene as an eye would see it that looks at all of its volumes, along its main light: nothing is culled, and every
+// light lights everything. What volumes look like does not matter, except for how they take light away.
+ViewScene bakingScene(const ViewScene& given) {
+    ViewScene scene = given;
+    scene.layers.clear();
+    scene.deep.reset();
+    scene.shutter.reset();
+    scene.moments = nullptr;
+    scene.ambient = Rgb(0);
+    for (ViewVolume& volume : scene.volumes) {
+        volume.lights.clear();
+        volume.scatter.clear();
+        volume.emission.clear();
+        volume.medium.albedo = Rgb(1);
+    }
+    scene.dials.splat = SplatMode::shared;
+    scene.dials.sheets = SheetAxis::halfWay;
+    scene.dials.shadowPlane = ShadowPlane::light;
+    scene.dials.shade = ShadeMode::pixel;  // one look-up from a buffer to a voxel, as to a pixel
+    scene.dials.antialias = 1;
+    scene.dials.crossFade = 0;
+    Bounds box;
+    for (const Vec3& corner : wsCorners(scene)) box.include(corner);
+    if (box.empty()) return scene;
+    const Vec3 way = mainDirection(scene, box.center());
+    const double size = std::max(glm::length(box.size()), 1e-300);
+    Camera camera;
+    camera.type = CameraType::orthographic;
+    camera.height = 1.01 * size;
+    camera.wsPosition = box.center() - size * way;
+    camera.wsFromCamera = lookAt(camera.wsPosition, box.center(), {0, 1, 0});
+    camera.resolution = {64, 64};
+    scene.camera = camera;
+    scene.region = scene.picture = {0, 0, camera.resolution.x, camera.resolution.y};
+    return scene;
+}
+
+// How a voxel's light comes to it: by the ray through the middle plane of its sheet, where sheets are looked up.
+struct Crossing {
+    double u, v;    // where that is
+    double inside;  // sheets along N from where light enters the sheet to the voxel
+    double factor;  // irradiance at the voxel over that on the plane; 0: no light
+};
+
+Crossing crossingOf(const SheetLight& light, const Sheets& sheets, int sheet, const Vec3& ts) {
+    const double toTexels = sheets.thickness / sheets.texel;
+    if (light.distant) {
+        const double back = (sheet + 0.5 - ts.z) * toTexels;
+        return {ts.x + light.slopeA * back, ts.y + light.slopeB * back, ts.z - sheet, 1};
+    }
+    // The sheet that a light stands in is lit from there on; its intensity counts that part alone.
+    const double away = light.distanceW / sheets.thickness, part = std::min(2 * away, 1.0);
+    const double source = part < 1 ? sheet + 1 - part : sheet + 0.5 - away;
+    constexpr double kLeast = 1e-3;  // of a sheet, where rays lie in it
+    const double from = ts.z - source;
+    if (from <= 0) return {ts.x, ts.y, 0, 0};
+    const double scale = away / std::max(from, kLeast);
+    Crossing out{light.texelU + (ts.x - light.texelU) * scale, light.texelV + (ts.y - light.texelV) * scale,
+                 std::min(from, ts.z - sheet), 1 / part};
+    if (!light.decay) return out;
+    const double a = (ts.x - light.texelU) * sheets.texel, b = (ts.y - light.texelV) * sheets.texel;
+    const double c = from * sheets.thickness, own = a * a + b * b + c * c;
+    out.factor *= std::max(own * scale * scale, double(light.radius2)) / std::max(own, double(light.radius2));
+    return out;
+}
+
+// Up to 256 voxels of a sheet, as one light meets them.
+struct VoxelTile {
+    int count = 0;
+    const std::size_t* at = nullptr;  // of each block * 512 + offset
+    const Vec3* ts = nullptr;
+    SampleTile samples{};
+    alignas(64) Real factor[kTileSize];
+    alignas(64) Real path[kTileSize];       // world length of the light's way through the sheet
+    alignas(64) Real clear[kTileSize];      // what gets past solids
+    alignas(64) Real tau[3 * kTileSize]{};  // of each extinction channel
+};
+
+void meet(const SheetLight& light, const Sheets& sheets, int sheet, VoxelTile& tile) {
+    for (int k = 0; k < kTileSize; ++k) {
+        const Crossing at = crossingOf(light, sheets, sheet, tile.ts[std::min(k, tile.count - 1)]);
+        tile.samples.u[k] = static_cast<Real>(at.u);
+        tile.samples.v[k] = static_cast<Real>(at.v);
+        tile.factor[k] = static_cast<Real>(at.factor);
+        const double a = light.distant ? light.slopeA : (at.u - light.texelU) * sheets.texel / light.distanceW;
+        const double b = light.distant ? light.slopeB : (at.v - light.texelV) * sheets.texel / light.distanceW;
+        tile.path[k] = static_cast<Real>(at.inside * sheets.thickness * std::sqrt(1 + a * a + b * b));
+        tile.clear[k] = 1;
+    }
+}
+
+class Baking {
+  public:
+    // `scene`: the baking one with the plan's lights.
+    Baking(const ViewScene& given, const ViewScene& scene, const Plan& plan, std::vector<BakedVolume>& out)
+        : m_given(given), m_scene(scene), m_plan(plan), m_out(out) {}
+
+    void sweep(const GroupPlan& group, const ProgressSink& progress);
+
+  private:
+    struct Batch {
+        const GroupPlan& group;
+        const ExtinctionSum& extinction;
+        const LightSweep& lights;
+        int first, count;
+    };
+    void bakeBlocks(const Batch& batch, std::size_t volume, std::size_t from, std::size_t to);
+    void addLight(const Batch& batch, int p, std::size_t index, std::size_t volume, VoxelTile& tile);
+    void shade(const SheetLight& light, const Sheets& sheets, const Octaves& octaves, const VoxelTile& tile,
+               std::vector<float>& sum) const;
+
+    const ViewScene& m_given;
+    const ViewScene& m_scene;
+    const Plan& m_plan;
+    std::vector<BakedVolume>& m_out;
+};
+
+// Voxels are shaded as samples of a medium that takes nothing and scatters so much that what is seen is what arrives:
+// so it is the same light, slide, cone and shadow that pictures see.
+void Baking::shade(const SheetLight& light, const Sheets& sheets, const Octaves& octaves, const VoxelTile& tile,
+                   std::vector<float>& sum) const {
+    // So thin that the light does not change along a sample.
+    const auto thin = static_cast<Real>(1e-6 * sheets.thickness);
+    alignas(64) Real scatter[kTileSize], nothing[kTileSize] = {};
+    std::fill_n(scatter, kTileSize, static_cast<Real>(4 * std::numbers::pi) / thin);
+    const SheetMedium medium{{scatter, scatter, scatter}, {1, 1, 1}, {}, octaves, nullptr};
+    ShadeInput input{};
+    input.samples = &tile.samples;
+    input.texel = static_cast<Real>(sheets.texel);
+    input.thickness = thin;
+    input.sameSide = true;
+    input.coloured = m_plan.extinction.coloured;
+    input.channels = m_plan.extinction.count();
+    for (int r = 0; r < input.channels; ++r) {
+        input.extinction[r] = nothing;
+        for (int c = 0; c < 3; ++c) input.tints[r][c] = static_cast<Real>(m_plan.extinction.tints[std::size_t(r)][c]);
+    }
+    input.media = {&medium, 1};
+    input.lights = {&light, 1};
+    input.tauIn = tile.tau;
+    input.unblocked = tile.clear;
+    input.layout.coloured = input.coloured;
+    input.outputs = nothing;  // there are none beside the beauty
+    input.simd = m_plan.simd;
+    const int floats = input.layout.floats();
+    alignas(64) std::array<Real, std::size_t{8} * kTileSize> shaded;
+    shadeTile(input, shaded.data());
+    for (int k = 0; k < tile.count; ++k) {
+        float* own = sum.data() + tile.at[k] / kBlockVoxels * kBlockFloats + tile.at[k] % kBlockVoxels;
+        for (int c = 0; c < 3; ++c) own[c * kBlockVoxels] += tile.factor[k] * shaded[std::size_t(floats * k + c)];
+    }
+}
+
+void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t volume, VoxelTile& tile) {
+    const Sheets& sheets = batch.group.sheets;
+    const LightSweep::OnSheet& on = batch.lights.onSheet(p);
+    SheetLight light = on.lights[index];
+    light.output = 0;
+    const auto owner = std::size_t(m_plan.subLights.ownerOf(light.index));
+    const int channels = m_plan.extinction.count();
+    BakedVolume& out = m_out[volume];
+    if (out.lights[owner].empty()) return;
+    meet(light, sheets, on.sheet, tile);
+    for (int c = 0; light.shadowed && c < channels; ++c) {
+        Real* tau = tile.tau + c * kTileSize;
+        const ShadowLookup* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
+        shadow->lookUpPoints(p, tile.samples.u, tile.samples.v, tau);
+        if (!light.withinSheet) continue;
+        alignas(64) Real sigma[kTileSize];
+        const PlaneStack& planes = batch.extinction.total(c);
+        samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, tile.samples.u,
+                     tile.samples.v, false, kTileSize, sigma);
+        for (int k = 0; k < kTileSize; ++k) tau[k] += sigma[k] * tile.path[k];
+    }
+    if (!on.solids.empty() && on.solids[index])
+        on.solids[index]->multiply(on.sheet, tile.samples.u, tile.samples.v, tile.clear);
+    shade(light, sheets, {}, tile, out.lights[owner]);
+    if (!out.scattered.empty()) shade(light, sheets, m_given.volumes[volume].medium.octaves, tile, out.scattered);
+}
+
+// All voxels of blocks [from, to) that lie in the batch.
+void Baking::bakeBlocks(const Batch& batch, std::size_t volume, std::size_t from, std::size_t to) {
+    const BakedVolume& out = m_out[volume];
+    const Mat4 tsFromIs = batch.group.sheets.tsFrom(m_scene.volumes[volume].wsFromIs);
+    // How far a block reaches along N from its first voxel.
+    double low = 0, high = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double step = (kBlockEdge - 1) * tsFromIs[axis].z;
+        (step < 0 ? low : high) += step;
+    }
+    std::vector<std::vector<std::pair<std::size_t, Vec3>>> bySheet(std::size_t(batch.count));
+    for (std::size_t b = from; b < to; ++b) {
+        const double corner = transformPoint(tsFromIs, Vec3(out.blockOrigins[b])).z;
+        if (corner + high < batch.first || corner + low >= batch.first + batch.count) continue;
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            if (!out.active[b][std::size_t(i)]) continue;
+            const Vec3 ts = transformPoint(tsFromIs, Vec3(voxelOf(out.blockOrigins[b], i)));
+            const int p = static_cast<int>(std::floor(ts.z)) - batch.first;
+            if (p >= 0 && p < batch.count) bySheet[std::size_t(p)].emplace_back(b * kBlockVoxels + std::size_t(i), ts);
+        }
+    }
+    VoxelTile tile;
+    std::size_t at[kTileSize];
+    Vec3 ts[kTileSize];
+    tile.at = at;
+    tile.ts = ts;
+    for (int p = 0; p < batch.count; ++p) {
+        const auto& voxels = bySheet[std::size_t(p)];
+        for (std::size_t first = 0; first < voxels.size(); first += kTileSize) {
+            tile.count = static_cast<int>(std::min<std::size_t>(kTileSize, voxels.size() - first));
+            for (int k = 0; k < tile.count; ++k) std::tie(at[k], ts[k]) = voxels[first + std::size_t(k)];
+            for (std::size_t i = 0; i < batch.lights.onSheet(p).lights.size(); ++i) addLight(batch, p, i, volume, tile);
+        }
+    }
+}
+
+void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
+    constexpr std::size_t kBlocks = 8;  // a task; neighbours share their sheets
+    ExtinctionSum extinction(m_scene, m_plan, group.sheets, group.lattice, group.batchSheets,
+                             ExtinctionSum::For::light);
+    LightSweep lights(m_scene, m_plan, group);
+    struct Task {
+        std::size_t volume, from, to;
+    };
+    std::vector<Task> tasks;
+    for (std::size_t v = 0; v < m_out.size(); ++v)
+        for (std::size_t b = 0; b < m_out[v].blockOrigins.size(); b += kBlocks)
+            tasks.push_back({v, b, std::min(b + kBlocks, m_out[v].blockOrigins.size())});
+    for (int first = group.needed.first; first < group.needed.last; first += group.batchSheets) {
+        const int count = std::min(group.batchSheets, group.needed.last - first);
+        extinction.splat(first, count, &group.needed);
+        lights.attenuate(first, count, extinction);
+        const Batch batch{group, extinction, lights, first, count};
+        parallelFor(tasks.size(),
+                    [&](std::size_t i) { bakeBlocks(batch, tasks[i].volume, tasks[i].from, tasks[i].to); });
+        if (progress &&
+            !progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first)))
+            throw Error(ErrorKind::interrupted, "the bake was interrupted");
+    }
+}
+
+// From what arrives to what is scattered: the field's own voxels times the albedo's.
+void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out) {
+    if (out.scattered.empty()) return;
+    const Medium& medium = volume.medium;
+    std::vector<FieldRays> fields;
+    std::vector<Mat4> places;
+    const bool grid = !volume.scatter.empty();
+    for (std::size_t c = 0; c < (grid ? 3 : 1); ++c) {
+        const SparseField& field = grid ? *volume.scatter[c].field : *volume.field;
+        fields.emplace_back(field);
+        places.push_back(field.wsFromIs);
+    }
+    parallelFor(out.blockOrigins.size(), [&](std::size_t b) {
+        for (int i = 0; i < kBlockVoxels; ++i) {
+            if (!out.active[b][std::size_t(i)]) continue;
+            const Vec3 is(voxelOf(out.blockOrigins[b], i));
+            float* own = out.scattered.data() + b * kBlockFloats + i;
+            for (int c = 0; c < 3; ++c) {
+                const std::size_t f = grid ? std::size_t(c) : 0;
+                const double value = fields[f].value(transformPoint(places[f], is)) * (grid ? 1 : medium.albedo[c]);
+                const double arrives = own[c * kBlockVoxels] / (4 * std::numbers::pi) + scene.ambient[c];
+                own[c * kBlockVoxels] =
+                    static_cast<float>(medium.densityScale * medium.extinctionTint[c] * value * arrives);
+            }
+        }
+    });
+}
+
+// Throws where the values would be more than the scene's memory limit. Returns what is left of it.
+std::size_t limitBeside(const ViewScene& scene, const BakeWants& wants) {
+    if (scene.memoryLimit == 0) return 0;
+    double bytes = 0;
+    for (const ViewVolume& volume : scene.volumes) {
+        std::size_t grids = wants.scattered && !volume.classified ? 1 : 0;
+        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wants.lights[l] && isLitBy(volume, l) ? 1 : 0;
+        bytes += blocksOf(*volume.field) * double(grids * kBlockFloats * sizeof(float));
+    }
+    if (bytes >= double(scene.memoryLimit))
+        throw Error(ErrorKind::memory,
+                    fmt::format("the baked grids take {}, more than the {} that the memory limit leaves",
+                                bytesText(static_cast<std::size_t>(bytes)), bytesText(scene.memoryLimit)));
+    return scene.memoryLimit - static_cast<std::size_t>(bytes);
+}
+
+}  // namespace
+
+std::vector<BakedVolume> bakeLight(const ViewScene& given, const BakeWants& wants, int threads,
+                                   const ProgressSink& progress) {
+    ViewScene baking = bakingScene(given);
+    baking.memoryLimit = limitBeside(given, wants);
+    std::vector<BakedVolume> out;
+    for (const ViewVolume& volume : given.volumes) {
+        BakedVolume& baked = out.emplace_back(emptyBake(*volume.field));
+        const std::size_t floats = baked.blockOrigins.size() * kBlockFloats;
+        for (std::size_t l = 0; l < given.lights.size(); ++l)
+            baked.lights.emplace_back(wants.lights[l] && isLitBy(volume, l) ? floats : 0);
+        if (wants.scattered && !volume.classified) baked.scattered.resize(floats);
+    }
+    const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));
+    ViewScene plain;
+    Baking bake(given, withSubLights(baking, plan.subLights, plain), plan, out);
+    for (std::size_t g = 0; g < plan.groups.size(); ++g)
+        bake.sweep(plan.groups[g], partOf(progress, double(g) / double(plan.groups.size()),
+                                          double(g + 1) / double(plan.groups.size())));
+    for (std::size_t v = 0; v < out.size(); ++v) scatter(given, given.volumes[v], out[v]);
+    return out;
+}
+
+}  // namespace scrim

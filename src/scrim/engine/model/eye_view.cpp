@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/model/eye_view.h>
+
+#include <algorithm>
+#include <type_traits>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/model/eye_view.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/simd-inl.h>
+
+// What does not depend on the target.
+#ifndef SCRIM_EYE_VIEW_ONCE
+#define SCRIM_EYE_VIEW_ONCE
+namespace scrim {
+namespace {
+
+// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
+// likewise for directions. In double: an eye may be far away.
+struct RayRow {
+    double origin[3], originStep[3], direction[3], directionStep[3];
+    double near;       // depth at which rays begin, in units of the direction
+    double reference;  // N of the plane that positions are wanted on
+};
+
+}  // namespace
+}  // namespace scrim
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Fills row j of a tile.
+HWY_ATTR void fillRays(const RayRow& row, int j, RayTile& tile) {
+    const hn::CappedTag<double, kTileEdge> d;
+    for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
+        const auto column = hn::Iota(d, static_cast<double>(i));
+        const auto at = [&](const double* start, const double* step, int axis)
+                            HWY_ATTR { return hn::MulAdd(column, hn::Set(d, step[axis]), hn::Set(d, start[axis])); };
+        const auto directionN = at(row.direction, row.directionStep, 2);
+        const auto inverse = hn::Div(hn::Set(d, 1.0), directionN);
+        const auto away = hn::Sub(hn::Set(d, row.reference), at(row.origin, row.originStep, 2));
+        const auto slopeU = hn::Mul(at(row.direction, row.directionStep, 0), inverse);
+        const auto slopeV = hn::Mul(at(row.direction, row.directionStep, 1), inverse);
+        const int k = j * kTileEdge + i;
+        const auto store = [&](auto value, Real* to) HWY_ATTR {
+            const hn::Rebind<Real, decltype(d)> dr;
+            if constexpr (std::is_same_v<Real, double>)
+                hn::StoreU(value, dr, to + k);
+            else
+                hn::StoreU(hn::DemoteTo(dr, value), dr, to + k);
+        };
+        store(hn::MulAdd(slopeU, away, at(row.origin, row.originStep, 0)), tile.u);
+        store(hn::MulAdd(slopeV, away, at(row.origin, row.originStep, 1)), tile.v);
+        store(slopeU, tile.stepU);
+        store(slopeV, tile.stepV);
+        store(hn::MulSub(hn::Set(d, row.near), directionN, away), tile.startN);
+        store(hn::Mul(away, inverse), tile.depth);
+        store(inverse, tile.stepDepth);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(fillRays);
+
+EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
+    : m_orthographic(camera.type == CameraType::orthographic), m_simd(simd) {
+    const RayFamily ws = wsRays(camera);
+    m_ts.near = ws.near;
+    m_ts.origin0 = sheets.tsPoint(ws.origin0);
+    m_ts.originX = sheets.tsVector(ws.originX);
+    m_ts.originY = sheets.tsVector(ws.originY);
+    m_ts.direction0 = sheets.tsVector(ws.direction0);
+    m_ts.directionX = sheets.tsVector(ws.directionX);
+    m_ts.directionY = sheets.tsVector(ws.directionY);
+    if (m_orthographic)
+        m_rasterFromOffset = glm::inverse(Mat3(m_ts.originX, m_ts.originY, m_ts.direction0));
+    else
+        m_rasterFromOffset = glm::inverse(Mat3(m_ts.directionX, m_ts.directionY, m_ts.direction0));
+
+    const double toSlope = sheets.texel / sheets.thickness;
+    m_slopes.parallel = m_orthographic;
+    m_slopes.a = m_ts.direction0.x / m_ts.direction0.z * toSlope;
+    m_slopes.b = m_ts.direction0.y / m_ts.direction0.z * toSlope;
+    m_slopes.tsEye = m_ts.origin0;
+}
+
+EyeView::Ray EyeView::ray(double x, double y, double reference) const {
+    const Vec3 o = m_ts.origin(x, y), d = m_ts.direction(x, y);
+    const double slopeU = d.x / d.z, slopeV = d.y / d.z;
+    const double away = reference - o.z;
+    return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
+}
+
+EyeView::Depths EyeView::depths(double x, double y) const {
+    const double originN = m_ts.origin(x, y).z, step = 1 / m_ts.direction(x, y).z;
+    return {-originN * step, step, m_ts.near};
+}
+
+RayTile EyeView::rays(int x0, int y0, double reference) const {
+    RayTile tile;
+    RayRow row{};
+    row.near = m_ts.near;
+    row.reference = reference;
+    for (int j = 0; j < kTileEdge; ++j) {
+        const Vec3 o = m_ts.origin(x0 + 0.5, y0 + j + 0.5), d = m_ts.direction(x0 + 0.5, y0 + j + 0.5);
+        for (int axis = 0; axis < 3; ++axis) {
+            row.origin[axis] = o[axis];
+            row.originStep[axis] = m_ts.originX[axis];
+            row.direction[axis] = d[axis];
+            row.directionStep[axis] = m_ts.directionX[axis];
+        }
+        SCRIM_ON_TARGET(m_simd, fillRays)(row, j, tile);
+    }
+    return tile;
+}
+
+void EyeView::planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const {
+    for (int k = 0; k < kTileSize; ++k) {
+        const double x = x0 + k % kTileEdge + 0.5, y = y0 + k / kTileEdge + 0.5;
+        planes[k] = static_cast<Real>(m_ts.origin(x, y).z + m_ts.direction(x, y).z * depths[k] - reference);
+    }
+}
+
+Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
+    Lattice raster;
+    raster.kind = m_orthographic ? Lattice::Kind::parallel : Lattice::Kind::perspective;
+    raster.guardTiles = guardTiles;
+    const auto edge = [&](int pixels) { return roundUpToTile(pixels) + 2 * guardTiles * kTileEdge; };
+    raster.width = edge(region.width());
+    raster.height = edge(region.height());
+    // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; then pixels' centres to whole numbers.
+    const Mat3& m = m_rasterFromOffset;
+    const double shift[2] = {guardTiles * kTileEdge - region.x0 - 0.5, guardTiles * kTileEdge - region.y0 - 0.5};
+    const auto row = [&](int i) {
+        return glm::dvec4(m[0][i], m[1][i], m[2][i], -glm::dot(Vec3(m[0][i], m[1][i], m[2][i]), m_ts.origin0));
+    };
+    const glm::dvec4 w = m_orthographic ? glm::dvec4(0, 0, 0, 1) : row(2);
+    const glm::dvec4 x = row(0) + shift[0] * w, y = row(1) + shift[1] * w;
+    for (int c = 0; c < 4; ++c) raster.rsFromTs[c] = {x[c], y[c], c == 2 ? 1.0 : 0.0, w[c]};
+    return raster;
+}
+
+SampleSpacing EyeView::pixelSpacing(double middle) const {
+    SampleSpacing spacing;
+    // Rays from the eye: a step of a pixel is one of their direction, times how far along the ray the sample lies; and
+    // that is what the last row of the inverse tells.
+    const Vec3 &x = m_orthographic ? m_ts.originX : m_ts.directionX,
+               &y = m_orthographic ? m_ts.originY : m_ts.directionY;
+    for (int axis = 0; axis < 3; ++axis) {
+        spacing.x[axis] = static_cast<Real>(x[axis]);
+        spacing.y[axis] = static_cast<Real>(y[axis]);
+    }
+    if (m_orthographic) return spacing;
+    const double tu = m_rasterFromOffset[0].z, tv = m_rasterFromOffset[1].z;
+    const Vec3 atOrigin = m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0);
+    spacing.t0 = static_cast<Real>(atOrigin.z);
+    spacing.tu = static_cast<Real>(tu);
+    spacing.tv = static_cast<Real>(tv);
+    return spacing;
+}
+
+// The last row of the inverse tells how far along a ray, and so how deep, a point lies.
+void EyeView::setDepth(double middle, SampleTile& samples) const {
+    samples.depth = static_cast<Real>((m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0)).z);
+    samples.depthU = static_cast<Real>(m_rasterFromOffset[0].z);
+    samples.depthV = static_cast<Real>(m_rasterFromOffset[1].z);
+}
+
+std::optional<Box2<double>> EyeView::seenBy(const Box2<double>& texels, double middle) const {
+    auto box = Box2<double>::nothing();
+    for (const double u : {texels.x0, texels.x1})
+        for (const double v : {texels.y0, texels.y1}) {
+            Vec3 p = m_rasterFromOffset * (Vec3(u, v, middle) - m_ts.origin0);
+            if (!m_orthographic) {
+                if (p.z <= 0) return std::nullopt;  // behind the eye: (x t, y t, t) with t <= 0
+                p.x /= p.z;
+                p.y /= p.z;
+            }
+            box.include(p.x, p.y);
+        }
+    return box;
+}
+
+}  // namespace scrim
+#endif

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// The eye as one sweep sees it: where pixels' rays cross the sheets, and which pixels see a texel.
+#pragma once
+
+#include <scrim/geometry/camera.h>
+#include <scrim/geometry/sheets.h>
+#include <scrim/geometry/lattice.h>
+#include <scrim/image/image.h>
+#include <scrim/base/simd.h>
+#include <scrim/engine/model/samples.h>
+
+#include <optional>
+
+namespace scrim {
+
+/// The texel positions that look-ups of what these tiles hold may come from: a texel serves bilinear look-ups up to one
+/// texel around it.
+inline Box2<double> texelsAround(const Box2<int>& tiles) {
+    return {double(tiles.x0 * kTileEdge - 1), double(tiles.y0 * kTileEdge - 1), double(tiles.x1 * kTileEdge),
+            double(tiles.y1 * kTileEdge)};
+}
+
+class EyeView {
+  public:
+    EyeView(const Camera& camera, const Sheets& sheets, Simd simd = {});
+
+    Simd simd() const { return m_simd; }
+
+    /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference).
+    struct Ray {
+        double u, v;
+        double slopeU, slopeV;  ///< texels a sheet
+        double startN;          ///< N where the ray begins (the eye, or the near plane)
+    };
+
+    /// The ray through raster position (x, y), located at the plane N = `reference`.
+    Ray ray(double x, double y, double reference) const;
+
+    /// How deep, along the viewing axis, the ray through a raster position lies at N: first + N * step. What lies
+    /// before `near` is not seen.
+    struct Depths {
+        double first, step, near;
+    };
+    Depths depths(double x, double y) const;
+
+    /// The rays of the 16 x 16 pixels from (x0, y0), through their centres, for a batch whose first plane is at
+    /// N = `reference`.
+    RayTile rays(int x0, int y0, double reference) const;
+
+    /// N - reference of points on the rays of those pixels, by their depths along the viewing axis: infinite ones lie
+    /// where the rays go.
+    void planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const;
+
+    /// The lattice of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view
+    /// splatting fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
+    Lattice lattice(const PixelWindow& region, int guardTiles) const;
+
+    /// Slopes of eye rays at texels, for shading.
+    const EyeSlopes& slopes() const { return m_slopes; }
+
+    /// How far apart pixels are on the plane N = `middle`, by the position of a sample there.
+    SampleSpacing pixelSpacing(double middle) const;
+
+    /// Writes to `samples` how deep positions on the plane N = `middle` lie.
+    void setDepth(double middle, SampleTile& samples) const;
+
+    /// The pixels whose rays may pass through a box of texels on the plane N = `middle`: as raster positions, or
+    /// nothing where no bound is known (next to the eye and behind it).
+    std::optional<Box2<double>> seenBy(const Box2<double>& texels, double middle) const;
+
+  private:
+    bool m_orthographic;
+    Simd m_simd;
+    RayFamily m_ts;           // origins and directions in texel space
+    Mat3 m_rasterFromOffset;  // inverse of the ray family's linear part
+    EyeSlopes m_slopes;
+};
+
+}  // namespace scrim

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/model/sub_lights.h>
+
+#include <scrim/engine/model/picture_cells.h>
+#include <scrim/geometry/bounds.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+
+namespace scrim {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+// Places in the unit square that are even along every line through it: one in each of `count` columns and of `count`
+// rows. A shadow's edge in any direction thus falls apart into about `count` fine steps, where a square grid would show
+// the square root of that as bands. From column to column the row moves on by the golden section, which wraps disks and
+// spheres in the spiral of Fibonacci; what counts is the order that this brings about. One place is the middle.
+std::vector<Vec2> evenPlaces(int count) {
+    const auto height = [](int i) { return i / std::numbers::phi - std::floor(i / std::numbers::phi); };
+    std::vector<int> columns(static_cast<std::size_t>(count));
+    std::iota(columns.begin(), columns.end(), 0);
+    std::sort(columns.begin(), columns.end(), [&](int a, int b) { return height(a) < height(b); });
+    std::vector<Vec2> places(columns.size());
+    for (int row = 0; row < count; ++row) {
+        const int column = columns[std::size_t(row)];
+        places[std::size_t(column)] = {(column + 0.5) / count, (row + 0.5) / count};
+    }
+    return places;
+}
+
+// The unit square onto the unit disk, areas in proportion.
+Vec2 onDisk(const Vec2& p) {
+    return std::sqrt(p.x) * Vec2(std::cos(2 * kPi * p.y), std::sin(2 * kPi * p.y));
+}
+
+// The unit square onto the cap of the unit sphere with cos >= `cosine` to +z, areas in proportion.
+Vec3 onCap(const Vec2& p, double cosine) {
+    const double z = 1 - p.x * (1 - cosine), r = std::sqrt(std::max(0.0, 1 - z * z));
+    return {r * std::cos(2 * kPi * p.y), r * std::sin(2 * kPi * p.y), z};
+}
+
+// Nearer than this an element of such a surface shines no brighter: a disk of its area fills the half-space in front of
+// it, 2 pi, and so does the element there.
+double radiusOf(double area) {
+    return std::sqrt(area / (2 * kPi));
+}
+
+Light elementAt(const Light& whole, const Vec3& ws, const Vec3& normal, double area, const Rgb& power) {
+    Light light = whole;
+    Light::Element element;
+    element.radius = radiusOf(area);
+    light.kind = element;
+    light.wsPosition = ws;
+    light.wsDirection = normal;
+    light.slide.reset();
+    light.intensity = power;
+    return light;
+}
+
+Light sunFrom(const Light& whole, const Vec3& travel, const Rgb& irradiance) {
+    Light light = whole;
+    light.kind = Light::Distant();
+    light.wsDirection = travel;
+    light.intensity = irradiance;
+    return light;
+}
+
+// The solid angle that a light fills where the corners' box is closest to it.
+double solidAngle(const Light& light, const std::vector<Vec3>& wsCorners) {
+    if (light.dome()) return 4 * kPi;
+    if (!light.area()) return 2 * kPi * (1 - std::cos(glm::radians(0.5 * std::get<Light::Distant>(light.kind).angle)));
+    Bounds ws;
+    for (const Vec3& corner : wsCorners) ws.include(corner);
+    if (ws.empty()) return 0;
+    const double distance = glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper));
+    // Of a disk of the same area, seen from its axis.
+    return 2 * kPi * (1 - distance / std::hypot(distance, std::sqrt(light.area()->area() / kPi)));
+}
+
+void addSurface(const Light& whole, int count, std::vector<Light>& out) {
+    const Light::Area& area = *whole.area();
+    const double all = area.area();
+    if (whole.slide) {
+        for (const PictureCell& cell : rectangleCells(whole, count))
+            out.push_back(
+                elementAt(whole, cell.center, whole.wsDirection, cell.share * all, whole.intensity * all * cell.sum));
+        return;
+    }
+    const Mat3 frame = lightFrame(whole);
+    const Rgb power = whole.intensity * (all / count);
+    for (const Vec2& p : evenPlaces(count)) {
+        Vec3 normal = whole.wsDirection, offset(0);
+        if (area.shape == AreaShape::rectangle) {
+            offset = frame * Vec3((p.x - 0.5) * area.width, (p.y - 0.5) * area.height, 0);
+        } else if (area.shape == AreaShape::disk) {
+            offset = frame * Vec3(area.radius * (count == 1 ? Vec2(0) : onDisk(p)), 0);
+        } else {
+            normal = onCap(p, -1);
+            offset = area.radius * normal;
+        }
+        out.push_back(elementAt(whole, whole.wsPosition + offset, normal, all / count, power));
+    }
+}
+
+void addSky(const Light& whole, int count, std::vector<Light>& out) {
+    if (whole.slide) {
+        for (const PictureCell& cell : domeCells(whole, count)) {
+            out.push_back(sunFrom(whole, -cell.center, whole.intensity * cell.sum));
+            out.back().slide.reset();
+        }
+        return;
+    }
+    for (const Vec2& p : evenPlaces(count))
+        out.push_back(sunFrom(whole, onCap(p, -1), whole.intensity * (4 * kPi / count)));
+}
+
+void addSun(const Light& whole, double angle, int count, std::vector<Light>& out) {
+    const Mat3 frame = lightFrame(whole);
+    const double cosine = std::cos(glm::radians(0.5 * angle));
+    for (const Vec2& p : evenPlaces(count))
+        out.push_back(sunFrom(whole, count == 1 ? whole.wsDirection : glm::normalize(frame * onCap(p, cosine)),
+                              whole.intensity * (1.0 / count)));
+}
+
+}  // namespace
+
+int subLightCount(const ViewScene& scene, const Light& light) {
+    if (!light.extended()) return 1;
+    if (light.samples > 0) return light.samples;
+    // What N sub-lights miss falls as 1 / N, and is less for a light that fills less of the sky: of a plume of dense
+    // smoke a sky left 0.85 / N, a sun of 20 degrees 0.09 / N, one of 5
+    // degrees 0.02 / N and a soft box near by 0.2 / N. Those are all about the root of its share of the sky.
+    constexpr double kPerRoot = 1;
+    const double share = solidAngle(light, wsCorners(scene)) / (4 * kPi);
+    // Of a sphere's sub-lights half are behind it.
+    const double used = light.area() && light.area()->shape == AreaShape::sphere ? 0.5 : 1;
+    const double count = kPerRoot * std::sqrt(share) / (used * scene.dials.lightError);
+    return static_cast<int>(std::clamp(std::ceil(count), 1.0, double(kMostSubLights)));
+}
+
+int SubLights::countOf(int owner) const {
+    if (owners.empty()) return 1;
+    const auto [first, last] = std::equal_range(owners.begin(), owners.end(), owner);
+    return static_cast<int>(last - first);
+}
+
+SubLights subLights(const ViewScene& scene) {
+    SubLights all;
+    if (std::none_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); })) return all;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        const int count = subLightCount(scene, light);
+        if (light.area())
+            addSurface(light, count, all.lights);
+        else if (light.dome() && !skiesFromBorder(scene))
+            addSky(light, count, all.lights);
+        else if (light.dome())
+            all.lights.push_back(sunFrom(light, light.wsUp, Rgb(0)));  // which is culled: it has none of the light
+        else if (light.extended())
+            addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
+        else
+            all.lights.push_back(light);
+        if (all.lights.size() == all.owners.size()) {  // its picture is black
+            all.lights.push_back(sunFrom(light, light.wsDirection, Rgb(0)));
+            all.lights.back().slide.reset();
+        }
+        all.owners.resize(all.lights.size(), static_cast<int>(i));
+    }
+    return all;
+}
+
+ViewScene withFewSubLights(const ViewScene& scene, int count) {
+    ViewScene few = scene, plain;
+    for (Light& light : few.lights) {
+        if (!light.extended()) continue;
+        light.samples = light.samples > 0 ? std::min(light.samples, count) : count;
+        if (light.slide && !light.slide->image) light.slide.reset();
+    }
+    return withSubLights(few, subLights(few), plain);
+}
+
+const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain) {
+    if (lights.owners.empty()) return scene;
+    plain = scene;
+    plain.lights = lights.lights;
+    for (ViewVolume& volume : plain.volumes) {
+        // Into what scatters light more than once skies shine through the border of its cells.
+        const bool noSky = scattersFully(volume);
+        if (volume.lights.empty() && !noSky) continue;
+        const std::vector<bool> byOwner = volume.lights;
+        volume.lights.clear();
+        for (const int owner : lights.owners)
+            volume.lights.push_back((byOwner.empty() || byOwner[std::size_t(owner)]) &&
+                                    !(noSky && scene.lights[std::size_t(owner)].dome()));
+    }
+    return plain;
+}
+
+bool skiesFromBorder(const ViewScene& scene) {
+    if (std::none_of(scene.volumes.begin(), scene.volumes.end(), scattersFully)) return false;
+    const bool caught = scene.solids && wants(scene, Layer::shadow);
+    return !caught && std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                                  [](const ViewVolume& v) { return v.field->empty() || scattersFully(v); });
+}
+
+}  // namespace scrim

@@ -1,0 +1,399 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/plan/make_plan.h>
+
+#include <scrim/base/error.h>
+#include <scrim/engine/composite/pixel_tiles.h>
+#include <scrim/engine/composite/deep_rays.h>
+#include <scrim/engine/light/light_sweep.h>
+#include <scrim/scene/slide_map.h>
+#include <scrim/engine/plan/culling.h>
+#include <scrim/engine/plan/light_groups.h>
+#include <scrim/engine/plan/rasters.h>
+#include <scrim/engine/plan/sheet_stack.h>
+#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/splat/extinction_sum.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <tuple>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+// Buffers of a batch should stay near the caches: more only pays with more threads.
+constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
+constexpr int kLeastBatch = 16;
+
+std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan& group, int batch) {
+    const Sheets& s = group.sheets;
+    std::size_t bytes = ExtinctionSum::bytes(scene, plan, s, group.lattice, batch, ExtinctionSum::eyeOf(group));
+    if (!plan.shadeAtPixels) bytes += PlaneStack::bytes(batch, s.width, s.height, group.outputs.layout.floats());
+    for (const PlannedLight& light : group.lights) {
+        if (!light.shadowed) continue;
+        bytes += plan.extinction.count() * LightSweep::shadowBytes(light, s, batch) +
+                 (scene.solids ? SolidShadow::bytes(light.view) : 0);
+        if (!light.lattice.shared())
+            bytes += ExtinctionSum::bytes(scene, plan, s, light.lattice, batch, ExtinctionSum::For::light);
+    }
+    return bytes;
+}
+
+// Sheets a batch: enough for every thread to have some, few enough to stay in memory.
+void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, const Plan& plan, GroupPlan& group) {
+    const auto bytesFor = [&](int batch) { return groupBytes(scene, plan, group, batch); };
+    const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
+    // Where memory is short, a deep picture gets at least half of what the flat one leaves.
+    const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, frameBytes);
+    const std::size_t budget =
+        scene.memoryLimit == 0 ? kComfortableBytes : std::min(kComfortableBytes, scene.deep ? left / 2 : left);
+    group.batchSheets = wanted;
+    while (group.batchSheets > 1 && bytesFor(group.batchSheets) > budget) --group.batchSheets;
+    group.bytes = bytesFor(group.batchSheets);
+    if (scene.memoryLimit != 0 && group.bytes + frameBytes > scene.memoryLimit)
+        throw Error(ErrorKind::memory,
+                    fmt::format("one sheet at a time needs {} of buffers and {} for the picture, more than the {} that "
+                                "the memory limit leaves",
+                                bytesText(group.bytes), bytesText(frameBytes), bytesText(scene.memoryLimit)));
+}
+
+void estimateWork(const ViewScene& scene, Plan& plan) {
+    double voxels = 0;
+    for (const ViewVolume& volume : scene.volumes) {
+        voxels += static_cast<double>(volume.field->activeVoxels);
+        for (const ViewField& scatter : volume.scatter) voxels += static_cast<double>(scatter.field->activeVoxels);
+        for (const ViewEmission& e : volume.emission) voxels += static_cast<double>(e.field.field->activeVoxels);
+    }
+    const double pixels = double(plan.region.width()) * plan.region.height();
+    for (const GroupPlan& group : plan.groups) {
+        const double share = group.needed.share(group.sheets);
+        const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
+        // A voxel reaches all sheets within its kernel's extent: about one and its own width.
+        const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
+        plan.work.footprints += share * voxels * reach;
+        plan.work.texels += texels;
+        plan.work.pixelSheets += pixels * (group.needed.last - group.needed.first);
+        for (const PlannedLight& light : group.lights)
+            if (light.shadowed)
+                plan.work.lightSamples +=
+                    plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
+    }
+}
+
+// What the group's light belongs to, of the scene's lights.
+std::vector<int> ownersOf(const Plan& plan, const GroupPlan& group) {
+    std::vector<int> owners;
+    for (const PlannedLight& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
+    return owners;
+}
+
+std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
+    std::vector<const Light*> shadowed;
+    for (const PlannedLight& light : group.lights)
+        if (light.shadowed) shadowed.push_back(&scene.lights[light.light]);
+    return shadowed;
+}
+
+// A deep picture: what its samples may take at most, and what they get. Samples become curves of about their size, so
+// they may take half of what the limit leaves.
+void planDeep(const ViewScene& scene, Plan& plan) {
+    if (!scene.deep) return;
+    double bytes = 0;
+    const int n = scene.dials.antialias;
+    for (const GroupPlan& group : plan.groups)
+        bytes += double(supersampled(plan.eyeParts[group.eyePart].window, n).pixelCount()) *
+                 (group.needed.last - group.needed.first) * double(DeepRays::kSampleBytes);
+    if (scene.memoryLimit > 0) {
+        const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, plan.bytes);
+        plan.mostDeepBytes = std::max<std::size_t>(1, left / 2);
+        bytes = std::min(bytes, double(plan.mostDeepBytes));
+    }
+    plan.deepBytes = static_cast<std::size_t>(2 * std::min(bytes, 4e18));
+    plan.bytes += plan.deepBytes;
+}
+
+// What the plan itself takes, which is little unless there are very many sheets.
+void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
+    std::size_t count = std::size_t(sheets);
+    for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
+    const std::size_t bytes = count * sizeof(Box2<int>);
+    if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
+        throw Error(ErrorKind::memory,
+                    fmt::format("planning {} sheets takes {}, more than the {} that the memory limit leaves", count,
+                                bytesText(bytes), bytesText(scene.memoryLimit)));
+}
+
+// Of lights that share an axis: where their sweep's sheets and rasters lie.
+GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
+                    GroupPlan g, const Checkpoint& checkpoint) {
+    g.eyePart = plan.eyeParts.size();
+    g.sheets = sheetsAround(scene, corners, g.wsAxis, g.slant, plan.voxel);
+    for (PlannedLight& light : g.lights) {
+        checkpoint();
+        light = planLight(scene, corners, g.sheets, g.slant, std::move(light));
+    }
+    g.outputs =
+        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.transport.lights());
+    checkPlanFits(scene, plan, g.sheets.count);
+    g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
+    g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
+    return g;
+}
+
+// Where one sheet at a time, with the shadow buffers of all of a group's lights, is more than the limit leaves, the
+// lights take turns: the sweep is repeated for a part of them at a time, along the same axis.
+void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan) {
+    if (scene.memoryLimit == 0) return;
+    const auto fits = [&](const GroupPlan& group) {
+        return groupBytes(scene, plan, group, 1) + frameBytes <= scene.memoryLimit;
+    };
+    std::vector<GroupPlan> all;
+    for (GroupPlan& group : plan.groups) {
+        std::vector<GroupPlan> passes;
+        std::vector<GroupPlan> open{std::move(group)};  // the first lights last
+        while (!open.empty()) {
+            GroupPlan one = std::move(open.back());
+            open.pop_back();
+            if (one.lights.size() < 2 || fits(one)) {
+                passes.push_back(std::move(one));
+                continue;
+            }
+            const auto middle = one.lights.begin() + static_cast<std::ptrdiff_t>(one.lights.size() / 2);
+            GroupPlan rest = one;
+            rest.lights.assign(std::make_move_iterator(middle), std::make_move_iterator(one.lights.end()));
+            rest.primary = 0;
+            one.lights.erase(middle, one.lights.end());
+            for (GroupPlan* half : {&rest, &one}) {
+                half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half),
+                                              plan.transport.lights());
+                open.push_back(std::move(*half));
+            }
+        }
+        for (std::size_t i = 0; i < passes.size(); ++i) {
+            passes[i].pass = static_cast<int>(i) + 1;
+            passes[i].passes = static_cast<int>(passes.size());
+            all.push_back(std::move(passes[i]));
+        }
+    }
+    plan.groups = std::move(all);
+}
+
+constexpr std::size_t kColours = 3;
+
+// Surfaces are grey: a transfer function has one extinction.
+Rgb tintOf(const ViewVolume& volume) {
+    return volume.classified ? Rgb(1) : volume.medium.relativeTint();
+}
+
+Bounds wsBounds(const ViewScene& scene) {
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    return ws;
+}
+
+// Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels
+// as large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where
+// none does.
+std::string fineSlide(const ViewScene& scene, const std::vector<std::string>& culled, double texel) {
+    const Vec3 center = wsBounds(scene).center();
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        if (!light.slide || !culled[i].empty()) continue;
+        const std::optional<double> pixel = slidePixel(light, center);
+        if (pixel && *pixel < 2 * texel)
+            return fmt::format(
+                "a pixel of the slide of '{}' covers {:.3g} at the volume, less than two texels of {:.3g}", light.name,
+                *pixel, texel);
+    }
+    return {};
+}
+
+// Optical depth of a sheet from which on media are shaded at pixels. What a texel shows, 1 - e^-tau, bends more and
+// more as tau grows, and so does what lies between two texels. (Smoke of so many a voxel, error at texels and at
+// pixels: 0.23: 0.5, 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
+constexpr double kDenseSheet = 0.4;
+
+// Empty where no medium is that dense.
+std::string denseMedium(const ViewScene& scene, const Plan& plan) {
+    for (const ViewVolume& volume : scene.volumes) {
+        const double tau =
+            volume.field->maxValue * volume.medium.mostExtinction() * plan.groups.front().sheets.thickness;
+        if (!volume.classified && tau > kDenseSheet)
+            return fmt::format("volume {} reaches an optical depth of {:.2g} a sheet, more than texels resolve",
+                               volume.name, tau);
+    }
+    return {};
+}
+
+// Rays from an eye fan out: the slant of its rays, and with it the optical depth of a sheet, changes from a texel to
+// the next by about texel / distance. Nearer than this, in texels, that is no longer a small part of either.
+constexpr double kNearEye = 4;
+
+bool eyeAmong(const ViewScene& scene, double texel) {
+    if (scene.camera.type != CameraType::perspective) return false;
+    Bounds ws = wsBounds(scene);
+    ws.lower -= kNearEye * texel;
+    ws.upper += kNearEye * texel;
+    return ws.contains(scene.camera.wsPosition);
+}
+
+// What texels would spoil; empty where they serve as well as pixels.
+std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::vector<std::string>& culled) {
+    const double texel = plan.groups.front().sheets.texel;
+    for (const ViewVolume& volume : scene.volumes)
+        if (volume.classified)
+            return fmt::format("volume {} is classified: surfaces are sharper than texels", volume.name);
+    for (const GroupPlan& group : plan.groups)
+        for (const PlannedLight& light : group.lights)
+            if (!light.ssWindows.empty())
+                return fmt::format("light {} is so near that its light changes between texels",
+                                   scene.lights[light.light].name);
+    if (eyeAmong(scene, texel)) return "the eye stands so near that what it sees of a sheet changes between texels";
+    if (const std::string reason = fineSlide(scene, culled, texel); !reason.empty()) return reason;
+    return denseMedium(scene, plan);
+}
+
+// Where light is added up, at texels of the sheets or at pixels of the picture, and why (the dial `shade`).
+std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& plan,
+                                          const std::vector<std::string>& culled) {
+    if (plan.groups.empty()) return {false, ""};
+    if (plan.perView) return {true, "per-view splatting knows no other place"};
+    if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
+    if (const std::string need = needOfPixels(scene, plan, culled); !need.empty()) return {true, need};
+
+    // For a thin medium both are equally exact. At texels every texel is shaded, and every pixel reads what texels
+    // show; at pixels every pixel reads extinction and shadows, and is shaded. In nanoseconds a sample and light (of
+    // smoke, one thread): at texels 5 + 4 lights, and 7 a pixel; at pixels 6 + 4 lights.
+    const Bounds ws = wsBounds(scene);
+    const double distance = glm::distance(scene.camera.wsPosition, ws.center());
+    const double pixel = pixelAt(scene.camera, distance) / scene.dials.antialias;
+    const double across = plan.groups.front().sheets.texel / pixel, pixels = across * across;
+    const double lights = double(scene.lights.size());
+    const double atTexels = 5 + 4 * lights + 7 * pixels, atPixels = (6 + 4 * lights) * pixels;
+    return {atPixels < atTexels,
+            fmt::format("a texel is {:.2g} pixels wide and has {} light{}; a thin medium looks the "
+                        "same either way",
+                        across, scene.lights.size(), scene.lights.size() == 1 ? "" : "s")};
+}
+
+// For each light of the scene why it is culled: why the first of its lights is, where all are.
+std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vector<std::string>& reasons,
+                                        std::size_t count) {
+    if (lights.owners.empty()) return reasons;
+    std::vector<std::string> byOwner(count);
+    std::vector<bool> seen(count, false);
+    for (std::size_t i = 0; i < reasons.size(); ++i) {
+        const auto owner = std::size_t(lights.owners[i]);
+        if (!seen[owner] || reasons[i].empty()) byOwner[owner] = reasons[i];
+        seen[owner] = true;
+    }
+    return byOwner;
+}
+
+// Of the picture itself.
+std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
+    const auto tiles = [](int pixels) { return roundUpToTile(pixels) / kTileEdge; };
+    const std::size_t pixels =
+        kTileSize * rasterArea(tiles(plan.region.width()), tiles(plan.region.height()), "tiles of 16 x 16 rays");
+    constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
+    std::size_t floats = 4;
+    for (const GroupPlan& group : plan.groups)
+        floats = std::max(
+            floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
+    return pixels * floats * sizeof(Real) + std::size_t(scene.region.width()) * std::size_t(scene.region.height()) *
+                                                (4 + 3 * layerCount(scene)) * sizeof(float);
+}
+
+void checkSlides(const ViewScene& scene) {
+    for (const Light& light : scene.lights)
+        if (light.slide && !light.slide->image)
+            throw Error(ErrorKind::usage,
+                        fmt::format("the slide '{}' of light '{}' is not loaded", light.slide->file, light.name));
+}
+
+}  // namespace
+
+ExtinctionChannels extinctionChannels(const ViewScene& scene) {
+    ExtinctionChannels channels;
+    channels.tints.clear();
+    for (const ViewVolume& volume : scene.volumes) {
+        const Rgb tint = tintOf(volume);
+        const auto known = std::find(channels.tints.begin(), channels.tints.end(), tint);
+        channels.shares.push_back({{static_cast<int>(known - channels.tints.begin()), 1}});
+        if (known == channels.tints.end()) channels.tints.push_back(tint);
+        channels.coloured = channels.coloured || tint != Rgb(1);
+    }
+    if (channels.tints.empty()) channels.tints.emplace_back(1);
+    if (channels.tints.size() <= kColours) return channels;
+
+    channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const Rgb tint = tintOf(scene.volumes[v]);
+        channels.shares[v].clear();
+        for (int c = 0; c < static_cast<int>(kColours); ++c)
+            if (tint[c] > 0) channels.shares[v].push_back({c, static_cast<Real>(tint[c])});
+    }
+    return channels;
+}
+
+Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress) {
+    const Checkpoint checkpoint = [&] {
+        if (progress && !progress(0)) throw Error(ErrorKind::interrupted, "the planning was interrupted");
+    };
+    Plan plan;
+    plan.threads = threads;
+    plan.simd = Simd(given.dials.simd);
+    plan.voxel = voxelUnit(given);
+    plan.region = supersampled(given.region, given.dials.antialias);
+    plan.perView = given.dials.splat == SplatMode::perView;
+    plan.extinction = extinctionChannels(given);
+    const std::vector<Vec3> corners = wsCorners(given);
+    if (corners.empty()) return plan;
+    checkSlides(given);
+    plan.subLights = subLights(given);
+    plan.transport = planTransport(given);
+    ViewScene plain;
+    const ViewScene& scene = withSubLights(given, plan.subLights, plain);
+    const std::vector<std::string> culled = culledLights(scene);
+    plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights.size());
+    nameSkiesFromBorder(given, plan.culledLights);
+
+    for (EyePart& part : eyeParts(scene, corners)) {
+        part.window = intersection(part.window, scene.region);
+        if (part.window.empty()) continue;
+        for (GroupPlan& group : groupLights(scene, corners, part, culled, checkpoint))
+            plan.groups.push_back(planGroup(scene, corners, plan, part, std::move(group), checkpoint));
+        plan.eyeParts.push_back(std::move(part));
+    }
+    std::tie(plan.shadeAtPixels, plan.shadeReason) = shadingPlace(scene, plan, culled);
+
+    const std::size_t frameBytes = bytesOfFrame(given, plan);
+    plan.bytes = frameBytes;
+    splitIntoPasses(scene, frameBytes, plan);
+    for (GroupPlan& group : plan.groups) {
+        chooseBatch(scene, threads, frameBytes, plan, group);
+        plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);
+    }
+    plan.bytes += plan.transport.bytes;
+    planDeep(scene, plan);
+    estimateWork(scene, plan);
+    return plan;
+}
+
+double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
+    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint reaches about three
+    // voxels beyond its slab in u and v, so it has that many texels, squared; of sheets and pictures about a third is
+    // not empty.
+    constexpr double kFootprint = 2.0e-8, kFootprintTexel = 1.2e-9, kReach = 4;
+    constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
+    const double across = kReach / scene.dials.texel;
+    const double views = plan.perView && !plan.groups.empty() ? 1.0 + double(plan.groups.front().lights.size()) : 1.0;
+    const double work = plan.work.footprints * views * (kFootprint + kFootprintTexel * across * across) +
+                        plan.work.texels * kTexel + plan.work.lightSamples * kLightSample +
+                        plan.work.pixelSheets * kPixelSheet * (plan.shadeAtPixels ? 3 : 1);
+    return kStart + work / threads;
+}
+
+}  // namespace scrim

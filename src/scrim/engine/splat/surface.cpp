@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/splat/surface.h>
+
+#include <scrim/engine/splat/plane_sampling.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <glm/matrix.hpp>
+
+namespace scrim {
+namespace {
+
+// Least and greatest value of a tile and the texels next to it on some planes.
+struct Limits {
+    Real low, high;
+};
+
+Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
+    const int width = planes[0].width, height = planes[0].height;
+    const int x0 = std::max(0, tx * kTileEdge - 1), x1 = std::min(width, (tx + 1) * kTileEdge + 1);
+    const int y0 = std::max(0, ty * kTileEdge - 1), y1 = std::min(height, (ty + 1) * kTileEdge + 1);
+    Limits limits{planes[0].data[y0 * width + x0], 0};
+    for (const FloatPlane& plane : planes)
+        for (int y = y0; y < y1; ++y) {
+            const Real* row = plane.data + static_cast<std::ptrdiff_t>(y) * width;
+            for (int x = x0; x < x1; ++x) {
+                limits.low = std::min(limits.low, row[x]);
+                limits.high = std::max(limits.high, row[x]);
+            }
+        }
+    return limits;
+}
+
+// The field at both faces and in the middle of a sheet, from its values on the planes of sheets n - 1, n and n + 1.
+//
+// Those are means over sheets, and between them the field is taken to be linear. Either makes it smoother than it is:
+// over a sheet, by a 24th and on average by a twelfth of the second difference. An eighth of it is taken away again (as
+// PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
+void runThroughSheet(Real& before, Real& here, Real& behind) {
+    const Real blur = Real(0.125) * (before - 2 * here + behind);
+    const auto sharp = [blur](Real value) { return value > blur ? value - blur : Real(0); };
+    const Real front = sharp(Real(0.5) * (before + here)), middle = sharp(here),
+               back = sharp(Real(0.5) * (here + behind));
+    before = front;
+    here = middle;
+    behind = back;
+}
+
+// Values of a plane at the samples, moved by (du, dv) cells.
+void sampleMoved(const FloatPlane& plane, const SampleTile& at, Real du, Real dv, Real* out) {
+    alignas(64) Real u[kTileSize], v[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        u[k] = at.u[k] + du;
+        v[k] = at.v[k] + dv;
+    }
+    samplePoints(plane, u, v, false, kTileSize, out);
+}
+
+// Values of a plane where the eye's rays cross it; per unit of slope they move by `texels`.
+void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels, Real* out) {
+    alignas(64) Real u[kTileSize], v[kTileSize];
+    for (int k = 0; k < kTileSize; ++k) {
+        u[k] = at.u[k] + texels * at.eyeA[k];
+        v[k] = at.v[k] + texels * at.eyeB[k];
+    }
+    samplePoints(plane, u, v, false, kTileSize, out);
+}
+
+// Surfaces take twice the steps that the dial says, because normals show ripples best. Voxels of more than a million
+// times the last value of the transfer function count as that: sums of floats must not overflow.
+FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials, const Sheets& sheets) {
+    constexpr int kMostSteps = 128;
+    FieldPlanes::Settings settings;
+    settings.most = static_cast<Real>(
+        std::min<double>(1e6 * volume.classified->transfer.back().value, std::numeric_limits<float>::max()));
+    settings.stepsPerVoxel = std::min(2 * dials.footprintSteps, kMostSteps);
+    settings.halo = Surface::halo(volume, sheets);
+    return settings;
+}
+
+}  // namespace
+
+Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
+                 int batchSheets, double voxel)
+    : m_sheets(sheets),
+      m_lattice(lattice),
+      m_wsFromIs(volume.wsFromIs),
+      m_simd(dials.simd),
+      m_table(*volume.classified),
+      m_vagueGradient(vagueGradient(*volume.classified, voxel)),
+      m_step(stepFor(lattice.rsFromTs)),
+      m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
+              batchSheets),
+      m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
+
+int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {
+    const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
+    int reach = 1;
+    for (int axis = 0; axis < 3; ++axis)
+        reach = std::max(reach, static_cast<int>(std::ceil(std::abs(tsFromIs[axis].z))));
+    return reach;
+}
+
+FloatPlane Surface::plane(int p, int steps) const {
+    const PlaneStack& planes = m_field.planes();
+    return {planes.plane(m_field.planeOf(m_firstSheet + p + steps)), planes.width(), planes.height(), 0, 0, m_simd};
+}
+
+void Surface::classifyTexels(int p) {
+    const std::array<FloatPlane, 3> around{plane(p, -1), plane(p, 0), plane(p, 1)};
+    const int sheet = m_firstSheet + p;
+    const PlaneStack& values = m_field.planes();
+    PlaneStack& out = m_extinction;
+    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], sigma[kTileSize];
+    const auto anyActive = [&](int tx, int ty) {
+        for (int steps = -1; steps <= 1; ++steps)
+            if (values.anyActive(m_field.planeOf(sheet + steps), {tx - 1, ty - 1, tx + 2, ty + 2})) return true;
+        return false;
+    };
+    out.begin(p);
+    for (int ty = 0; ty < out.tilesY(); ++ty)
+        for (int tx = 0; tx < out.tilesX(); ++tx) {
+            // A tile counts as active where its texels, or anything between them and their neighbours, may show
+            // something: pixels look there, too.
+            if (!anyActive(tx, ty)) continue;
+            const Limits limits = limitsAround(around, tx, ty);
+            if (!m_table.anyBetween(limits.low, limits.high)) continue;
+            out.replace(p, tx, ty);
+            const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * out.width() + tx * kTileEdge;
+            for (int k = 0; k < kTileSize; ++k) {
+                const std::ptrdiff_t at =
+                    corner + static_cast<std::ptrdiff_t>(k / kTileEdge) * out.width() + k % kTileEdge;
+                front[k] = around[0].data[at];
+                middle[k] = around[1].data[at];
+                back[k] = around[2].data[at];
+                runThroughSheet(front[k], middle[k], back[k]);
+            }
+            m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
+            Real* to = out.plane(p) + corner;
+            for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
+                std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
+        }
+    out.finish(p);
+}
+
+void Surface::sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const {
+    const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
+    sampleAlongRays(plane(p, -1), at, -texelsPerSlope, run.front);
+    sampleAlongRays(plane(p, 0), at, 0, run.middle);
+    sampleAlongRays(plane(p, 1), at, texelsPerSlope, run.back);
+    for (int k = 0; k < kTileSize; ++k) runThroughSheet(run.front[k], run.middle[k], run.back[k]);
+}
+
+bool Surface::classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const {
+    sampleRun(p, at, out);
+    Real low = out.front[0], high = low;
+    for (const Real* values : {out.front, out.middle, out.back})
+        for (int k = 0; k < kTileSize; ++k) {
+            low = std::min(low, values[k]);
+            high = std::max(high, values[k]);
+        }
+    if (!m_table.anyBetween(low, high)) {
+        std::fill(out.extinction, out.extinction + kTileSize, Real(0));
+        return false;
+    }
+    m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
+    if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
+    for (int c = 0; c < 3; ++c)
+        m_table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], m_simd);
+    findNormals(p, at, m_lattice.parallel() ? m_step : stepAt(p, tile), out);
+    return true;
+}
+
+// Values at the samples moved by `tsOffset`: between planes, linearly.
+void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const {
+    const auto du = static_cast<Real>(tsOffset.x), dv = static_cast<Real>(tsOffset.y);
+    const int whole = static_cast<int>(std::floor(tsOffset.z));
+    const auto fraction = static_cast<Real>(tsOffset.z - whole);
+    sampleMoved(plane(p, whole), at, du, dv, out);
+    if (fraction == 0) return;
+    alignas(64) Real further[kTileSize];
+    sampleMoved(plane(p, whole + 1), at, du, dv, further);
+    for (int k = 0; k < kTileSize; ++k) out[k] += fraction * (further[k] - out[k]);
+}
+
+void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const {
+    alignas(64) Real lower[kTileSize], upper[kTileSize];
+    for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
+    for (int axis = 0; axis < 3; ++axis) {
+        sampleBetween(p, at, -step.rsVoxel[axis], lower);
+        sampleBetween(p, at, step.rsVoxel[axis], upper);
+        for (int c = 0; c < 3; ++c) {
+            // Out of the denser side: down the gradient. In units of the vague one: squares of gradients neither
+            // overflow nor vanish, whatever the units of the field and the size of its voxels.
+            const auto part = static_cast<Real>(-step.ssFromDifference[axis][c] / m_vagueGradient);
+            for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
+        }
+    }
+    for (int k = 0; k < kTileSize; ++k) {
+        Real *x = out.normal[0] + k, *y = out.normal[1] + k, *z = out.normal[2] + k;
+        const Real g2 = *x * *x + *y * *y + *z * *z;
+        out.weight[k] = g2 / (g2 + 1);
+        const Real inverse = 1 / std::sqrt(std::max(g2, Real(1e-30)));  // a gradient of 0 has no weight
+        *x *= inverse;
+        *y *= inverse;
+        *z *= inverse;
+    }
+}
+
+Surface::GradientStep Surface::stepFor(const Mat4& rsFromTs) const {
+    const Mat4 rsFromIs = rsFromTs * m_sheets.tsFrom(m_wsFromIs);
+    GradientStep step;
+    for (int axis = 0; axis < 3; ++axis) step.rsVoxel[axis] = Vec3(rsFromIs[axis]);
+    // A gradient is a covector: differences go with the inverse transpose.
+    step.ssFromDifference = m_sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(m_wsFromIs))));
+    return step;
+}
+
+// At the middle of a tile of a perspective view, on its ray.
+Surface::GradientStep Surface::stepAt(int p, const Int2& tile) const {
+    const double n = m_firstSheet + p + 0.5;
+    const Vec3 middle((tile.x + 0.5) * kTileEdge, (tile.y + 0.5) * kTileEdge, 1);
+    const Vec3 onPlane = glm::inverse(m_lattice.fromPlane(n)) * middle;
+    return stepFor(m_lattice.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
+}
+
+std::size_t Surface::bytes() const {
+    return m_field.bytes() + PlaneStack::bytes(m_extinction.planes(), m_extinction.width(), m_extinction.height(), 1);
+}
+
+std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
+                           int batchSheets) {
+    return FieldPlanes::bytes({volume.field, volume.wsFromIs}, settingsOf(volume, dials, sheets), dials, sheets,
+                              lattice, batchSheets) +
+           PlaneStack::bytes(batchSheets, lattice.width, lattice.height, 1);
+}
+
+}  // namespace scrim

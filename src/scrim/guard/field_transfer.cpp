@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/guard/field_transfer.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/volume/field_builder.h>
+#include <scrim/volume/grid_request.h>
+#include <scrim/volume/vdb_info_text.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace scrim {
+
+namespace {
+
+/// Each field consists of a FieldHeader, the name, origins, tiles, and the aligned values of its blocks.
+struct FieldHeader {
+    std::uint64_t blocks = 0;
+    std::uint64_t tiles = 0;
+    std::uint64_t nonFinite = 0;
+    std::uint64_t negative = 0;
+    double wsFromIs[16] = {};  ///< column by column, as in GLM
+};
+
+struct TileRecord {
+    std::int32_t origin[3];
+    std::int32_t edge;
+    float value;
+};
+
+/// Checks in blocks from another process what `buildField` promises about values: counts them, and returns whether all
+/// are finite and not negative.
+bool countBlocks(SparseField& field) {
+    constexpr std::size_t kBlocksPerTask = 256;
+    struct Part {
+        std::uint64_t active = 0;
+        float maxValue = 0;
+        bool good = true;
+    };
+    std::vector<Part> parts((field.blockCount() + kBlocksPerTask - 1) / kBlocksPerTask);
+    parallelFor(parts.size(), [&](std::size_t task) {
+        Part& part = parts[task];
+        const std::size_t end = std::min(field.blockCount(), (task + 1) * kBlocksPerTask);
+        const float* values = field.block(task * kBlocksPerTask);
+        for (const float* v = values; v != field.block(end); ++v) {
+            part.good = part.good && *v >= 0 && *v <= std::numeric_limits<float>::max();
+            part.active += *v > 0;
+            part.maxValue = std::max(part.maxValue, *v);
+        }
+    });
+    bool good = true;
+    for (const Part& part : parts) {
+        good = good && part.good;
+        field.activeVoxels += part.active;
+        field.maxValue = std::max(field.maxValue, part.maxValue);
+    }
+    return good;
+}
+
+SparseField readField(TransferReader& reader, const std::shared_ptr<const TransferMapping>& mapping) {
+    const auto header = reader.value<FieldHeader>();
+    SparseField field;
+    field.name = reader.text();
+    field.nonFinite = header.nonFinite;
+    field.negative = header.negative;
+    FieldPieces frame;  // everything but the values, to be checked as for any other field
+    frame.name = field.name;
+    for (int i = 0; i < 16; ++i) frame.wsFromIs[i / 4][i % 4] = header.wsFromIs[i];
+    field.wsFromIs = frame.wsFromIs;
+
+    const char* origins = reader.take(header.blocks, sizeof(Int3));
+    field.blockOrigins.resize(header.blocks);
+    if (header.blocks > 0) std::memcpy(field.blockOrigins.data(), origins, header.blocks * sizeof(Int3));
+    const char* tiles = reader.take(header.tiles, sizeof(TileRecord));
+    for (std::uint64_t i = 0; i < header.tiles; ++i) {
+        TileRecord t;
+        std::memcpy(&t, tiles + i * sizeof t, sizeof t);
+        field.tiles.push_back({{t.origin[0], t.origin[1], t.origin[2]}, t.edge, t.value});
+        if (!(std::isfinite(t.value) && t.value > 0)) incompleteTransfer("a tile holds a value that is not above 0");
+    }
+    reader.align();
+    const auto* values = reinterpret_cast<const float*>(reader.take(header.blocks, kBlockVoxels * sizeof(float)));
+    field.blockValues = std::shared_ptr<const float>(mapping, values);
+
+    if (!std::is_sorted(field.blockOrigins.begin(), field.blockOrigins.end(), originLess))
+        incompleteTransfer("its blocks are out of order");
+    frame.blockOrigins = field.blockOrigins;
+    frame.tiles = field.tiles;
+    try {
+        checkPieces(frame);
+    } catch (const Error& error) {
+        incompleteTransfer(error.what());
+    }
+    if (!countBlocks(field)) incompleteTransfer("its blocks hold values that are negative or not finite");
+    for (const ConstantTile& tile : field.tiles) {
+        const auto edge = static_cast<std::uint64_t>(tile.edge);
+        field.activeVoxels += edge * edge * edge;
+        field.maxValue = std::max(field.maxValue, tile.value);
+    }
+    return field;
+}
+
+}  // namespace
+
+void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
+    TransferWriter writer(fd);
+    for (const TransferMessage& message : messages) {
+        writer.value(static_cast<std::uint32_t>(message.severity));
+        writer.text(message.text);
+    }
+    for (const SparseField& field : fields) {
+        FieldHeader header;
+        header.blocks = field.blockCount();
+        header.tiles = field.tiles.size();
+        header.nonFinite = field.nonFinite;
+        header.negative = field.negative;
+        for (int i = 0; i < 16; ++i) header.wsFromIs[i] = field.wsFromIs[i / 4][i % 4];
+        writer.value(header);
+        writer.text(field.name);
+        writer.bytes(field.blockOrigins.data(), field.blockOrigins.size() * sizeof(Int3));
+        for (const ConstantTile& t : field.tiles)
+            writer.value(TileRecord{{t.origin.x, t.origin.y, t.origin.z}, t.edge, t.value});
+        writer.align();
+        writer.bytes(field.blockValues.get(), field.blockCount() * kBlockVoxels * sizeof(float));
+    }
+    TransferHeader header;
+    header.fields = fields.size();
+    header.messages = messages.size();
+    writer.finish(header, TransferKind::fields);
+}
+
+void sendRequest(int fd, const LoadRequest& request) {
+    TransferWriter writer(fd);
+    writer.text(request.what);
+    writer.text(request.path);
+    writer.text(request.source);
+    writer.text(request.beside);
+    for (const GridRequest& grid : request.grids) writer.text(toText(grid));
+    for (const auto& [name, value] : request.parameters) {
+        writer.text(name);
+        writer.text(value);
+    }
+    TransferHeader header;
+    header.fields = request.grids.size();
+    header.messages = request.parameters.size();
+    writer.finish(header, TransferKind::request);
+}
+
+void sendInfo(int fd, const VdbFileInfo& info) {
+    TransferWriter writer(fd);
+    writer.text(toJson(info));
+    writer.finish({}, TransferKind::info);
+}
+
+void sendError(int fd, const Error& error) {
+    TransferWriter writer(fd);
+    writer.text(error.what());
+    TransferHeader header;
+    if (const auto* ofGrid = dynamic_cast<const GridError*>(&error)) {
+        writer.text(toText(ofGrid->request()));
+        header.fields = 1;
+    }
+    if (const auto* beside = dynamic_cast<const BesideError*>(&error)) {
+        writer.text(beside->name());
+        header.messages = 1;
+    }
+    header.code = static_cast<std::uint32_t>(error.kind());
+    writer.finish(header, TransferKind::error);
+}
+
+LoadRequest receiveRequest(int fd) {
+    const TransferMapping mapping(fd, TransferMapping::Sender::trusted);
+    TransferReader reader(mapping);
+    const TransferHeader header = reader.header(TransferKind::request);
+    LoadRequest out;
+    out.what = reader.text();
+    out.path = reader.text();
+    out.source = reader.text();
+    out.beside = reader.text();
+    for (std::uint64_t i = 0; i < header.fields; ++i) out.grids.push_back(gridRequestFrom(reader.text()));
+    for (std::uint64_t i = 0; i < header.messages; ++i) {
+        const std::string name = reader.text();
+        out.parameters.emplace_back(name, reader.text());
+    }
+    return out;
+}
+
+ReceivedFields receiveFields(int fd) {
+    const auto mapping = std::make_shared<const TransferMapping>(fd);
+    TransferReader reader(*mapping);
+    const TransferHeader header = reader.header(TransferKind::fields);
+    ReceivedFields out;
+    for (std::uint64_t i = 0; i < header.messages; ++i) {
+        const auto severity = reader.value<std::uint32_t>();
+        out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, shortened(reader.text(), 2000)});
+    }
+    for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
+    if (!reader.done()) incompleteTransfer("it is longer than it says");
+    return out;
+}
+
+VdbFileInfo receiveInfo(int fd) {
+    const TransferMapping mapping(fd);
+    TransferReader reader(mapping);
+    reader.header(TransferKind::info);
+    return vdbFileInfoFromJson(reader.text());
+}
+
+}  // namespace scrim

@@ -1,0 +1,256 @@
+// SPDX-License-Identifier: Apache-2.0
+// The parent's side of a guarded load; the child's is src/load.
+#include <scrim/guard/guarded_load.h>
+
+#include <scrim/base/installed.h>
+#include <scrim/base/system_error.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/volume/loaded_source.h>
+#include <scrim/guard/mesh_transfer.h>
+#include <scrim/guard/picture_transfer.h>
+#include <scrim/volume/vdb_bytes.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+namespace scrim {
+namespace {
+
+/// Bytes of memory allowed per byte of a file. OpenVDB's trees take some 35 times their smallest compressed size, and
+/// the field made from them comes on top.
+constexpr std::size_t kMemoryPerByte = 64;
+/// With less than this, the reader itself would take a sound small file for a damaged one.
+constexpr std::size_t kLeastGivenMemory = std::size_t{1} << 30;
+constexpr std::uint64_t kSlowestBytesPerSecond = 1 << 20;  // the speed of a busy network drive
+
+/// The limits on a file beyond those that depend on its size: several times what sound files need.
+struct Kind {
+    std::size_t leastMemory = 0;
+    std::chrono::minutes patience{0};
+};
+constexpr Kind kVolume{std::size_t{4} << 30, std::chrono::minutes{10}};
+/// Pictures have at most 50 million pixels (kMostTexturePixels), which half a million pixels per second get through in
+/// time.
+constexpr Kind kPicture{std::size_t{4} << 30, std::chrono::minutes{2}};
+/// A source may make more than its file suggests: a mesh becomes as much fog as requested, and scans are compressed.
+/// Scrim's own sources refuse larger results by themselves.
+constexpr Kind kSource{std::size_t{16} << 30, std::chrono::minutes{10}};
+
+LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& options) {
+    LoadLimits limits;
+    limits.memory = options.memory > 0 ? std::max(options.memory, kLeastGivenMemory)
+                                       : std::max<std::size_t>(kind.leastMemory, kMemoryPerByte * bytes);
+    limits.patience = kind.patience + std::chrono::seconds(bytes / kSlowestBytesPerSecond);
+    return limits;
+}
+
+/// A regular file that is open for reading, or the reason why it is not. Throws an Error of another kind than `input`
+/// where the file is not to blame.
+class OpenFile {
+  public:
+    // Without O_NONBLOCK, opening a FIFO would wait for a writer.
+    explicit OpenFile(const std::string& path)
+        : m_file(aboveStandardStreams(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK))) {
+        const int error = errno;
+        if (const ErrorKind kind = kindOfSystemError(error, ErrorKind::input);
+            m_file.fd() < 0 && kind != ErrorKind::input)
+            throw Error(kind, fmt::format("{}: {}", path, systemErrorText(error)));
+        struct stat status {};
+        if (m_file.fd() < 0 || ::fstat(m_file.fd(), &status) != 0)
+            m_problem = errno == ENOENT ? "there is no such file" : std::strerror(errno);
+        else if (!S_ISREG(status.st_mode))
+            m_problem = "is not a file";
+        else
+            m_size = static_cast<std::uint64_t>(status.st_size);
+    }
+    int fd() const { return m_file.fd(); }
+    std::uint64_t size() const { return m_size; }
+    /// "": the file is open.
+    const std::string& problem() const { return m_problem; }
+
+  private:
+    Descriptor m_file;
+    std::uint64_t m_size = 0;
+    std::string m_problem;
+};
+
+/// Starts a child that reads `what` of a file. The file is opened here, because children cannot open files.
+LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
+              const LoadOptions& options, int transfer) {
+    const VdbBytes file(path);
+    sendRequest(transfer, {what, path, requests});
+    return LoadJob(options.loader, LoadedFiles::volumes, path, transfer, file.descriptor(),
+                   limitsFor(kVolume, file.size(), options), options.showStderr);
+}
+
+/// Runs `receive` and puts the path in front of its error about an incomplete transfer.
+template <typename Receive>
+auto received(const std::string& path, const Receive& receive) {
+    try {
+        return receive();
+    } catch (const GridError&) {
+        throw;
+    } catch (const BesideError&) {
+        throw;
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        if (text.starts_with("what was read is incomplete"))
+            throw Error(error.kind(), fmt::format("{}: damaged: {}", path, text));
+        if (text.ends_with(kClaimsMemory) && limitsMemory(kLeastGivenMemory))
+            throw Error(ErrorKind::memory,
+                        fmt::format("{}: not enough memory to read it, of which there may be less than it needs "
+                                    "(ulimit -v)",
+                                    path));
+        if (text.starts_with("cannot hand over")) throw Error(error.kind(), fmt::format("{}: {}", path, text));
+        throw;
+    }
+}
+
+/// Runs `load`, and once more if the loader program had just been ended by somebody.
+template <typename Load>
+auto withLoader(const Checkpoint& checkpoint, const Load& load) {
+    if (checkpoint) checkpoint();
+    try {
+        return load();
+    } catch (const LoaderLost&) {
+        return load();
+    }
+}
+
+/// Starts a child that reads `what` of a picture with `parameters`, and receives the result.
+template <typename Result>
+Result pictureJob(const std::string& path, const std::string& what, Result (*receive)(int), const LoadOptions& options,
+                  const Checkpoint& checkpoint, const SourceParameters& parameters = {}) {
+    const OpenFile file(path);
+    if (!file.problem().empty()) {
+        Result none;
+        none.problem = file.problem();
+        return none;
+    }
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        sendRequest(transfer.fd(), {what, path, {}, "", parameters});
+        LoadJob(options.loader, LoadedFiles::pictures, path, transfer.fd(), file.fd(),
+                limitsFor(kPicture, file.size(), options), options.showStderr)
+            .wait(checkpoint);
+        return received(path, [&] { return receive(transfer.fd()); });
+    });
+}
+
+}  // namespace
+
+GuardedFields::GuardedFields(const std::string& path, const std::vector<GridRequest>& requests,
+                             const LoadOptions& options)
+    : m_path(path),
+      m_requests(requests),
+      m_identity(identityOf(path)),
+      m_transfer(createTransfer()),
+      m_job(begin("fields", path, requests, options, m_transfer.fd())) {}
+
+GuardedFields::Identity GuardedFields::identityOf(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return {};
+    return {static_cast<std::uint64_t>(status.st_dev), static_cast<std::uint64_t>(status.st_ino),
+            static_cast<std::uint64_t>(status.st_size), static_cast<std::int64_t>(status.st_mtim.tv_sec),
+            static_cast<std::int64_t>(status.st_mtim.tv_nsec)};
+}
+
+bool GuardedFields::isCurrent() const {
+    return identityOf(m_path) == m_identity;
+}
+
+std::vector<SparseField> GuardedFields::take(const MessageSink& messages, const Checkpoint& checkpoint) {
+    m_job.wait(checkpoint);
+    ReceivedFields result = received(m_path, [&] { return receiveFields(m_transfer.fd()); });
+    if (result.fields.size() != m_requests.size())
+        throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were read, expected {}", m_path,
+                                                  result.fields.size(), m_requests.size()));
+    for (const TransferMessage& message : result.messages) notify(messages, message.severity, message.text);
+    return std::move(result.fields);
+}
+
+std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
+                                       const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] { return GuardedFields(path, requests, options).take(messages, checkpoint); });
+}
+
+VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        begin("info", path, {}, options, transfer.fd()).wait(checkpoint);
+        return received(path, [&] { return receiveInfo(transfer.fd()); });
+    });
+}
+
+FilePicture guardedPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    return pictureJob<FilePicture>(path, "picture", receivePicture, options, checkpoint);
+}
+
+PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    return pictureJob<PictureHeader>(path, kPictureHeader, receivePictureHeader, options, checkpoint);
+}
+
+FileDepth guardedDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                       const Checkpoint& checkpoint) {
+    return pictureJob<FileDepth>(path, kPictureDepth, receivePictureDepth, options, checkpoint, {{"channel", channel}});
+}
+
+FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    const OpenFile file(path);
+    if (!file.problem().empty()) return {{}, fmt::format("{}: {}", path, file.problem())};
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        sendRequest(transfer.fd(), {kMesh, path, {}, besideLibrary(kMeshModule)});
+        LoadJob(options.loader, LoadedFiles::volumes, path, transfer.fd(), file.fd(),
+                limitsFor(kSource, file.size(), options), options.showStderr)
+            .wait(checkpoint);
+        return received(path, [&] { return receiveMesh(transfer.fd()); });
+    });
+}
+
+std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,
+                                       const std::string& path, const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint) {
+    const std::string what = fmt::format("source '{}': {}", sourceNameOf(source), path);
+    const OpenFile file(path);
+    if (!file.problem().empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", what, file.problem()));
+    LoadRequest request{"source", path, {}, source, parameters};
+    const auto madeWith = [&](const OpenFile* beside) {
+        const std::uint64_t bytes = file.size() + (beside == nullptr ? 0 : beside->size());
+        return withLoader(checkpoint, [&] {
+            const Descriptor transfer(createTransfer());
+            sendRequest(transfer.fd(), request);
+            LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), file.fd(),
+                    limitsFor(kSource, bytes, options), options.showStderr, beside == nullptr ? -1 : beside->fd())
+                .wait(checkpoint);
+            return received(what, [&] { return receiveFields(transfer.fd()); });
+        });
+    };
+    const auto made = [&] {
+        try {
+            return madeWith(nullptr);
+        } catch (const BesideError& error) {
+            // Only now is the name of the second file known.
+            request.beside = error.name();
+            const OpenFile beside((std::filesystem::path(path).parent_path() / error.name()).string());
+            if (!beside.problem().empty()) throw;
+            return madeWith(&beside);
+        }
+    };
+    ReceivedFields result = made();
+    if (result.fields.empty()) throw Error(ErrorKind::input, fmt::format("{}: damaged: no grid was made", what));
+    for (const TransferMessage& message : result.messages) notify(messages, message.severity, message.text);
+    return std::move(result.fields);
+}
+
+}  // namespace scrim

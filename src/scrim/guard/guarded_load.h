@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: reads .vdb files and pictures, and runs volume sources that read files, in a child process under limits.
+// Readers can crash on damaged files; then only the child dies, and this process reports it. The child belongs to the
+// program `scrim-load` (load_job.h); the result comes back through shared memory (field_transfer.h,
+// picture_transfer.h).
+#pragma once
+
+#include <scrim/base/messages.h>
+#include <scrim/image/picture_module.h>
+#include <scrim/solid/mesh_module.h>
+#include <scrim/volume/grid_request.h>
+#include <scrim/guard/load_job.h>
+#include <scrim/guard/load_options.h>
+#include <scrim/volume/source_parameters.h>
+#include <scrim/volume/sparse_field.h>
+#include <scrim/volume/vdb_info.h>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace scrim {
+
+/// Fields that a child reads while this process does something else. If this object is destroyed before they are taken,
+/// the child ends, too.
+class GuardedFields {
+  public:
+    /// Starts a child that reads. Throws Error where the file cannot be opened or no child can be started.
+    GuardedFields(const std::string& path, const std::vector<GridRequest>& requests, const LoadOptions& options);
+
+    /// Waits for the child and returns its fields. May be called once. Throws as `loadFields` (load_fields.h); calls
+    /// `checkpoint` every few milliseconds.
+    std::vector<SparseField> take(const MessageSink& messages, const Checkpoint& checkpoint);
+
+    const std::string& path() const { return m_path; }
+    const std::vector<GridRequest>& requests() const { return m_requests; }
+    /// True if the path still names the file that was opened and nobody has written to it since.
+    bool isCurrent() const;
+
+  private:
+    /// Attributes that distinguish versions of a file.
+    struct Identity {
+        std::uint64_t device = 0, inode = 0, size = 0;
+        std::int64_t seconds = 0, nanoseconds = 0;
+        bool operator==(const Identity&) const = default;
+    };
+    static Identity identityOf(const std::string& path);
+
+    std::string m_path;
+    std::vector<GridRequest> m_requests;
+    Identity m_identity;
+    Descriptor m_transfer;
+    LoadJob m_job;
+};
+
+/// As `loadFields` and `loadInfo`.
+std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
+                                       const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint);
+VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+
+/// The picture that the module of pictures (picture_module.h) reads from a regular file. Throws Error as `loadFields`.
+FilePicture guardedPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+
+/// The header of a picture alone.
+PictureHeader guardedHeader(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+
+/// The depths of a channel; "": of the only channel that can hold them.
+FileDepth guardedDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                       const Checkpoint& checkpoint);
+
+/// The mesh of an OBJ or PLY file; a defect of the file is reported in its `problem`. Throws Error as `loadFields`.
+FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+
+/// The fields that the source in the shared object `source` makes of these parameters, one of which is `path`. The
+/// source can open that file and one other file beside it that it asks for, and no others. Throws Error as
+/// `sourceFields` (load_fields.h).
+std::vector<SparseField> guardedSource(const std::string& source, const SourceParameters& parameters,
+                                       const std::string& path, const LoadOptions& options, const MessageSink& messages,
+                                       const Checkpoint& checkpoint);
+
+}  // namespace scrim

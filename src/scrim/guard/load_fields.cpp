@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/guard/load_fields.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/installed.h>
+#include <scrim/volume/foreign_format.h>
+#include <scrim/image/texture_read.h>
+#include <scrim/guard/guarded_load.h>
+#include <scrim/volume/read_fields.h>
+#include <scrim/volume/source.h>
+#include <scrim/volume/vdb_file.h>
+
+#include <filesystem>
+
+#include <fmt/format.h>
+
+namespace scrim {
+namespace {
+
+/// A progress sink for sources, through which no exception may pass: it asks to stop where `checkpoint` throws.
+ProgressSink asProgress(const Checkpoint& checkpoint) {
+    return [checkpoint](double) {
+        try {
+            if (checkpoint) checkpoint();
+        } catch (const Error&) {
+            return false;
+        }
+        return true;
+    };
+}
+
+}  // namespace
+
+std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
+                                    const LoadOptions& options, const MessageSink& messages,
+                                    const Checkpoint& checkpoint) {
+    if (options.volumes == VolumeLoading::guarded) return guardedFields(path, requests, options, messages, checkpoint);
+    std::vector<SparseField> fields;
+    readWithErrors(path, [&] { fields = readFields(VdbBytes(path), requests, messages); });
+    return fields;
+}
+
+std::string fileIn(const SourceParameters& parameters) {
+    for (const auto& [name, value] : parameters)
+        if (name == "file") return value;
+    return "";
+}
+
+std::vector<SparseField> sourceFields(const std::string& source, const SourceParameters& parameters,
+                                      const LoadOptions& options, const MessageSink& messages,
+                                      const Checkpoint& checkpoint) {
+    const std::string file = fileIn(parameters);
+    // The source would take any unknown ending for a raw file, and ask for its size.
+    if (const ForeignFormat* const format = foreignFormat(file); format != nullptr && source == "scan")
+        throw Error(ErrorKind::input, fmt::format("source 'scan': {}: {}", file, textOf(*format)));
+    if (options.volumes != VolumeLoading::guarded || file.empty())
+        return generate(source, parameters, messages, asProgress(checkpoint));
+    const std::string path = std::filesystem::absolute(sourceFile(source)).string();
+    return guardedSource(path, parameters, file, options, messages, checkpoint);
+}
+
+FilePicture readPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    checkPictureFile(path);
+    if (options.volumes == VolumeLoading::guarded) return guardedPicture(path, options, checkpoint);
+    return pictureModule().read(path);
+}
+
+FileDepth readDepth(const std::string& path, const std::string& channel, const LoadOptions& options,
+                    const Checkpoint& checkpoint) {
+    checkPictureFile(path);
+    if (options.volumes == VolumeLoading::guarded) return guardedDepth(path, channel, options, checkpoint);
+    return pictureModule().depth(path, channel);
+}
+
+TriangleMesh loadMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    const auto inThisProcess = [&] {
+        void* const module = moduleFunction(kMeshModule, SCRIM_MESH_MODULE_SYMBOL, "reads meshes");
+        return reinterpret_cast<MeshModuleFunction>(module)()->read(path, false);
+    };
+    FileMesh file =
+        options.volumes == VolumeLoading::guarded ? guardedMesh(path, options, checkpoint) : inThisProcess();
+    if (!file.problem.empty()) throw Error(ErrorKind::input, file.problem);
+    return std::move(file.mesh);
+}
+
+VdbFileInfo loadInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+    if (options.volumes == VolumeLoading::guarded) return guardedInfo(path, options, checkpoint);
+    VdbFileInfo info;
+    readWithErrors(path, [&] { info = VdbFile::open(path).info(); });
+    return info;
+}
+
+}  // namespace scrim

@@ -1,0 +1,296 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/guard/load_job.h>
+
+#include <scrim/base/error.h>
+#include <scrim/base/installed.h>
+#include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
+#include <scrim/image/picture_module.h>
+#include <scrim/guard/load_protocol.h>
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <span>
+#include <vector>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#ifndef SCRIM_LIBEXEC_FROM_LIB
+#error "define SCRIM_LIBEXEC_FROM_LIB as the folder of programs, relative to that of the library, as a string"
+#endif
+
+namespace scrim {
+namespace {
+
+[[noreturn]] void cannotStart(int error) {
+    throw Error(kindOfSystemError(error, ErrorKind::memory),
+                fmt::format("cannot start a process to read files: {}", systemErrorText(error)));
+}
+
+std::pair<Descriptor, Descriptor> socketPair() {
+    int ends[2] = {-1, -1};
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends) != 0) cannotStart(errno);
+    Descriptor first(aboveStandardStreams(ends[0]));
+    int error = errno;
+    Descriptor second(aboveStandardStreams(ends[1]));
+    if (first.fd() >= 0) error = errno;
+    if (first.fd() < 0 || second.fd() < 0) cannotStart(error);
+    return {std::move(first), std::move(second)};
+}
+
+const char* readsText(LoadedFiles files) {
+    return files == LoadedFiles::volumes ? "volumes" : "pictures";
+}
+
+/// The program's arguments. Only the one for pictures loads the module that reads pictures.
+std::vector<std::string> argumentsFor(LoadedFiles files) {
+    if (files == LoadedFiles::volumes) return {"scrim-load", "--serve"};
+    return {"scrim-load", "--serve-pictures", pictureModulePath()};
+}
+
+/// Identifies a program: its path and the kind of files.
+using ServerKey = std::pair<std::string, LoadedFiles>;
+
+/// A running loader program. Boost.Process is not used because it handles SIGCHLD for the whole process, which belongs
+/// to the application that links the library.
+class Server {
+  public:
+    explicit Server(const ServerKey& key) {
+        const auto& [program, files] = key;
+        auto [ours, theirs] = socketPair();
+        posix_spawn_file_actions_t actions;
+        posix_spawn_file_actions_init(&actions);
+        posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+        posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+        posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
+        posix_spawn_file_actions_adddup2(&actions, theirs.fd(), kLoadSocket);
+        std::vector<std::string> words = argumentsFor(files);
+        std::vector<char*> arguments;
+        for (std::string& word : words) arguments.push_back(word.data());
+        arguments.push_back(nullptr);
+        std::vector<char*> environment;
+        for (char** variable = environ; *variable != nullptr; ++variable) environment.push_back(*variable);
+        // Trees consist of many small pieces of memory, and mapping it page by page takes a fifth of the time of
+        // reading them. If a variable occurs twice, glibc uses the first.
+        std::string tunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
+        if (std::getenv("GLIBC_TUNABLES") == nullptr) environment.push_back(tunables.data());
+        environment.push_back(nullptr);
+        const int error =
+            ::posix_spawn(&m_pid, program.c_str(), &actions, nullptr, arguments.data(), environment.data());
+        posix_spawn_file_actions_destroy(&actions);
+        if (error == ENOMEM || error == EAGAIN)
+            throw Error(ErrorKind::memory,
+                        fmt::format("cannot start a process to read {}: {}", readsText(files), std::strerror(error)));
+        if (error != 0)
+            throw Error(ErrorKind::render, fmt::format("cannot start '{}' to read {}: {}", shortened(program),
+                                                       readsText(files), std::strerror(error)));
+        m_socket = std::move(ours);
+    }
+    ~Server() {
+        m_socket = Descriptor();  // closing the socket makes the program end
+        while (::waitpid(m_pid, nullptr, 0) < 0 && errno == EINTR) {
+        }
+    }
+    Server(const Server&) = delete;
+    Server& operator=(const Server&) = delete;
+
+    /// Returns false where the program has ended.
+    bool send(LoadMessage message, std::span<const int> descriptors) const {
+        message.descriptors = static_cast<std::uint32_t>(descriptors.size());
+        iovec part{&message, sizeof message};
+        alignas(cmsghdr) char space[CMSG_SPACE(kMostDescriptors * sizeof(int))] = {};
+        msghdr head{};
+        head.msg_iov = &part;
+        head.msg_iovlen = 1;
+        head.msg_control = space;
+        head.msg_controllen = CMSG_SPACE(descriptors.size_bytes());
+        cmsghdr* rights = CMSG_FIRSTHDR(&head);
+        rights->cmsg_level = SOL_SOCKET;
+        rights->cmsg_type = SCM_RIGHTS;
+        rights->cmsg_len = CMSG_LEN(descriptors.size_bytes());
+        std::memcpy(CMSG_DATA(rights), descriptors.data(), descriptors.size_bytes());
+        ssize_t sent = 0;
+        do sent = ::sendmsg(m_socket.fd(), &head, MSG_NOSIGNAL);
+        while (sent < 0 && errno == EINTR);
+        return sent == static_cast<ssize_t>(sizeof message);
+    }
+
+  private:
+    pid_t m_pid = -1;
+    Descriptor m_socket;
+};
+
+/// The loader programs of this process.
+class Servers {
+  public:
+    void start(const ServerKey& program) {
+        const std::scoped_lock lock(m_mutex);
+        serverOf(program);
+    }
+    void send(const ServerKey& program, const LoadMessage& message, std::span<const int> descriptors) {
+        const std::scoped_lock lock(m_mutex);
+        // A program that was killed in the meantime is started again, once.
+        for (int i = 0; i < 2; ++i) {
+            if (serverOf(program).send(message, descriptors)) return;
+            m_servers.erase(program);
+        }
+        // With less memory the program may not even load its libraries.
+        constexpr std::size_t kLoaderBytes = std::size_t{1} << 30;
+        const bool limited = limitsMemory(kLoaderBytes);
+        throw Error(
+            limited ? ErrorKind::memory : ErrorKind::render,
+            fmt::format("'{}', which reads {}, ends at once{}", shortened(program.first), readsText(program.second),
+                        limited ? "; raise the limit of memory (ulimit -v, ulimit -d)" : ""));
+    }
+
+  private:
+    Server& serverOf(const ServerKey& program) {
+        std::unique_ptr<Server>& server = m_servers[program];
+        if (!server) server = std::make_unique<Server>(program);
+        return *server;
+    }
+
+    std::mutex m_mutex;
+    std::map<ServerKey, std::unique_ptr<Server>> m_servers;
+};
+
+ServerKey keyOf(const std::string& loader, LoadedFiles files) {
+    return {loader.empty() ? ownLoader() : loader, files};
+}
+
+/// The programs are shared by the whole process, so that each is started once. The object is never destroyed: the end
+/// of the process closes the sockets.
+Servers& servers() {
+    static Servers* const all = new Servers;
+    return *all;
+}
+
+bool isOpen(int fd) {
+    return ::fcntl(fd, F_GETFD) >= 0;
+}
+
+std::string signalName(int signal) {
+    const char* name = ::sigabbrev_np(signal);
+    return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("signal SIG{}", name);
+}
+
+[[noreturn]] void tookTooLong(const std::string& path, std::chrono::seconds patience) {
+    const auto seconds = patience.count();
+    throw Error(ErrorKind::input,
+                fmt::format("{}: reading it took more than {}", path,
+                            seconds < 120 ? fmt::format("{} seconds", seconds)
+                                          : fmt::format("{:.0f} minutes", static_cast<double>(seconds) / 60)));
+}
+
+void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLimits& limits) {
+    const int status = answer.status;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return;
+    if (WIFEXITED(status) && WEXITSTATUS(status) == kNotConfined)
+        throw Error(ErrorKind::render,
+                    fmt::format("{}: the process that reads it cannot be confined: this system has no seccomp", path));
+    if (WIFEXITED(status) && WEXITSTATUS(status) == kNoDescriptors)
+        throw Error(ErrorKind::render, fmt::format("{}: cannot be read: {}", path, systemErrorText(EMFILE)));
+    if (WIFEXITED(status))
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: damaged: reading it failed (exit status {})", path, WEXITSTATUS(status)));
+    // A child that used up its time ends by SIGXCPU, or by SIGKILL where no time is left after that.
+    const std::chrono::microseconds used(answer.microseconds);
+    if ((WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) && limitsTime(used))
+        throw Error(ErrorKind::render, fmt::format("{}: reading it takes more processor time than a process may; raise "
+                                                   "the limit (ulimit -t)",
+                                                   path));
+    if (WTERMSIG(status) == SIGXCPU)
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: reading it did not come to an end in {:.0f} seconds of processor time", path,
+                                std::chrono::duration<double>(used).count()));
+    // Only the system's out-of-memory killer ends a child like this.
+    if (WTERMSIG(status) == SIGKILL)
+        throw Error(ErrorKind::memory,
+                    fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
+    if (limitsMemory(limits.memory))
+        throw Error(ErrorKind::memory,
+                    fmt::format("{}: reading it crashed ({}), probably for want of memory, of which there may be "
+                                "less than it needs (ulimit -v)",
+                                path, signalName(WTERMSIG(status))));
+    throw Error(ErrorKind::input,
+                fmt::format("{}: damaged: reading it crashed ({})", path, signalName(WTERMSIG(status))));
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+    if (m_fd >= 0) ::close(m_fd);
+}
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+    const Descriptor before(m_fd);
+    m_fd = other.release();
+    return *this;
+}
+
+std::string ownLoader() {
+    const std::filesystem::path folder = std::filesystem::path(libraryFolder()) / SCRIM_LIBEXEC_FROM_LIB;
+    return (folder / "scrim/scrim-load").lexically_normal().string();
+}
+
+void warmLoader(const std::string& loader, LoadedFiles files) noexcept {
+    try {
+        servers().start(keyOf(loader, files));
+    } catch (const std::exception&) {
+    }
+}
+
+LoadJob::LoadJob(const std::string& loader, LoadedFiles files, const std::string& path, int transfer, int input,
+                 const LoadLimits& limits, bool showStderr, int beside)
+    : m_path(path), m_limits(limits) {
+    auto [ours, theirs] = socketPair();
+    LoadMessage message;
+    message.memory = limits.memory;
+    message.seconds = static_cast<std::uint64_t>(limits.patience.count());
+    message.threads = static_cast<std::uint32_t>(threadCount());
+    const int descriptors[kMostDescriptors] = {theirs.fd(), transfer, input, beside >= 0 ? beside : input,
+                                               STDERR_FILENO};
+    servers().send(keyOf(loader, files), message,
+                   std::span(descriptors, showStderr && isOpen(STDERR_FILENO) ? kMostDescriptors : kStderr));
+    m_control = std::move(ours);
+}
+
+void LoadJob::wait(const Checkpoint& checkpoint) {
+    constexpr int kPause = 5;  // milliseconds
+    const auto start = std::chrono::steady_clock::now();
+    for (;;) {
+        if (checkpoint) checkpoint();
+        pollfd event{m_control.fd(), POLLIN, 0};
+        if (::poll(&event, 1, kPause) > 0) break;
+        if (std::chrono::steady_clock::now() - start > m_limits.patience) tookTooLong(m_path, m_limits.patience);
+    }
+    LoadAnswer answer;
+    const bool answered = ::recv(m_control.fd(), &answer, sizeof answer, 0) == static_cast<ssize_t>(sizeof answer);
+    m_control = Descriptor();
+    // Processes in the same terminal receive this process's signals, which are not the file's fault.
+    if (checkpoint) checkpoint();
+    if (!answered && limitsMemory(m_limits.memory))
+        throw LoaderLost(ErrorKind::memory,
+                         fmt::format("{}: lost the process that reads it, probably for want of memory, of which there "
+                                     "may be less than it needs (ulimit -v)",
+                                     m_path));
+    if (!answered) throw LoaderLost(ErrorKind::render, fmt::format("{}: lost the process that reads it", m_path));
+    if (answer.problem != 0)
+        throw Error(kindOfSystemError(answer.problem, ErrorKind::render),
+                    fmt::format("{}: cannot start a process to read it: {}", m_path, systemErrorText(answer.problem)));
+    checkStatus(answer, m_path, m_limits);
+}
+
+}  // namespace scrim

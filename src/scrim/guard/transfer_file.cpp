@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/guard/transfer_file.h>
+
+#include <scrim/base/system_error.h>
+#include <scrim/volume/grid_request.h>
+
+#include <cerrno>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace scrim {
+namespace {
+
+constexpr std::uint64_t kMagic = 0x3152464d49524353;  // "SCRIMFR1"
+constexpr std::uint64_t kAlignment = 64;              // a cache line, which is more than any float needs
+
+std::uint64_t alignedUp(std::uint64_t at) {
+    return (at + kAlignment - 1) / kAlignment * kAlignment;
+}
+
+/// Throws the error of a failed write. Children call this, too; behind their filter they cannot query limits. A child
+/// may write no more than its memory limit, and the limit on file sizes may be lower.
+[[noreturn]] void failedToWrite() {
+    const int error = errno;
+    if (error == EFBIG)
+        throw Error(ErrorKind::output,
+                    "cannot hand over what was read: it is larger than files may be (ulimit -f), or than memory allows "
+                    "(--memory)");
+    const bool space = error == ENOSPC || error == ENOMEM || error == EDQUOT;
+    throw Error(space ? ErrorKind::memory : ErrorKind::render,
+                std::string("cannot hand over what was read: ") + std::strerror(error));
+}
+
+/// True if `name` is a file name in some folder, neither a path nor a way out of the folder.
+bool isPlainName(const std::string& name) {
+    constexpr std::size_t kLongest = 255;  // the limit of Linux file systems
+    return !name.empty() && name.size() <= kLongest && name != "." && name != ".." &&
+           name.find_first_of(std::string_view("/\0", 2)) == std::string::npos;
+}
+
+GridRequest requestFrom(const std::string& text) {
+    try {
+        return gridRequestFrom(text);
+    } catch (const Error& error) {
+        incompleteTransfer(error.what());
+    }
+}
+
+/// Throws the error that was sent instead of a result.
+[[noreturn]] void throwSent(const TransferHeader& header, TransferReader& reader) {
+    const auto isKind = [&](ErrorKind kind) { return header.code == static_cast<std::uint32_t>(kind); };
+    // No other kind of error can be blamed on the user who reads a file.
+    const ErrorKind kind = isKind(ErrorKind::memory)   ? ErrorKind::memory
+                           : isKind(ErrorKind::render) ? ErrorKind::render
+                           // A child always has a limit on file sizes; this process's own limit decides what the error
+                           // means.
+                           : isKind(ErrorKind::output) ? (limitsFileSizes() ? ErrorKind::output : ErrorKind::memory)
+                                                       : ErrorKind::input;
+    const std::string problem = shortened(reader.text(), 2000);
+    if (header.fields != 0) throw GridError(problem, requestFrom(reader.text()));
+    if (header.messages == 0) throw Error(kind, problem);
+    const std::string name = reader.text();
+    if (!isPlainName(name)) incompleteTransfer("it asks for a file elsewhere");
+    throw BesideError(Error(kind, problem), name);
+}
+
+}  // namespace
+
+int createTransfer() {
+    const int fd = aboveStandardStreams(::memfd_create("scrim-transfer", MFD_CLOEXEC | MFD_ALLOW_SEALING));
+    if (fd >= 0) return fd;
+    const int error = errno;
+    throw Error(kindOfSystemError(error, ErrorKind::memory), "cannot create shared memory: " + systemErrorText(error));
+}
+
+void incompleteTransfer(const std::string& reason) {
+    throw Error(ErrorKind::input, "what was read is incomplete: " + reason);
+}
+
+TransferWriter::TransferWriter(int fd) : m_fd(fd) {
+    if (::ftruncate(m_fd, 0) != 0) failedToWrite();
+}
+
+void TransferWriter::bytes(const void* data, std::uint64_t size) {
+    write(data, size, m_at);
+    m_at += size;
+}
+
+void TransferWriter::text(const std::string& s) {
+    value(std::uint64_t{s.size()});
+    bytes(s.data(), s.size());
+}
+
+void TransferWriter::align() {
+    m_at = alignedUp(m_at);
+}
+
+void TransferWriter::finish(TransferHeader header, TransferKind kind) {
+    if (::ftruncate(m_fd, static_cast<off_t>(m_at)) != 0) failedToWrite();
+    header.magic = kMagic;
+    header.bytes = m_at;
+    header.kind = static_cast<std::uint32_t>(kind);
+    write(&header, sizeof header, 0);
+}
+
+void TransferWriter::write(const void* data, std::uint64_t size, std::uint64_t at) const {
+    const char* from = static_cast<const char*>(data);  // may be null where size is 0
+    while (size > 0) {
+        const ssize_t done = ::pwrite(m_fd, from, size, static_cast<off_t>(at));
+        if (done < 0 && errno == EINTR) continue;
+        if (done < 0) failedToWrite();
+        from += done;
+        at += static_cast<std::uint64_t>(done);
+        size -= static_cast<std::uint64_t>(done);
+    }
+}
+
+TransferMapping::TransferMapping(int fd, Sender sender) {
+    struct stat status {};
+    if (::fstat(fd, &status) != 0 || !S_ISREG(status.st_mode)) incompleteTransfer("it is not a regular file");
+    // If the sender shrank the file later, reading the mapping would crash. Only a memfd can be sealed against that;
+    // with other files the caller must make sure that the sender is gone.
+    if (sender == Sender::gone) (void)::fcntl(fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE);
+    if (::fstat(fd, &status) != 0) incompleteTransfer(std::strerror(errno));
+    m_size = std::size_t(status.st_size);
+    if (m_size < sizeof(TransferHeader)) incompleteTransfer("the process that read it stopped before it was done");
+    void* address = ::mmap(nullptr, m_size, PROT_READ, MAP_PRIVATE | MAP_POPULATE, fd, 0);
+    if (address == MAP_FAILED) throw Error(ErrorKind::memory, "not enough memory to take over what was read");
+    m_address = address;
+}
+
+TransferMapping::~TransferMapping() {
+    if (m_address != nullptr) ::munmap(m_address, m_size);
+}
+
+TransferHeader TransferReader::header(TransferKind expected) {
+    const auto header = value<TransferHeader>();
+    if (header.magic != kMagic) incompleteTransfer("the process that read it stopped before it was done");
+    if (header.bytes != m_bytes.size())
+        incompleteTransfer(fmt::format("it has {} bytes, expected {}", m_bytes.size(), header.bytes));
+    if (header.kind == static_cast<std::uint32_t>(TransferKind::error)) throwSent(header, *this);
+    if (header.kind != static_cast<std::uint32_t>(expected)) incompleteTransfer("it holds something else");
+    return header;
+}
+
+const char* TransferReader::take(std::uint64_t count, std::uint64_t size) {
+    if (count > (m_bytes.size() - m_at) / size) incompleteTransfer("it is shorter than it says");
+    const char* at = m_bytes.data() + m_at;
+    m_at += count * size;
+    return at;
+}
+
+std::string TransferReader::text() {
+    const auto size = value<std::uint64_t>();
+    return std::string(take(size, 1), size);
+}
+
+void TransferReader::align() {
+    take(alignedUp(m_at) - m_at, 1);
+}
+
+}  // namespace scrim
