@@ -64,7 +64,7 @@ struct EyePart {
     /// Otherwise the weight is left(x) (1 - right(x)) top(y) (1 - bottom(y)). Each factor is a ramp from 0 to 1 over
     /// the raster positions [first, second]; if both are equal, ramp and 1 - ramp are both 1 everywhere.
     Vec2 left{0}, right{0}, top{0}, bottom{0};
-    /// unit, away from the eye; the rays of this part that meet the volume lie in their cone.
+    /// Unit, away from the eye; the rays of this part that meet the volume lie in their cone.
     std::vector<Vec3> wsDirections;
 
     double weight(double x, double y) const;

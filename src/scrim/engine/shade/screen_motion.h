@@ -21,7 +21,7 @@ class ScreenMotion {
     struct Part {
         int sceneVolume;
         const Real* extinction;
-        /// values of VolumeMotion::flow at the samples; null: none
+        /// Values of VolumeMotion::flow at the samples; null: none.
         std::array<const Real*, 3> flow = {};
     };
     /// Writes, for 256 samples on the plane N = `middle`, the mean motion of their volumes, weighted by extinction, in
