@@ -223,9 +223,8 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
 
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Target& target) const {
     const BlockSplat& splat = target.splat;
-    // All voxels whose entry in the table includes one of the sheets count, even if its weights there are 0. The set of
-    // voxels splatted into a sheet, and the count of footprints, must not depend on how sheets are distributed over
-    // calls.
+    // All voxels whose entry in the table includes one of the sheets count, even if its weights there are 0: which
+    // voxels are splatted into a sheet must not depend on how calls share the sheets.
     const auto [first, second] =
         m_order.between(splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
                         splat.lastSheet - m_table.firstSheet() - ts.z);
