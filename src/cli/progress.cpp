@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kBarCells = 30;
 constexpr std::chrono::milliseconds kRedraw(100);
-constexpr std::chrono::seconds kLogPause(5);  // where nobody asked for the lines
+constexpr std::chrono::seconds kLogPause(5);  // if the lines were not requested
 
 ProgressStyle chosen(ProgressStyle style, const Console& console) {
     if (style != ProgressStyle::automatic) return style;

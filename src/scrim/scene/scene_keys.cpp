@@ -12,10 +12,10 @@ namespace scrim {
 
 RenderKeys::RenderKeys()
     : Section("render", "[render]",
-              "How accurate the picture is, and what that costs. A preset promises an error (relative RMSE against "
-              "brute force) of 3, 1, 0.3 or 0.1 %, of classified volumes 5, 2, 1 or 0.5 %, and chooses 'texel' and "
-              "'sheet_thickness' for it; whoever gives either is promised nothing."),
-      quality(choice("quality", presetNames(), "The preset.").startingWith("standard")) {
+              "The accuracy of the picture, and its cost. A preset promises an error (relative RMSE against brute "
+              "force) of 3, 1, 0.3 or 0.1 %, or of 5, 2, 1 or 0.5 % for classified volumes, and chooses 'texel' and "
+              "'sheet_thickness' for it. There is no promise if the scene gives either of these."),
+      quality(choice("quality", presetNames(), "The preset of the dials.").startingWith("standard")) {
     for (const DialInfo& dial : dialTable()) {
         const std::string unit = dial.unit.empty() ? "" : " (" + dial.unit + ")";
         other(dial.name, dial.allowed + unit, R"({"type":["number","string"]})", {}, dial.meaning)
@@ -29,13 +29,13 @@ const Key& RenderKeys::dial(const std::string& name) const {
 
 OutputKeys::OutputKeys()
     : Section("output", "[output]",
-              "The EXR: premultiplied, scene-linear, its data window cropped to what is not empty. Missing folders are "
-              "made."),
+              "The EXR: premultiplied, scene-linear, with its data window cropped to the pixels that are not empty. "
+              "Missing folders are made."),
       layers(other("layers", "a list of layers: " + choices(layerNames()), kStrings, {},
-                   "Beside the beauty: light (one a light), ambient and emission add up to it, and so does volume "
-                   "(one a volume); motion is in pixels until the next frame.")
+                   "Layers beside the beauty. light (one for each light), ambient and emission add up to the beauty, "
+                   "and so does volume (one for each volume); motion is in pixels until the next frame.")
                  .unless("[]")),
-      compression(choice("compression", exrCompressions(), "Of the EXR.")) {}
+      compression(choice("compression", exrCompressions(), "Compression of the EXR.")) {}
 
 const std::vector<const Section*>& sceneSections() {
     static const std::vector<const Section*> all{

@@ -9,39 +9,43 @@ namespace scrim {
 struct TransformKeys : Section {
     TransformKeys()
         : Section("transform", "transform = { ... } of a [[volume]] or [[mesh]]",
-                  "From the asset's own world to the scene's: 'scale' first, then 'rotate', then 'translate'; or "
-                  "'matrix'.") {
+                  "Maps the asset's own world to the scene's: 'scale' is applied first, then 'rotate', then "
+                  "'translate'; or 'matrix' replaces them.") {
         exclude({&matrix}, {&translate, &rotate, &scale});
     }
     const Key& translate =
-        vector("translate", "three numbers [x, y, z]", Range::coordinate(), "World units.").unless("[0, 0, 0]").keyed();
+        vector("translate", "three numbers [x, y, z]", Range::coordinate(), "Displacement in world units.")
+            .unless("[0, 0, 0]")
+            .keyed();
     const Key& rotate = vector("rotate", "three angles [x, y, z]", Range::fromTo(-1e9, 1e9, "degrees"),
-                               "About x, then y, then z of the world; right-handed.")
+                               "Rotation about x, then y, then z of the world; right-handed.")
                             .unless("[0, 0, 0]")
                             .keyed();
     const Key& scale = other("scale", "a number or three numbers, none of them 0", kNumbers, Range::fromTo(-1e12, 1e12),
-                             "Factor, or one along each axis.")
+                             "One factor, or one for each axis.")
                            .unless("1")
                            .keyed();
     const Key& matrix = other("matrix", "four rows of four numbers", kMatrix, Range::fromTo(-1e15, 1e15),
-                              "In place of the three: row by row, for column vectors, so that the last column is the "
+                              "Replaces the three: row by row, for column vectors, so that the last column is the "
                               "translation and the last row 0, 0, 0, 1.");
 };
 
 struct FrameKeys : Section {
     FrameKeys()
         : Section("frame", "frame = { ... } of a [[volume]] with a file",
-                  "Which file of its sequence a volume shows: number = (what 'keys' say, or else frame * 'speed') + "
-                  "'offset', to the nearest whole number.") {
+                  "The file of its sequence that a volume shows: number = (the value of 'keys', or else frame * "
+                  "'speed') + 'offset', rounded to the nearest whole number.") {
         exclude({&keys}, {&speed});
     }
-    const Key& offset = number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"), 0, "Added to the number.");
-    const Key& speed = number("speed", Range::fromTo(-1e6, 1e6), 1, "Files a frame; 0.5 shows each file twice.");
+    const Key& offset =
+        number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"), 0, "Is added to the number.");
+    const Key& speed = number("speed", Range::fromTo(-1e6, 1e6), 1, "Files per frame; 0.5 shows each file twice.");
     const Key& keys =
         other("keys", "a list of [frame, file number]", kPoints, Range::fromTo(-kLastFrame, kLastFrame, "frames"),
-              "Retimes freely, in place of 'speed': linear between, constant outside.");
-    const Key& outside = choice("outside", {"error", "hold", "black"},
-                                "Before the first and after the last file: an error, that file, or no volume.");
+              "Retimes freely, in place of 'speed': linear between keys, constant outside of them.");
+    const Key& outside =
+        choice("outside", {"error", "hold", "black"},
+               "What is shown before the first and after the last file: an error, that file, or no volume.");
 };
 
 struct DensityKeys : Section {
@@ -49,63 +53,71 @@ struct DensityKeys : Section {
         : Section("density", "density = { ... } of a [[volume]]",
                   "Extinction per world unit = ramp(grid value) * scale. An optical depth of 1 takes away 63 % of the "
                   "light.") {}
-    const Key& grid =
-        text("grid", "the name of a grid",
-             "\"density[1]\" picks the second of that name. Unless given: density, or the only scalar grid.");
-    const Key& scale = number("scale", Range::fromTo(0, 1e30, "per world unit"), 1, "Extinction of grid value 1.");
-    const Key& ramp = other("ramp", "a list of at least two [grid value, value]", kPoints, Range::atLeast(0),
-                            "Remaps the field: ascending, linear between, constant outside, 0 at 0.");
+    const Key& grid = text(
+        "grid", "the name of a grid",
+        "\"density[1]\" selects the second of that name. Without it, the grid is 'density', or the only scalar grid.");
+    const Key& scale =
+        number("scale", Range::fromTo(0, 1e30, "per world unit"), 1, "Extinction for a grid value of 1.");
+    const Key& ramp =
+        other("ramp", "a list of at least two [grid value, value]", kPoints, Range::atLeast(0),
+              "Maps the grid's values, which ascend: linear between points, constant outside of them, 0 at 0.");
 };
 
 struct VelocityKeys : Section {
     VelocityKeys()
         : Section("velocity", "velocity = { ... } of a [[volume]] with a file",
-                  "What the volume moves by while the shutter of [camera] is open, in world units of the file: at time "
-                  "t its grids are taken at x - v(x) t. Where the grid has no voxels nothing moves, so it should reach "
-                  "beyond the smoke as far as that moves.") {}
-    const Key& grid =
-        other("grid", "the name of a vec3 grid, or a list of the names of three scalar grids [x, y, z]",
-              R"({"type":["string","array"],"items":{"type":"string"},"minItems":3,"maxItems":3})", {},
-              "NAME is also three floats NAME.x, NAME.y, NAME.z. Components of a staggered grid stand on faces.")
-            .required();
-    const Key& scale = number("scale", Range::fromTo(-1e12, 1e12), 1, "Times this.").keyed();
-    const Key& unit = choice("unit", {"second", "frame"}, "What the velocity is per; seconds by 'fps' of [output].");
+                  "Moves the volume while the shutter of [camera] is open, in world units of the file: at time t its "
+                  "grids are taken at x - v(x) t. Nothing moves where the velocity grid has no voxels, so it should "
+                  "extend beyond the smoke as far as that moves.") {}
+    const Key& grid = other("grid", "the name of a vec3 grid, or a list of the names of three scalar grids [x, y, z]",
+                            R"({"type":["string","array"],"items":{"type":"string"},"minItems":3,"maxItems":3})", {},
+                            "NAME may also mean three float grids NAME.x, NAME.y, NAME.z. The components of a "
+                            "staggered grid lie on faces of voxels.")
+                          .required();
+    const Key& scale = number("scale", Range::fromTo(-1e12, 1e12), 1, "Factor on the grid's values.").keyed();
+    const Key& unit = choice("unit", {"second", "frame"},
+                             "The time that the velocity refers to; 'fps' of [output] converts seconds to frames.");
 };
 
 struct AlbedoGridKeys : Section {
-    AlbedoGridKeys() : Section("albedo", "albedo = { grid = ... } of [volume.medium]", "Colours from a grid.") {}
+    AlbedoGridKeys()
+        : Section("albedo", "albedo = { grid = ... } of [volume.medium]", "An albedo that a grid gives.") {}
     const Key& grid =
         text("grid", "the name of a grid of colours", "A vec3 grid, or NAME for three floats NAME.r, NAME.g, NAME.b.")
             .required();
-    const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Times this.").keyed();
+    const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Factor on the grid's values.").keyed();
     const Key& colorspace =
-        text("colorspace", "the name of a colour space", "Of the grid; the working space unless given.");
+        text("colorspace", "the name of a colour space", "Colour space of the grid; without it, the working space.");
 };
 
 struct PhaseKeys : Section {
     PhaseKeys()
-        : Section("phase", "phase = { ... } of [volume.medium]", "How much of the scattered light goes which way.") {}
+        : Section("phase", "phase = { ... } of [volume.medium]",
+                  "The distribution of scattered light over directions.") {}
     const Key& type = choice("type", {"isotropic", "hg", "two-lobe", "rayleigh"},
-                             "To all sides; Henyey-Greenstein; two such lobes; air.")
+                             "The same to all sides; Henyey-Greenstein; two such lobes; air.")
                           .required();
-    const Key& g = number("g", Range::between(-1, 1), {},
-                          "Needed: the mean cosine. 0 is isotropic, above 0 forward: smoke about 0.3, clouds 0.8.")
-                       .onlyFor("hg");
-    const Key& g1 = number("g1", Range::between(-1, 1), {}, "Needed: of the first lobe.").onlyFor("two-lobe");
-    const Key& g2 = number("g2", Range::between(-1, 1), {}, "Needed: of the second lobe.").onlyFor("two-lobe");
+    const Key& g =
+        number("g", Range::between(-1, 1), {},
+               "The mean cosine; needed. 0 is isotropic, above 0 is forward: smoke has about 0.3, clouds 0.8.")
+            .onlyFor("hg");
+    const Key& g1 =
+        number("g1", Range::between(-1, 1), {}, "Mean cosine of the first lobe; needed.").onlyFor("two-lobe");
+    const Key& g2 =
+        number("g2", Range::between(-1, 1), {}, "Mean cosine of the second lobe; needed.").onlyFor("two-lobe");
     const Key& blend = number("blend", Range::fromTo(0, 1), 0.5, "Weight of the second lobe.").onlyFor("two-lobe");
 };
 
 struct OctavesKeys : Section {
     OctavesKeys()
         : Section("octaves", "octaves = { ... } of [volume.medium]",
-                  "The look of multiple scattering: octave n adds single scattering with thinner shadows. With "
-                  "contribution <= extinction no octave makes light.") {}
-    const Key& count = integer("count", 1, 16, "", 8, "1 is single scattering.");
+                  "An approximation of multiple scattering: octave n adds single scattering with thinner shadows. With "
+                  "contribution <= extinction no octave creates light.") {}
+    const Key& count = integer("count", 1, 16, "", 8, "Number of octaves; 1 is single scattering.");
     const Key& extinction =
-        number("extinction", Range::fromTo(0, 1), 0.5, "Extinction towards the light, times this each octave.");
-    const Key& contribution = number("contribution", Range::fromTo(0, 1), 0.5, "Light, times this each octave.");
-    const Key& phase = number("phase", Range::fromTo(0, 1), 0.5, "Mean cosines, times this each octave.");
+        number("extinction", Range::fromTo(0, 1), 0.5, "Factor on the extinction towards the light, for each octave.");
+    const Key& contribution = number("contribution", Range::fromTo(0, 1), 0.5, "Factor on the light, for each octave.");
+    const Key& phase = number("phase", Range::fromTo(0, 1), 0.5, "Factor on mean cosines, for each octave.");
 };
 
 struct EmissionKeys : Section {
@@ -113,26 +125,27 @@ struct EmissionKeys : Section {
         : Section("emission", "emission = { ... } of [volume.medium]",
                   "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
                   "scattering = \"full\".") {}
-    const Key& grid = text("grid", "the name of a grid", "What glows.").required();
-    const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Times this.").keyed();
+    const Key& grid = text("grid", "the name of a grid", "The grid that glows.").required();
+    const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Factor on the grid's values.").keyed();
     const Key& ramp =
         other("ramp", "a list of at least two [grid value, colour]", R"({"type":"array","minItems":2})", {},
-              "From grid value to colour: ascending, linear between, constant outside, black at 0. The value itself, "
-              "in white, unless given.");
+              "Maps grid values, which ascend, to colours: linear between points, constant outside of them, black at "
+              "0. Without it, the value itself is emitted, in white.");
 };
 
 struct BlackbodyKeys : Section {
     BlackbodyKeys()
-        : Section("blackbody", "blackbody = { ... } of [volume.medium]",
-                  "Fire: light of a black body of the grid's temperature (Planck's law through the CIE's observer). It "
-                  "lights volumes whose scattering = \"full\". Nothing glows below about 700 K. Caches of Houdini, "
-                  "Blender and EmberGen hold about 0 to 1 and not Kelvin: say with 'kelvin' what that is.") {
+        : Section(
+              "blackbody", "blackbody = { ... } of [volume.medium]",
+              "Fire: the light of a blackbody at the grid's temperature (Planck's law as seen by the CIE's observer). "
+              "It lights volumes whose scattering = \"full\". Nothing glows below about 700 K. Caches of Houdini, "
+              "Blender and EmberGen hold about 0 to 1 instead of Kelvin; 'kelvin' converts these values.") {
         exclude({&kelvin}, {&scale, &offset});
     }
-    const Key& grid = text("grid", "the name of a grid", "The temperature.").required();
+    const Key& grid = text("grid", "the name of a grid", "The grid of temperatures.").required();
     const Key& kelvin =
         other("kelvin", "two temperatures [of grid value 0, of grid value 1] in Kelvin", kTwoNumbers,
-              Range::fromTo(-1e6, 1e6, "Kelvin"), "Fire: [500, 1900]. In place of 'scale' and 'offset'.");
+              Range::fromTo(-1e6, 1e6, "Kelvin"), "For fire: [500, 1900]. Replaces 'scale' and 'offset'.");
     const Key& scale =
         number("scale", Range::fromTo(1e-9, 1e9, "Kelvin"), 1, "Kelvin = grid value * scale + offset.").keyed();
     const Key& offset = number("offset", Range::fromTo(-1e6, 1e6, "Kelvin"), 0, "See 'scale'.").keyed();
@@ -141,8 +154,8 @@ struct BlackbodyKeys : Section {
                "Radiance per world unit = this * sigma T^4 / pi in MW/(m^2 sr), which is 0.09 at 1500 K.")
             .keyed();
     const Key& normalize = boolean("normalize", false,
-                                   "All temperatures equally bright, so that only colour changes. False: the fourth "
-                                   "power of temperature, as it is.");
+                                   "Makes all temperatures equally bright, so that only colour changes. If false, "
+                                   "radiance is proportional to the fourth power of temperature.");
 };
 
 /// The most that a part of an extinction tint may be, and of the colours of a ramp.
@@ -150,31 +163,35 @@ inline constexpr double kMostTint = 1e6, kMostLight = 1e30;
 
 struct MediumKeys : Section {
     MediumKeys()
-        : Section("medium", "[volume.medium]", "What the volume above it does to light: smoke, clouds, fire.") {}
+        : Section("medium", "[volume.medium]",
+                  "How the volume above it scatters, absorbs and emits light: smoke, clouds, fire.") {}
     const Key& albedo =
-        colour("albedo", "[0.9, 0.9, 0.9]", "Scattered part of extinction, 0 to 1; or a grid of colours.")
+        colour("albedo", "[0.9, 0.9, 0.9]", "Scattered fraction of extinction, 0 to 1; or a grid of colours.")
             .orTable(keysOf<AlbedoGridKeys>());
     const Key& extinctionTint = colour("extinction_tint", "[1, 1, 1]", "Multiplies extinction in each channel.");
-    const Key& phase = table(keysOf<PhaseKeys>(), "phase", "Which way it scatters.").unless("isotropic");
+    const Key& phase =
+        table(keysOf<PhaseKeys>(), "phase", "The distribution of scattered light over directions.").unless("isotropic");
     const Key& scattering =
         choice("scattering", {"single", "octaves", "full"},
-               "How often light scatters on its way: once; with the look of more, by 'octaves'; as often as it does, "
-               "which also lets what glows, [ambient] and domes light the volume, with shadows.")
+               "How often light scatters on its way: once; once, with an approximation of more by 'octaves'; or any "
+               "number of times, which also lets emission, [ambient] and domes light the volume, with shadows.")
             .unless("\"single\", or \"octaves\" where these are given");
     const Key& octaves =
-        table(keysOf<OctavesKeys>(), "octaves", "The look of multiple scattering.").unless("single scattering");
-    const Key& emission = table(keysOf<EmissionKeys>(), "emission", "Light of its own, from a grid by a ramp.");
-    const Key& blackbody = table(keysOf<BlackbodyKeys>(), "blackbody", "Light of its own, from temperature.");
+        table(keysOf<OctavesKeys>(), "octaves", "An approximation of multiple scattering.").unless("single scattering");
+    const Key& emission = table(keysOf<EmissionKeys>(), "emission", "Emission, from a grid by a ramp.");
+    const Key& blackbody = table(keysOf<BlackbodyKeys>(), "blackbody", "Emission, from temperature.");
 };
 
 struct TransferKeys : Section {
     TransferKeys()
         : Section("transfer", "transfer = [ { ... }, ... ] of [volume.classified]",
-                  "Points of a transfer function: linear between, constant outside; two of one value are a step.") {}
-    const Key& value = number("value", {}, {}, "Of the grid.").required();
-    const Key& color = colour("color", "[1, 1, 1]", "What it looks like.");
-    const Key& extinction =
-        number("extinction", Range::fromTo(0, 1e30, "per world unit"), {}, "Times the density's 'scale'.").required();
+                  "Points of a transfer function: linear between points, constant outside of them; two points of one "
+                  "value make a step.") {}
+    const Key& value = number("value", {}, {}, "A value of the grid.").required();
+    const Key& color = colour("color", "[1, 1, 1]", "Colour at this value.");
+    const Key& extinction = number("extinction", Range::fromTo(0, 1e30, "per world unit"), {},
+                                   "Extinction at this value, which the density's 'scale' multiplies.")
+                                .required();
 };
 
 struct ClassifiedKeys : Section {
@@ -184,61 +201,63 @@ struct ClassifiedKeys : Section {
                   "section 3.1).") {}
     const Key& transfer = other("transfer", "a list of { value, color, extinction }",
                                 R"({"type":"array","minItems":2,"items":{"$ref":"#/$defs/transfer"}})", {},
-                                "At least two points, ascending, without extinction at 0.")
+                                "At least two points, ascending, with no extinction at 0.")
                               .required()
                               .orTable(keysOf<TransferKeys>());
-    const Key& ambient = number("ambient", Range::fromTo(0, 1e6), 0.2, "Share of ambient light.");
-    const Key& diffuse = number("diffuse", Range::fromTo(0, 1e6), 0.7, "Share of light that a surface scatters.");
-    const Key& specular = number("specular", Range::fromTo(0, 1e6), 0.3, "Share of the highlight.");
-    const Key& exponent = number("exponent", Range::fromTo(0, 1e4), 20, "How small the highlight is.");
-    const Key& twoSided = boolean("two_sided", false, "Does light from behind a surface count?");
+    const Key& ambient = number("ambient", Range::fromTo(0, 1e6), 0.2, "Factor on ambient light.");
+    const Key& diffuse = number("diffuse", Range::fromTo(0, 1e6), 0.7, "Factor on diffusely reflected light.");
+    const Key& specular = number("specular", Range::fromTo(0, 1e6), 0.3, "Factor on the highlight.");
+    const Key& exponent =
+        number("exponent", Range::fromTo(0, 1e4), 20, "Phong's exponent: the larger, the smaller the highlight.");
+    const Key& twoSided = boolean("two_sided", false, "Light from behind a surface counts, too.");
 };
 
 struct MeshKeys : Section {
     MeshKeys()
         : Section("mesh", "[[mesh]]",
-                  "A solid of triangles, which another renderer draws: here it hides the volumes, takes light from "
-                  "them, and shows their shadows. An open surface acts from both sides.") {}
-    const Key& name =
-        text("name", "a name", "For messages, and --set mesh.NAME.shadows=false.").unless("\"mesh1\", ...");
+                  "A solid made of triangles, which another renderer draws. Here it hides the volumes, casts shadows "
+                  "into them, and shows their shadows. An open surface acts from both sides.") {}
+    const Key& name = text("name", "a name", "Names the mesh in messages, and in --set mesh.NAME.shadows=false.")
+                          .unless("\"mesh1\", ...");
     const Key& file = path("file", "an .obj or .ply file", "\"actor.####.obj\" is a sequence.").required();
-    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Where it stands.");
-    const Key& holdout = boolean("holdout", true, "Does it hide what is behind it? It adds neither colour nor alpha.");
-    const Key& shadows = boolean("shadows", true, "Does it throw shadows into volumes?");
-    const Key& catches =
-        boolean("catch", false,
-                "Does it show the shadows of volumes? The picture then has layers 'shadow.LIGHT': what "
-                "part of each light reaches the first such surface; 1 where there is none.");
+    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its place in the scene.");
+    const Key& holdout = boolean("holdout", true, "Hides what is behind it, and adds neither colour nor alpha.");
+    const Key& shadows = boolean("shadows", true, "Casts shadows into volumes.");
+    const Key& catches = boolean("catch", false,
+                                 "Shows the shadows of volumes. The picture then has layers 'shadow.LIGHT': the "
+                                 "fraction of each light that reaches the first such surface; 1 where there is none.");
 };
 
 struct VolumeKeys : Section {
     VolumeKeys()
         : Section("volume", "[[volume]]",
-                  "At least one: a .vdb file or sequence, or a source that makes or reads something else (`scrim make "
-                  "--list`).") {
+                  "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
+                  "reads something else (`scrim make --list`).") {
         exclude({&source, &parameters}, {&file, &frame, &velocity});
         exclude({&medium}, {&classified});
     }
-    const Key& name = text("name", "a name", "For messages, layers and --set volume.NAME.density.scale=3.")
-                          .unless("\"volume1\", ...");
+    const Key& name =
+        text("name", "a name", "Names the volume in messages, in layers and in --set volume.NAME.density.scale=3.")
+            .unless("\"volume1\", ...");
     const Key& file =
         path("file", "a .vdb file, or 'source', the name of a volume source", "\"smoke.####.vdb\" is a sequence.");
-    const Key& frame = table(keysOf<FrameKeys>(), "frame", "Which file of a sequence is shown.").onlyFor("'file'");
+    const Key& frame = table(keysOf<FrameKeys>(), "frame", "The file of a sequence that is shown.").onlyFor("'file'");
     const Key& source = text("source", "the name of a volume source", "\"noise\", \"scan\", ...; in place of 'file'.");
     const Key& parameters =
-        other("parameters", "a table", kAnyTable, {},
-              "Of the source: `scrim make SOURCE --help-source` lists them. 'file' is a path like all others.")
+        other(
+            "parameters", "a table", kAnyTable, {},
+            "Parameters of the source; `scrim make SOURCE --help-source` lists them. 'file' is a path like all others.")
             .onlyFor("'source'");
-    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Where it stands.");
-    const Key& density = table(keysOf<DensityKeys>(), "density", "Which grid, and how dense.");
+    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its place in the scene.");
+    const Key& density = table(keysOf<DensityKeys>(), "density", "The grid of densities, and their scale.");
     const Key& velocity =
-        table(keysOf<VelocityKeys>(), "velocity", "How it moves while the shutter is open.").onlyFor("'file'");
+        table(keysOf<VelocityKeys>(), "velocity", "The volume's motion while the shutter is open.").onlyFor("'file'");
     const Key& lights = other("lights", "a list of names of lights", kStrings, {},
-                              "Those that light it. What does not light it is still shadowed by it.")
+                              "The lights that light it. It casts shadows in all other lights, too.")
                             .unless("all");
     const Key& holdout =
         boolean("holdout", false,
-                "Does it hide and shadow, and add neither colour nor alpha? So it is where another picture shows it.");
+                "Hides and shadows, and adds neither colour nor alpha, because another picture shows the volume.");
     const Key& medium = table(keysOf<MediumKeys>(), "medium", "Smoke, clouds, fire.");
     const Key& classified = table(keysOf<ClassifiedKeys>(), "classified", "Scans and surfaces, in place of 'medium'.");
 };

@@ -149,8 +149,9 @@ struct GroupPlan {
     /// Share of what one sweep owns, alpha and ambient light; shares sum to 1 over the groups of an eye part.
     double primary = 0;
 
-    int pass = 1,
-        passes = 1;  ///< which of the sweeps along this axis, where the memory limit allows but some lights at a time
+    /// This sweep and the number of sweeps along this axis; more than one where the memory limit allows only some of
+    /// the lights at a time.
+    int pass = 1, passes = 1;
     Sheets sheets;
     int batchSheets = 1;  ///< number of sheets in memory at a time
     SweepOutputs outputs;

@@ -41,8 +41,8 @@ class ExtinctionSum {
         int sceneVolume = 0;                    ///< index of the volume, or of the first one, in the scene
         std::unique_ptr<Surface> surface = {};  ///< only for a classified volume
         const PlaneStack* density = nullptr;    ///< only for a medium: its extinction
-        std::array<const PlaneStack*, 3> scatter =
-            {};                                      ///< where the albedo is a grid: what each colour scatters; or null
+        /// Only if the albedo is a grid: the scattering of each colour; otherwise null.
+        std::array<const PlaneStack*, 3> scatter = {};
         std::array<const PlaneStack*, 3> flow = {};  ///< VolumeMotion::flow, if the layer `motion` needs it
 
         const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }

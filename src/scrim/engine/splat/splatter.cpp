@@ -13,8 +13,7 @@
 namespace scrim {
 namespace {
 
-// Bound on the distance, in sheets, between the position in a table and the true one: half a step by quantisation, and
-// as much again for rounding of floats.
+// Bound on the error of a position in a table, in sheets: half a step, and as much again for rounding of floats.
 double rounding(const FootprintTable& table) {
     return 1.0 / table.sheetSteps();
 }

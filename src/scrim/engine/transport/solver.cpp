@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kFewestCells = 4 * kBlockCells;  // grids with fewer cells are not made coarser
 constexpr std::size_t kMostLevels = 6;
-// Of a residual; more precision is pointless, since coarser cells only approximate the finer ones.
+// Relative tolerance for a residual. More precision is pointless, since coarser cells only approximate the finer ones.
 constexpr double kCoarseTolerance = 0.2;
 // Sweeps of coarser cells for each sweep of finer ones, and of the coarsest cells. They are few, since every level
 // calls the next one again.
