@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the files of the module share: shots and frames as Python holds them, and waiting for work.
+// Shared by the files of the module: shots and frames as Python holds them, and waiting for work.
 #pragma once
 
 #include "work.h"
@@ -22,13 +22,13 @@ namespace scrim::python {
 
 namespace nb = nanobind;
 
-/// One or more grids of a volume: a colour is three.
+/// One or more grids of a volume: a colour has three.
 struct Field {
     std::string name;
     std::vector<SparseField> grids;
 };
 
-/// A shot is used from one thread at a time. `busy` says by what.
+/// A shot may be used from one thread at a time. `busy` names the work that uses it.
 struct ShotState {
     explicit ShotState(Shot opened) : shot(std::move(opened)) {}
     Shot shot;
@@ -36,15 +36,15 @@ struct ShotState {
     std::string busy;
 };
 
-/// What Python holds. Not the pointer itself: those that nanobind makes own an object of Python, whose lock the thread
-/// that drops them would need.
+/// The object that Python holds. It contains a pointer instead of being one: the pointers that nanobind makes own a
+/// Python object, so the thread that drops the last one would need the interpreter's lock.
 struct ShotObject {
     std::shared_ptr<ShotState> state;
 
     const Shot& shot() const { return state->shot; }
 };
 
-/// Whoever uses a shot holds one. Throws Error(usage) where another does.
+/// Held by code that uses a shot. Throws Error(usage) where other code uses it.
 class Busy {
   public:
     Busy(std::shared_ptr<ShotState> shot, const std::string& with);
@@ -58,24 +58,24 @@ class Busy {
     std::shared_ptr<ShotState> m_shot;
 };
 
-/// Waits with the interpreter's lock, which is let go meanwhile: passes on messages, calls `progress` (or None) with
-/// the finished part, and hears of signals. What these raise cancels the work and is raised once it has ended. False
-/// where `seconds` have passed. What the work itself threw is not thrown here.
+/// Waits for the work, releasing the interpreter's lock meanwhile. Passes on messages, calls `progress` (or None) with
+/// the finished fraction, and checks for signals. An exception from these cancels the work and is raised once it has
+/// ended. Returns false where `seconds` have passed. Exceptions of the work itself are not thrown here.
 bool await(Work& work, nb::handle progress, std::optional<double> seconds = {});
 
-/// Does `task` in a thread of its own, waits, and throws what it threw.
+/// Runs `task` in a thread of its own, waits, and throws whatever it threw.
 void doAndWait(std::function<void(Work&)> task, nb::handle progress = nb::handle());
 
-/// The object that JSON text stands for.
+/// The Python object for JSON text.
 nb::object fromJson(const std::string& text);
 
-/// A str, or an os.PathLike.
+/// The text of a str or an os.PathLike.
 std::string pathText(nb::handle path);
 
-/// The items of a sequence of exactly `count` numbers. Throws Error(usage), which says `what` was expected.
+/// The items of a sequence of exactly `count` numbers. Throws Error(usage), which says that `what` was expected.
 std::vector<double> numbers(nb::handle it, std::size_t count, const char* what);
 
-/// "key.path=value" for each of the overrides of Python.
+/// "key.path=value" for each of Python's overrides.
 std::vector<std::string> assignmentsOf(nb::handle overrides);
 
 void bindFields(nb::module_& module);
@@ -83,7 +83,7 @@ void bindFrames(nb::module_& module);
 void bindShots(nb::module_& module);
 void bindOpening(nb::module_& module);
 
-/// A frame as an object of Python, which takes it over; None where it was skipped.
+/// A frame as a Python object, which takes ownership; None where it was skipped.
 nb::object toPython(ShotFrame frame);
 
 }  // namespace scrim::python

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Volumes from arrays and from OpenVDB files.
+// Makes volumes from arrays and from OpenVDB files.
 #include "bindings.h"
 
 #include <scrim/volume/field_builder.h>
@@ -28,7 +28,7 @@ using Array = nb::ndarray<nb::ro, nb::device::cpu>;
     throw Error(ErrorKind::usage, "grid '" + name + "': " + problem);
 }
 
-/// An array of NumPy with the numbers of `it` as native float32 or float64; any strides.
+/// A NumPy array with the numbers of `it` as native float32 or float64, with any strides.
 nb::object floats(nb::handle it, const std::string& name) {
     const nb::object numpy = nb::module_::import_("numpy");
     const nb::object array = numpy.attr("asarray")(it);
@@ -64,7 +64,7 @@ Mat4 matrixFrom(nb::handle transform) {
     return out;
 }
 
-/// Where voxels lie: `transform`, or else voxel size and the centre of the first voxel.
+/// The map from voxels to the world: `transform`, or else from voxel size and the centre of the first voxel.
 Mat4 placeOf(nb::handle voxelSize, nb::handle origin, nb::handle transform) {
     if (!transform.is_none()) {
         if (!voxelSize.is_none() || !origin.is_none())
@@ -91,7 +91,7 @@ Mat4 placeOf(nb::handle voxelSize, nb::handle origin, nb::handle transform) {
     return place;
 }
 
-/// All blocks that the array reaches into.
+/// The origins of all blocks that the array touches.
 std::vector<Int3> blocksOf(const Array& array) {
     std::vector<Int3> origins;
     const Int3 size(array.shape(0), array.shape(1), array.shape(2));
@@ -140,7 +140,7 @@ void makeField(Field* self, nb::handle numbersOfIt, nb::handle voxelSize, const 
     new (self) Field(std::move(field));
 }
 
-/// What there is to read of a file: a scalar grid, or the components of a colour.
+/// The parts of a file that are to be read: a scalar grid, or the components of a colour.
 struct Wanted {
     std::string name;
     std::vector<GridRequest> requests;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Rendered frames as Python sees them: pictures are arrays over the frame's own memory.
+// Rendered frames as Python sees them. Pictures are arrays that share the frame's memory.
 #include "bindings.h"
 
 #include <scrim/shot/shot_frame.h>
@@ -15,10 +15,10 @@ namespace {
 
 using Picture = nb::ndarray<nb::numpy, const float, nb::ndim<3>, nb::c_contig>;
 
-/// The beauty, as `frame[...]` calls it. No layer is called so.
+/// The name of the beauty in `frame[...]`. No layer has this name.
 constexpr const char* kBeauty = "beauty";
 
-/// The array keeps the frame.
+/// A view of `data`; the array keeps the frame alive.
 Picture pictureOf(nb::handle frame, const std::vector<float>& data, std::size_t channels) {
     const PixelWindow& window = nb::cast<const ShotFrame&>(frame).image().window;
     return Picture(data.data(), {std::size_t(window.height()), std::size_t(window.width()), channels}, frame);
@@ -39,7 +39,7 @@ std::vector<std::string> channelsOf(const ShotFrame& frame, const std::string& n
     return frame.layer(name).channels;
 }
 
-/// Writing may take seconds, in which other threads of Python go on.
+/// Releases the interpreter's lock while writing, which may take seconds.
 template <typename Write>
 void write(nb::handle path, const Write& write) {
     const std::string name = path.is_none() ? "" : pathText(path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module `scrim._scrim`: errors, waiting, and what the other files bind.
+// The module `scrim._scrim`: errors, waiting, and the bindings of the other files.
 #include "bindings.h"
 
 #include <scrim/base/version.h>
@@ -12,7 +12,7 @@
 namespace scrim::python {
 namespace {
 
-constexpr std::chrono::milliseconds kPause{20};  // how late a signal may be heard of
+constexpr std::chrono::milliseconds kPause{20};  // the longest delay before a signal is noticed
 
 const char* classOf(ErrorKind kind) {
     switch (kind) {
@@ -39,7 +39,7 @@ void translate(const std::exception_ptr& thrown, void*) {
         std::rethrow_exception(thrown);
     } catch (const Error& error) {
         const nb::object type = nb::module_::import_("scrim._errors").attr(classOf(error.kind()));
-        // Names of files are bytes, and need not be UTF-8.
+        // File names are bytes, and need not be UTF-8.
         const nb::object text = nb::steal(PyUnicode_DecodeFSDefault(error.what()));
         PyErr_SetObject(type.ptr(), text.ptr());
     }
@@ -52,7 +52,7 @@ void passOn(const std::vector<Work::Message>& messages) {
         log.attr(severity == Severity::warning ? "warning" : "info")("%s", text);
 }
 
-/// One pause of waiting, and what Python is told after it. False: go on.
+/// Waits for one pause, then informs Python. Returns true when there is nothing to wait for any more.
 bool awaitOnce(Work& work, nb::handle progress, std::chrono::milliseconds pause, double& told) {
     bool done = false;
     {

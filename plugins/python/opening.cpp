@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From files, text and dicts to shots.
+// Makes shots from files, text and dicts.
 #include "bindings.h"
 
 #include <tuple>

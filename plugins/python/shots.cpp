@@ -25,11 +25,11 @@ namespace {
 
 using Window = std::tuple<int, int, int, int>;
 
-/// A render under way. The shot is busy with it until it ends.
+/// A render that is under way. It occupies the shot until it ends.
 struct Job {
     std::shared_ptr<std::optional<ShotFrame>> made = std::make_shared<std::optional<ShotFrame>>();
     std::unique_ptr<Work> work;
-    nb::object frame;  // once somebody asked for it
+    nb::object frame;  // set when somebody first asks for it
 };
 
 struct Plan {
@@ -88,7 +88,7 @@ std::shared_ptr<Job> start(const ShotObject& object, int frame, RenderOptions op
     auto busy = std::make_shared<Busy>(object.state, "frame " + std::to_string(frame));
     job->work = std::make_unique<Work>([made = job->made, busy, frame, options](Work& work) mutable {
         listen(options, work);
-        const auto held = std::exchange(busy, nullptr);  // let go as soon as this ends
+        const auto held = std::exchange(busy, nullptr);  // released as soon as this scope ends
         made->emplace(held->shot().render(frame, options));
     });
     return job;
@@ -230,7 +230,7 @@ file.
 `next`: the frame that is rendered next: its files are read meanwhile.
 `preview_exposure`: stops by which previews are brighter.)";
 
-/// Hands the keywords of a render to `call` as options.
+/// Binds a method whose keywords are those of a render; `call` receives them as options.
 template <typename Call, typename... More>
 auto bindRender(nb::class_<ShotObject>& type, const char* name, const std::string& signature, const std::string& text,
                 const Call& call, const More&... more) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# venv.sh FOLDER: an environment of Debian's Python with what building and testing the module needs, from PyPI in versions
-# that are known to work. Does nothing where it is there.
+# venv.sh FOLDER: makes an environment of Debian's Python with everything that building and testing the module needs, from
+# PyPI, in versions that are known to work. It does nothing if the environment exists.
 set -euo pipefail
 folder="$1"
 here="$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)"

@@ -1,11 +1,11 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# wheel.sh [FOLDER]: makes a wheel that needs nothing of Debian, in FOLDER (default: build/wheels), and renders with it in an
-# empty environment. For Linux with glibc 2.36 (Debian 12) or newer, and Python 3.10 or newer.
+# wheel.sh [FOLDER]: makes a wheel that does not depend on Debian, in FOLDER (default: build/wheels), and renders with it in
+# an empty environment. For Linux with glibc 2.36 (Debian 12) or newer, and Python 3.10 or newer.
 #
-# Its libraries are Debian's, renamed, so that they do not meet others of the same name. The module that reads and writes
-# pictures by OpenImageIO is not in it: with that come x264 and x265, which are under the GPL. So slides, pictures of domes,
-# depth pictures, plates, previews and the pages of studies are not there.
+# Its libraries are Debian's, renamed so that they do not clash with others of the same name. The module that reads and
+# writes pictures with OpenImageIO is left out, because it would bring x264 and x265, which are under the GPL. Therefore
+# slides, pictures of domes, depth pictures, plates, previews and the pages of studies are not available.
 # SCRIM_WHEEL_BUILD: a build folder to use (default: build/python-wheel).
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"

@@ -10,7 +10,7 @@ namespace {
 
 std::mutex g_mutex;
 std::set<Work*>& running() {
-    static std::set<Work*>* const all = new std::set<Work*>;  // for good: jobs may end after statics do
+    static std::set<Work*>* const all = new std::set<Work*>;  // never destroyed, since jobs may outlive static objects
     return *all;
 }
 
@@ -83,7 +83,8 @@ MessageSink Work::messageSink() {
 }
 
 void Work::endAll() {
-    // Nothing is started or destroyed meanwhile but by threads that wait for the interpreter's lock, which is not held.
+    // No work is started or destroyed meanwhile, except by threads that wait for the interpreter's lock, which is not
+    // held here.
     const std::scoped_lock lock(g_mutex);
     for (Work* work : running()) work->cancel();
     for (Work* work : running()) work->join();

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Work of the library in a thread of its own, so that Python's threads go on, and whoever waits for it hears of
-// signals.
+// Runs work of the library in a thread of its own, so that Python's other threads go on and the waiting thread can
+// notice signals.
 //
-// No object of Python is touched in that thread: it leaves progress and messages here, and the thread that waits takes
-// them to Python.
+// The worker thread touches no Python object: it stores progress and messages here, and the waiting thread passes them
+// to Python.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -26,30 +26,30 @@ class Work {
   public:
     using Message = std::pair<Severity, std::string>;
 
-    /// Starts `task`. It must not outlive what it refers to.
+    /// Starts `task`. The objects that it refers to must outlive this object.
     explicit Work(std::function<void(Work&)> task);
-    /// Cancels it and waits.
+    /// Cancels the work and waits for it.
     ~Work();
     Work(const Work&) = delete;
     Work& operator=(const Work&) = delete;
 
-    /// The finished part, 0 to 1.
+    /// The finished fraction, 0 to 1.
     double progress() const { return m_progress; }
     bool done() const { return m_done; }
     void cancel() { m_cancelled = true; }
-    /// Whether it is done. Never holds the interpreter's lock: neither must the caller.
+    /// Waits for at most `time`; returns true if the work is done. The caller must not hold the interpreter's lock.
     bool waitFor(std::chrono::milliseconds time);
     void join();
-    /// Throws what the task threw.
+    /// Throws whatever the task threw.
     void rethrow() const;
     std::vector<Message> takeMessages();
 
-    // For the task: what it hands to the library.
+    // The following are for the task, which passes them to the library.
     ProgressSink progressSink();
     Checkpoint checkpoint();
     MessageSink messageSink();
 
-    /// At the end of the interpreter: all that still runs is cancelled and waited for.
+    /// To be called at the end of the interpreter: cancels everything that still runs and waits for it.
     static void endAll();
 
   private:

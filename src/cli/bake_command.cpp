@@ -33,7 +33,7 @@ std::string gridsText(const std::vector<VdbGrid>& grids) {
     return text + fmt::format("; {} active voxels in all", voxels);
 }
 
-/// The one input, and where its frames go.
+/// The one input, and the path of its frames.
 SceneInput inputOf(const SceneOptions& options) {
     if (options.inputs.size() > 1) throw Error(ErrorKind::usage, "bake: expected one scene, since there is one output");
     if (options.crop) throw Error(ErrorKind::usage, "--crop: light is baked for all voxels, not for pixels");

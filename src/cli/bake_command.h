@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim bake`: the light that reaches the voxels of a scene, as grids.
+// `scrim bake`: bakes the light that reaches the voxels of a scene into grids.
 #pragma once
 
 namespace scrim::cli {
 
 struct SceneOptions;
 
-/// Throws Error.
+/// Bakes all frames. Throws Error.
 void bakeCommand(const SceneOptions& options);
 
 }  // namespace scrim::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What the program says on stderr: lines that stay, and one line of status below them that is drawn over. One
-// place, so that the two do not write into each other.
+// The program's output on stderr: lines that stay, and one status line below them that is redrawn. Both go through this
+// class, so that they do not overwrite each other.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -20,13 +20,13 @@ class Console {
     bool verbose() const { return m_verbose; }
     bool quiet() const { return m_quiet; }
 
-    void line(const std::string& text);     ///< not under -q
-    void detail(const std::string& text);   ///< only under -v; may have several lines
+    void line(const std::string& text);     ///< not with -q
+    void detail(const std::string& text);   ///< only with -v; may have several lines
     void warning(const std::string& text);  ///< always
-    /// The line that is drawn over; "" erases it. Only for terminals.
+    /// Redraws the status line; "" erases it. Only on terminals.
     void status(const std::string& text);
 
-    /// For the library's messages; refers to this.
+    /// A sink for the library's messages, which refers to this object.
     MessageSink sink();
 
   private:
@@ -38,7 +38,7 @@ class Console {
 
 /// Writes to stdout. Throws Error(output).
 void printOut(const std::string& text);
-/// Sees that all of it arrived. Throws Error(output).
+/// Checks that all output was written. Throws Error(output).
 void flushOut();
 
 }  // namespace scrim::cli

@@ -31,14 +31,14 @@ using Clock = std::chrono::steady_clock;
 
 constexpr const char* kDefaultPort = "14158";
 constexpr std::chrono::milliseconds kPause{250};
-constexpr int kPatience = 3000;  // milliseconds, of connecting and of each packet
+constexpr int kPatience = 3000;  // milliseconds, for connecting and for each packet
 constexpr int kTile = 128;       // pixels
 constexpr int kChannels = 4;
-constexpr const char* kSpace = "lin_rec709_scene";  // what the viewer takes floats for
+constexpr const char* kSpace = "lin_rec709_scene";  // the space in which the viewer expects floats
 
 static_assert(std::endian::native == std::endian::little, "packets hold numbers as memory does");
 
-/// A packet: its length, what it is, and what belongs to that.
+/// A packet: its length, its type, and its contents.
 class Packet {
   public:
     enum class Type : std::uint8_t { createImage = 4, updateImage = 6 };
@@ -82,7 +82,7 @@ Packet createPacket(const std::string& name, const PixelWindow& window, bool gra
     return packet;
 }
 
-/// `box` of the image, whose corner is (0, 0) to the viewer.
+/// The part `box` of the image; the viewer's (0, 0) is the image's corner.
 Packet updatePacket(const std::string& name, const Image& image, const PixelWindow& box) {
     Packet packet(Packet::Type::updateImage);
     packet.add(std::uint8_t(0));
@@ -106,7 +106,7 @@ bool sameIn(const PixelWindow& box, const Image& a, const Image& b) {
     return true;
 }
 
-/// A connection that gives up where the other end takes nothing for kPatience.
+/// A connection that gives up when the other end receives nothing for kPatience.
 class Connection {
   public:
     explicit Connection(const std::string& address);
@@ -114,7 +114,7 @@ class Connection {
     Connection(const Connection&) = delete;
     Connection& operator=(const Connection&) = delete;
 
-    /// "": sent.
+    /// Returns a problem, or "" if everything was sent.
     std::string send(const std::vector<char>& bytes) const;
 
   private:
@@ -184,7 +184,7 @@ std::string Connection::send(const std::vector<char>& bytes) const {
 }  // namespace
 
 struct DisplayServer::Sender {
-    /// A picture, or what there is of it.
+    /// A picture, complete or in progress.
     struct Shown {
         std::string name;
         ColourConfig colours;
@@ -205,7 +205,7 @@ struct DisplayServer::Sender {
         {
             const std::lock_guard lock(mutex);
             if (!problem.empty()) return;
-            // What waits is not shown any more, unless it is all there will be of another picture.
+            // A waiting picture is replaced, unless it is the last state of another picture.
             if (!waiting.empty() && waiting.back().name == shown.name) waiting.pop_back();
             waiting.push_back(std::move(shown));
         }
@@ -221,12 +221,12 @@ struct DisplayServer::Sender {
     std::string problem;
     bool ends = false;
 
-    // Of the thread that sends.
+    // Used by the sending thread only.
     std::string sentName;
     Image sent;
     bool first = true;
 
-    // Of the thread that renders.
+    // Used by the rendering thread only.
     std::string name;
     std::optional<ColourConfig> colours;
     Clock::time_point asked;

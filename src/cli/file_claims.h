@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Which files a command reads and which it writes. No file may be both, and none be written twice, whatever names it
-// goes by; that is seen before anything is done.
+// Keeps track of the files that a command reads and writes. No file may be both read and written, nor written twice,
+// whatever names it goes by; this is checked before any work starts.
 #pragma once
 
 #include <scrim/base/file_identity.h>
@@ -13,17 +13,18 @@ namespace scrim::cli {
 
 class FileClaims {
   public:
-    /// `role`: "the volume 'plume'", "the scene". All that is read comes before what is written.
+    /// Declares that a file is read. `role`: "the volume 'plume'", "the scene". All calls must come before those of
+    /// `writes`.
     void reads(const std::string& path, const std::string& role);
 
-    /// `role`: "--stats". Throws Error(usage) where the file is read. Returns the role in which it is written already;
-    /// "": it is not, so that whoever asked has it now.
+    /// Declares that a file is written. `role`: "--stats". Throws Error(usage) where the file is read. Returns the role
+    /// in which the file is already claimed for writing, or "" where the claim is new.
     std::string writes(const std::string& path, const std::string& role);
 
-    /// As `writes`. Throws Error(usage) also where the file is written already.
+    /// As `writes`, but throws Error(usage) also where the file is already claimed for writing.
     void writesAlone(const std::string& path, const std::string& role);
 
-    /// Those that files are written into, as far as they are there.
+    /// The existing folders that files are written into.
     std::set<std::string> folders() const;
 
   private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// How all commands read volumes.
+// How all commands read volumes: in a guarded process.
 #pragma once
 
 #include <scrim/guard/load_options.h>
@@ -8,7 +8,7 @@
 
 namespace scrim::cli {
 
-/// `showStderr`: the reading process's, for those who look for its reason.
+/// `showStderr`: shows stderr of the reading process, for users who look for the reason of a failure.
 inline LoadOptions guardedLoading(std::size_t memory, bool showStderr) {
     return {VolumeLoading::guarded, "", memory, showStderr};
 }

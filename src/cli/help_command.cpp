@@ -18,7 +18,7 @@
 namespace scrim::cli {
 namespace {
 
-/// Whether an option's form is a list of words: "error|black|skip".
+/// True if an option's form is a list of words: "error|black|skip".
 bool isChoice(const std::string& form) {
     const auto isWord = [](char c) { return (c >= 'a' && c <= 'z') || c == '|'; };
     return form.find('|') != std::string::npos && std::all_of(form.begin(), form.end(), isWord);
@@ -29,8 +29,8 @@ std::string spaced(std::string words) {
     return words;
 }
 
-/// For bash, and for zsh with bashcompinit: commands, their options, words that an option chooses from, and the paths
-/// behind --set.
+/// A completion script for bash, and for zsh with bashcompinit: commands, their options, the words that an option
+/// chooses from, and the paths for --set.
 std::string completionScript(const CLI::App& app) {
     std::vector<std::string> names;
     std::string cases, words;
@@ -84,7 +84,7 @@ void helpCommand(const HelpOptions& options, const CLI::App& app) {
     }
     std::vector<std::string> topics;
     for (const CLI::App* command : app.get_subcommands({})) topics.push_back(command->get_name());
-    // A section is called as a command is: both are meant.
+    // A section and a command may share a name; help shows both.
     const std::string text = sceneHelp(options.topic);
     for (const std::string& name : topics)
         if (name == options.topic) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim help`: commands, and all that a scene may say.
+// `scrim help`: explains commands, and everything that a scene may contain.
 #pragma once
 
 #include <string>
@@ -11,11 +11,11 @@ class App;
 namespace scrim::cli {
 
 struct HelpOptions {
-    std::string topic;  ///< a command, a section of scenes, a key; "": what there is
+    std::string topic;  ///< a command, a section of scenes or a key; "": an overview
     bool schema = false, markdown = false, completion = false, man = false;
 };
 
-/// `app` has the commands. Throws Error(usage) where there is no such topic.
+/// `app` holds the commands. Throws Error(usage) where there is no such topic.
 void helpCommand(const HelpOptions& options, const CLI::App& app);
 
 }  // namespace scrim::cli

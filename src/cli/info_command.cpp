@@ -21,7 +21,7 @@
 namespace scrim::cli {
 namespace {
 
-/// An argument: one file, or a sequence with those of its frames that are wanted.
+/// An argument: one file, or a sequence with the wanted frames.
 struct Asked {
     std::string name;
     std::vector<int> frames;  ///< empty: one file

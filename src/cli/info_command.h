@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim info`: what .vdb files and scans hold.
+// `scrim info`: describes .vdb files and scans.
 #pragma once
 
 #include <string>
@@ -9,13 +9,13 @@ namespace scrim::cli {
 
 struct InfoOptions {
     std::vector<std::string> files;
-    std::vector<int> frames;  ///< of sequences; empty: all there are
+    std::vector<int> frames;  ///< frames of sequences; empty: all existing ones
     bool json = false;
     bool verbose = false;
 };
 
-/// Prints what each file holds, of a sequence ("smoke.####.vdb") what all its files hold together; as JSON an object,
-/// or an array of them for several files. Throws Error.
+/// Prints the contents of each file, and for a sequence ("smoke.####.vdb") those of all its files together; as JSON, an
+/// object, or an array of objects for several files. Throws Error.
 void infoCommand(const InfoOptions& options);
 
 }  // namespace scrim::cli

@@ -35,7 +35,7 @@ std::string boundsText(const GridInfo& grid) {
                        size(2));
 }
 
-/// Around the cells of the active voxels.
+/// World-space box around the cells of the active voxels.
 Bounds wsBounds(const GridInfo& grid) {
     if (isEmpty(grid) || !grid.affine) return {};
     return transformed(grid.wsFromIs, {Vec3(grid.isLower) - 0.5, Vec3(grid.isUpper) + 0.5});
@@ -78,7 +78,7 @@ std::string gridText(const GridInfo& g) {
     return text;
 }
 
-/// One grid of a sequence, all frames together.
+/// One grid of a sequence, over all frames.
 struct GridRange {
     std::string valueType;
     std::size_t files = 0;
@@ -138,11 +138,11 @@ std::string infoText(const VdbFileInfo& info) {
 std::string sequenceText(const std::string& pattern, const std::vector<int>& frames,
                          const std::vector<VdbFileInfo>& files) {
     std::uint64_t bytes = 0;
-    std::vector<std::string> names;  // in the order in which they come
+    std::vector<std::string> names;  // in the order of their first appearance
     std::map<std::string, GridRange> ranges;
     for (std::size_t i = 0; i < files.size(); ++i) {
         bytes += files[i].fileBytes;
-        std::map<std::string, int> seen;  // of grids of one name each is a grid of its own
+        std::map<std::string, int> seen;  // grids that share a name within a file are counted separately
         for (const GridInfo& grid : files[i].grids) {
             const int before = seen[grid.name]++;
             const std::string name = before == 0 ? grid.name : fmt::format("{}[{}]", grid.name, before);

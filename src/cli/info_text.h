@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What `scrim info` prints of a file, a sequence, a scan.
+// The text that `scrim info` prints about a file, a sequence or a scan.
 #pragma once
 
 #include <scrim/shot/scan_info.h>
@@ -13,7 +13,7 @@ namespace scrim::cli {
 std::string infoText(const VdbFileInfo& info);
 std::string infoText(const ScanInfo& info);
 
-/// Of the files of a sequence: what its grids hold in all frames together. `frames` has the frame of each file.
+/// The contents of the grids of a sequence in all frames together. `frames` holds the frame of each file.
 std::string sequenceText(const std::string& pattern, const std::vector<int>& frames,
                          const std::vector<VdbFileInfo>& files);
 

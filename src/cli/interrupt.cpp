@@ -15,25 +15,25 @@
 namespace scrim::cli {
 namespace {
 
-// A signal handler has nothing but globals.
+// A signal handler can only access globals.
 std::atomic<int> g_signal{0};
 static_assert(std::atomic<int>::is_always_lock_free, "the handler writes it");
 
-// A second signal, or the time that the first one left, ends the program where it stands.
+// Ends the program immediately, on a second signal or when the time after the first one is over.
 [[noreturn]] void leave(int signal) {
     removeUncommittedFiles();
     ::_exit(128 + signal);
 }
 
-// How long the program may take to come to a place where it can stop in order, which is nearly always less than a
-// twentieth of a second. Whoever stops a program waits for it, and a farm kills what does not go: then a picture that
-// is half written would stay. A timer and not a loop's own look at the clock, since no loop can forget it.
+// The time that the program has to reach a point where it can stop in order; it nearly always takes less than a
+// twentieth of a second. Users wait for the program, and a farm kills programs that do not end, which would leave a
+// half-written picture. A timer is used instead of checks in loops, since no loop can forget it.
 constexpr itimerval kPatience{{0, 0}, {0, 800'000}};
 
 extern "C" void onInterrupt(int signal) {
     int none = 0;
     if (!g_signal.compare_exchange_strong(none, signal)) leave(signal);
-    ::setitimer(ITIMER_REAL, &kPatience, nullptr);  // a plain system call on Linux, so safe here
+    ::setitimer(ITIMER_REAL, &kPatience, nullptr);  // a plain system call on Linux, so it is safe here
 }
 
 extern "C" void onLate(int) {
@@ -51,7 +51,7 @@ void handleInterrupts() {
     action.sa_handler = onInterrupt;
     sigemptyset(&action.sa_mask);
     for (const int signal : {SIGINT, SIGTERM}) {
-        // A program started with a signal ignored (nohup, background jobs of a script) leaves it at that.
+        // A program that was started with a signal ignored (nohup, background jobs of a script) keeps ignoring it.
         struct sigaction before {};
         ::sigaction(signal, nullptr, &before);
         if (before.sa_handler != SIG_IGN) ::sigaction(signal, &action, nullptr);
@@ -60,10 +60,9 @@ void handleInterrupts() {
     late.sa_handler = onLate;
     sigemptyset(&late.sa_mask);
     ::sigaction(SIGALRM, &late, nullptr);
-    // A reader of our output that went away is an error of writing, not a reason to die with files half
-    // written.
+    // A reader of our output that has gone away is a write error, not a reason to die with half-written files.
     std::signal(SIGPIPE, SIG_IGN);
-    // So is a file that may not grow any further.
+    // The same holds for a file that may not grow any further.
     std::signal(SIGXFSZ, SIG_IGN);
 }
 

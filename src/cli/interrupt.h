@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
-// SIGINT and SIGTERM: the first asks the work to stop at the next safe place, and ends the program in a second where
-// none comes; a second one ends it at once. Either way no half-written file stays behind.
+// SIGINT and SIGTERM: the first one asks the work to stop at the next safe point, and ends the program within a second
+// if there is none; a second one ends it at once. Either way no half-written file is left behind.
 #pragma once
 
 namespace scrim::cli {
 
 void handleInterrupts();
 
-/// The signal that came, or 0.
+/// The signal that was received, or 0.
 int interruptSignal() noexcept;
 
-/// Throws Error(interrupted) where a signal came.
+/// Throws Error(interrupted) if a signal was received.
 void throwIfInterrupted();
 
 }  // namespace scrim::cli

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The program: reads the command line, runs one command, and turns whatever goes wrong into one line and an
-// exit status. The only place that catches exceptions.
+// The program: reads the command line, runs one command, and turns any failure into one line and an exit status. This
+// is the only place that catches all exceptions.
 #include "bake_command.h"
 #include "console.h"
 #include "help_command.h"
@@ -34,7 +34,7 @@ namespace scrim::cli {
 namespace {
 
 constexpr int kAccuracyStatus = 5;
-constexpr int kMemoryStatus = 33;  // farms take it for "try again on a larger machine"
+constexpr int kMemoryStatus = 33;  // farms take this status for "try again on a larger machine"
 
 int statusOf(ErrorKind kind) {
     switch (kind) {
@@ -56,7 +56,7 @@ int statusOf(ErrorKind kind) {
     return 1;
 }
 
-/// The last line on stderr.
+/// Prints the last line on stderr and returns the status.
 int fail(int status, const std::string& reason) {
     constexpr std::size_t kLongestReason = 4000;
     std::fputs(fmt::format("scrim: error: {}\n", shortened(reason, kLongestReason)).c_str(), stderr);
@@ -72,7 +72,7 @@ std::string versionText() {
         openColorIoVersion(), openImageIoVersion(), tbbVersion(), highwayVersion());
 }
 
-/// The command line and what it fills in.
+/// The command line and the options that it fills in.
 struct CommandLine {
     CLI::App app{"Renders OpenVDB volumes with volumetric shadows by sheet-based splatting.", "scrim"};
     SceneOptions render, plan, study, bake;
@@ -173,7 +173,7 @@ struct CommandLine {
     }
 };
 
-/// What CLI11 says of a mistake, in one line and with what might have been meant.
+/// CLI11's text about a mistake, in one line and with a suggestion.
 std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
     std::string text = error.what();
     const CLI::App& command = line.current();
@@ -229,7 +229,7 @@ int run(const std::vector<std::string>& arguments) {
     checkCommandName(line, arguments);
     try {
         line.app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-    } catch (const CLI::Success& success) {  // help and version are asked for by exceptions
+    } catch (const CLI::Success& success) {  // help and version are requested through exceptions
         std::ostringstream text;
         line.app.exit(success, text, text);
         printOut(text.str());

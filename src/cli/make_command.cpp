@@ -43,7 +43,7 @@ std::vector<std::pair<std::string, std::string>> split(const std::vector<std::st
     return out;
 }
 
-/// Whatever is the name of a file counts as one that the source reads.
+/// Checks the output's name, and that it is not a file that the source reads: any parameter may hold such a name.
 void checkOutput(const std::string& output, const std::vector<std::pair<std::string, std::string>>& parameters) {
     if (lowerExtension(output) != ".vdb")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.vdb'", shortened(output)));

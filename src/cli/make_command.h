@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim make`: runs a volume source and saves what it makes.
+// `scrim make`: runs a volume source and saves its grids.
 #pragma once
 
 #include <string>
@@ -12,8 +12,8 @@ struct MakeOptions {
     std::vector<std::string> parameters;  ///< "key=value"
     std::string output;
     int threads = 0;
-    bool list = false;        ///< print all sources instead
-    bool helpSource = false;  ///< print the source's parameters instead
+    bool list = false;        ///< prints all sources instead
+    bool helpSource = false;  ///< prints the source's parameters instead
     bool verbose = false, quiet = false;
 };
 

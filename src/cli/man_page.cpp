@@ -43,7 +43,7 @@ std::string heading(const std::string& name, int section) {
     return fmt::format(".TH {} {} \"\" \"scrim {}\" \"Scrim\"\n", roffText(upper), section, scrimVersion());
 }
 
-/// A paragraph with a term that sticks out.
+/// A paragraph with a hanging term.
 std::string item(const std::string& term, const std::string& text) {
     return fmt::format(".TP\n{}\n{}\n", term, roffText(text));
 }
@@ -66,7 +66,7 @@ std::string optionTerm(const CLI::Option& option) {
     return term;
 }
 
-/// What CLI11 knows of a command, group by group.
+/// The options of a command by groups, as CLI11 knows them.
 std::string optionLists(const CLI::App& command) {
     std::string text = ".SH ARGUMENTS\n";
     bool any = false;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Man pages, from the same tables as `scrim help`.
+// Man pages, made from the same tables as `scrim help`.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@ class App;
 
 namespace scrim::cli {
 
-/// In roff: scrim(1) where `topic` is "", scrim-render(1) for "render", scrim-scene(5) for "scene". `app` has the
-/// commands. Throws Error(usage) where there is no such page.
+/// The page in roff: scrim(1) where `topic` is "", scrim-render(1) for "render", scrim-scene(5) for "scene". `app`
+/// holds the commands. Throws Error(usage) where there is no such page.
 std::string manPage(const CLI::App& app, const std::string& topic);
 
 }  // namespace scrim::cli

@@ -19,7 +19,7 @@
 namespace scrim::cli {
 namespace {
 
-/// Names those that are not whole, each on a line of its own, and fails where there are any.
+/// Names the incomplete pictures, one on each line, and fails where there are any.
 void check(const MergeOptions& options) {
     std::size_t broken = 0;
     for (const std::string& path : options.tiles) {

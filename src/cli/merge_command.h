@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim merge`: joins crops of a picture, or says which pictures are whole.
+// `scrim merge`: joins crops of a picture, or reports which pictures are incomplete.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace scrim::cli {
 struct MergeOptions {
     std::vector<std::string> tiles;
     std::string output;
-    std::string compression;  ///< "": that of the tiles
+    std::string compression;  ///< "": the tiles' compression
     bool check = false;
     bool quiet = false;
 };

@@ -18,7 +18,7 @@
 namespace scrim::cli {
 namespace {
 
-constexpr int kMostPixels = 65536;  // a side, as in scenes
+constexpr int kMostPixels = 65536;  // along a side, as in scenes
 constexpr int kMostThreads = 4096;
 constexpr double kMostStops = 30;
 
@@ -26,7 +26,7 @@ constexpr double kMostStops = 30;
     throw Error(ErrorKind::usage, fmt::format("{} {}: expected {}", option, shortened(text, 80), expected));
 }
 
-/// The numbers of `text` between `separator`s; nothing where it is anything else.
+/// The numbers in `text` between `separator`s; no value where the text has any other form.
 template <typename Number>
 std::optional<std::vector<Number>> numbersOf(std::string_view text, char separator) {
     std::vector<Number> numbers;
@@ -42,7 +42,7 @@ std::optional<std::vector<Number>> numbersOf(std::string_view text, char separat
     }
 }
 
-/// The number that is the whole of `text`, where `allows` holds of it.
+/// The number that makes up all of `text`. Throws where it is none or `allows` rejects it.
 double numberFrom(const std::string& option, const std::string& text, bool (*allows)(double),
                   const std::string& expected) {
     const auto numbers = numbersOf<double>(text, '\0');
@@ -70,13 +70,13 @@ int turntableFrom(const std::string& text) {
     return numbers->front();
 }
 
-/// An option whose text `take` reads.
+/// Adds an option whose text `take` parses.
 CLI::Option* add(CLI::App& command, const std::string& names, const std::string& form, const std::string& help,
                  const std::function<void(const std::string&)>& take) {
     return command.add_option_function<std::string>(names, take, help)->type_name(form);
 }
 
-/// An option that names a file or a folder.
+/// Adds an option that names a file or a folder.
 void addFile(CLI::App& command, const std::string& names, const std::string& form, const std::string& help,
              std::string& path) {
     add(command, names, form, help, [&path, names](const std::string& text) {
@@ -85,7 +85,7 @@ void addFile(CLI::App& command, const std::string& names, const std::string& for
     });
 }
 
-/// An option that is one of some words; `take` gets the word's place.
+/// Adds an option that is one of some words; `take` receives the word's index.
 void addChoice(CLI::App& command, const std::string& name, const std::vector<std::string>& words,
                const std::string& help, const std::function<void(std::size_t)>& take) {
     add(command, name, fmt::format("{}", fmt::join(words, "|")), help, [=](const std::string& text) {
@@ -100,7 +100,7 @@ void addProgress(CLI::App& command, SceneOptions& o) {
               [&o](std::size_t i) { o.progress = static_cast<ProgressStyle>(i); });
 }
 
-/// Of stages.
+/// Adds the options about OpenUSD stages.
 void addUsdOptions(CLI::App& command, UsdOptions& o) {
     const auto text = [&](const char* name, const char* form, const char* help, std::string& value) {
         command.add_option(name, value, help)->type_name(form)->group("OpenUSD");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The options that commands on scenes share, and the texts they are given as.
+// The options that commands on scenes share, and the forms of their values.
 #pragma once
 
 #include "progress.h"
@@ -19,15 +19,15 @@ class App;
 
 namespace scrim::cli {
 
-/// How an OpenUSD stage is read; see `scrim.usd.open` of Python. "": as it says there.
+/// How an OpenUSD stage is read; see `scrim.usd.open` in Python. "": the default given there.
 struct UsdOptions {
     std::string camera, settings, purpose, sidecar, distant, meshes;
 };
 
 struct SceneOptions {
     std::vector<std::string> inputs;
-    std::string output;       ///< "": what the scene says
-    std::string deep;         ///< the same of the deep picture
+    std::string output;       ///< "": the scene's output
+    std::string deep;         ///< "": the scene's deep picture
     std::vector<int> frames;  ///< empty: not given
     std::optional<Int2> resolution;
     std::optional<PixelWindow> crop;
@@ -43,40 +43,40 @@ struct SceneOptions {
 
     std::string stats, preview;
     std::string display;             ///< HOST:PORT of a viewer; "": none
-    std::string view;                ///< of the preview; "": what the scene says
-    std::optional<double> exposure;  ///< of the preview: stops
-    std::optional<Vec3> wsUp;        ///< of assets
+    std::string view;                ///< view of the preview; "": the scene's
+    std::optional<double> exposure;  ///< exposure of the preview, stops
+    std::optional<Vec3> wsUp;        ///< up direction of assets
     int turntable = 0;               ///< frames; 0: none
     bool skipExisting = false;
     ProgressStyle progress = ProgressStyle::automatic;
     int verify = 0;          ///< pixels; kAllPixels: all
     double verifyLimit = 0;  ///< seconds; 0: none
-    double tolerance = 0;    ///< relative RMSE, in place of quality; 0: not given
+    double tolerance = 0;    ///< relative RMSE, replaces the quality; 0: not given
 
-    std::string baked;                     ///< of `scrim bake`: the file to write
-    std::vector<std::string> bakedLights;  ///< empty: all
+    std::string baked;                     ///< `scrim bake`: the file to write
+    std::vector<std::string> bakedLights;  ///< `scrim bake`: names of lights; empty: all
     bool emission = false;
 
-    bool json = false;  ///< of `scrim plan`
-    double budget = 0;  ///< of `scrim study`: seconds; 0: none
+    bool json = false;  ///< for `scrim plan`
+    double budget = 0;  ///< for `scrim study`: seconds; 0: none
 };
 
-/// Those that decide what is rendered: of `render` and `plan`. `options` must outlive the parse.
+/// Adds the options that decide what is rendered, for `render` and `plan`. `options` must outlive the parse.
 void addSceneOptions(CLI::App& command, SceneOptions& options);
-/// Those about what comes out: of `render`. `group` is their title in the help.
+/// Adds the options about the results of `render`. `group` is their title in the help.
 void addRenderOptions(CLI::App& command, SceneOptions& options, const std::string& group);
-/// Of `study`.
+/// Adds the options of `study`.
 void addStudyOptions(CLI::App& command, SceneOptions& options);
-/// Of `bake`.
+/// Adds the options of `bake`.
 void addBakeOptions(CLI::App& command, SceneOptions& options);
-/// -v and -q.
+/// Adds -v and -q.
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet);
 
-/// As many as SLURM_CPUS_PER_TASK says where the program runs in a job that has it, since Slurm does not bind jobs to
-/// processors everywhere; else 0. What the job is bound to counts in any case (TaskArena).
+/// The number of threads in SLURM_CPUS_PER_TASK if the program runs in a Slurm job, since Slurm does not bind jobs to
+/// processors everywhere; else 0. Processors that the job is bound to are respected in any case (TaskArena).
 int threadsOfJob();
 
-/// "8G", "512M", "64K" (powers of 1024), or bytes. Throws Error(usage), as all of these.
+/// "8G", "512M", "64K" (powers of 1024), or bytes. Throws Error(usage), as do all of these.
 std::size_t parseSize(const std::string& text);
 /// "1920x1080".
 Int2 parseResolution(const std::string& text);

@@ -16,13 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// What is planned of one frame: JSON, or a text to read. Nothing where the frame is skipped.
+/// The plan of one frame, as JSON or as text. Both are empty where the frame is skipped.
 struct PlannedFrame {
     Json json;
     std::string text;
 };
 
-/// What a render of the frame writes: as patterns that hold from any folder, and by their names.
+/// The files that a render of the frame writes: their absolute patterns and their names.
 Json outputsOf(const SceneInput& input, int frame) {
     Json out = Json::object();
     const auto add = [&](const char* key, const FramePath& path) {

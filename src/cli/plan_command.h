@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim plan`: what a render would do, without doing it.
+// `scrim plan`: shows what a render would do, without rendering.
 #pragma once
 
 #include "options.h"
 
 namespace scrim::cli {
 
-/// Prints the plan of every frame asked for. Throws Error.
+/// Prints the plan of every requested frame. Throws Error.
 void planCommand(const SceneOptions& options);
 
 }  // namespace scrim::cli

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kBarCells = 30;
 constexpr std::chrono::milliseconds kRedraw(100);
-constexpr std::chrono::seconds kLogPause(5);  // where nobody asked for the lines
+constexpr std::chrono::seconds kLogPause(5);  // if the lines were not requested
 
 ProgressStyle chosen(ProgressStyle style, const Console& console) {
     if (style != ProgressStyle::automatic) return style;
@@ -24,7 +24,7 @@ ProgressStyle chosen(ProgressStyle style, const Console& console) {
     return ::isatty(STDERR_FILENO) != 0 ? ProgressStyle::bar : ProgressStyle::plain;
 }
 
-/// How many steps there are from 0 to all of it.
+/// The number of steps from nothing to all of the work.
 int stepsOf(ProgressStyle style) {
     switch (style) {
         case ProgressStyle::openjd:
@@ -101,11 +101,11 @@ void Progress::print(double part) {
     flushOut();
 }
 
-/// "frame 7 (3 of 48)  0:12, 3:01 left", where `done` is the part of the whole run.
+/// "frame 7 (3 of 48) 0:12, 3:01 left"; `done` is the finished fraction of the whole run.
 std::string Progress::whereText(double done) const {
     const double elapsed = std::chrono::duration<double>(Clock::now() - m_start).count();
     std::string text = fmt::format("frame {} ({} of {})  {}", m_frame, m_index + 1, m_count, clockText(elapsed));
-    // Before that the guess would jump about.
+    // An earlier estimate would fluctuate too much.
     constexpr double kLeastToGuess = 0.02;
     if (done > kLeastToGuess) text += fmt::format(", {} left", clockText(elapsed / done - elapsed));
     return text;

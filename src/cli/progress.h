@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Progress in the form that whoever looks at it wants: people at a terminal, log files, farm managers,
-// programs.
+// Progress in the form that its reader needs: people at a terminal, log files, farm managers, programs.
 #pragma once
 
 #include "console.h"
@@ -15,15 +14,14 @@ namespace scrim::cli {
 
 enum class ProgressStyle { automatic, bar, plain, alf, openjd, json, none };
 
-/// In the order of ProgressStyle.
+/// The names in the order of ProgressStyle.
 const std::vector<std::string>& progressStyleNames();
 
-/// Reports one run of several frames. Prints only on change: bar and plain lines to stderr, the others to
-/// stdout.
+/// Reports the progress of one run of several frames. It prints only on change: bar and plain lines to stderr, the
+/// others to stdout.
 class Progress {
   public:
-    /// `automatic` is a bar on a terminal, and elsewhere plain lines, but few; or nothing under -q. Refers to
-    /// `console`.
+    /// `automatic` is a bar on a terminal, and elsewhere a few plain lines; nothing with -q. Refers to `console`.
     Progress(ProgressStyle style, Console& console);
     ~Progress() { m_console.status(""); }
     Progress(const Progress&) = delete;
@@ -31,11 +29,11 @@ class Progress {
 
     void setFrameCount(int count) { m_count = count; }
     void beginFrame(int frame);
-    /// `part` of the frame, 0 to 1.
+    /// `part`: the finished fraction of the frame, 0 to 1.
     void report(double part);
     void endFrame();
 
-    /// Maps a stage of the frame that lasts from `from` to `to`; stops where a signal came.
+    /// A sink for a stage that takes the frame from `from` to `to`; it stops the work when a signal was received.
     ProgressSink stage(double from, double to);
 
   private:
@@ -46,10 +44,10 @@ class Progress {
     std::string whereText(double done) const;
 
     ProgressStyle m_style;
-    Clock::duration m_pause;  ///< between two lines, at least
+    Clock::duration m_pause;  ///< least time between two lines
     Console& m_console;
     int m_count = 1, m_index = 0, m_frame = 0;
-    int m_printed = -1;  ///< what the last line said, in the steps of the style
+    int m_printed = -1;  ///< position that the last line reported, in the steps of the style
     Clock::time_point m_start = Clock::now();
     Clock::time_point m_drawn{};
 };

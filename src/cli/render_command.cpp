@@ -30,9 +30,9 @@
 namespace scrim::cli {
 namespace {
 
-constexpr double kWorthSaying = 2;  // seconds of a verification that are announced
+constexpr double kWorthSaying = 2;  // seconds from which on a verification is announced
 
-/// Throws now what could only be known after the render otherwise.
+/// Throws now if the file cannot be written, instead of after the render.
 void checkWritable(const std::string& path) {
     if (!path.empty()) const AtomicFile probe(path);
 }
@@ -60,9 +60,9 @@ class RenderRun {
     const SceneOptions& m_options;
     Console m_console;
     Progress m_progress;
-    std::set<std::string> m_whole;  // pictures that were there
+    std::set<std::string> m_whole;  // pictures that existed before
     std::optional<StatsFile> m_stats;
-    std::size_t m_missed = 0;  // tolerances
+    std::size_t m_missed = 0;  // number of tolerances that were missed
     std::string m_firstMissed;
     std::optional<DisplayServer> m_display;
 };
@@ -96,7 +96,7 @@ void RenderRun::run() {
     throw Error(ErrorKind::accuracy, m_firstMissed + others);
 }
 
-/// Tells how long a verification will take, where that is worth a line.
+/// Announces how long a verification will take, if it is long enough.
 void RenderRun::announce(int frame, double seconds) {
     if (seconds < kWorthSaying) return;
     const bool cut = m_options.verifyLimit > 0 && seconds > m_options.verifyLimit;
@@ -140,7 +140,7 @@ void RenderRun::keepMissed(const ShotReport& report) {
                      report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
 }
 
-/// A viewer that is not there is no reason not to render.
+/// A missing viewer does not prevent rendering.
 void RenderRun::openDisplay() {
     if (m_options.display.empty()) return;
     try {
@@ -151,7 +151,7 @@ void RenderRun::openDisplay() {
     }
 }
 
-/// Once: pictures are rendered and written all the same.
+/// Warns once; pictures are still rendered and written.
 void RenderRun::warnOfLostDisplay() {
     const std::string problem = m_display ? m_display->problem() : "";
     if (problem.empty()) return;
@@ -159,12 +159,12 @@ void RenderRun::warnOfLostDisplay() {
     m_display.reset();
 }
 
-/// The preview is written last: the picture is what matters.
+/// Writes the frame's files. The preview comes last, because the picture matters most.
 void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
     frame.write("", m_console.sink());
     if (!input.deep().pattern.empty()) frame.writeDeep("", m_console.sink());
     if (!input.preview().pattern.empty()) frame.preview();
-    // Whatever was asked for by whichever way is there, or the program does not end well.
+    // Every requested file must exist now, whichever way it was requested; otherwise the program fails.
     const int number = frame.report().frame;
     for (const FramePath& promised : {input.output(), input.deep(), input.preview()}) {
         if (promised.pattern.empty()) continue;
@@ -174,7 +174,7 @@ void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
     }
 }
 
-/// Whether there is a whole picture, and a whole deep one where that is asked for; both are then left alone.
+/// True if a complete picture exists, and a complete deep one where it is requested; both are then left alone.
 bool RenderRun::existsAlready(const SceneInput& input, int frame) {
     if (!m_options.skipExisting) return false;
     for (const FramePath& output : {input.output(), input.deep()}) {
@@ -187,7 +187,7 @@ bool RenderRun::existsAlready(const SceneInput& input, int frame) {
     return true;
 }
 
-/// Whether there is a whole one. Formats that are not known well enough to tell are read, by a child.
+/// True if a complete preview exists. Formats that cannot be checked by their structure are read in a child.
 bool RenderRun::hasPreview(const std::string& path) const {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) return false;
@@ -195,7 +195,7 @@ bool RenderRun::hasPreview(const std::string& path) const {
     return readPicture(path, guardedLoading(m_options.memory, m_options.verbose), throwIfInterrupted).problem.empty();
 }
 
-/// Of a frame whose picture exists.
+/// Completes a frame whose picture exists.
 void RenderRun::completeFrame(SceneInput& input, int frame) {
     const std::string path = input.output().outputAt(frame);
     const FramePath& preview = input.preview();
@@ -207,7 +207,7 @@ void RenderRun::completeFrame(SceneInput& input, int frame) {
     m_console.line(fmt::format("frame {}: {} exists already; its preview was made", frame, path));
 }
 
-/// The next one that is rendered of this input.
+/// The next frame of this input that will be rendered.
 std::optional<int> RenderRun::frameAfter(const SceneInput& input, int frame) {
     const std::vector<int>& frames = input.frames();
     auto next = std::find(frames.begin(), frames.end(), frame);

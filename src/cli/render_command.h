@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// `scrim render`: scenes and assets to pictures.
+// `scrim render`: renders scenes and assets to pictures.
 #pragma once
 
 #include "options.h"

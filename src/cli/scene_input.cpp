@@ -23,7 +23,7 @@
 namespace scrim::cli {
 namespace {
 
-/// What the command line changes in the scene, in the order of being applied.
+/// The overrides of the command line, in the order in which they are applied.
 std::vector<std::string> overridesOf(const SceneOptions& options) {
     std::vector<std::string> overrides;
     if (!options.quality.empty()) overrides.push_back(fmt::format("render.quality={}", tomlString(options.quality)));
@@ -44,7 +44,7 @@ OpenOptions openOptionsOf(const SceneOptions& options, const Shot* sharing) {
     return out;
 }
 
-/// Of one of a stage's scenes, which already has the resolution.
+/// Options for a scene made from a stage, which already has the resolution.
 OpenOptions stageOptionsOf(const SceneOptions& options, int frame, const Shot* sharing) {
     OpenOptions out = openOptionsOf(options, sharing);
     out.resolution = std::nullopt;
@@ -107,7 +107,8 @@ void SceneInput::begin() {
 }
 
 void SceneInput::change(Scene& scene) const {
-    if (!m_options.quality.empty() && m_options.tolerance == 0) scene.tolerance = 0;  // the preset is in its place
+    // The preset replaces the tolerance.
+    if (!m_options.quality.empty() && m_options.tolerance == 0) scene.tolerance = 0;
     SceneOutput& output = scene.output;
     const int frame = static_cast<int>(scene.frame);
     if (!m_options.output.empty()) output.path = pathFrom("--output", m_options.output);
@@ -165,10 +166,10 @@ std::string SceneInput::printedToml(const RenderOptions& options) {
         throw Error(ErrorKind::usage,
                     "--output: the name is not UTF-8, which all text of scenes is: no scene can be "
                     "printed that names it");
-    // The text that frames an asset stays as readable as it is.
+    // The generated text of an asset is kept as readable as it is.
     if (m_shot.isAsset() && overridesOf(m_options).empty())
         return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", tomlString(m_options.output));
-    // Paths of the command line are relative to the current folder, those of a scene to its own.
+    // Paths of the command line are relative to the current folder, those of a scene to the scene's folder.
     const bool here = m_shot.isAsset() || std::filesystem::path(name()).parent_path().empty();
     const std::string file = here ? m_options.output : absolutePattern("", m_options.output);
     return m_shot.toml({fmt::format("output.file={}", tomlString(file))}, options);
@@ -186,7 +187,7 @@ std::vector<SceneInput> openInputs(const SceneOptions& options) {
         for (const std::string& text : stages.back()->warnings) console.warning(text);
         for (const std::string& text : stages.back()->notes) console.detail(text);
     }
-    inputs.reserve(count);  // they refer to the first
+    inputs.reserve(count);  // no reallocation: later inputs refer to the first
     for (std::size_t i = 0; i < options.inputs.size(); ++i) {
         const auto sharing = [&] { return inputs.empty() ? nullptr : &inputs.front(); };
         if (!stages[i]) {
@@ -207,7 +208,7 @@ void claimInputs(const std::vector<SceneInput>& inputs, const SceneOptions& opti
         for (const SceneFile& file : filesReadBy(input.shot(), input.frames())) claims.reads(file.path, file.role);
 }
 
-/// How many of this name there are.
+/// The number of frames of all inputs with this name.
 std::size_t framesOf(const std::vector<SceneInput>& inputs, const std::string& name) {
     std::size_t count = 0;
     for (const SceneInput& input : inputs)

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// One input of a command: a shot, and what the options of the command line change in it.
+// One input of a command: a shot, and the changes that the command line makes to it.
 #pragma once
 
 #include "file_claims.h"
@@ -15,17 +15,17 @@
 
 namespace scrim::cli {
 
-/// What a command writes, as `option` names it: relative to the current folder, with variables of the environment.
-/// Throws Error(usage).
+/// The path pattern of an option's file: relative to the current folder, with environment variables expanded. Throws
+/// Error(usage).
 FramePath pathFrom(const std::string& option, const std::string& text);
 
 class SceneInput {
   public:
-    /// Opens the shot, and tells which frames there are. `options` must outlive this. `sharing`: another input of the
-    /// command, whose volumes this one shares. Throws Error: usage, input.
+    /// Opens the shot and determines its frames. `options` must outlive this object. `sharing`: another input of the
+    /// command, with which this one shares volumes. Throws Error: usage, input.
     SceneInput(const std::string& path, const SceneOptions& options, const SceneInput* sharing = nullptr);
 
-    /// A part of a stage that was read.
+    /// An input for a part of a stage that was read.
     SceneInput(const std::string& stage, const UsdScenes& scenes, const UsdScene& part, const SceneOptions& options,
                const SceneInput* sharing = nullptr);
 
@@ -33,18 +33,18 @@ class SceneInput {
     const Shot& shot() const { return m_shot; }
     const std::string& name() const { return m_shot.path(); }
     const std::vector<int>& frames() const { return m_frames; }
-    /// Before the frame is put in; the preview's has no pattern where none is wanted.
+    /// The patterns before the frame number is put in; the preview's is empty where none is wanted.
     const FramePath& output() const { return m_output; }
     const FramePath& preview() const { return m_preview; }
-    const FramePath& deep() const { return m_deep; }  ///< the same of the deep picture
+    const FramePath& deep() const { return m_deep; }  ///< likewise, for the deep picture
 
-    /// The pixels to render, where the scene or the command line say which.
+    /// The pixels to render, where the scene or the command line states them.
     std::optional<PixelWindow> crop() const { return m_options.crop ? m_options.crop : m_crop; }
 
-    /// Puts the output and the preview of the command line into `scene`, and its quality in the place of a tolerance.
+    /// Sets the output and the preview of the command line in `scene`; its quality replaces a tolerance.
     void change(Scene& scene) const;
 
-    /// With the changes of the command line, as TOML; the first call loads an asset.
+    /// The scene as TOML with the changes of the command line; the first call loads an asset.
     std::string printedToml(const RenderOptions& options);
 
   private:
@@ -57,19 +57,19 @@ class SceneInput {
     std::vector<int> m_frames;
     FramePath m_output, m_preview, m_deep;
     std::optional<PixelWindow> m_crop;
-    std::shared_ptr<TemporaryFolder> m_folder;  // of files that the scene names
+    std::shared_ptr<TemporaryFolder> m_folder;  // holds files that the scene names
 };
 
-/// All inputs of the command.
+/// Opens all inputs of the command.
 std::vector<SceneInput> openInputs(const SceneOptions& options);
 
-/// What `inputs` read.
+/// Claims the files that `inputs` read.
 void claimInputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims);
-/// The pictures, previews and statistics of `inputs`, whose files were claimed. Throws Error(usage) where two are one
-/// file, or one of those that are read.
+/// Claims the pictures, previews and statistics of `inputs`, whose read files must have been claimed. Throws
+/// Error(usage) where two outputs are one file, or an output is also read.
 void claimOutputs(const std::vector<SceneInput>& inputs, const SceneOptions& options, FileClaims& claims);
 
-/// The options of the command line that concern every frame; `messages` hears what is said.
+/// The options of the command line that concern every frame; `messages` receives messages.
 RenderOptions renderOptionsOf(const SceneOptions& options, MessageSink messages);
 
 }  // namespace scrim::cli

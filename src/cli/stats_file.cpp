@@ -12,13 +12,13 @@
 namespace scrim::cli {
 namespace {
 
-/// Indented as an item of the array.
+/// The report, indented as an item of the array.
 std::string textOf(const ShotReport& report) {
     using Json = nlohmann::ordered_json;
     std::string text;
     for (const char c : Json::parse(reportAsJson(report)).dump(2, ' ', false, Json::error_handler_t::replace)) {
         text += c;
-        if (c == '\n') text += "  ";  // strings of JSON hold none
+        if (c == '\n') text += "  ";  // strings in JSON contain no line breaks
     }
     return text;
 }
@@ -32,7 +32,7 @@ StatsFile::~StatsFile() {
     try {
         finish();
     } catch (const std::exception&) {
-        // Why the run ended is being told.
+        // The reason why the run ended is already being reported.
     }
 }
 

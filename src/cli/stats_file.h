@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// --stats: one JSON array with an object a frame. It is written as it grows, so that a thousandth frame costs what the
-// first did, and appears whole.
+// The file of --stats: one JSON array with an object for each frame. It is written as it grows, so that the thousandth
+// frame costs no more than the first, and appears completely or not at all.
 #pragma once
 
 #include <scrim/base/atomic_file.h>
@@ -15,13 +15,14 @@ class StatsFile {
   public:
     /// Throws Error(output) where it cannot be written.
     explicit StatsFile(const std::string& path);
-    /// Of a run that ended early: what it did is told up to there. Nothing is where no frame was finished.
+    /// If the run ended early, completes the file with the frames up to there; without any finished frame there is no
+    /// file.
     ~StatsFile();
     StatsFile(const StatsFile&) = delete;
     StatsFile& operator=(const StatsFile&) = delete;
 
     void add(const ShotReport& report);
-    /// Ends the array and puts the file into its place. Nothing comes after that.
+    /// Ends the array and moves the file to its place. Must be the last call.
     void finish();
 
   private:

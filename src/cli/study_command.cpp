@@ -26,7 +26,7 @@ namespace {
 
 constexpr const char *kTable = "study.csv", *kData = "study.json", *kPage = "index.html";
 
-// The folder for the results: there before hours of work rely on it, and gone again where nothing came of them.
+// The folder for the results. It is made before hours of work rely on it, and removed where there are no results.
 class ResultFolder {
   public:
     explicit ResultFolder(const std::string& path) : m_path(path) {
@@ -37,7 +37,7 @@ class ResultFolder {
     }
     ~ResultFolder() {
         std::error_code ignored;
-        if (m_made) std::filesystem::remove(m_path, ignored);  // unless it holds something
+        if (m_made) std::filesystem::remove(m_path, ignored);  // fails, as it should, if the folder contains anything
     }
     ResultFolder(const ResultFolder&) = delete;
     ResultFolder& operator=(const ResultFolder&) = delete;
@@ -78,7 +78,7 @@ void study(const SceneOptions& options) {
     if (options.output.empty()) throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
     Console console(options.verbose, options.quiet);
     Progress progress(options.progress, console);
-    // The output is a folder here: scenes have none of their own.
+    // Here the output is a folder; the scenes keep their own outputs unused.
     SceneOptions sceneOptions = options;
     sceneOptions.output.clear();
     std::vector<SceneInput> inputs = openInputs(sceneOptions);

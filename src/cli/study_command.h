@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// scrim study SCENE -o DIR: what accuracy costs in time on the user's own scene.
+// scrim study SCENE -o DIR: measures what accuracy costs in time on the user's own scene.
 #pragma once
 
 #include "options.h"

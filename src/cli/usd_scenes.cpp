@@ -33,7 +33,7 @@ constexpr const char* kHowToInstall =
     "stages are read by Scrim's Python package and usd-core (pip install usd-core); $SCRIM_PYTHON names the Python "
     "that has both";
 
-/// That of the environment, or python3 beside this program, or the one in PATH.
+/// The Python program: the one named by the environment, or python3 beside this program, or the one in PATH.
 std::string pythonProgram() {
     if (const char* const named = std::getenv("SCRIM_PYTHON"); named != nullptr && *named != '\0') return named;
     std::error_code ignored;
@@ -45,7 +45,7 @@ std::string pythonProgram() {
 std::vector<std::string> argumentsFor(const std::string& path, const std::string& folder, const SceneOptions& options) {
     std::vector<std::string> words = {pythonProgram(), "-m", "scrim.usd"};
     const auto add = [&words](const char* name, const std::string& value) {
-        // In one word, so that no value is taken for an option.
+        // Option and value form one word, so that no value is taken for an option.
         if (!value.empty()) words.push_back(fmt::format("--{}={}", name, value));
     };
     add("frames", fmt::format("{}", fmt::join(options.frames, ",")));
@@ -60,7 +60,7 @@ std::vector<std::string> argumentsFor(const std::string& path, const std::string
     return words;
 }
 
-/// A child whose standard output is read here; it says what else there is to say on ours of errors.
+/// A child process whose standard output is read here; its standard error is ours.
 class Child {
   public:
     explicit Child(std::vector<std::string> words) {
@@ -85,14 +85,13 @@ class Child {
     }
     ~Child() {
         ::close(m_output);
-        if (m_pid > 0)
-            ::kill(m_pid, SIGTERM);  // only where something was thrown: whoever was asked has been waited for
+        if (m_pid > 0) ::kill(m_pid, SIGTERM);  // only after an exception; otherwise the child has been waited for
         if (m_pid > 0) status();
     }
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
-    /// All that it says, until it ends.
+    /// Reads the child's output until it ends.
     std::string output() const {
         std::string text;
         char part[4096];
@@ -104,7 +103,7 @@ class Child {
             text.append(part, static_cast<std::size_t>(count));
         }
     }
-    /// What it ended with.
+    /// The child's exit status.
     int status() {
         int status = 0;
         while (::waitpid(m_pid, &status, 0) < 0 && errno == EINTR) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// OpenUSD: what reads it is Python's (plugins/python/scrim/usd), so a stage goes to a child process that writes a scene
-// for each frame. Not linked: OpenUSD's libraries are in no distribution, and clash with those that others bring.
+// OpenUSD stages. Python code reads them (plugins/python/scrim/usd), so a stage is passed to a child process that
+// writes a scene for each frame. OpenUSD is not linked: its libraries are in no distribution, and clash with copies
+// that other libraries bring.
 #pragma once
 
 #include "options.h"
@@ -14,7 +15,7 @@
 
 namespace scrim::cli {
 
-/// A folder that goes when this does, with all that is in it.
+/// A folder that is removed with all its contents when this object is destroyed.
 class TemporaryFolder {
   public:
     TemporaryFolder();
@@ -28,24 +29,24 @@ class TemporaryFolder {
     std::string m_path;
 };
 
-/// Frames of a stage that are one scene: what stands still is opened once.
+/// Frames of a stage that form one scene, so that whatever stands still is opened once.
 struct UsdScene {
     std::vector<int> frames;
     std::string toml;
-    std::optional<PixelWindow> crop;  ///< what the stage's render settings ask for
+    std::optional<PixelWindow> crop;  ///< the crop in the stage's render settings
 };
 
 struct UsdScenes {
     std::vector<UsdScene> scenes;             ///< in the order of the frames
-    std::vector<std::string> warnings;        ///< what could not be mapped, prim by prim
-    std::vector<std::string> notes;           ///< what may be checked: the irradiance of suns
-    std::shared_ptr<TemporaryFolder> folder;  ///< holds what the scenes name
+    std::vector<std::string> warnings;        ///< what could not be converted, prim by prim
+    std::vector<std::string> notes;           ///< what users may want to check: the irradiance of suns
+    std::shared_ptr<TemporaryFolder> folder;  ///< holds the files that the scenes name
 };
 
-/// Whether the name of a file is that of a stage: .usd, .usda, .usdc, .usdz.
+/// True for the extensions of stages: .usd, .usda, .usdc, .usdz.
 bool isStage(const std::string& path);
 
-/// The scenes of a stage at the frames of the options, or at its only one. Throws Error: usage, input, interrupted.
+/// The scenes of a stage at the frames of the options, or at its only frame. Throws Error: usage, input, interrupted.
 UsdScenes readStage(const std::string& path, const SceneOptions& options);
 
 }  // namespace scrim::cli

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-# Finds the libraries Scrim stands on. Debian's packages have some traps, each avoided here once.
+# Finds the libraries that Scrim uses. Debian's packages have some traps, which are avoided here.
 
 find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
-find_package(TBB CONFIG REQUIRED)  # before OpenVDB, whose module would hijack it
+find_package(TBB CONFIG REQUIRED)  # before OpenVDB, whose module would replace it
 
 # OpenVDB has no package config, but a find module in its own folder. That folder also holds modules for OpenEXR
 # and TBB, and the module sets BUILD_SHARED_LIBS: both are undone right after.
@@ -20,7 +20,7 @@ unset(BUILD_SHARED_LIBS CACHE)
 
 find_package(OpenEXR CONFIG REQUIRED)
 find_package(OpenImageIO CONFIG REQUIRED)
-# Its target names an include folder of OpenCV that is not there.
+# Its target names an include folder of OpenCV that does not exist.
 set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "")
 pkg_check_modules(OpenColorIO REQUIRED IMPORTED_TARGET OpenColorIO)  # its CMake config has a wrong path
 
@@ -34,7 +34,7 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(embree 3 CONFIG REQUIRED)
 
-# For the volume sources. Teem's and NIfTI's packages configure nothing that works: both are found by their files.
+# Libraries of the volume sources. The CMake configs of Teem and NIfTI do not work, so both are found by their files.
 find_package(ZLIB REQUIRED)
 find_package(assimp CONFIG REQUIRED)
 find_path(SCRIM_TEEM_INCLUDE teem/nrrd.h REQUIRED)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
-# Installs program, library, headers, documents, and the package config that gives others `scrim::scrim`. What the
-# library is built on stays behind its shared object: a consumer needs GLM and nothing else.
+# Installs the program, the library, headers, documents, and the package config that defines `scrim::scrim`. The
+# libraries that Scrim uses stay behind its shared object: a consumer needs GLM and nothing else.
 #
-# Components, of which Packages.cmake makes Debian's packages: `library` (with the modules it loads and the program that
+# The components, each of which becomes a Debian package (Packages.cmake): `library` (with the modules it loads and the program that
 # reads volumes), `program`, `pictures` (reads slides and writes previews, and brings 260 libraries along), `development`.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
@@ -14,7 +14,7 @@ install(TARGETS scrim_meshes scrim_vdb LIBRARY DESTINATION ${scrim_modules} COMP
 install(TARGETS scrim_images LIBRARY DESTINATION ${scrim_modules} COMPONENT pictures)
 install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT library)
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-# Headers that users of the library need, and no others. They include only one another.
+# The headers that users of the library need, and no others. They include no other headers of Scrim.
 foreach(
     header
     scrim.h
@@ -45,7 +45,7 @@ foreach(
     volume/field_builder.h
     volume/grid_request.h
     volume/kernel.h
-    volume/scrim_source.h # of volume sources, in C
+    volume/scrim_source.h # for volume sources, in C
     volume/sparse_field.h
     volume/vdb_file.h
     volume/vdb_info.h)
@@ -59,12 +59,12 @@ write_basic_package_version_file(scrimConfigVersion.cmake COMPATIBILITY SameMino
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/scrimConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/scrimConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/scrim COMPONENT development)
 
-# What a wheel has no place for, and builds with sanitizers no use.
+# The rest has no place in a wheel, and is of no use with sanitizers.
 if(SKBUILD OR SCRIM_SANITIZE OR NOT PROJECT_IS_TOP_LEVEL)
     return()
 endif()
 
-# Man pages and completion, from the tables that the program's help is made of.
+# Man pages and shell completion, made from the same tables as the program's help.
 set(scrim_pages ${PROJECT_BINARY_DIR}/man)
 file(MAKE_DIRECTORY ${scrim_pages})
 set(scrim_page_files ${scrim_pages}/scrim.1 ${scrim_pages}/scrim-scene.5 ${scrim_pages}/completion)
@@ -88,8 +88,8 @@ install(FILES ${scrim_pages}/scrim-scene.5 DESTINATION ${CMAKE_INSTALL_MANDIR}/m
 install(FILES ${scrim_pages}/completion DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME scrim
         COMPONENT program)
 
-# The farm's scripts are one folder, and find themselves by where the link in bin leads. Beside it is the kit, as in the
-# source tree.
+# The farm's scripts form one folder; they find it by following the link in bin. The kit lies beside it, as in the source
+# tree.
 install(PROGRAMS ${scrim_farm}/scrim-submit DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/farm COMPONENT program)
 install(DIRECTORY ${scrim_farm}/scrim_farm DESTINATION ${CMAKE_INSTALL_DATADIR}/scrim/farm COMPONENT program
         FILES_MATCHING PATTERN *.py)

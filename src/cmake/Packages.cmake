@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Debian's packages, by CPack: see packages.sh. A component of Install.cmake each.
+# Debian packages, made by CPack (see packages.sh), one for each component of Install.cmake.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_CONTACT "The developers of Scrim <developers@scrim.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "") # each package has its own
@@ -47,13 +47,14 @@ scrim_package(debian_python python3-scrim python
               "renderer of OpenVDB volumes, Python module" "This package holds the module scrim of Python.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS scrim-pictures)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS python3-scrim)
-# What other packages that use the library depend on, and that it is to be found: CPack's own way calls ldconfig by hand.
+# The dependency of packages that use the library, and the trigger that makes the library known: CPack's own way calls
+# ldconfig by hand.
 file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs "libscrim ${SCRIM_ABI} ${scrim_library} ${scrim_same}\n")
 file(WRITE ${PROJECT_BINARY_DIR}/debian/triggers "activate-noawait ldconfig\n")
 set(CPACK_DEBIAN_LIBRARY_PACKAGE_CONTROL_EXTRA ${PROJECT_BINARY_DIR}/debian/shlibs ${PROJECT_BINARY_DIR}/debian/triggers)
 set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/debian/postinst
                                                      ${CMAKE_CURRENT_LIST_DIR}/debian/prerm)
-set(CPACK_SCRIM_SOURCE ${PROJECT_SOURCE_DIR}) # of finish.cmake
+set(CPACK_SCRIM_SOURCE ${PROJECT_SOURCE_DIR}) # for finish.cmake
 set(CPACK_SCRIM_PACKAGES library:${scrim_library} program:scrim pictures:scrim-pictures development:libscrim-dev
                          debian_python:python3-scrim)
 include(CPack)

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# configure.sh PRESET BUILD_DIR [OPTION...]: configures a build. quickstart.sh and run.sh both come here, so that one
-# build serves both, whichever comes first: what is compiled does not depend on which of them asked. Libraries go to
-# Debian's folder for them, so that packages can be made of the same build.
+# configure.sh PRESET BUILD_DIR [OPTION...]: configures a build. quickstart.sh and run.sh both use it, so that one build
+# serves both, whichever runs first. Libraries go to Debian's folder for them, so that packages can be made from the same
+# build.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 preset="$1" build="$2"

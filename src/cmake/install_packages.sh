@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# install_packages.sh [PACKAGE...]: installs the Debian packages that Scrim needs (packages.txt), and those named, if
-# any is missing. Needs root, or sudo, only then.
+# install_packages.sh [PACKAGE...]: installs the Debian packages that Scrim needs (packages.txt) and the named ones,
+# unless all are present. It needs root or sudo only if some are missing.
 set -euo pipefail
 list="$(dirname "${BASH_SOURCE[0]}")/packages.txt"
 mapfile -t packages < <(grep -v '^#' "$list"; printf '%s\n' "$@")

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
-# packages.sh BUILD_DIR [FOLDER]: makes Debian's packages of a finished build, in FOLDER (default: BUILD_DIR/packages). The
-# build must have Debian's folders, as configure.sh gives it, and python3-scrim wants -DSCRIM_BUILD_PYTHON=ON.
+# packages.sh BUILD_DIR [FOLDER]: makes Debian packages from a finished build, in FOLDER (default: BUILD_DIR/packages). The
+# build must use Debian's folders, as configure.sh sets them; python3-scrim needs -DSCRIM_BUILD_PYTHON=ON.
 set -euo pipefail
 root="$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)"
 build="$(cd "${1:?usage: packages.sh BUILD_DIR [FOLDER]}" && pwd)"

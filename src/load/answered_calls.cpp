@@ -15,15 +15,16 @@
 namespace scrim::load {
 namespace {
 
-constexpr std::size_t kLongestName = 255;  // of Linux' file systems
+constexpr std::size_t kLongestName = 255;  // the limit of Linux file systems
 
-// A handler finds nothing but globals.
+// A signal handler can only access globals.
 std::string *s_path = nullptr, *s_beside = nullptr;
 int s_file = -1, s_besideFile = -1;
 std::atomic_flag s_anyLacked;
 char s_lacked[kLongestName + 1] = {};
 
-/// Goes along a path, past what means nothing: empty parts and ".". Takes no memory: that may be what was interrupted.
+/// Iterates over the parts of a path, skipping empty parts and ".". It allocates no memory, since it may have
+/// interrupted an allocation.
 class Parts {
   public:
     explicit Parts(const char* path) : m_at(path) { skip(); }
@@ -43,7 +44,7 @@ class Parts {
     const char* m_at;
 };
 
-/// What `path` is called in the folder of our file; "" where it is elsewhere.
+/// The name of `path` within the folder of our file; "" where it is elsewhere.
 std::string_view nameInFolder(const char* path) {
     const char* ours = s_path->c_str();
     if ((*path == '/') != (*ours == '/')) return {};
@@ -56,7 +57,7 @@ std::string_view nameInFolder(const char* path) {
     return {};
 }
 
-/// The file of that name; -1: there is none.
+/// The descriptor of the file called `path`; -1: there is none.
 int fileCalled(const char* path) {
     if (path == nullptr) return -1;
     const std::string_view name = nameInFolder(path);
@@ -67,7 +68,7 @@ int fileCalled(const char* path) {
     return -1;
 }
 
-/// The registers of the call that was trapped.
+/// The registers of the trapped call.
 class Call {
   public:
     explicit Call(void* context) : m_registers(static_cast<ucontext_t*>(context)->uc_mcontext) {}
@@ -98,7 +99,7 @@ class Call {
     mcontext_t& m_registers;
 };
 
-/// What the kernel says: a result, or the negative number of an error.
+/// Converts a result to the kernel's convention, in which errors are negative numbers.
 long kernel(long result) {
     return result < 0 ? -errno : result;
 }
@@ -113,7 +114,7 @@ long stat(long file, long result) {
     return kernel(::syscall(SYS_fstat, file, result));
 }
 
-/// Of a call whose argument `name` is a name, and for which `answer` is the answer where that is one of our files.
+/// Answers a call whose argument `name` is a file name: with `answer` if the name is that of one of our files.
 template <typename Answer>
 long ofOurs(const Call& call, int name, const Answer& answer) {
     const int file = fileCalled(call.text(name));

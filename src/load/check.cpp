@@ -37,7 +37,7 @@ constexpr int kWrongAnswer = 4;
 
 constexpr Limits kLimits{std::size_t{1} << 30, 10};
 
-/// How a child ends that does `task` where it is confined.
+/// The exit status of a child that runs `task` while confined.
 template <typename Task>
 int statusOf(Files files, const Task& task) {
     const pid_t child = ::fork();
@@ -77,7 +77,7 @@ void answerMustBe(bool right) {
     if (!right) ::_exit(kWrongAnswer);
 }
 
-/// Where files have names.
+/// Tests for children whose libraries ask for files by name.
 void checkNames(Check& expect) {
     constexpr Files kFiles = Files::answered;
     expect(kFiles, "opening the file", 0, [] { answerMustBe(::open("scan.nhdr", O_RDONLY) >= 0); });
@@ -117,8 +117,8 @@ void checkLimits(Check& expect) {
     ::close(transfer);
 }
 
-/// Loads the volume sources that were installed with this program, as a child does before it is confined. Returns what
-/// they are called; "none" where there are none.
+/// Loads the volume sources installed with this program, as a child does before it is confined. Returns their names;
+/// "none" where there are none.
 std::string loadSources() {
     std::vector<std::string> names;
     std::error_code error;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Tries whether children are confined (confine.h), by having some do what they must not.
+// Tests whether children are confined (confine.h), by having some of them try forbidden actions.
 #pragma once
 
 namespace scrim::load {
 
-/// Prints a line for each try. Whether all went as they should; true, too, where there is no filter.
+/// Prints a line for each test. Returns true if all went as expected, and also if there is no filter.
 bool checkConfinement();
 
 }  // namespace scrim::load

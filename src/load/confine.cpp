@@ -31,7 +31,7 @@
 namespace scrim::load {
 namespace {
 
-/// Bytes of address space this process has now.
+/// The address space of this process, bytes.
 [[maybe_unused]] std::size_t addressSpace() {
     std::size_t pages = 0;
     std::ifstream("/proc/self/statm") >> pages;
@@ -39,11 +39,11 @@ namespace {
 }
 
 constexpr rlim_t kMostAnsweredFiles = 64;
-/// Seconds between SIGXCPU, which says that it was time that was wanting, and SIGKILL, which says nothing.
+/// Seconds between SIGXCPU, which identifies the time limit as the cause, and SIGKILL, which does not.
 constexpr rlim_t kGrace = 2;
 
-/// To `most`, or to what this process was given, if that is less: nobody but root raises a limit. So much `beyond` it
-/// no signal is asked any more.
+/// Lowers a limit to `most`, or to the limit that this process was given if that is lower, since only root can raise
+/// it. The hard limit is `beyond` higher; it acts without a signal that can be handled.
 bool limit(__rlimit_resource resource, rlim_t most, rlim_t beyond = 0) {
     rlimit given{};
     if (::getrlimit(resource, &given) != 0) return false;
@@ -52,18 +52,18 @@ bool limit(__rlimit_resource resource, rlim_t most, rlim_t beyond = 0) {
     return ::setrlimit(resource, &both) == 0;
 }
 
-/// Root could raise its limits again.
+/// Drops the capabilities of root, which could raise its limits again.
 bool dropCapabilities() {
     __user_cap_header_struct self{_LINUX_CAPABILITY_VERSION_3, 0};
     const __user_cap_data_struct none[_LINUX_CAPABILITY_U32S_3] = {};
     return ::syscall(SYS_capset, &self, none) == 0;
 }
 
-/// A filter of system calls: what is not named ends the process.
+/// Builds a filter of system calls. A call that is not named ends the process.
 class Filter {
   public:
     Filter() : m_context(::seccomp_init(SCMP_ACT_KILL_PROCESS)) {
-        // Not left to the library's default, which ends the thread alone.
+        // By default the library would end the thread only.
         m_good = m_context != nullptr &&
                  ::seccomp_attr_set(m_context, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS) == 0;
     }
@@ -72,23 +72,23 @@ class Filter {
     Filter& operator=(const Filter&) = delete;
 
     void allow(long call) { add(SCMP_ACT_ALLOW, call); }
-    /// Fails without being made.
+    /// The call fails with `error` without being made.
     void refuse(long call, int error) { add(SCMP_ACT_ERRNO(std::uint32_t(error)), call); }
-    /// Is handed to the handler of SIGSYS.
+    /// The call is passed to the handler of SIGSYS.
     void trap(long call) { add(SCMP_ACT_TRAP, call); }
-    /// Where argument number `argument` has none of the bits `forbidden`.
+    /// Allowed where argument number `argument` has none of the bits `forbidden`.
     void allowWithout(long call, unsigned argument, std::uint32_t forbidden) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, forbidden, 0));
     }
     void trapWithout(long call, unsigned argument, std::uint32_t forbidden) {
         add(SCMP_ACT_TRAP, call, hasBits(argument, forbidden, 0));
     }
-    /// Where argument number `argument` has the bit `bit`; otherwise it fails without being made.
+    /// Allowed where argument number `argument` has the bit `bit`; otherwise it fails without being made.
     void allowOnlyWith(long call, unsigned argument, std::uint32_t bit, int error) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, bit, bit));
         add(SCMP_ACT_ERRNO(std::uint32_t(error)), call, hasBits(argument, bit, 0));
     }
-    /// Where argument number `argument` is `value`.
+    /// Allowed where argument number `argument` is `value`.
     void allowWith(long call, unsigned argument, std::uint32_t value) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, 0xFFFFFFFF, value));
     }
@@ -96,7 +96,7 @@ class Filter {
     bool install() { return m_good && ::seccomp_load(m_context) == 0; }
 
   private:
-    // The kernel reads these arguments as 32 bits: the upper half may hold anything.
+    // The kernel reads these arguments as 32 bits; their upper halves may hold anything.
     static scmp_arg_cmp hasBits(unsigned argument, std::uint32_t mask, std::uint32_t value) {
         return {argument, SCMP_CMP_MASKED_EQ, mask, value};
     }
@@ -111,7 +111,7 @@ class Filter {
     bool m_good = false;
 };
 
-/// What libraries ask for that open files by name. To open one for writing is not among it.
+/// Traps the calls of libraries that open files by name. Opening a file for writing is not included.
 void answerCalls(Filter& filter) {
     constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
     filter.trapWithout(SYS_openat, 2, kWriting);
@@ -120,21 +120,21 @@ void answerCalls(Filter& filter) {
 #endif
     for (const long call : AnsweredCalls::ofNames()) filter.trap(call);
     filter.allow(SYS_dup);
-    // Those who ask do as well without, or say that they cannot.
+    // Callers can do without these, or report that they cannot.
     for (const long call : {SYS_statx, SYS_fadvise64, SYS_sched_getaffinity}) filter.refuse(call, ENOSYS);
-    // Its own limits, which it can but lower. 0 stands for itself.
+    // The process may query and lower its own limits; 0 stands for the process itself.
     filter.allowWith(SYS_prlimit64, 0, 0);
     filter.refuse(SYS_ioctl, ENOTTY);
     filter.refuse(SYS_fcntl, EINVAL);
     filter.refuse(SYS_getcwd, ENOENT);
-    // Some readers wait for threads that could not be started. They compute under the same filter.
+    // Some readers wait for threads that could not be started. Threads run under the same filter.
     filter.allowOnlyWith(SYS_clone, 0, CLONE_THREAD, EAGAIN);
-    filter.refuse(SYS_clone3, ENOSYS);  // no filter sees its flags; then the one above is tried
+    filter.refuse(SYS_clone3, ENOSYS);  // a filter cannot see its flags; callers then fall back to the call above
     for (const long call : {SYS_set_robust_list, SYS_rseq}) filter.allow(call);
     for (const long call : {SYS_sysinfo, SYS_uname, SYS_clock_nanosleep, SYS_getrusage}) filter.allow(call);
 }
 
-/// Nothing here opens, names or connects anything.
+/// Installs a filter under which no call opens, names or connects anything.
 bool filterCalls(Files files) {
     Filter filter;
     if (files == Files::answered) answerCalls(filter);
@@ -145,10 +145,10 @@ bool filterCalls(Files files) {
           SYS_clock_gettime, SYS_gettimeofday, SYS_getpid,    SYS_gettid,         SYS_getrandom,    SYS_exit,
           SYS_exit_group})
         filter.allow(call);
-    // Memory that holds no code.
+    // Memory may not hold code.
     filter.allowWithout(SYS_mmap, 2, PROT_EXEC);
     filter.allowWithout(SYS_mprotect, 2, PROT_EXEC);
-    // How abort() ends a process: by a signal to itself.
+    // abort() ends a process by sending it a signal.
     filter.allowWith(SYS_tgkill, 0, static_cast<std::uint32_t>(::getpid()));
     return filter.install();
 }
@@ -166,7 +166,7 @@ bool hasFilter() {
 bool confine(const Limits& limits, Files files) {
     bool good = ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
     good = limit(RLIMIT_CORE, 0) && limit(RLIMIT_CPU, limits.seconds, kGrace) && dropCapabilities() && good;
-    // What it hands over lies in memory, too. To hand over more is an error, not a crash.
+    // The data it sends lies in memory, too. Exceeding the limit is an error, not a crash.
     std::signal(SIGXFSZ, SIG_IGN);
     good = limit(RLIMIT_FSIZE, limits.memory) && good;
     if (!hasFilter()) return good;  // sanitizers also take huge address spaces

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // The program that reads volumes or pictures for others (scrim/guard/load_protocol.h): one process, started once, that
-// forks for each file. It has no threads that do anything, so that a fork finds all as it should be. The fork reads
-// what it was handed, behind a filter of system calls, and ends. Where a file crashes its reader, that is all that
-// crashes. Volume sources that read files are loaded by the fork, before it goes behind the filter.
-//   scrim-load --serve                    serves the socket that is its descriptor 3: volumes, and files of sources
-//   scrim-load --serve-pictures MODULE    does so for pictures, which that module (picture_module.h) reads
-//   scrim-load --check                    tells whether children are confined (check.h)
+// forks for each file. It has no active threads, so a fork finds everything in a consistent state. The fork reads the
+// files it was passed, behind a filter of system calls, and ends. A file that crashes its reader crashes nothing else.
+// Volume sources that read files are loaded by the fork before the filter is installed.
+//   scrim-load --serve                    serves the socket at descriptor 3: volumes, and files of sources
+//   scrim-load --serve-pictures MODULE    serves pictures, which that module (picture_module.h) reads
+//   scrim-load --check                    tests whether children are confined (check.h)
 #include "check.h"
 #include "confine.h"
 #include "read_mesh.h"
@@ -37,16 +37,16 @@ namespace scrim::load {
 namespace {
 
 constexpr int kUsage = 2;
-// A child's descriptors.
+// Descriptors of a child.
 constexpr int kChildTransfer = 3, kChildInput = 4, kChildBeside = 5, kChildEnd = 6;
 
-/// A child, and the other side of the one who waits for it.
+/// A child, and the control descriptor of the process that waits for it.
 struct Job {
     pid_t child = -1;
     int control = -1;
 };
 
-/// One message as it came, with its descriptors.
+/// One message as received, with its descriptors.
 struct Request {
     LoadMessage message;
     int descriptors[kMostDescriptors] = {-1, -1, -1, -1, -1};
@@ -58,7 +58,7 @@ struct Request {
     }
 };
 
-/// False where nobody is left to serve.
+/// Returns false where no client is left.
 bool receive(Request& request) {
     iovec part{&request.message, sizeof request.message};
     alignas(cmsghdr) char space[CMSG_SPACE(sizeof request.descriptors)];
@@ -86,7 +86,7 @@ void runConfined(const Task& task, const Limits& limits) {
     task.run();
 }
 
-/// A thread takes address space for its stack and its memory, which a small limit must have.
+/// Runs a source. A thread takes address space for its stack and its memory, which a small limit must provide.
 void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
     constexpr std::uint64_t kThreadBytes = std::uint64_t{128} << 20;
     const auto most = std::max<std::uint64_t>(message.memory / kThreadBytes / 2, 1);
@@ -98,7 +98,7 @@ void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
 
 /// The child: keeps its own descriptors and nothing else. Never returns.
 [[noreturn]] void runChild(Request request, const PictureModule* pictures, pid_t parent) {
-    // Above all that they go to, so that none is overwritten before it has moved.
+    // All descriptors are first moved above their final numbers, so that none is overwritten before it has been moved.
     for (int& descriptor : request.descriptors)
         if (descriptor >= 0 && (descriptor = ::fcntl(descriptor, F_DUPFD, kChildEnd)) < 0) ::_exit(kNoDescriptors);
     ::dup2(request.descriptors[kTransfer], kChildTransfer);
@@ -110,7 +110,7 @@ void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
     sigemptyset(&none);
     ::sigprocmask(SIG_SETMASK, &none, nullptr);
 
-    // No life beyond that of this program; which may have ended before.
+    // The child must not outlive this program, which may already have ended.
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
     if (::getppid() != parent) ::_exit(0);
     const Limits limits{request.message.memory, request.message.seconds};
@@ -123,7 +123,7 @@ void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
         runSource(std::move(wanted), request.message, limits);
     else
         runConfined(ReadVolume(kChildTransfer, std::move(wanted), kChildInput), limits);
-    // What a damaged file left of the heap is better not taken apart.
+    // The heap may be corrupted by a damaged file, so it is not cleaned up.
     ::_exit(0);
 }
 
@@ -141,7 +141,7 @@ class Server {
     int serve() {
         for (;;) {
             std::vector<pollfd> events{{kLoadSocket, POLLIN, 0}, {m_ended, POLLIN, 0}};
-            for (const Job& job : m_jobs) events.push_back({job.control, 0, 0});  // that it hangs up is always told
+            for (const Job& job : m_jobs) events.push_back({job.control, 0, 0});  // a hang-up is always reported
             if (::poll(events.data(), events.size(), -1) < 0) {
                 if (errno == EINTR) continue;
                 return 1;
@@ -159,7 +159,7 @@ class Server {
         Request request;
         if (!receive(request)) return false;
         const pid_t self = ::getpid();
-        // Descriptors that do not come are beyond the limit of this process.
+        // Descriptors are missing where they exceed the limit of this process.
         const pid_t child = request.complete() ? ::fork() : -1;
         const int problem = request.complete() ? errno : EMFILE;
         if (child == 0) runChild(request, m_pictures, self);
@@ -170,7 +170,7 @@ class Server {
             m_jobs.push_back({child, request.descriptors[kControl]});
         return true;
     }
-    /// Without a control whoever waits says that the process is lost.
+    /// Reports the problem. Without a control descriptor, the waiting process will report that this program is lost.
     static void refuse(int control, int problem) {
         if (control < 0) return;
         LoadAnswer answer;
@@ -178,7 +178,7 @@ class Server {
         (void)::send(control, &answer, sizeof answer, MSG_NOSIGNAL);
         ::close(control);
     }
-    /// Nobody waits any more.
+    /// Ends a job for which nobody waits any more.
     static void cancel(Job& job) {
         ::kill(job.child, SIGKILL);
         ::close(job.control);
@@ -219,7 +219,7 @@ int main(int argc, char** argv) {
     const std::string_view mode = argc >= 2 ? argv[1] : "";
     scrim::openStandardStreams();
     ::clearenv();
-    // Those of a terminal are for the process that waits, which then closes the socket.
+    // Signals from a terminal are meant for the waiting process, which then closes the socket.
     for (const int signal : {SIGINT, SIGQUIT, SIGHUP}) std::signal(signal, SIG_IGN);
     if (mode == "--serve-pictures" && argc == 3) {
         const scrim::PictureModule* pictures = loadPictureModule(argv[2]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// This program is linked to OpenVDB itself. It only reads.
+// Replaces the module for OpenVDB, since this program is linked to OpenVDB itself. It only reads.
 #include <scrim/volume/vdb_module.h>
 
 namespace scrim {

@@ -15,7 +15,7 @@
 namespace scrim::load {
 namespace {
 
-/// Enough for the module and the libraries that it brings.
+/// Memory that suffices for the module and the libraries that it brings.
 constexpr std::size_t kModuleBytes = std::size_t{1} << 30;
 
 }  // namespace

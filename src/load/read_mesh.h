@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a child does: reads one mesh.
+// The work of a child: reads one mesh.
 #pragma once
 
 #include "confine.h"
@@ -15,18 +15,18 @@ class ReadMesh {
   public:
     static constexpr Files kFiles = Files::answered;
 
-    /// Loads the module, which the request names as its source. From then on the open file `input` is all that names
-    /// lead to.
+    /// Loads the module, which the request names as its source. From then on, names of files lead to the open file
+    /// `input` only.
     ReadMesh(int transfer, LoadRequest request, int input);
-    /// Reads the file, and sends what it holds, or what is wrong with it.
+    /// Reads the file and sends its contents, or the error.
     void run() const;
 
   private:
     int m_transfer;
     LoadRequest m_request;
     const MeshModule* m_module = nullptr;
-    std::string m_problem;       ///< of a module that cannot be loaded
-    bool m_lacksMemory = false;  ///< which may be why
+    std::string m_problem;       ///< why the module cannot be loaded
+    bool m_lacksMemory = false;  ///< lack of memory may be the reason
 };
 
 }  // namespace scrim::load

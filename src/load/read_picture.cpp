@@ -24,7 +24,7 @@ std::ptrdiff_t threadCount() {
     return std::distance(std::filesystem::directory_iterator("/proc/self/task"), {});
 }
 
-/// A thread that is about to end may hold a lock, which a child that is forked then would find locked for ever.
+/// A thread that is about to end may hold a lock, which a child forked at that moment would find locked forever.
 void waitForThreadsToEnd(std::ptrdiff_t count) {
     constexpr std::chrono::seconds kPatience{2};
     const auto start = std::chrono::steady_clock::now();
@@ -45,7 +45,7 @@ const PictureModule* loadPictureModule(const std::string& path) {
     }
     const PictureModule* pictures = reinterpret_cast<PictureModuleFunction>(function)();
     pictures->prepare();
-    waitForThreadsToEnd(threads);  // OpenImageIO's
+    waitForThreadsToEnd(threads);  // OpenImageIO's threads
     return pictures;
 }
 

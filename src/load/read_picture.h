@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a child does: reads one picture.
+// The work of a child: reads one picture.
 #pragma once
 
 #include "confine.h"
@@ -18,9 +18,9 @@ class ReadPicture {
   public:
     static constexpr Files kFiles = Files::answered;
 
-    /// From then on the open file `input` is all that names lead to.
+    /// From then on, names of files lead to the open file `input` only.
     ReadPicture(const PictureModule& module, int transfer, LoadRequest request, int input);
-    /// Reads the file, and sends what it holds, or what is wrong with it.
+    /// Reads the file and sends its contents, or the error.
     void run() const;
 
   private:

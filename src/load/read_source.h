@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a child does: runs a volume source that reads a file.
+// The work of a child: runs a volume source that reads a file.
 #pragma once
 
 #include "confine.h"
@@ -16,11 +16,11 @@ class ReadSource {
   public:
     static constexpr Files kFiles = Files::answered;
 
-    /// Loads the source, which may use so many threads. From then on the open file `input` and the one beside it, if
-    /// there is one, are all that names lead to.
+    /// Loads the source, which may use `threads` threads. From then on, names of files lead to the open file `input`
+    /// and to the one beside it, if there is one.
     ReadSource(int transfer, LoadRequest request, int input, int beside, int threads);
-    /// Runs the source, and sends what it makes, or what is wrong; and, where it asked for another file beside its own,
-    /// which.
+    /// Runs the source and sends its grids, or the error; where the source asked for another file beside its own, the
+    /// error names it.
     void run() const;
 
   private:
@@ -29,7 +29,7 @@ class ReadSource {
     int m_transfer, m_threads;
     LoadRequest m_request;
     std::optional<LoadedSource> m_source;
-    std::optional<Error> m_problem;  ///< of a source that cannot be loaded
+    std::optional<Error> m_problem;  ///< why the source cannot be loaded
 };
 
 }  // namespace scrim::load

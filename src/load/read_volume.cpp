@@ -35,9 +35,9 @@ std::optional<tbb::global_control>& oneThread() {
 void prepareToRead() {
     oneThread().emplace(tbb::global_control::max_allowed_parallelism, 1);
     openvdb::initialize();
-    // oneTBB looks for libraries of its own when the first loop runs. One task alone would not be a loop.
+    // oneTBB looks for libraries of its own when the first loop runs. A single task would not start a loop.
     parallelFor(2, [](std::size_t) {});
-    // Memory grows in large steps, and is not given back: a child ends soon.
+    // Memory grows in large steps and is not returned to the system, since a child ends soon.
     constexpr int kStep = 16 << 20;
     ::mallopt(M_TOP_PAD, kStep);
     ::mallopt(M_TRIM_THRESHOLD, kStep);
@@ -46,14 +46,14 @@ void prepareToRead() {
 
 void allowThreads() {
     oneThread().reset();
-    constexpr int kArenas = 8;  // of memory, each of which takes 64 MB of address space
+    constexpr int kArenas = 8;  // memory arenas, each of which takes 64 MB of address space
     ::mallopt(M_ARENA_MAX, kArenas);
 }
 
 ReadVolume::ReadVolume(int transfer, LoadRequest request, int input)
     : m_transfer(transfer), m_request(std::move(request)), m_bytes(std::make_unique<VdbBytes>(m_request.path, input)) {}
 
-/// What is thrown is sent in place of the result.
+/// An exception is sent in place of the result.
 void ReadVolume::run() const {
     try {
         readWithErrors(m_request.path, [&] { sendAll(m_transfer, m_request, *m_bytes); });

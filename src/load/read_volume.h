@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a child does: reads one .vdb file.
+// The work of a child: reads one .vdb file.
 #pragma once
 
 #include "confine.h"
@@ -11,20 +11,20 @@
 
 namespace scrim::load {
 
-/// Does once, before any child is forked, what opens files or costs time: OpenVDB's tables, oneTBB's libraries. From
-/// then on parallel loops run on the calling thread.
+/// Does everything that opens files or costs time before any child is forked: OpenVDB's tables, oneTBB's libraries.
+/// From then on, parallel loops run on the calling thread.
 void prepareToRead();
 
-/// In a child: parallel loops may start threads.
+/// For a child: lets parallel loops start threads.
 void allowThreads();
 
 class ReadVolume {
   public:
     static constexpr Files kFiles = Files::descriptors;
 
-    /// Takes the size of the open file `input`.
+    /// Determines the size of the open file `input`.
     ReadVolume(int transfer, LoadRequest request, int input);
-    /// Reads the file, and sends what it holds, or what is wrong with it.
+    /// Reads the file and sends its contents, or the error.
     void run() const;
 
   private:

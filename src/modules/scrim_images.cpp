@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module `scrim_images`: the one place that reads and writes through OpenImageIO.
+// The module `scrim_images`: the only code that reads and writes through OpenImageIO.
 #include <scrim/image/picture_module.h>
 
 #include <OpenImageIO/deepdata.h>
@@ -24,7 +24,7 @@ using scrim::FilePicture;
 using scrim::PictureHeader;
 using scrim::RgbPicture;
 
-/// Places of red, green, blue and alpha among a file's channels; alpha -1: none.
+/// Indices of red, green, blue and alpha among a file's channels; alpha -1: none.
 struct Channels {
     int rgb[3] = {0, 0, 0};
     int alpha = -1;
@@ -41,12 +41,12 @@ Channels channelsOf(const OIIO::ImageSpec& spec) {
         channels.alpha = spec.nchannels == 2 ? 1 : -1;  // grey, or grey and alpha
     }
     if (channels.alpha < 0) channels.alpha = spec.channelindex("A");
-    // Some formats name an alpha that their pictures do not have.
+    // Some formats declare an alpha that their pictures do not have.
     if (spec.nchannels == 1 || channels.alpha >= spec.nchannels) channels.alpha = -1;
     return channels;
 }
 
-/// Never empty, since that means that there is none.
+/// The problem's text; never empty, since an empty text means that there is no problem.
 std::string problemText(const std::string& ofOpenImageIo) {
     return ofOpenImageIo.empty() ? "OpenImageIO does not say why" : ofOpenImageIo;
 }
@@ -57,7 +57,7 @@ FilePicture refused(const std::string& problem) {
     return out;
 }
 
-/// The file's channels as RGBA.
+/// Rearranges the file's channels as RGBA.
 void arrange(const OIIO::ImageBuf& pixels, FilePicture& out) {
     const OIIO::ImageSpec& spec = pixels.spec();
     const Channels channels = channelsOf(spec);
@@ -74,7 +74,7 @@ void arrange(const OIIO::ImageBuf& pixels, FilePicture& out) {
 }
 
 FilePicture readPixels(const std::string& path) {
-    // Colour must be converted before alpha is multiplied in, so it must come as the file has it.
+    // Colour must be converted before it is multiplied by alpha, so it is requested as the file has it.
     OIIO::ImageSpec wishes;
     wishes.attribute("oiio:UnassociatedAlpha", 1);
     const auto in = OIIO::ImageInput::open(path, &wishes);
@@ -93,7 +93,7 @@ FilePicture readPixels(const std::string& path) {
     OIIO::ImageSpec stored = spec;
     stored.set_format(OIIO::TypeDesc::FLOAT);
     stored.channelformats.clear();
-    // Some formats name no channels, and OpenImageIO ends the process where one asks for them by name.
+    // Some formats do not name their channels, and OpenImageIO ends the process if one asks for them by name.
     if (stored.channelnames.size() != std::size_t(stored.nchannels)) stored.default_channel_names();
     OIIO::ImageBuf data(stored);
     if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, data.localpixels()) || in->has_error())
@@ -103,7 +103,7 @@ FilePicture readPixels(const std::string& path) {
     out.alphaApart = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
     const double aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
     if (aspect > 1e-3 && aspect < 1e3) out.pixelAspect = aspect;
-    // Orientations from 5 on lay the picture on its side, and with it its pixels.
+    // Orientations from 5 on turn the picture on its side, and its pixels with it.
     if (spec.get_int_attribute("Orientation", 1) >= 5) out.pixelAspect = 1 / out.pixelAspect;
 
     const OIIO::ROI full(spec.full_x, spec.full_x + fullWidth, spec.full_y, spec.full_y + fullHeight, 0, 1, 0,
@@ -135,7 +135,7 @@ PictureHeader readHeader(const std::string& path) {
     const double aspect = spec.get_float_attribute("PixelAspectRatio", 1.0f);
     if (aspect > 1e-3 && aspect < 1e3) out.pixelAspect = aspect;
     out.camera = spec.get_string_attribute("scrim:camera");
-    out.worldToCamera = matrixOf(spec, "worldtocamera");  // what OpenImageIO calls OpenEXR's worldToCamera
+    out.worldToCamera = matrixOf(spec, "worldtocamera");  // OpenImageIO's name of OpenEXR's worldToCamera
     out.worldToNdc = matrixOf(spec, "worldToNDC");
     return out;
 }
@@ -143,7 +143,7 @@ PictureHeader readHeader(const std::string& path) {
 /// A channel of one of a file's parts.
 struct DepthChannel {
     int part = 0, channel = 0;
-    std::string name;  ///< as a scene may have it
+    std::string name;  ///< its name in a scene
 };
 
 std::vector<DepthChannel> channelsOf(OIIO::ImageInput& in) {
@@ -157,7 +157,7 @@ std::vector<DepthChannel> channelsOf(OIIO::ImageInput& in) {
             all.push_back({part, c, of.empty() || name.starts_with(of + ".") ? name : of + "." + name});
         }
     }
-    in.geterror();  // that there are no more
+    in.geterror();  // clears the error that there are no more parts
     return all;
 }
 
@@ -173,7 +173,7 @@ std::string lastPart(const std::string& name) {
     return name.substr(name.rfind('.') + 1);
 }
 
-/// Those that may be meant: by their name, or else by what they are called.
+/// The channels that may be meant: those called `name`, or else those with a usual name for depth.
 std::vector<DepthChannel> depthChannels(const std::vector<DepthChannel>& all, const std::string& name) {
     std::vector<DepthChannel> found;
     const auto take = [&](const auto& isMeant) {
@@ -197,7 +197,7 @@ FileDepth noDepth(const std::string& problem) {
     return out;
 }
 
-/// Z, ZBack and alpha of all samples.
+/// Reads Z, ZBack and alpha of all samples.
 FileDepth readDeep(OIIO::ImageInput& in, const DepthChannel& z, FileDepth out) {
     const OIIO::ImageSpec spec = in.spec();
     const std::string prefix = spec.channelnames[std::size_t(z.channel)];
@@ -265,12 +265,13 @@ FileDepth readDepth(const std::string& path, const std::string& channel) {
     return out;
 }
 
-// In memory, since on a full disk OpenImageIO's PNG writer reports success and libjpeg ends the process.
+// The picture is encoded in memory, because on a full disk OpenImageIO's PNG writer reports success and libjpeg ends
+// the process.
 FileBytes encoded(const std::string& name, const RgbPicture& picture) {
     const std::string extension = std::filesystem::path(name).extension().string();
     const std::unique_ptr<OIIO::ImageOutput> out = extension.empty() ? nullptr : OIIO::ImageOutput::create(name);
     if (!out || !out->supports("ioproxy")) {
-        OIIO::geterror();  // forgotten: the text below says more
+        OIIO::geterror();  // drops the error; the text below is more helpful
         return {{}, "its extension must name a picture format, such as '.png' or '.jpg'"};
     }
     FileBytes file;
@@ -282,10 +283,10 @@ FileBytes encoded(const std::string& name, const RgbPicture& picture) {
     return file;
 }
 
-/// Lists the formats, of which some set up tables of their own.
+/// Lists the formats now, since some of them set up tables of their own.
 void prepare() {
     OIIO::attribute("threads", 1);
-    OIIO::attribute("exr_threads", -1);  // none, where 0 would mean one a core
+    OIIO::attribute("exr_threads", -1);  // -1 means no threads; 0 would mean one per core
     (void)OIIO::get_string_attribute("extension_list");
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module of meshes (scrim/solid/mesh_module.h): the reader of the volume source `mesh`, for solids.
+// The module of meshes (scrim/solid/mesh_module.h): makes the reader of the volume source `mesh` available for solids.
 #include <scrim/solid/mesh_module.h>
 
 #include "../../plugins/sources/mesh/mesh.h"

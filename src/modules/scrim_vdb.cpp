@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The module `scrim_vdb`: what of the library needs OpenVDB.
+// The module `scrim_vdb`: the parts of the library that need OpenVDB.
 #include <scrim/volume/vdb_module.h>
 
 extern "C" __attribute__((visibility("default"))) const scrim::VdbModule* scrim_vdb_module_2() {

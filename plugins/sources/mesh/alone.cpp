@@ -7,7 +7,7 @@
 namespace mesh {
 namespace {
 
-/// Seconds of processor time that this process has used, and the one that has begun.
+/// Seconds of processor time that this process has used, including the one that has begun.
 rlim_t secondsUsed() {
     timespec used{};
     ::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
@@ -28,8 +28,8 @@ LimitForNow::~LimitForNow() {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// How much address space is in use is told by a file, which such a process cannot open. What it has besides when it
-// begins is little.
+// A file tells how much address space is in use, but such a process cannot open it. At its start such a process has
+// little more than this.
 constexpr rlim_t kBesides = rlim_t{1} << 28;
 
 AloneLimits::AloneLimits(std::uint64_t moreMemory, unsigned seconds)

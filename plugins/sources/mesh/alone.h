@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Limits for work on data nobody can trust, in a process that was made for that work alone: where a library would hang
-// or eat all memory there, it ends.
+// Limits for work on untrusted data in a process that was made for that work alone. A library that would hang or use up
+// all memory ends the process instead.
 #pragma once
 
 #include <sys/resource.h>
@@ -9,7 +9,7 @@
 
 namespace mesh {
 
-/// A limit of this process that ends with this object.
+/// A limit on this process that lasts as long as this object.
 class LimitForNow {
   public:
     LimitForNow(decltype(RLIMIT_AS) resource, rlim_t value);
@@ -17,7 +17,7 @@ class LimitForNow {
     LimitForNow(const LimitForNow&) = delete;
     LimitForNow& operator=(const LimitForNow&) = delete;
 
-    /// Had this process less than `value` before?
+    /// True if this process's limit was below `value` before.
     bool wasLess(rlim_t value) const { return m_known && m_before.rlim_cur < value; }
 
   private:
@@ -26,18 +26,18 @@ class LimitForNow {
     bool m_known = false;
 };
 
-/// While it lives, this process has so many bytes beside what such a process begins with, beyond which there is
-/// std::bad_alloc, and so many seconds of processor time, beyond which SIGXCPU ends it.
+/// While this object lives, the process may take that many bytes beyond what such a process starts with (further
+/// allocations throw std::bad_alloc), and that many seconds of processor time (after which SIGXCPU ends it).
 class AloneLimits {
   public:
     AloneLimits(std::uint64_t moreMemory, unsigned seconds);
 
-    /// Has this process less memory than that anyway? Then a lack of it says nothing about the work.
+    /// True if this process has less memory than that anyway. A lack of memory then says nothing about the work.
     bool lackMemory() const { return m_lackMemory; }
 
   private:
     LimitForNow m_time;
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // they reserve terabytes
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // sanitizers reserve terabytes
     LimitForNow m_memory;
 #endif
     bool m_lackMemory = false;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From triangles to fog: OpenVDB's mesh tools give the distance to the surface in a narrow band, with its sign where
-// surfaces are closed; a linear ramp makes density of it, as in the source `primitives`.
+// Turns triangles into fog. OpenVDB's mesh tools compute the distance to the surface in a narrow band, with a sign
+// where surfaces are closed; a linear ramp turns distance into density, as in the source `primitives`.
 #include "mesh.h"
 
 #include <algorithm>
@@ -21,13 +21,13 @@ namespace {
 
 constexpr double kMostVoxels = 16384;    // along an axis
 constexpr double kFarthest = 1 << 28;    // from the origin, in voxels
-constexpr double kRounding = 1e-4;       // of distances in single precision, in parts of the ramp
-constexpr double kCrowded = 4;           // times that triangles cover the box around them
+constexpr double kRounding = 1e-4;       // rounding of distances in single precision, as a fraction of the ramp
+constexpr double kCrowded = 4;           // ratio of the triangles' area to the surface of their box
 constexpr double kMostBand = 536870912;  // voxels near surfaces: 2 GB of distances
 
 using Vec3 = openvdb::Vec3d;
 
-/// One number for all points of a place.
+/// Assigns one number to all points at the same position.
 std::vector<std::uint32_t> placesOf(const std::vector<Point>& points) {
     std::vector<std::uint32_t> order(points.size()), places(points.size());
     std::iota(order.begin(), order.end(), 0);
@@ -37,7 +37,8 @@ std::vector<std::uint32_t> placesOf(const std::vector<Point>& points) {
     return places;
 }
 
-/// Without triangles that have the corners of another: they change no distance, and each costs as much as the first.
+/// The mesh without triangles that have the same corners as another one. Duplicates change no distance, and each costs
+/// as much as the first.
 Mesh withoutDoubles(const Mesh& mesh) {
     using Triangle = std::array<std::uint32_t, 3>;
     const std::vector<std::uint32_t> places = placesOf(mesh.points);
@@ -60,7 +61,7 @@ Mesh withoutDoubles(const Mesh& mesh) {
     return out;
 }
 
-/// What OpenVDB's tool asks of a mesh.
+/// The interface that OpenVDB's tool needs of a mesh.
 class Adapter {
   public:
     Adapter(const Mesh& mesh, double voxel) : m_mesh(mesh), m_voxel(voxel) {}
@@ -80,8 +81,8 @@ class Adapter {
     double m_voxel;
 };
 
-/// Refuses what would not fit, from the triangles' extent and area. Returns how many times the triangles would cover
-/// the faces of the box around them.
+/// Refuses meshes that would be too large, judged by the triangles' extent and area. Returns the ratio of the
+/// triangles' area to that of the faces of the box around them.
 double checkSize(const Adapter& mesh, double halfBand) {
     Vec3 lower(std::numeric_limits<double>::infinity()), upper(-lower);
     double area = 0;
@@ -115,7 +116,7 @@ class Emitter {
   public:
     Emitter(const scrim_host* host, int grid, const Fog& fog) : m_host(host), m_grid(grid), m_fog(fog) {}
 
-    /// Whether any voxel was on the inner side of the surface.
+    /// True if any voxel was on the inner side of the surface.
     bool anyInside() const { return m_anyInside; }
 
     int leaves(const openvdb::FloatTree& tree) {
@@ -138,7 +139,7 @@ class Emitter {
         return 0;
     }
 
-    /// Cubes of one distance: beyond the band, and of interest where that is inside.
+    /// Emits cubes of constant distance beyond the band; only those inside of the surface matter.
     int tiles(const openvdb::FloatTree& tree) {
         auto tile = tree.cbeginValueAll();
         tile.setMaxDepth(openvdb::FloatTree::ValueAllCIter::LEAF_DEPTH - 1);
@@ -170,9 +171,9 @@ class Emitter {
 }  // namespace
 
 int emitFog(const scrim_host* host, const Mesh& mesh, const Fog& fog) {
-    // Beyond the band distances are cut off, which must not matter to the ramp.
+    // Distances are cut off beyond the band, so the band must be at least as wide as the ramp.
     const double halfBand = (fog.fill ? 0.5 : 1.0) * fog.soft / fog.voxel + 1;
-    // So much surface in so little space lies on itself as a rule, which is looked for then alone.
+    // That much surface in so little space usually contains duplicates; they are searched only then.
     const bool crowded = checkSize(Adapter(mesh, fog.voxel), halfBand) > kCrowded;
     const Mesh distinct = crowded ? withoutDoubles(mesh) : Mesh();
     const Adapter adapter(crowded ? distinct : mesh, fog.voxel);

@@ -4,19 +4,17 @@
 //     scrim make mesh file=bunny.ply resolution=256 density=4 -o bunny.vdb
 //
 // Parameters (lengths in the mesh's units, which become world units):
-//   file        a .obj or .ply file (text or binary); in a scene as seen from the scene, with ${NAME} and frames as
-//   other
-//               files. Polygons are cut into triangles, materials and everything else are left out
+//   file        a .obj or .ply file (text or binary); in a scene it is relative to the scene, with ${NAME} and frames
+//               as in other paths. Polygons are divided into triangles; materials and everything else are left out
 //   voxel       edge of a voxel; 0: the longest extent of the mesh divided by `resolution`
 //   resolution  voxels along the longest extent of the mesh, where `voxel` is 0
 //   density     value inside
-//   soft        width of the edge, over which density falls from all to nothing; 0: one voxel
-//   fill        true: the inside of closed surfaces, with the edge half inside and half outside; false: the surfaces
-//   alone,
-//               as sheets that are densest in the middle and reach `soft` to either side. An open surface has no
-//               inside, and is refused where it should be filled
+//   soft        width of the edge, over which density falls from its full value to 0; 0: one voxel
+//   fill        true: fills the inside of closed surfaces, with the edge half inside and half outside; false: shows the
+//               surfaces only, as sheets that are densest in the middle and extend by `soft` to either side. An open
+//               surface has no inside, and is refused where it should be filled
 //
-// The grid is called "density". Time and memory go with the surface; the inside is tiles.
+// The grid is called "density". Time and memory are proportional to the surface, since the inside consists of tiles.
 #include "mesh.h"
 
 #include <scrim/volume/scrim_source.h>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Meshes through Assimp, with all formats but OBJ and PLY switched off. Its readers crash or hang on many a damaged
-// file: whoever cannot trust a file has it read by a process of its own (VolumeLoading::guarded). Nothing is forked
-// here, since a process with threads may hold locks that a fork would wait for for ever.
+// Reads meshes with Assimp, with all formats but OBJ and PLY switched off. Its readers crash or hang on many damaged
+// files, so untrusted files are read in a separate process (VolumeLoading::guarded). No process is forked here, since a
+// process with threads may hold locks that the fork would wait for forever.
 #include "mesh.h"
 
 #include "alone.h"
@@ -27,10 +27,10 @@
 namespace mesh {
 namespace {
 
-constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 31;  // what Assimp's counters take
+constexpr std::uintmax_t kMostBytes = std::uintmax_t{1} << 31;  // the limit of Assimp's counters
 
-// What a reader that is alone may use before its file counts as damaged: several times what sound ones took when tried
-// (some 20 bytes a byte, 20 MB a second).
+// What a reader in a process of its own may use before its file counts as damaged: several times what sound files
+// needed in tests (some 20 bytes per byte of the file, 20 MB per second).
 constexpr std::uint64_t kMemory = std::uint64_t{1} << 30, kMemoryPerByte = 100;
 constexpr unsigned kSeconds = 3;
 constexpr std::size_t kBytesPerSecond = 1'000'000;
@@ -50,7 +50,7 @@ std::string bytesOf(const std::string& path) {
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found) refuse(path, "there is no such file");
     if (error) refuse(path, error.message());
-    if (status.type() != std::filesystem::file_type::regular) refuse(path, "is not a file");  // a pipe never ends
+    if (status.type() != std::filesystem::file_type::regular) refuse(path, "is not a file");  // a pipe would never end
     const std::uintmax_t size = std::filesystem::file_size(path, error);
     if (error) refuse(path, error.message());
     if (size > kMostBytes)
@@ -62,7 +62,7 @@ std::string bytesOf(const std::string& path) {
     return bytes;
 }
 
-/// Bytes of a PLY's property in a binary file; a list counts as an empty one. 0: not a property.
+/// The size of a PLY's property in a binary file, bytes; a list counts as an empty one. 0: not a property.
 std::uint64_t propertyBytes(std::istringstream& words) {
     std::string type;
     words >> type;
@@ -75,8 +75,8 @@ std::uint64_t propertyBytes(std::istringstream& words) {
     return 0;
 }
 
-/// The reader allocates what a PLY's header declares, and runs beyond the end where the file is shorter: what can be
-/// told from the header is told here.
+/// The reader allocates what a PLY's header declares, and reads beyond the end of a shorter file. This refuses what can
+/// be recognised as wrong from the header.
 void checkPlyHeader(const std::string& bytes, const std::string& path) {
     constexpr std::string_view kEnd = "end_header";
     const std::size_t end = bytes.find(kEnd);
@@ -94,14 +94,14 @@ void checkPlyHeader(const std::string& bytes, const std::string& path) {
         if (word == "element" && (!(words >> element >> count) || count > rest))
             refuse(path, fmt::format("declares more of '{}' than its {} bytes can hold", element.substr(0, 40),
                                      bytes.size()));
-        // As text, a number has at least a digit and a separator.
+        // As text, a number takes at least a digit and a separator.
         if (word == "property") least += count * (text ? 2 : propertyBytes(words));
     }
     if (least > rest + 1)  // the last separator may be missing
         refuse(path, fmt::format("has {} bytes after its header, which declares at least {}", rest, least));
 }
 
-/// Takes out every reader but the one for `ending`.
+/// Removes every reader but the one for `ending`.
 void keepReader(Assimp::Importer& importer, const std::string& ending) {
     std::vector<Assimp::BaseImporter*> others;
     for (std::size_t i = 0; i < importer.GetImporterCount(); ++i) {
@@ -111,7 +111,7 @@ void keepReader(Assimp::Importer& importer, const std::string& ending) {
     }
     for (Assimp::BaseImporter* other : others) {
         importer.UnregisterLoader(other);
-        delete other;  // the importer has let go of it
+        delete other;  // the importer no longer owns it
     }
 }
 
@@ -128,7 +128,7 @@ void append(const aiMesh& part, Mesh& mesh) {
     }
     for (unsigned i = 0; i < part.mNumFaces; ++i) {
         const aiFace& face = part.mFaces[i];
-        if (face.mNumIndices != 3) continue;  // points and lines
+        if (face.mNumIndices != 3) continue;  // skips points and lines
         std::array<std::uint32_t, 3> triangle{};
         for (unsigned k = 0; k < 3; ++k) {
             if (face.mIndices[k] >= part.mNumVertices)
@@ -155,7 +155,7 @@ Mesh importMesh(const std::string& bytes, const std::string& ending) {
     return mesh;
 }
 
-/// The same within what such a file may take.
+/// Imports a mesh within the limits for such a file.
 Mesh importAlone(const std::string& bytes, const std::string& ending) {
     const AloneLimits limits(kMemory + kMemoryPerByte * bytes.size(),
                              kSeconds + static_cast<unsigned>(bytes.size() / kBytesPerSecond));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's way): gradient noise at as many points as a vector holds.
-// No multiplication is fused with an addition, so that every instruction set gives the same bits.
+// Internal, compiled once for each instruction set (Highway's method): gradient noise at as many points as a vector
+// holds. No multiplication is fused with an addition, so that every instruction set gives the same bits.
 #if defined(SCRIM_GRADIENT_NOISE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_GRADIENT_NOISE_INL_H_
 #undef SCRIM_GRADIENT_NOISE_INL_H_
@@ -23,7 +23,7 @@ using DU = hn::Rebind<std::uint32_t, D>;
 using V = hn::Vec<D>;
 using U = hn::Vec<DU>;
 
-/// Points, one a lane.
+/// Points, one in each lane.
 struct Points {
     V x, y, z;
 };
@@ -36,7 +36,7 @@ HWY_ATTR HWY_INLINE V mix(V t, V a, V b) {
     return a + t * (b - a);
 }
 
-/// The quintic of Perlin 2002.
+/// The quintic fade of Perlin 2002.
 HWY_ATTR HWY_INLINE V fade(V t) {
     return t * t * t * (t * (constant(6) * t - constant(15)) + constant(10));
 }
@@ -51,10 +51,11 @@ HWY_ATTR HWY_INLINE U mixed(U h) {
     return hn::Xor(h, hn::ShiftRight<16>(h));
 }
 
-/// The product of (x, y, z) and the gradient that the low four bits of `hash` choose: one of the twelve edges of a
-/// cube, four of them twice (Perlin 2002). Each has two parts, +1 or -1: the first is x or y, the second y or z.
+/// The dot product of (x, y, z) and the gradient that the low four bits of `hash` choose: one of the twelve edges of a
+/// cube, four of them twice (Perlin 2002). Each gradient has two components of +1 or -1: the first along x or y, the
+/// second along y or z.
 HWY_ATTR HWY_INLINE V gradientProduct(U hash, V x, V y, V z) {
-    // Bit 0: minus the first; bit 1: minus the second; bit 2: the first is y; bit 3: the second is z.
+    // Bit 0: the first is negative; bit 1: the second is negative; bit 2: the first is y; bit 3: the second is z.
     HWY_ALIGN static constexpr std::uint8_t kParts[16] = {0, 1, 2, 3, 8, 9, 10, 11, 12, 13, 14, 15, 0, 1, 13, 15};
     const U choice = hn::And(hash, hn::Set(DU(), 15u));
 #if HWY_TARGET == HWY_SCALAR  // looks up no more bytes than a vector has
@@ -64,7 +65,7 @@ HWY_ATTR HWY_INLINE V gradientProduct(U hash, V x, V y, V z) {
     const U parts = hn::TableLookupBytes(hn::LoadDup128(bytes, kParts), choice);
 #endif
     const hn::Repartition<std::int64_t, D> d64;
-    // The upper bytes of `parts` are rubbish, which no test looks at and the shifts lose.
+    // The upper bytes of `parts` are garbage; no test looks at them, and the shifts drop them.
     const auto wide = hn::PromoteTo(d64, hn::BitCast(DI(), parts));
     const V first = hn::IfThenElse(hn::RebindMask(D(), hn::TestBit(wide, hn::Set(d64, 4))), y, x);
     const V second = hn::IfThenElse(hn::RebindMask(D(), hn::TestBit(wide, hn::Set(d64, 8))), z, y);
@@ -73,8 +74,8 @@ HWY_ATTR HWY_INLINE V gradientProduct(U hash, V x, V y, V z) {
            hn::Xor(second, hn::And(hn::BitCast(D(), hn::ShiftLeft<62>(wide)), sign));
 }
 
-/// A lattice coordinate times the odd factor that it is hashed with, of the lattice points below and above, and the
-/// distances from them.
+/// Along one axis, the coordinates of the lattice points below and above, each multiplied by the odd factor that they
+/// are hashed with, and the distances from them.
 struct Axis {
     U hash0, hash1;
     V t0, t1;
@@ -86,7 +87,7 @@ HWY_ATTR HWY_INLINE Axis axis(V p, std::uint32_t factor) {
     return {hash, hn::Add(hash, hn::Set(DU(), factor)), p - below, p - below - constant(1)};
 }
 
-/// What noises of unlike seeds have in common at the same points.
+/// The values that noises of different seeds share at the same points.
 struct Cells {
     Axis x, y, z;
     V u, v, w;
@@ -97,11 +98,11 @@ HWY_ATTR HWY_INLINE Cells cellsAt(const Points& p) {
     return {x, y, z, fade(x.t0), fade(y.t0), fade(z.t0)};
 }
 
-/// The largest value of gradient noise, and how fast it changes at most: both with the worst of all gradients at each
-/// of a cell's eight corners, found by search, and rounded up.
+/// Bounds on the absolute value of gradient noise and on its slope. Both assume the worst gradients at the eight
+/// corners of a cell, were found by search, and are rounded up.
 constexpr double kNoiseBound = 1.04, kNoiseSlope = 3.76;
 
-/// Gradient noise, about -1 to 1, 0 at lattice points. A lattice point's gradient is that of the hash of three odd
+/// Gradient noise, about -1 to 1, 0 at lattice points. The gradient of a lattice point comes from the hash of three odd
 /// multiples, which is well mixed.
 HWY_ATTR inline V gradientNoise(const Cells& at, std::uint32_t seed) {
     const Axis &x = at.x, &y = at.y, &z = at.z;

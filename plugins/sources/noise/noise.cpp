@@ -58,7 +58,7 @@ using noise_source::kEdge;
 using noise_source::Settings;
 using noise_source::Shape;
 
-constexpr std::size_t kBatch = 1024;  // blocks filled at a time, by all threads: 2 MB
+constexpr std::size_t kBatch = 1024;  // number of blocks that all threads fill at a time: 2 MB
 
 struct Block {
     std::int32_t origin[3];
@@ -66,14 +66,14 @@ struct Block {
     float values[kBlockVoxels];
 };
 
-/// Fills blocks, in parallel, and hands them to the host, in order. Returns the host's error.
+/// Fills blocks in parallel and passes them to the host in order. Returns the host's error.
 int flush(const scrim_host* host, int grid, const Settings& s, std::vector<Block>& blocks) {
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
         blocks[i].filled = noise_source::fillBlock(s, blocks[i].origin, blocks[i].values);
     });
     for (const Block& b : blocks) {
         if (!b.filled) continue;
-        // Even haze is tiles; other shapes stay as they always were.
+        // Constant blocks of haze become tiles; other shapes keep the form that they have always had.
         const bool even = s.shape == Shape::box && std::all_of(std::begin(b.values), std::end(b.values),
                                                                [&](float v) { return v == b.values[0]; });
         const int error = even ? host->add_tile(host, grid, b.origin, kEdge, b.values[0])
@@ -113,7 +113,7 @@ int emit(const scrim_host* host, const Settings& s) {
     return flush(host, grid, s, blocks);
 }
 
-// The order of `kParameters` and of the reads in `generate` is one.
+// `kParameters` and the reads in `generate` have the same order.
 constexpr scrim_parameter kParameters[] = {
     {"resolution", SCRIM_INTEGER, "128", 8, 4096, nullptr, "voxels along the longest axis"},
     {"size", SCRIM_NUMBER, "2", 1e-6, 1e9, nullptr, "length of the longest axis, in world units"},
@@ -135,7 +135,7 @@ Settings read(const scrim_value* v) {
     Settings s{};
     s.resolution = v[0].integer;
     s.size = v[1].number[0];
-    const std::string_view shape = v[2].text;  // one of these, in the order of the enumeration
+    const std::string_view shape = v[2].text;  // one of the words below, in the order of the enumeration
     constexpr std::array<std::string_view, 5> kShapes{"plume", "ball", "slab", "box", "hypertexture"};
     s.shape = static_cast<Shape>(std::find(kShapes.begin(), kShapes.end(), shape) - kShapes.begin());
     s.frequency = v[3].number[0];

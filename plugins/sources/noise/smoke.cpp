@@ -13,19 +13,19 @@ HWY_BEFORE_NAMESPACE();
 namespace noise_source {
 namespace HWY_NAMESPACE {
 
-constexpr double kBaseRadius = 0.05;   // of the plume at its foot
+constexpr double kBaseRadius = 0.05;   // radius of the plume at its foot
 constexpr double kPlumeSpread = 0.19;  // growth of its radius with height
-constexpr double kWander = 0.35;       // slope of its axis, for the cull that has always been
-constexpr double kWanderBound = 0.4;   // bound of that slope, above kLowest
+constexpr double kWander = 0.35;  // slope of its axis as assumed by the first culling test, kept as it has always been
+constexpr double kWanderBound = 0.4;  // upper bound of that slope, above kLowest
 constexpr double kLowest = -0.75;
-constexpr double kHead = 0.76;            // where its axis ends, in a round head
-constexpr double kSmallestRadius = 0.03;  // where the plume is thinnest, also below its foot
+constexpr double kHead = 0.76;            // height where its axis ends, in a round head
+constexpr double kSmallestRadius = 0.03;  // smallest radius of the plume, also below its foot
 constexpr double kBallRadius = 0.32;
 constexpr double kSlabRadius = 0.09;
-constexpr double kWarpBound = 1.6;     // of the length of `displacement`
-constexpr double kRounding = 1e-9;     // no rounding of the proofs that there is no smoke is as large
+constexpr double kWarpBound = 1.6;     // bound on the length of `displacement`
+constexpr double kRounding = 1e-9;     // larger than any rounding error in the proofs that a region is empty
 constexpr double kFiner = 2.03;        // frequency of the second octave of `displacement`
-constexpr double kOuterRadius = 0.48;  // of a hypertexture: a little inside of its box
+constexpr double kOuterRadius = 0.48;  // radius of a hypertexture, a little smaller than its box
 
 HWY_ATTR HWY_INLINE Points operator+(const Points& a, const Points& b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z};
@@ -58,12 +58,12 @@ class Smoke {
         }
     }
 
-    /// Where the plume's axis is, at some heights.
+    /// The position of the plume's axis at some heights.
     struct Sway {
         V x, z;
     };
 
-    /// At one height for all lanes.
+    /// The position at one height, the same for all lanes.
     HWY_ATTR Sway swayAt(double y) const {
         if (!m_plume) return {constant(0), constant(0)};
         const double height = y + 0.5;
@@ -72,25 +72,24 @@ class Smoke {
                 constant(reach * std::cos(4.3 * height + 1.7 * phase()))};
     }
 
-    /// Whether balls around points are certainly without smoke.
+    /// True for lanes in which the ball around the point is certainly without smoke.
     HWY_ATTR hn::Mask<D> certainlyEmpty(const Points& p, const Sway& sway, double radius) const {
         if (m_s.shape == Shape::box) return boxDepth(p) + constant(radius) <= constant(0);
         if (m_s.shape == Shape::hypertexture) return length(p.x, p.y, p.z) - constant(radius) >= constant(kOuterRadius);
         const double reach = warpReach() + radius;
-        // Within `reach` of p the depth changes by at most this: depth is measured in local radii, and for
-        // the plume the radius itself changes with height.
+        // Bound on the change of depth within `reach` of p: depth is measured in local radii, and the plume's radius
+        // itself changes with height.
         const V local = hn::Max(constant(kSmallestRadius), radiusAt(m_plume ? p.y - constant(reach) : p.y));
         const double slope = m_plume ? 1.0 + kPlumeSpread + kWander : 1.0;
         return depth(p, sway) + constant(slope * reach) / local + lift(constant(1)) <= constant(0);
     }
 
-    /// Whether balls around points are certainly without smoke. Costs about half of `value`, and knows more than
-    /// `certainlyEmpty` where `radius` is small.
+    /// As certainlyEmpty. It costs about half of `value`, and proves more where `radius` is small.
     HWY_ATTR hn::Mask<D> provablyEmpty(const Points& p, double radius) const {
         if (m_s.shape == Shape::box || m_s.shape == Shape::hypertexture) return constant(0) > constant(0);
         const Points moved = displaced(p, roughnessAt(p.y));
-        // How far from `moved` a point of the ball is moved at most: with its own displacement, whose three parts
-        // change as two octaves of noise do, and with a roughness of its own.
+        // Bound on the distance from `moved` of any displaced point of the ball: the three components of the
+        // displacement change like two octaves of noise, and roughness changes as well.
         const double stretch = std::sqrt(3.0) * m_s.warp * (1 + 0.5 * kFiner) * kNoiseSlope;
         const double rougher = std::sqrt(3.0) * 1.5 * kNoiseBound * m_s.warp / m_s.frequency * 0.45 * 1.5 / 0.6;
         const double reach = radius * (1 + stretch + (m_plume ? rougher : 0));
@@ -101,7 +100,7 @@ class Smoke {
         return hn::And(deepest + lift(constant(1)) <= constant(-kRounding), knownAxis(moved.y - constant(reach)));
     }
 
-    /// At points of one height.
+    /// Density at points of one height.
     HWY_ATTR V value(const Points& p, const Sway& sway) const {
         const hn::Mask<D> empty = certainlyEmpty(p, sway, 0);
         if (hn::AllTrue(D(), empty)) return constant(0);
@@ -114,7 +113,8 @@ class Smoke {
     HWY_ATTR V smoke(const Points& p, const Sway& sway) const {
         const V roughness = roughnessAt(p.y);
         const Points moved = displaced(p, roughness);
-        // Where the axis is at the height of `moved` costs sines. Without them: depth is at most this.
+        // The exact position of the axis at the height of `moved` costs sines. This is an upper bound on depth without
+        // them.
         const V aside = constant(m_plume ? kWanderBound : 0) * hn::Abs(moved.y - p.y);
         const V nearest = hn::Max(constant(0), distance(moved, sway) - aside);
         const V deepest = hn::IfThenElse(knownAxis(moved.y), constant(1 + kRounding) - nearest / radiusAt(moved.y),
@@ -122,7 +122,7 @@ class Smoke {
         const hn::Mask<D> reachable = deepest + lift(constant(1)) > constant(0);
         if (hn::AllFalse(D(), reachable)) return constant(0);
         const Points r = m_s.frequency * moved;
-        // The least billow that lifts the surface to here.
+        // The smallest billow that lifts the surface to this point.
         const V least = constant(1 - m_s.coverage) - deepest / (roughness * constant(m_s.turbulence));
         const V lifted = lift(billow(r, hn::IfThenElse(reachable, least, constant(2)))) * roughness;
         const hn::Mask<D> possible = hn::And(reachable, deepest + lifted > constant(0));
@@ -140,7 +140,7 @@ class Smoke {
         return m_plume ? constant(0.55) + constant(0.45) * smoothstep(-0.5, 0.1, y) : constant(1);
     }
 
-    /// The plume's bulges are stretched upwards, and displaced more the higher they are.
+    /// The displaced points. The plume's bulges are stretched upwards, and displaced more the higher they are.
     HWY_ATTR Points displaced(const Points& p, V roughness) const {
         const Points way = displacement(m_s.frequency * Points{p.x, m_plume ? constant(0.8) * p.y : p.y, p.z});
         const V bulges = roughness * constant(m_s.warp) / constant(m_s.frequency);
@@ -185,7 +185,7 @@ class Smoke {
         return constant(1) - distance(p, sway) / radiusAt(p.y);
     }
 
-    /// From the axis, the centre or the middle plane.
+    /// Distance from the axis, the centre or the middle plane.
     HWY_ATTR V distance(const Points& p, const Sway& sway) const {
         if (m_s.shape == Shape::ball) return length(p.x, p.y, p.z);
         if (m_s.shape == Shape::slab) return hn::Abs(p.y);
@@ -193,8 +193,8 @@ class Smoke {
         return length(p.x - sway.x, dy, p.z - sway.z);
     }
 
-    /// At a height for each lane that is wanted. Sines one by one: those of the C library are the same on every
-    /// instruction set.
+    /// The position of the axis at a different height in each wanted lane. Sines are computed one by one by the C
+    /// library, which gives the same result for every instruction set.
     HWY_ATTR Sway sways(V y, hn::Mask<D> wanted) const {
         if (!m_plume) return {constant(0), constant(0)};
         const V height = y + constant(0.5);
@@ -210,12 +210,13 @@ class Smoke {
         const V reach = constant(0.055) * hn::Min(constant(1), constant(2) * height);
         return {reach * hn::Load(D(), x), reach * hn::Load(D(), z)};
     }
-    /// Whether the bound of the axis' slope holds.
+    /// True where the bound on the slope of the axis holds.
     HWY_ATTR hn::Mask<D> knownAxis(V y) const { return y >= constant(m_plume ? kLowest : -1e30); }
 
     HWY_ATTR double phase() const { return 0.01 * (m_s.seed % 628u); }
 
-    /// How far a billow of `b` in [0, 1] moves the surface, in radii. Coverage 1 never dents it, 0 never lifts it.
+    /// The distance, in radii, by which a billow of `b` in [0, 1] moves the surface. With coverage 1 the surface is
+    /// never dented, with 0 never lifted.
     HWY_ATTR V lift(V b) const { return constant(m_s.turbulence) * (b - constant(1) + constant(m_s.coverage)); }
 
     /// Fades towards the ends of the box, so that nothing is cut off.
@@ -235,7 +236,7 @@ class Smoke {
         return {two(101), two(211), two(307)};
     }
 
-    /// Where it is certain to be below `least` in all lanes, something below that.
+    /// The billow at q. If it is certain to be below `least` in all lanes, the result may be any value below that.
     HWY_ATTR V billow(Points q, V least) const {
         V sum = constant(0);
         double weight = 1, rest = m_weight;
@@ -260,11 +261,11 @@ class Smoke {
     const Settings& m_s;
     bool m_plume;
     std::array<double, 3> m_half;
-    std::int64_t m_octaves = 0;  ///< those not finer than voxels
+    std::int64_t m_octaves = 0;  ///< the octaves that are not finer than voxels
     double m_weight = 0;         ///< the sum of their weights
 };
 
-/// Voxel centres lie at (index + 0.5) / resolution.
+/// The lattice of voxel centres, which lie at (index + 0.5) / resolution.
 struct Lattice {
     double step;
     double first[3];
@@ -272,10 +273,10 @@ struct Lattice {
     HWY_ATTR double at(int axis, double voxel) const { return first[axis] + step * voxel; }
 };
 
-constexpr int kPart = 4;  // edge of the parts of a block that are culled one by one, and the lanes along z
+constexpr int kPart = 4;  // edge of the parts of a block that are culled separately, and the number of lanes along z
 
-/// Fills a part of a block, from voxel (x0, y0, z0). Lanes are voxels along z, and, where there are more than four,
-/// along x.
+/// Fills a part of a block, from voxel (x0, y0, z0). Lanes are voxels along z, and along x where there are more than
+/// four.
 HWY_ATTR void fillPart(const Smoke& smoke, const Lattice& lattice, int x0, int y0, int z0, float* values) {
     constexpr int kLanes = HWY_MIN(8, HWY_LANES(double)), kAlongZ = HWY_MIN(kPart, kLanes), kAlongX = kLanes / kAlongZ;
     HWY_ALIGN double xs[kLanes], zs[kLanes];
@@ -307,7 +308,7 @@ HWY_ATTR bool fillBlockOnTarget(const Settings& s, const std::int32_t origin[3],
     const Smoke::Sway sway = smoke.swayAt(lattice.first[1] + half);
     if (hn::AllTrue(D(), smoke.certainlyEmpty(middle, sway, half * std::sqrt(3.0)))) return false;
 
-    // The middles of its eight parts.
+    // The centres of the block's eight parts.
     constexpr double kMiddle = 0.5 * (kPart - 1);
     HWY_ALIGN double x[8], y[8], z[8], empty[8];
     for (int i = 0; i < 8; ++i) {

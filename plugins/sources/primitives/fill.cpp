@@ -25,7 +25,8 @@ class Filler {
         : m_host(host), m_grid(grid), m_shapes(shapes), m_raster(raster) {}
 
     int run(double from, double to) {
-        // The voxels all shapes' boxes touch; cubes of one size that cover them, at multiples of that size.
+        // Finds the voxels that all shapes' boxes touch, and covers them with cubes of one size at multiples of that
+        // size.
         Vec3 lower(std::numeric_limits<double>::infinity()), upper(-lower);
         Candidates all;
         for (const Shape& s : m_shapes) {
@@ -57,10 +58,10 @@ class Filler {
         sum = m_raster.combine == Combine::max ? std::max(sum, value) : sum + value;
     }
 
-    /// One cube of the octree. `constant`: what the shapes give whose inside is all of the cube around it; `above`:
-    /// those whose edge may be in that.
+    /// Fills one cube of the octree. `constant`: the density by shapes that contain the whole surrounding cube;
+    /// `above`: the shapes whose edge may lie in the surrounding cube.
     int fill(const Int3& origin, std::int32_t edge, double constant, const Candidates& above) {
-        // All voxel centres of the cube lie in this ball.
+        // This ball contains all voxel centres of the cube.
         const double halfEdge = 0.5 * m_raster.voxel * (edge - 1), radius = std::sqrt(3.0) * halfEdge;
         const Vec3 middle = centre(origin) + halfEdge;
         Candidates near;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// From shapes to blocks and tiles. Space is divided as an octree is: a cube that no shape's edge can reach is either
-// empty or one tile, whatever its size, and only cubes on an edge are divided, down to blocks of 8 voxels. Time and
-// memory so go with surfaces, not with volumes.
+// Turns shapes into blocks and tiles. Space is divided like an octree: a cube that no shape's edge can reach is either
+// empty or one tile, whatever its size, and only cubes at an edge are divided, down to blocks of 8 voxels. Time and
+// memory are therefore proportional to surfaces, not to volumes.
 #pragma once
 
 #include "shape.h"
@@ -15,19 +15,19 @@ namespace primitives {
 
 enum class Combine { max, sum };
 
-/// Index space to world: voxel i has its centre at (i + 0.5) voxel, so that what is symmetric about the origin stays
-/// so.
+/// The map from index space to the world: the centre of voxel i is at (i + 0.5) voxel, so that shapes that are
+/// symmetric about the origin stay symmetric.
 struct Raster {
     double voxel = 1;
     Combine combine = Combine::max;
 };
 
-/// Part of `shape` in a voxel, times its density: a ramp of the shape's `soft`, half of it outside of the surface.
-/// Straight through a flat surface the integral of density is that of the hard one.
+/// The shape's density times the fraction of it in a voxel at `distance`: a ramp of width `soft`, half of it outside of
+/// the surface. Along a line straight through a flat surface, the integral of density equals that of the hard edge.
 double softDensity(const Shape& shape, double distance);
 
-/// Hands the voxels of `shapes` (those of one grid, each with `soft` > 0) to the host. Returns 0 or what the host
-/// returned. `from` and `to`: the part of the whole progress.
+/// Passes the voxels of `shapes` (those of one grid, each with `soft` > 0) to the host. Returns 0 or the host's result.
+/// The work reports progress `from` .. `to`.
 int fillGrid(const scrim_host* host, int grid, const std::vector<Shape>& shapes, const Raster& raster, double from,
              double to);
 

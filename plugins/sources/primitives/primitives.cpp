@@ -82,7 +82,7 @@ Box boxOf(const std::vector<Shape>& shapes) {
     return box;
 }
 
-/// Sets the edges that nobody set, and checks what then has to be filled.
+/// Sets the edges that the list leaves open, and checks the space to be filled.
 void prepare(std::vector<Shape>& shapes, const Raster& raster, double soft) {
     for (Shape& s : shapes)
         if (s.soft <= 0) s.soft = soft > 0 ? soft : raster.voxel;

@@ -13,19 +13,19 @@
 namespace primitives {
 namespace {
 
-/// Outside: the distance to the nearest corner, edge or face; inside: to the nearest face.
+/// Distance to a box: outside, to the nearest corner, edge or face; inside, to the nearest face.
 double boxDistance(const Vec3& p, const Vec3& half) {
     const Vec3 q = glm::abs(p) - half;
     return glm::length(glm::max(q, Vec3(0))) + std::min(std::max({q.x, q.y, q.z}), 0.0);
 }
 
-/// The same in the plane of radius and height.
+/// Distance to a cylinder, as for a box in the plane of radius and height.
 double cylinderDistance(const Vec3& p, double radius, double halfHeight) {
     const double r = std::hypot(p.x, p.z) - radius, h = std::abs(p.y) - halfHeight;
     return std::hypot(std::max(r, 0.0), std::max(h, 0.0)) + std::min(std::max(r, h), 0.0);
 }
 
-/// f / |grad f| of f = k (k - 1) with k = |p / half|, which is 0 on the surface.
+/// First-order distance f / |grad f| for f = k (k - 1) with k = |p / half|, which is 0 on the surface.
 double ellipsoidDistance(const Vec3& p, const Vec3& half) {
     const double k = glm::length(p / half);
     const double slope = glm::length(p / (half * half));
@@ -53,7 +53,7 @@ double localDistance(const Shape& s, const Vec3& p) {
     return std::hypot(std::hypot(p.x, p.z) - (s.half.x - s.round), p.y) - s.round;
 }
 
-/// Sine and cosine, exact where they are whole.
+/// Sine and cosine, exact where they are integers.
 std::array<double, 2> sinCos(double degrees) {
     const double turn = std::fmod(degrees, 360.0);
     const double quarter = turn / 90;
@@ -83,7 +83,7 @@ Vec3 wsHalfExtent(const Shape& shape) {
 
 Mat3 rotationFromY(const Vec3& direction) {
     const Vec3 y = glm::normalize(direction);
-    // Whichever of x and z is further from y; along an axis the result is a permutation, free of rounding.
+    // Uses whichever of x and z is further from y. For a coordinate axis the result is a permutation without rounding.
     const Vec3 other = std::abs(y.x) <= std::abs(y.z) ? Vec3(1, 0, 0) : Vec3(0, 0, 1);
     const Vec3 a = glm::normalize(other - glm::dot(other, y) * y);
     return std::abs(y.x) <= std::abs(y.z) ? Mat3(a, y, glm::cross(a, y)) : Mat3(glm::cross(y, a), y, a);

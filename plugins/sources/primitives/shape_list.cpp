@@ -16,7 +16,7 @@ namespace primitives {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r";
-constexpr double kLargest = 1e9;  ///< of any number: what is larger loses its voxels to rounding
+constexpr double kLargest = 1e9;  ///< largest number allowed; larger ones lose their voxels to rounding
 constexpr std::size_t kMostShapes = 100000;
 
 /// "a, b or c".
@@ -27,7 +27,7 @@ std::string choices(const std::vector<std::string_view>& names) {
     return text;
 }
 
-/// The pieces of `text` between characters of `separators`, empty ones too.
+/// The pieces of `text` between characters of `separators`, including empty ones.
 std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
     std::vector<std::string_view> pieces;
     for (;;) {
@@ -43,7 +43,7 @@ bool parseNumber(std::string_view text, double& value) {
     return error == std::errc() && stop == text.data() + text.size() && std::abs(value) <= kLargest;
 }
 
-/// The words of one shape. Reading a key takes it out, so that what is left at the end is what nobody knows.
+/// The words of one shape. Reading a key removes it, so that what is left at the end is unknown.
 class Entry {
   public:
     Entry(std::size_t number, const std::vector<std::string_view>& words)
@@ -67,7 +67,7 @@ class Entry {
 
     bool has(std::string_view key) const { return find(key) != m_values.size(); }
 
-    /// `fallback` where it is not given; without one it must be.
+    /// The number of a key; `fallback` where it is missing. Without a fallback the key is required.
     double number(std::string_view key, double least, const char* expected, const double* fallback = nullptr) {
         if (!has(key) && fallback != nullptr) return know(key), *fallback;
         const std::string_view text = take(key, expected);
@@ -126,7 +126,7 @@ constexpr const char* kPlace = "three numbers such as 0,1.5,0";
 constexpr const char* kPositive = "a number above 0";
 constexpr const char* kNotNegative = "a number of at least 0";
 constexpr const char* kExtents = "three numbers above 0 such as 1,2,0.5";
-constexpr double kSmallest = 1e-12;  ///< what counts as above 0
+constexpr double kSmallest = 1e-12;  ///< smallest number that counts as above 0
 const Vec3 kOrigin(0), kUp(0, 1, 0);
 const double kZero = 0, kOne = 1;
 
@@ -148,7 +148,7 @@ Vec3 direction(Entry& e, std::string_view key) {
     return v;
 }
 
-/// Radius of rounded edges: no more than fits.
+/// Reads the radius of rounded edges, limited to what fits.
 void readRound(Entry& e, Shape& s) {
     s.round = e.number("round", 0, kNotNegative, &kZero);
     const double most = std::min({s.half.x, s.half.y, s.half.z});
@@ -172,7 +172,7 @@ void readEllipsoid(Entry& e, Shape& s) {
     s.half = 0.5 * extents(e, "size");
 }
 
-/// Cylinders and capsules: from the middle of one end to the middle of the other.
+/// Reads a cylinder or capsule, from the centre of one end to that of the other.
 void readRod(Entry& e, Shape& s) {
     const Vec3 from = e.vec3("from", kPlace), to = e.vec3("to", kPlace);
     const double radius = positive(e, "radius"), length = glm::length(to - from);
@@ -192,7 +192,7 @@ void readTorus(Entry& e, Shape& s) {
     s.half = Vec3(radius + s.round, s.round, radius + s.round);
 }
 
-/// A thin box below its surface.
+/// Reads a plane: a thin box below its surface.
 void readPlane(Entry& e, Shape& s) {
     const Vec3 surface = e.vec3("center", kPlace, &kOrigin), normal = direction(e, "normal");
     constexpr const char* kExpected = "two numbers above 0 such as 10,10";

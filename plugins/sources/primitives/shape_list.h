@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The text a list of shapes is written in; its grammar is at the top of primitives.cpp. Whatever does not fit throws
-// std::runtime_error with the number of the shape, the key, what was found and what is allowed.
+// Parses the text of a list of shapes, whose grammar is at the top of primitives.cpp. Errors are std::runtime_error
+// with the number of the shape, the key, what was found and what is allowed.
 #pragma once
 
 #include "shape.h"
@@ -10,7 +10,7 @@
 
 namespace primitives {
 
-/// At least one shape, in the order of the text.
+/// The shapes in the order of the text; at least one.
 std::vector<Shape> parseShapes(std::string_view text);
 
 }  // namespace primitives

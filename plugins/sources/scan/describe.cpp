@@ -11,10 +11,10 @@
 namespace scan {
 namespace {
 
-constexpr int kMostBins = 4096;  // 12 bits: CT scans one by one
+constexpr int kMostBins = 4096;  // 12 bits: CT scans get a bin for each value
 
 struct Histogram {
-    double first = 0, width = 1;  // the middle of the first bin
+    double first = 0, width = 1;  // centre of the first bin
     std::vector<double> counts;
 };
 

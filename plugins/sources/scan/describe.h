@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scan holds, as two small grids in place of its samples, since grids are all that a source makes.
+// Describes a scan by two small grids in place of its samples, since a source can make nothing but grids.
 #pragma once
 
 #include "scan.h"
@@ -8,9 +8,9 @@
 
 namespace scan {
 
-/// The grid "histogram": voxel (i, 0, 0) is how many samples have the value that is its x in the world, or lie within
-/// half a voxel of it. And a grid "samples of uint8, right-anterior-superior", say, with the scan's transform, whose
-/// voxels are the first and the last sample. Returns 0, or what the host said.
+/// Emits two grids. In "histogram", voxel (i, 0, 0) counts the samples whose value is the voxel's x in the world, or
+/// within half a voxel of it. The other grid is named "samples of uint8, right-anterior-superior" or the like, has the
+/// scan's transform, and its voxels are the first and the last sample. Returns 0, or the host's error.
 int describe(const scrim_host* host, const Scan& scan);
 
 }  // namespace scan

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NIfTI: the library reads and checks the header; samples are read as those of a raw file, whose checks hold here too.
+// Reads NIfTI. The library reads and checks the header; samples are read like those of a raw file, with the same
+// checks.
 #include "scan.h"
 
 #include <algorithm>
@@ -41,8 +42,8 @@ SampleType typeOf(const nifti_image& image, const std::string& path) {
     }
 }
 
-/// The place of samples: the standard one (sform) if there is one, else that of the scanner (qform), else spacings
-/// along the axes.
+/// Sets the place of the samples: the standard one (sform) if there is one, else that of the scanner (qform), else
+/// spacings along the axes.
 void place(const nifti_image& image, Scan& scan) {
     const nifti_dmat44& m = image.sform_code > 0 ? image.sto_xyz : image.qto_xyz;
     const bool placed = image.sform_code > 0 || image.qform_code > 0;
@@ -61,7 +62,7 @@ void place(const nifti_image& image, Scan& scan) {
 
 Scan readNifti(const std::string& path) {
     fileBytes(path);
-    nifti_set_debug_level(0);  // it would print
+    nifti_set_debug_level(0);  // the library would print messages
     const std::unique_ptr<nifti_image, Free> image(nifti_image_read(path.c_str(), 0));
     if (!image) refuse(path, "is not a NIfTI file, or its header is damaged");
     if (image->nx * image->ny * image->nz != static_cast<std::int64_t>(image->nvox))

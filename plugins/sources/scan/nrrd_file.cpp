@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// NRRD through Teem, in two goes: the header alone first, so that what it declares can be held against the file's size
-// before anything is allocated.
+// Reads NRRD with Teem, in two passes: the header alone first, so that its declarations can be compared with the file's
+// size before anything is allocated.
 #include "scan.h"
 
 #include <cmath>
@@ -36,7 +36,7 @@ std::string teemError() {
     return colon == std::string::npos ? text : text.substr(colon + 2);
 }
 
-/// A header that came from elsewhere must not choose any file of the disk.
+/// Refuses headers that name files elsewhere: an untrusted header must not choose any file of the disk.
 void checkFolder(const NrrdIoState& state, const std::string& path) {
     for (unsigned i = 0; i < state.dataFNArr->len; ++i) {
         const std::string_view name = state.dataFN[i];
@@ -46,8 +46,8 @@ void checkFolder(const NrrdIoState& state, const std::string& path) {
     }
 }
 
-/// Teem wants to know the dimension of space before the first direction in it, and some writers leave it out. The file
-/// with that line put in; empty where nothing is missing, or the samples are in a file of their own.
+/// Teem needs the dimension of space before the first direction in it, and some writers leave it out. Returns the file
+/// with that line added; empty where it is not missing, or where the samples are in a separate file.
 std::string mended(const std::string& path) {
     constexpr std::streamsize kMostOfHeader = 65536;
     std::ifstream file(path, std::ios::binary);
@@ -87,7 +87,7 @@ std::string dataFile(const NrrdIoState& state, const std::string& path) {
     if (state.dataFNFormat != nullptr || state.dataFNArr->len > 1)
         refuse(path, "its samples are in several files, expected one");
     if (state.dataFNArr->len == 0) return path;
-    // The folder as it was called: "a/../b" is not "b" where a is a link.
+    // The folder is used as it was named: "a/../b" is not "b" where a is a link.
     const std::filesystem::path name = std::filesystem::path(state.dataFN[0]).lexically_normal();
     return (std::filesystem::path(path).parent_path() / name).string();
 }
@@ -96,7 +96,7 @@ std::string typeName(int type) {
     return airEnumStr(nrrdType, type);
 }
 
-/// In the words that raw files' types have.
+/// The name of a sample type, as in the parameter for raw files.
 std::string sampleTypeOf(int type) {
     constexpr const char* kNames[] = {"int8",   "uint8", "int16",  "uint16", "int32",
                                       "uint32", "int64", "uint64", "float",  "double"};
@@ -111,7 +111,7 @@ void checkBytes(const Nrrd& nrrd, const NrrdIoState& state, const std::string& p
     const std::int64_t bytes = count * static_cast<std::int64_t>(nrrdTypeSize[nrrd.type]);
     const std::string file = dataFile(state, path);
     const std::int64_t stored = fileBytes(file);
-    // As text a sample takes a digit and a separator.
+    // As text, a sample takes a digit and a separator.
     const std::int64_t least = state.encoding == nrrdEncodingRaw     ? bytes
                                : state.encoding == nrrdEncodingAscii ? 2 * count - 1
                                : state.encoding == nrrdEncodingHex   ? 2 * bytes
@@ -122,7 +122,7 @@ void checkBytes(const Nrrd& nrrd, const NrrdIoState& state, const std::string& p
     if (least == 0) checkRatio(stored, bytes, path);
 }
 
-/// Steps and origin: "space directions" if there are any, else spacings along the axes.
+/// Sets steps and origin: from "space directions" if there are any, else from spacings along the axes.
 void place(const Nrrd& nrrd, Scan& scan) {
     for (int axis = 0; axis < 3; ++axis) {
         const NrrdAxisInfo& info = nrrd.axis[axis];
@@ -140,12 +140,12 @@ void place(const Nrrd& nrrd, Scan& scan) {
 
 Scan readNrrd(const std::string& path) {
     fileBytes(path);
-    // Teem would also take pictures and other formats, which it recognises by their first bytes.
+    // Teem would also accept pictures and other formats, which it recognises by their first bytes.
     std::string magic(4, '\0');
     std::ifstream(path, std::ios::binary).read(magic.data(), 4);
     if (magic != "NRRD") refuse(path, "is not an NRRD file: it does not begin with 'NRRD'");
 
-    static std::mutex mutex;  // Teem gathers its errors in one place for all threads
+    static std::mutex mutex;  // Teem gathers the errors of all threads in one place
     const std::lock_guard lock(mutex);
     const NrrdOwner header(nrrdNew());
     const StateOwner state(nrrdIoStateNew());

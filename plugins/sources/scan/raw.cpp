@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Samples from plain and gzipped files, and the checks on sizes that keep a wrong header from filling the memory.
+// Reads samples from plain and gzipped files, and checks sizes so that a wrong header cannot fill the memory.
 #include "scan.h"
 
 #include <algorithm>
@@ -16,10 +16,10 @@ namespace scan {
 namespace {
 
 constexpr std::int64_t kMostSamples = std::int64_t{1} << 31;  // 8 GB of floats
-constexpr std::int64_t kMostRatio = 1032;                     // of deflate (zlib's technical details)
+constexpr std::int64_t kMostRatio = 1032;                     // the largest ratio of deflate (zlib's technical details)
 constexpr std::int64_t kSlack = 1 << 16;                      // for headers and empty files
 
-/// The bytes of a file in sequence, decompressed or not.
+/// The bytes of a file in sequence, decompressed where needed.
 class Bytes {
   public:
     Bytes(const std::string& path, bool compressed) : m_path(path) {
@@ -32,7 +32,7 @@ class Bytes {
         }
     }
 
-    /// Up to `count` bytes; fewer at the end. Throws on damaged compression.
+    /// Reads up to `count` bytes; fewer at the end. Throws on damaged compression.
     std::int64_t read(char* to, std::int64_t count) {
         if (!m_gz) {
             m_file.read(to, count);

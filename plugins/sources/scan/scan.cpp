@@ -4,38 +4,39 @@
 //     scrim make scan file=bonsai_256.nrrd halve=z threshold=30 window=0,255 -o bonsai.vdb
 //     scrim make scan file=teddybear.raw size=128,128,62 spacing=2.8,2.8,5 threshold=20 -o teddy.vdb
 //
-// Which file: the ending of its name decides.
-//   .nrrd .nhdr   NRRD, its samples inside or in one file of the same folder, in any encoding of Teem's
+// The extension of the file decides its format:
+//   .nrrd .nhdr   NRRD, with its samples inside or in one file of the same folder, in any encoding that Teem knows
 //   .nii .nii.gz  NIfTI-1 or -2
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
-// A header says size, type, byte order and place itself, and the parameters marked raw must then be left alone. Its
+// A header states size, type, byte order and place itself, so the parameters marked raw must not be given then. Its
 // place is kept: NRRD's space directions and origin (or spacings), NIfTI's sform, else its qform, else its spacings, in
 // the unit and handedness of the file (NIfTI: millimetres, x to the right, y to the front, z up; values by its slope
 // and intercept). A scene's `transform` turns it.
 //
 // Parameters:
-//   file         path; in a scene as seen from the scene, with ${NAME} and frames as other files
+//   file         path; in a scene it is relative to the scene, with ${NAME} and frames as in other paths
 //   size         raw: samples along x, y, z
 //   type         raw: uint8, int8, uint16, int16, uint32, int32, float or double
 //   endian       raw: little or big
 //   header       raw: bytes before the first sample
 //   spacing      distance between samples along x, y, z, in world units; 0, 0, 0: that of the file, or 1
 //   orientation  true: axes as the file turns them; false: along the world's, with the file's spacings
-//   center       true: the middle of the volume comes to the origin; false: where the file says
+//   center       true: moves the middle of the volume to the origin; false: keeps it where the file says
 //   crop_from    first sample that is kept, along x, y, z
 //   crop_to      first sample after those that are kept; 0, 0, 0: up to the end
 //   halve        axes, such as z or xyz, along which each two samples become their mean
 //   threshold    samples up to this (as the file has them) are empty
-//   window       "lo, hi": these become 0 and 1, what is beyond is clamped; "full": least and largest sample; empty:
-//   off scale        multiplied onto values at last units        scan: values stay as the scan has them (Hounsfield,
-//   say), for a transfer function in its units; what is
-//                beyond a window is clamped, and what is not above its begin is empty
-//   describe     true: in place of the samples two small grids, a histogram of their values and the two ends of the
-//                lattice (describe.h)
+//   window       "lo, hi": these become 0 and 1, values beyond are clamped; "full": least and largest sample; empty:
+//                no window
+//   scale        factor that is applied last
+//   units        scan: values stay as the scan has them (Hounsfield, say), for a transfer function in its units; values
+//                beyond a window are clamped, and values that are not above its begin are empty
+//   describe     true: makes two small grids in place of the samples, a histogram of their values and the two ends of
+//                the lattice (describe.h)
 //
-// The grid is called "density". What is not above 0 is empty: values below 0 can be seen through a window only. A file
-// that is shorter or (raw) longer than declared, sizes beyond 2^31 samples, and compressed files too small to hold what
-// they declare are refused before anything is allocated for them.
+// The grid is called "density". Values that are not above 0 are empty: values below 0 can be seen through a window
+// only. Files that are shorter or (raw) longer than declared, sizes beyond 2^31 samples, and compressed files too small
+// to hold what they declare are refused before anything is allocated for them.
 #include "describe.h"
 #include "edit.h"
 #include "scan.h"
@@ -74,7 +75,7 @@ enum {
     kDescribe,
     kCount
 };
-// 'auto' is what a header says, and for raw files the first of the others.
+// 'auto' means what a header says, and for raw files the first of the other words.
 constexpr scrim_parameter kParameters[kCount] = {
     {"file", SCRIM_STRING, "", 0, 0, nullptr, "path of a .nrrd, .nhdr, .nii, .nii.gz or raw file"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},

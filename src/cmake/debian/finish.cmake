@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-# Run by CPack between installing and packing: what Debian wants of a package's files.
+# CPack runs this between installing and packing. It adjusts the files of a package to Debian's rules.
 if(NOT CPACK_GENERATOR STREQUAL DEB)
     return()
 endif()
@@ -17,7 +17,7 @@ foreach(pair ${CPACK_SCRIM_PACKAGES})
     if(NOT IS_DIRECTORY ${usr})
         message(FATAL_ERROR "the component ${component} has no files: was everything built?")
     endif()
-    # Debian's folders are where the loader looks anyway.
+    # The loader searches Debian's folders anyway.
     file(GLOB programs ${usr}/bin/scrim)
     foreach(program ${programs})
         file(RPATH_REMOVE FILE ${program})

@@ -29,7 +29,7 @@ Int3 voxelOf(const Int3& origin, int offset) {
     return origin + Int3(offset / (kBlockEdge * kBlockEdge), offset / kBlockEdge % kBlockEdge, offset % kBlockEdge);
 }
 
-// Blocks that a field takes once its tiles are cut into blocks.
+// The number of blocks of a field whose tiles are divided into blocks.
 double blocksOf(const SparseField& field) {
     double count = double(field.blockCount());
     for (const ConstantTile& tile : field.tiles) count += std::pow(double(tile.edge / kBlockEdge), 3);
@@ -59,7 +59,7 @@ bool isLitBy(const ViewVolume& volume, std::size_t light) {
     return volume.lights.empty() || volume.lights[light];
 }
 
-// The way of the light that most is seen of, where one can be named: the sheets then lie across it.
+// The direction of travel of the most important light, if it has one; sheets are then perpendicular to it.
 Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
     for (const bool shadows : {true, false})
         for (const Light& light : scene.lights) {
@@ -70,8 +70,8 @@ Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
     return {0, 0, -1};
 }
 
-// The scene as an eye would see it that looks at all of its volumes, along its main light: nothing is culled, and every
-// light lights everything. What volumes look like does not matter, except for how they take light away.
+// The scene as seen by an eye that looks at all of its volumes along the main light. Nothing is culled, and every light
+// lights every volume. Only the extinction of volumes matters, not their look.
 ViewScene bakingScene(const ViewScene& given) {
     ViewScene scene = given;
     scene.layers.clear();
@@ -88,7 +88,7 @@ ViewScene bakingScene(const ViewScene& given) {
     scene.dials.splat = SplatMode::shared;
     scene.dials.sheets = SheetAxis::halfWay;
     scene.dials.shadowPlane = ShadowPlane::light;
-    scene.dials.shade = ShadeMode::pixel;  // one look-up from a buffer to a voxel, as to a pixel
+    scene.dials.shade = ShadeMode::pixel;  // one look-up between buffer and voxel, as for pixels
     scene.dials.antialias = 1;
     scene.dials.crossFade = 0;
     Bounds box;
@@ -107,11 +107,12 @@ ViewScene bakingScene(const ViewScene& given) {
     return scene;
 }
 
-// How a voxel's light comes to it: by the ray through the middle plane of its sheet, where sheets are looked up.
+// The path of light to a voxel: along the ray through the middle plane of the voxel's sheet, where buffers are looked
+// up.
 struct Crossing {
-    double u, v;    // where that is
-    double inside;  // sheets along N from where light enters the sheet to the voxel
-    double factor;  // irradiance at the voxel over that on the plane; 0: no light
+    double u, v;    // where the ray crosses that plane
+    double inside;  // sheets along N from the point where light enters the sheet to the voxel
+    double factor;  // irradiance at the voxel relative to that on the plane; 0: no light
 };
 
 Crossing crossingOf(const SheetLight& light, const Sheets& sheets, int sheet, const Vec3& ts) {
@@ -120,10 +121,10 @@ Crossing crossingOf(const SheetLight& light, const Sheets& sheets, int sheet, co
         const double back = (sheet + 0.5 - ts.z) * toTexels;
         return {ts.x + light.slopeA * back, ts.y + light.slopeB * back, ts.z - sheet, 1};
     }
-    // The sheet that a light stands in is lit from there on; its intensity counts that part alone.
+    // A sheet that contains the light is lit from the light on, and its intensity accounts for that part only.
     const double away = light.distanceW / sheets.thickness, part = std::min(2 * away, 1.0);
     const double source = part < 1 ? sheet + 1 - part : sheet + 0.5 - away;
-    constexpr double kLeast = 1e-3;  // of a sheet, where rays lie in it
+    constexpr double kLeast = 1e-3;  // of a sheet, for rays that lie within it
     const double from = ts.z - source;
     if (from <= 0) return {ts.x, ts.y, 0, 0};
     const double scale = away / std::max(from, kLeast);
@@ -136,16 +137,16 @@ Crossing crossingOf(const SheetLight& light, const Sheets& sheets, int sheet, co
     return out;
 }
 
-// Up to 256 voxels of a sheet, as one light meets them.
+// Up to 256 voxels of a sheet with one light's data.
 struct VoxelTile {
     int count = 0;
-    const std::size_t* at = nullptr;  // of each block * 512 + offset
+    const std::size_t* at = nullptr;  // block * 512 + offset of each voxel
     const Vec3* ts = nullptr;
     SampleTile samples{};
     alignas(64) Real factor[kTileSize];
-    alignas(64) Real path[kTileSize];       // world length of the light's way through the sheet
-    alignas(64) Real clear[kTileSize];      // what gets past solids
-    alignas(64) Real tau[3 * kTileSize]{};  // of each extinction channel
+    alignas(64) Real path[kTileSize];       // world length of the light's path through the sheet
+    alignas(64) Real clear[kTileSize];      // fraction of light that passes the solids
+    alignas(64) Real tau[3 * kTileSize]{};  // for each extinction channel
 };
 
 void meet(const SheetLight& light, const Sheets& sheets, int sheet, VoxelTile& tile) {
@@ -163,7 +164,7 @@ void meet(const SheetLight& light, const Sheets& sheets, int sheet, VoxelTile& t
 
 class Baking {
   public:
-    // `scene`: the baking one with the plan's lights.
+    // `scene` is the scene for baking, with the plan's lights.
     Baking(const ViewScene& given, const ViewScene& scene, const Plan& plan, std::vector<BakedVolume>& out)
         : m_given(given), m_scene(scene), m_plan(plan), m_out(out) {}
 
@@ -187,11 +188,11 @@ class Baking {
     std::vector<BakedVolume>& m_out;
 };
 
-// Voxels are shaded as samples of a medium that takes nothing and scatters so much that what is seen is what arrives:
-// so it is the same light, slide, cone and shadow that pictures see.
+// Voxels are shaded as samples of a medium without absorption whose scattering makes radiance equal to the arriving
+// light. Therefore light, slide, cone and shadow are the same as in pictures.
 void Baking::shade(const SheetLight& light, const Sheets& sheets, const Octaves& octaves, const VoxelTile& tile,
                    std::vector<float>& sum) const {
-    // So thin that the light does not change along a sample.
+    // So thin that light does not change along a sample.
     const auto thin = static_cast<Real>(1e-6 * sheets.thickness);
     alignas(64) Real scatter[kTileSize], nothing[kTileSize] = {};
     std::fill_n(scatter, kTileSize, static_cast<Real>(4 * std::numbers::pi) / thin);
@@ -212,7 +213,7 @@ void Baking::shade(const SheetLight& light, const Sheets& sheets, const Octaves&
     input.tauIn = tile.tau;
     input.unblocked = tile.clear;
     input.layout.coloured = input.coloured;
-    input.outputs = nothing;  // there are none beside the beauty
+    input.outputs = nothing;  // there are no outputs beside the beauty
     input.simd = m_plan.simd;
     const int floats = input.layout.floats();
     alignas(64) std::array<Real, std::size_t{8} * kTileSize> shaded;
@@ -250,11 +251,11 @@ void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t 
     if (!out.scattered.empty()) shade(light, sheets, m_given.volumes[volume].medium.octaves, tile, out.scattered);
 }
 
-// All voxels of blocks [from, to) that lie in the batch.
+// Bakes all voxels of the blocks [from, to) that lie in the batch.
 void Baking::bakeBlocks(const Batch& batch, std::size_t volume, std::size_t from, std::size_t to) {
     const BakedVolume& out = m_out[volume];
     const Mat4 tsFromIs = batch.group.sheets.tsFrom(m_scene.volumes[volume].wsFromIs);
-    // How far a block reaches along N from its first voxel.
+    // The extent of a block along N from its first voxel.
     double low = 0, high = 0;
     for (int axis = 0; axis < 3; ++axis) {
         const double step = (kBlockEdge - 1) * tsFromIs[axis].z;
@@ -287,7 +288,7 @@ void Baking::bakeBlocks(const Batch& batch, std::size_t volume, std::size_t from
 }
 
 void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
-    constexpr std::size_t kBlocks = 8;  // a task; neighbours share their sheets
+    constexpr std::size_t kBlocks = 8;  // per task; neighbouring blocks share their sheets
     ExtinctionSum extinction(m_scene, m_plan, group.sheets, group.lattice, group.batchSheets,
                              ExtinctionSum::For::light);
     LightSweep lights(m_scene, m_plan, group);
@@ -311,7 +312,7 @@ void Baking::sweep(const GroupPlan& group, const ProgressSink& progress) {
     }
 }
 
-// From what arrives to what is scattered: the field's own voxels times the albedo's.
+// Turns arriving light into scattered radiance with the field's voxels and the albedo's.
 void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out) {
     if (out.scattered.empty()) return;
     const Medium& medium = volume.medium;
@@ -339,7 +340,7 @@ void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out)
     });
 }
 
-// Throws where the values would be more than the scene's memory limit. Returns what is left of it.
+// Throws if the values would exceed the scene's memory limit. Returns the rest of the limit.
 std::size_t limitBeside(const ViewScene& scene, const BakeWants& wants) {
     if (scene.memoryLimit == 0) return 0;
     double bytes = 0;

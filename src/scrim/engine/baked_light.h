@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Light at voxels instead of pixels, for other renderers: what the sweeps' shadow buffers say is read where voxels
-// stand, and nothing is composited.
+// Light at voxels instead of pixels, for other renderers: the sweeps' shadow buffers are looked up at the voxels, and
+// nothing is composited.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -11,26 +11,27 @@
 
 namespace scrim {
 
-/// Light at a volume's voxels of density above 0: blocks of 8^3, tiles cut into blocks, too. Values of a block are 512
-/// reds, greens and blues in `blockOffset` order, 0 where a voxel is not active.
+/// Light at a volume's voxels with density above 0, in blocks of 8^3; tiles are divided into blocks. Each block has 512
+/// values of red, green and blue in `blockOffset` order, 0 where a voxel is not active.
 struct BakedVolume {
     std::vector<Int3> blockOrigins;
     std::vector<std::bitset<kBlockVoxels>> active;
-    /// For each light of the scene irradiance times transmittance: what arrives there, whatever the phase function.
-    /// Empty: it does not light the volume, or was not wanted. An extended light is the sum of its sub-lights.
+    /// For each light of the scene, irradiance times transmittance at the voxels, independent of the phase function.
+    /// Empty if the light does not light the volume or was not requested. For an extended light, the sum over its
+    /// sub-lights.
     std::vector<std::vector<float>> lights;
-    /// Radiance per world unit that the medium scatters of these lights and of ambient light, were its phase function
-    /// isotropic; its octaves count. Empty where it was not wanted, or the volume is classified.
+    /// Radiance per world unit that the medium scatters from these lights and from ambient light, with its octaves, but
+    /// as if its phase function were isotropic. Empty if not requested or if the volume is classified.
     std::vector<float> scattered;
 };
 
 struct BakeWants {
-    std::vector<bool> lights;  ///< of the scene, each
+    std::vector<bool> lights;  ///< for each light of the scene
     bool scattered = false;
 };
 
-/// One for each volume of `scene`, whose camera does not count. All of its volumes shadow. Throws Error: memory,
-/// render, interrupted.
+/// Bakes each volume of `scene`; the camera is ignored. All volumes cast shadows. Throws Error: memory, render,
+/// interrupted.
 std::vector<BakedVolume> bakeLight(const ViewScene& scene, const BakeWants& wants, int threads,
                                    const ProgressSink& progress = {});
 

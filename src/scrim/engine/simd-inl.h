@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's way): vectors of samples, interpolation between texels,
-// and exponentials of optical depths. What every inner loop of the engine is written in.
+// Internal, compiled once for each instruction set (Highway's method): vectors of samples, interpolation between
+// texels, and exponentials of optical depths, from which the engine's inner loops are built.
 #if defined(SCRIM_ENGINE_SIMD_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_ENGINE_SIMD_INL_H_
 #undef SCRIM_ENGINE_SIMD_INL_H_
@@ -40,8 +40,8 @@ HWY_ATTR HWY_INLINE void forSamples(const Body& body) {
     for (int k = 0; k < kTileSize; k += static_cast<int>(hn::Lanes(DF()))) body(k);
 }
 
-// A coordinate as index on an axis of `size` places from `first`, and fraction; clamped so that index and index + 1
-// lie on the axis.
+// A coordinate on an axis of `size` places from `first`, as index and fraction; clamped so that index and index + 1 lie
+// on the axis.
 struct Split {
     VI whole;
     VF fraction;
@@ -61,14 +61,15 @@ HWY_ATTR HWY_INLINE VF lerp(VF a, VF b, VF t) {
     return hn::MulAdd(t, hn::Sub(b, a), a);
 }
 
-// Four floats: the channels of a texel or of a pixel. One vector, or more where the instruction set has shorter ones.
+// Four floats: the channels of a texel or a pixel, in one vector, or in several where the instruction set has shorter
+// ones.
 using D4 = hn::CappedTag<Real, 4>;
 constexpr std::size_t kParts4 = 4 / hn::MaxLanes(D4());
 struct V4 {
     hn::Vec<D4> part[kParts4];
 };
 
-// make(i) gives part i.
+// Makes a V4; make(i) gives part i.
 template <class Make>
 HWY_ATTR HWY_INLINE V4 each4(const Make& make) {
     V4 out;
@@ -79,7 +80,7 @@ HWY_ATTR HWY_INLINE V4 load4(const Real* from) {
     return each4([&](std::size_t i) HWY_ATTR { return hn::LoadU(D4(), from + i * hn::MaxLanes(D4())); });
 }
 #ifdef SCRIM_DOUBLE
-// Pixels of slides are floats in any build.
+// Pixels of slides are floats in every build.
 HWY_ATTR HWY_INLINE V4 load4(const float* from) {
     const hn::Rebind<float, D4> df;
     return each4([&](std::size_t i)
@@ -94,8 +95,8 @@ HWY_ATTR HWY_INLINE V4 lerp4(const V4& a, const V4& b, Real t) {
     return each4([&](std::size_t i)
                      HWY_ATTR { return hn::MulAdd(hn::Set(D4(), t), hn::Sub(b.part[i], a.part[i]), a.part[i]); });
 }
-// The bilinear sample between four texels: `texel`, its neighbour `across` floats on, and those `down` floats on from
-// both.
+// The bilinear sample between four texels: `texel`, its neighbour `across` floats further, and the two that are `down`
+// floats further.
 HWY_ATTR HWY_INLINE V4 bilinear4(const Real* texel, std::ptrdiff_t across, std::ptrdiff_t down, Real u, Real v) {
     const Real* below = texel + down;
     return lerp4(lerp4(load4(texel), load4(texel + across), u), lerp4(load4(below), load4(below + across), u), v);
@@ -117,31 +118,32 @@ HWY_ATTR HWY_INLINE V4 lastLane(const V4& v) {
 #endif
 }
 
-// 1 - e^-t for t >= 0, to rounding also where t is small. Past 80 it is 1: the library's exponential is only
-// good down to where floats become denormal.
+// 1 - e^-t for t >= 0, exact to rounding also for small t. Beyond 80 it is 1, since the library's exponential is only
+// accurate down to where floats become denormal.
 HWY_ATTR HWY_INLINE VF oneMinusExp(VF t) {
     return hn::Neg(hn::Expm1(DF(), hn::Neg(hn::Min(t, constant(80)))));
 }
 
-// e^-t for t >= 0, 0 past the smallest normal float.
+// e^-t for t >= 0; 0 beyond the smallest normal float.
 HWY_ATTR HWY_INLINE VF expMinus(VF t) {
     const DF d;
     return hn::IfThenElseZero(hn::Lt(t, constant(87)), hn::Exp(d, hn::Neg(hn::Min(t, constant(87)))));
 }
 
-// (1 - e^-t) / t, see sheet_integral.h. 1e-20 stands for 0: there the quotient's rounding is still exact.
+// (1 - e^-t) / t, see sheet_integral.h. 1e-20 stands in for 0; there the quotient is still exact to rounding.
 HWY_ATTR HWY_INLINE VF psi(VF t) {
     const auto safe = hn::Max(t, constant(1e-20));
     return hn::Div(oneMinusExp(safe), safe);
 }
 
-// Henyey and Greenstein's phase function, times `scale`. 1 + g^2 - 2 g cos is never less than (1 - |g|)^2, but floats
-// cancel where a lobe is narrow, and round a g next to 1 to 1: 0 / 0 at the lobe's middle, or a root of less than 0.
+// Henyey and Greenstein's phase function times `scale`. 1 + g^2 - 2 g cos is never less than (1 - |g|)^2, but in floats
+// it suffers from cancellation where a lobe is narrow, and a g close to 1 is rounded to 1. That would give 0 / 0 at the
+// lobe's peak, or the square root of a negative number.
 struct Lobe {
     Real g, strength, least;
 
     explicit Lobe(double wanted, Real scale = 1) : g(static_cast<Real>(wanted)) {
-        constexpr double kNarrow = 0.999, kLeast = 1e-16;  // whose power of 3/2 floats still hold
+        constexpr double kNarrow = 0.999, kLeast = 1e-16;  // its power of 3/2 still fits a float
         const double width = 1 - std::abs(wanted);
         const Real rest = std::abs(wanted) > kNarrow ? static_cast<Real>(width * (2 - width)) : 1 - g * g;
         strength = rest * scale;

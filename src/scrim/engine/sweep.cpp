@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights. Each stage is
+// The algorithm on one page (ZC02 Fig. 5): sheets are swept batch by batch, away from the lights. Each stage runs in
 // parallel; the end of a stage is the only barrier.
 #include <scrim/engine/sweep.h>
 
@@ -63,8 +63,9 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelT
     return sum;
 }
 
-// ZC02 Fig. 5, line 3: what falls on opaque pixels alone need not be splatted for the eye. (For lights it must: hidden
-// voxels still cast shadows.) Normals look a little around a pixel, hence the guard.
+// ZC02 Fig. 5, line 3: voxels that project to opaque pixels only need not be splatted for the eye. (They must be
+// splatted for lights, since hidden voxels still cast shadows.) Normals use a neighbourhood of a pixel, hence the
+// guard.
 TileCull occlusionMap(const PixelTiles& tiles, int guardTiles) {
     return [&tiles, guard = 2 * guardTiles](const Box2<int>& box) {
         return !tiles.anyOpen(Box2<int>{box.x0 - guard, box.y0 - guard, box.x1, box.y1});
@@ -82,13 +83,13 @@ std::size_t bytesOf(const PlaneStack& planes) {
     return PlaneStack::bytes(planes.planes(), planes.width(), planes.height(), planes.channels());
 }
 
-// Null where nothing hides volumes.
+// Null if nothing hides volumes.
 std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const EyePart& part) {
     if (!EyeEnds::any(scene)) return nullptr;
     return std::make_unique<EyeEnds>(scene, PixelTiles(supersampled(part.window, scene.dials.antialias)));
 }
 
-// Null where no deep picture is asked for.
+// Null if no deep picture is requested.
 std::unique_ptr<DeepRays> deepRays(const ViewScene& scene, const GroupPlan& group, const PixelTiles& tiles,
                                    std::size_t mostBytes) {
     if (!scene.deep) return nullptr;
@@ -118,7 +119,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     std::optional<PlaneStack> shaded;
     if (!plan.shadeAtPixels)
         shaded.emplace(group.batchSheets, group.sheets.width, group.sheets.height, layout.floats());
-    // The eye's own lattice holds what it needs and no more; of the shared one tiles are culled beforehand.
+    // The eye's own lattice contains only what it needs; tiles of the shared lattice are culled beforehand.
     const bool own = !group.lattice.shared();
     const TileCull cull = own && group.sameSide ? occlusionMap(tiles, group.lattice.guardTiles) : TileCull{};
     work.voxelsFed = extinction.voxels();
@@ -126,13 +127,13 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     for (int first = group.needed.first; first < group.needed.last; first += group.batchSheets) {
         const int count = std::min(group.batchSheets, group.needed.last - first);
         work.sheets += static_cast<std::uint64_t>(count);
-        // 1, 2: voxels into sheets, and what is extinct there.
+        // Stages 1 and 2: splat voxels into sheets and classify them as extinction.
         work.footprints += extinction.splat(first, count, own ? nullptr : &group.needed, cull);
         times.splat += watch.lap();
-        // 3: light through the sheets.
+        // Stage 3: attenuate light through the sheets.
         work += lights.attenuate(first, count, extinction);
         times.attenuate += watch.lap();
-        // 4 and 5: the sheets shaded and composited, at texels or where pixels' rays meet them.
+        // Stages 4 and 5: shade and composite the sheets, at texels or where pixels' rays meet them.
         RenderWork seen;
         if (shaded) {
             const ShadeWork texels = shadeBatch(shader, eye, tiles, extinction.covered(), first, count, *shaded);
@@ -148,7 +149,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         times.composite += watch.lap();
 
         progress(double(first + count - group.needed.first) / (group.needed.last - group.needed.first), tiles);
-        // Front to back, once nothing is open to the eye, the lights' further way is of no interest either.
+        // Front to back, once no pixel is open, the rest of the lights' path does not matter either.
         if (group.sameSide && compositor.allOpaque()) break;
     }
     work.solidRays = lights.solidRays();
@@ -158,7 +159,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     return swept;
 }
 
-// What the memory limit leaves beside the deep pictures of the sweeps before; 0: no limit.
+// The rest of the memory limit beside the deep pictures of earlier sweeps; 0: no limit.
 std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept) {
     std::size_t taken = 0;
     for (const DeepImage& image : swept) taken += image.bytes();
@@ -166,7 +167,7 @@ std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept)
     return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
-// Light that scatters more than once, before the sweeps that look it up; null where none does.
+// Multiply scattered light, computed before the sweeps that look it up; null if there is none.
 std::unique_ptr<ScatteredLight> scatteredLight(const ViewScene& scene, const Plan& plan, Frame& frame,
                                                const std::function<void()>& checkpoint) {
     if (!plan.transport.any() || plan.groups.empty()) return nullptr;
@@ -199,7 +200,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
     };
     const auto scattered = scatteredLight(given, plan, frame, [&] { goOn(0); });
     std::vector<DeepImage> deep;
-    std::unique_ptr<EyeEnds> ends;  // the same for all sweeps of a part of the eye, which follow one another
+    std::unique_ptr<EyeEnds> ends;  // shared by all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
         const std::size_t part = plan.groups[g].eyePart;
         if (g == 0 || part != plan.groups[g - 1].eyePart) {

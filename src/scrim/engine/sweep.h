@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Renders one frame as planned: one sweep a group, and the sum of what they left in the pixels.
+// Renders one frame as planned: one sweep for each group, and the sum of their results in the pixels.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -8,10 +8,10 @@
 
 namespace scrim {
 
-/// Renders `scene` as `plan` (made from it) says. The picture covers scene.region. Bit-identical for every
-/// number of threads. Touches no state of the process: any number of renders may be under way at once, each with the
-/// threads and vector instructions of its own plan. `shown` hears of the picture after each batch of sheets. Throws
-/// Error: memory, interrupted (where `progress` said so).
+/// Renders `scene` by `plan`, which was made from it. The picture covers scene.region. The result is bit-identical for
+/// every number of threads. There is no global state: any number of renders may run at once, each with the threads and
+/// vector instructions of its own plan. `shown` receives the picture after each batch of sheets. Throws Error: memory,
+/// interrupted (if `progress` asks for it).
 Frame render(const ViewScene& scene, const Plan& plan, const ProgressSink& progress = {},
              const PictureSink& shown = {});
 

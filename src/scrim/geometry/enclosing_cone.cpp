@@ -146,7 +146,7 @@ Cone GrowingCone::with(const std::vector<Vec3>& more, double cosMost) const {
                 outside = &d;
             }
         if (!outside) return cone;
-        // already contained, missed by rounding
+        // Already contained, missed by rounding.
         if (std::find(part.begin(), part.end(), *outside) != part.end()) break;
         part.push_back(*outside);
     }

@@ -20,7 +20,7 @@ enum class VolumeLoading {
 struct LoadOptions {
     VolumeLoading volumes = VolumeLoading::plain;
     std::string loader = {};  ///< guarded: path of the program `scrim-load`; "": the one installed with this library
-    /// guarded: bytes that the child may take, at least 1 GB; 0: a limit that depends on the file's size
+    /// Guarded: bytes that the child may take, at least 1 GB; 0: a limit that depends on the file's size.
     std::size_t memory = 0;
     bool showStderr = false;  ///< guarded: shows what the child writes to stderr
 };

@@ -16,7 +16,7 @@ struct LoadMessage {
     std::uint64_t memory = 0;   ///< address space that the child may add to what it starts with, bytes
     std::uint64_t seconds = 0;  ///< processor time, for each thread
     std::uint32_t threads = 1;  ///< threads that a volume source may use; files are read by one
-    /// number of descriptors with the message, in the order below; the last may be missing
+    /// Number of descriptors with the message, in the order below; the last may be missing.
     std::uint32_t descriptors = 0;
 };
 

@@ -122,7 +122,7 @@ FileDepth receivePictureDepth(int fd) {
     FileDepth out;
     out.problem = shortened(reader.text(), 2000);
     if (!out.problem.empty()) return out;
-    // largest coordinate of a window's corner; sums of such numbers are far from any limit
+    // Largest coordinate of a window's corner; sums of such numbers are far from any limit.
     constexpr int kFarthest = 1 << 24;
     const auto isPlace = [](int v) { return v > -kFarthest && v < kFarthest; };
     for (const int v : {windows.x0, windows.y0, windows.width, windows.height, windows.fullWidth, windows.fullHeight})

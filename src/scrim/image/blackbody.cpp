@@ -41,7 +41,7 @@ constexpr double kSecondRadiation = 1.438776877e7;   // hc/k in nm K, CODATA 201
 constexpr double kStefanBoltzmann = 5.670374419e-8;  // W / (m^2 K^4), CODATA 2018
 constexpr double kMegawatts = 1e-6;                  // per watt
 constexpr double kCoolestPoint = 100;                // Kelvin; below, a straight line to 0 suffices
-// ratio of successive points; between them T^4 deviates by 1.5 (kGrowth - 1)^2 of itself
+// Ratio of successive points; between them T^4 deviates by 1.5 (kGrowth - 1)^2 of itself.
 constexpr double kGrowth = 1.015;
 
 /// IEC 61966-2-1, computed from its primaries and its white (0.3127, 0.3290).

@@ -27,7 +27,7 @@ struct DepthPicture {
     PixelWindow window;     ///< in pixels of the rendered picture; nothing is hidden outside of it
     bool alongRay = false;  ///< depths are distances along the pixel's ray instead of along the viewing axis
     bool thin = false;      ///< something hides only in part
-    /// index of each pixel's first piece, in rows from top to bottom; one more than there are pixels
+    /// Index of each pixel's first piece, in rows from top to bottom; one more than there are pixels.
     std::vector<std::uint32_t> first;
     std::vector<Piece> pieces;  ///< of each pixel from front to back, without overlaps
 

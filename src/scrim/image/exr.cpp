@@ -101,7 +101,7 @@ class ChannelSet {
     PixelWindow m_imageWindow;
     PixelWindow m_dataWindow;
     Imf::FrameBuffer m_frame;
-    // a deque, since growing must not move data that the frame buffer points to
+    // A deque, since growing must not move data that the frame buffer points to.
     std::deque<std::vector<half>> m_halves;
     std::size_t m_clamped = 0;
 };

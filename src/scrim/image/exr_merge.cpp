@@ -23,7 +23,7 @@
 namespace scrim {
 namespace {
 
-// a multiple of the rows that ZIP compresses together, so that few blocks are read twice
+// A multiple of the rows that ZIP compresses together, so that few blocks are read twice.
 constexpr int kRowsAtATime = 64;
 
 struct Channel {
@@ -53,7 +53,7 @@ struct Stripe {
     PixelWindow window;
     std::vector<unsigned> counts;             // number of samples of each pixel; rows from top to bottom
     std::vector<std::vector<char*>> samples;  // for each channel and pixel, the first of its values
-    // memory that `samples` points to; empty for a stripe of the picture, which points to its tiles'
+    // Memory that `samples` points to; empty for a stripe of the picture, which points to its tiles'.
     std::vector<std::vector<char>> storage;
 
     Stripe(const PixelWindow& box, std::size_t channels)

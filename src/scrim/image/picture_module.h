@@ -39,7 +39,7 @@ struct PictureHeader {
 
 /// The depths in a picture file: one for each pixel or, in a deep file, any number of samples.
 struct FileDepth {
-    /// the data window, relative to the corner of the full (display) window
+    /// The data window, relative to the corner of the full (display) window.
     int x0 = 0, y0 = 0, width = 0, height = 0;
     int fullWidth = 0, fullHeight = 0;
     bool deep = false;

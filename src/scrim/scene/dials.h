@@ -40,9 +40,9 @@ struct Dials {
     double lod = 0;          ///< projected size of a voxel, pixels, below which a coarser level is splatted; 0: never
     int antialias = 1;       ///< n x n rays a pixel
     double scatterCell = 2;  ///< edge, in voxels, of the cells that carry multiply scattered light
-    /// directions that carry multiply scattered light; no value: chosen from the phase functions
+    /// Directions that carry multiply scattered light; no value: chosen from the phase functions.
     std::optional<int> scatterDirections;
-    /// sweeps of multiply scattered light end when one changes it by less than this, relative
+    /// Sweeps of multiply scattered light end when one changes it by less than this, relative.
     double scatterError = 0.002;
     std::optional<int> shutterSamples;  ///< renders that motion blur averages; no value: chosen from the motion
     std::string simd = "auto";          ///< instruction set: "auto", or the highest one allowed

@@ -28,7 +28,7 @@ constexpr double kMedianDepth = 3.5;  // optical depth that half of the rays thr
 constexpr double kAlbedo = 0.9, kG = 0.3;
 // Settings for assets with fire: smoke that lets it through, and lights dim enough that the fire shows.
 constexpr double kSmokeDepth = 2, kSmokeAlbedo = 0.6, kDimmed = 0.25;
-// factor on the lights for classified volumes: surfaces reflect more light than media scatter
+// Factor on the lights for classified volumes: surfaces reflect more light than media scatter.
 constexpr double kOnSurfaces = 0.55;
 
 // ---- the camera
@@ -221,7 +221,7 @@ std::string mediumText(const FramedAsset& asset, double scale, const Camera& cam
 /// The points that the camera frames.
 std::vector<Vec3> wsPointsOf(const FramedAsset& asset) {
     constexpr double kReach = 0.5;  // voxels by which the linear kernel reaches beyond the cells
-    // fraction of the hottest value that still glows: with about a hundredth of its light
+    // Fraction of the hottest value that still glows: with about a hundredth of its light.
     constexpr float kGlows = 0.33f;
     std::vector<Vec3> wsPoints;
     const auto add = [&](const SparseField& field, float least) {

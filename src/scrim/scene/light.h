@@ -23,7 +23,7 @@ struct Slide {
     std::string where;       ///< where the scene says `file`: "scene.toml:12:18"
     double fov = 30;         ///< horizontal field of view, degrees; distant lights have none
     double width = 1;        ///< distant lights: width of the picture, world units
-    /// distant lights: height of the picture, world units; 0: from `width` and the picture's aspect
+    /// Distant lights: height of the picture, world units; 0: from `width` and the picture's aspect.
     double height = 0;
     double roll = 0;  ///< degrees, clockwise for a viewer who stands at the light and looks along it
     SlideOutside outside = SlideOutside::black;
@@ -37,7 +37,7 @@ struct Light {
     struct Distant {
         Distant() {}
         explicit Distant(double degrees) : angle(degrees) {}
-        /// full angle of the sun's disk, degrees; the irradiance is spread evenly over its solid angle
+        /// Full angle of the sun's disk, degrees; the irradiance is spread evenly over its solid angle.
         double angle{};
     };
     struct Point {
@@ -69,7 +69,7 @@ struct Light {
     std::string name;
     std::variant<Distant, Point, Spot, Element, Area, Dome> kind;
     Vec3 wsPosition{0};  ///< point and spot: the place; area: the centre; distant: the centre of the slide
-    /// unit; distant: direction of travel; else the axis of a cone or slide, or the normal
+    /// Unit; distant: direction of travel; else the axis of a cone or slide, or the normal.
     Vec3 wsDirection{0, 0, -1};
     Vec3 wsUp{0, 1, 0};  ///< the up direction of a slide, rectangle or sky; any length but 0
     /// Colour * intensity * 2^exposure. It is irradiance for distant lights and lights without decay, radiance for area

@@ -16,7 +16,7 @@ namespace scrim {
 struct Arriving {
     Rgb irradiance{0};      ///< on a surface that faces the light
     Vec3 travel{0, 0, -1};  ///< direction of travel, unit
-    /// to the light, world units; infinite for distant lights
+    /// To the light, world units; infinite for distant lights.
     double distance = std::numeric_limits<double>::infinity();
 };
 

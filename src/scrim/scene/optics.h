@@ -71,7 +71,7 @@ class VolumeOptics {
     const ViewVolume* m_volume;
     std::optional<FieldInWorld> m_density;
     std::vector<FieldInWorld> m_scatter, m_emission;  // in the order of ViewVolume
-    // in the order of ViewVelocity::parts; always linear, whatever kernel the fields have
+    // In the order of ViewVelocity::parts; always linear, whatever kernel the fields have.
     std::vector<FieldInWorld> m_velocity;
     double m_mostWay = 0;  // longest displacement, world units
     double m_voxels = 0;   // the most voxels of the density grid that one world unit can span along an axis

@@ -29,7 +29,7 @@ Mat4 matrixOf(const std::vector<float>& numbers, const char* name) {
     Mat4 m;
     for (int i = 0; i < 16; ++i) {
         if (!std::isfinite(numbers[std::size_t(i)])) refuse(fmt::format("{} of its header is not finite", name));
-        // the matrix of row vectors is the transpose, and glm stores columns
+        // The matrix of row vectors is the transpose, and glm stores columns.
         m[i / 4][i % 4] = numbers[std::size_t(i)];
     }
     return m;

@@ -19,7 +19,7 @@ namespace scrim {
 /// What all sections need to know while they are read.
 struct ReadContext {
     double frame = 1;  ///< the frame at which keyed values are evaluated
-    /// the frame whose files are read: `frame` itself, or the frame that `frame` is a moment of
+    /// The frame whose files are read: `frame` itself, or the frame that `frame` is a moment of.
     double wholeFrame = 1;
     const ColourConfig& colour;
     std::string folder;                    ///< the scene's folder

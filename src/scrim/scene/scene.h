@@ -92,19 +92,19 @@ struct SceneVolume {
     FrameMap frameMap = {};  ///< how `frame` follows from the scene's frame
     OutsidePolicy outside = OutsidePolicy::error;
     std::string source;  ///< name of a volume source; empty for a file
-    /// parameters of the source, as text; `file` is expanded as above
+    /// Parameters of the source, as text; `file` is expanded as above.
     std::vector<std::pair<std::string, std::string>> parameters;
     Mat4 wsFromAsset{1.0};    ///< maps the asset's own world space to the scene's
     std::string densityGrid;  ///< a name as VdbFile::field takes it; "": the reader chooses
     double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
-    /// maps grid values (ascending) to values; constant outside; empty: no ramp
+    /// Maps grid values (ascending) to values; constant outside; empty: no ramp.
     std::vector<std::pair<double, double>> ramp;
     Medium medium;                                   ///< its densityScale equals the member above
     std::optional<ColourGrid> albedoGrid;            ///< replaces medium.albedo
     std::vector<Emission> emission;                  ///< sources of emission of a medium; they add up
     std::optional<Velocity> velocity = {};           ///< moves all grids of the volume
     std::optional<std::vector<std::string>> lights;  ///< names of the lights that light it; none: all do
-    /// shades the volume in place of `medium`; its densityScale equals the member above
+    /// Shades the volume in place of `medium`; its densityScale equals the member above.
     std::shared_ptr<const Classified> classified = nullptr;
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::string where;     ///< where the scene says `file` or `source`: "scene.toml:12:8"

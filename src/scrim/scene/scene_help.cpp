@@ -248,7 +248,7 @@ std::string roffText(const std::string& text) {
         if (c == '\\') {
             out += "\\e";
         } else {
-            // an unescaped one may be typeset as a hyphen, which shells do not understand when it is pasted
+            // An unescaped one may be typeset as a hyphen, which shells do not understand when it is pasted.
             if (c == '-') out += '\\';
             out += c;
         }

@@ -85,7 +85,7 @@ class Section {
     Key& boolean(std::string name, bool value, std::string meaning);
     Key& text(std::string name, std::string form, std::string meaning);
     Key& path(std::string name, std::string form, std::string meaning);
-    /// the first word is the default
+    /// The first word is the default.
     Key& choice(std::string name, std::vector<std::string> words, std::string meaning);
     Key& vector(std::string name, std::string form, Range range, std::string meaning);  ///< three numbers
     Key& colour(std::string name, std::string fallback, std::string meaning);

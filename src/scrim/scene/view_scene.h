@@ -39,7 +39,7 @@ struct ViewEmission {
 /// Velocities by which the reference, and nothing else, moves fields: at x it sees what the fields hold at x - wsPath
 /// velocity(x). The renderer gets fields that were moved beforehand.
 struct ViewVelocity {
-    /// for each of x, y and z the field of positive and the field of negative values, as GridPart has them
+    /// For each of x, y and z the field of positive and the field of negative values, as GridPart has them.
     std::vector<ViewField> parts;
     Mat3 wsPath{0};  ///< converts a velocity to a displacement in world space
 
@@ -51,7 +51,7 @@ struct ViewVelocity {
 
 /// How a volume moves until the next frame, for the layer `motion`.
 struct VolumeMotion {
-    /// maps the volume's world space at this frame to that at the next one: the motion as a whole
+    /// Maps the volume's world space at this frame to that at the next one: the motion as a whole.
     Mat4 wsNextFromWs{1.0};
     /// For each of x, y and z: density * (velocity - least), on the density's lattice. Empty: no velocity.
     std::vector<ViewField> flow = {};
@@ -93,7 +93,7 @@ struct ViewScene;
 struct ViewMoments {
     double open = 0, close = 0;  ///< frames relative to the scene's frame
     double path = 0;             ///< longest path that anything travels while the shutter is open, pixels
-    /// the scene at an offset of so many frames, with the fields where the files have them
+    /// The scene at an offset of so many frames, with the fields where the files have them.
     std::function<ViewScene(double)> at;
 };
 

@@ -22,7 +22,7 @@ struct VolumeFields {
     /// negative velocities (GridPart). Otherwise empty.
     std::vector<std::shared_ptr<const SparseField>> velocity = {};
     double time = 0;  ///< displacement = time * velocity
-    /// why the picture has no use for the volume, which then may not be loaded; empty: it is used
+    /// Why the picture has no use for the volume, which then may not be loaded; empty: it is used.
     std::string culled = {};
 };
 

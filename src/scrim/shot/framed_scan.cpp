@@ -24,7 +24,7 @@ std::string pointText(double value, const char* color, double extinction) {
 }  // namespace
 
 ScanLook scanLook(const ScanInfo& info) {
-    // fraction of the way from the least value to tissue below which values are left out
+    // Fraction of the way from the least value to tissue below which values are left out.
     constexpr double kBegins = 0.6;
     const ScanMaterials materials = materialsOf(info);
     // A scan of a single value has no materials, but is shown all the same.

@@ -38,8 +38,8 @@ struct LoadedShot {
     std::size_t slideBytes = 0;            ///< memory of slides, meshes and depth pictures
     std::shared_ptr<const Solids> solids;  ///< null: there are no solids
 
-    std::function<Scene(double)> textAt =
-        {};  ///< the scene's text so many frames after the frame; none: nothing moves, or nobody asks
+    /// The scene by its text, a number of frames after the frame; empty: nothing moves, or it is not needed.
+    std::function<Scene(double)> textAt = {};
 
     /// The scene `t` frames after its frame, with the files that are loaded for this frame. Throws Error.
     Scene sceneAt(double t) const;

@@ -17,7 +17,7 @@
 namespace scrim {
 namespace {
 
-// prefix of the name of the grid whose bounds are those of the lattice
+// Prefix of the name of the grid whose bounds are those of the lattice.
 constexpr std::string_view kSamples = "samples of ";
 
 std::vector<double> countsOf(const SparseField& histogram) {
@@ -46,7 +46,7 @@ std::array<std::size_t, 2> otsu(const std::vector<double>& counts) {
         const double w = weight[to] - weight[from], m = moment[to] - moment[from];
         return w > 0 ? m * m / w : 0;
     };
-    // range of the best thresholds: all of them are equally good where bins are empty
+    // Range of the best thresholds: all of them are equally good where bins are empty.
     std::array<std::size_t, 2> first{n / 3, 2 * n / 3}, last = first;
     double most = -1;
     for (std::size_t a = 1; a + 1 < n; ++a)

@@ -18,7 +18,7 @@ namespace scrim {
 /// A picture beside the beauty, with the same window.
 struct ShotLayer {
     std::string name;  ///< "light.key", "ambient", "depth"
-    /// names as in the file: "light.key.R", ...; for depth "Z" and "depth.mean", for motion "motion.u" and "motion.v"
+    /// Names as in the file: "light.key.R", ...; for depth "Z" and "depth.mean", for motion "motion.u" and "motion.v".
     std::vector<std::string> channels;
     std::vector<float> data;  ///< channels.size() floats a pixel, interleaved, rows from top to bottom
 };

@@ -215,7 +215,7 @@ double ShotMotion::longestPath() {
     constexpr int kMoments = 9;
     std::vector<Places> places;
     double wsWay = 0;  // displacement by velocities
-    // for velocities with outliers: the displacement that counts, and the longest one
+    // For velocities with outliers: the displacement that counts, and the longest one.
     std::pair<double, double> outlier{0, 0};
     const ViewScene base = viewAt(middle(), 0, VolumesOf::scene, Moved::byVelocity);
     for (int i = 0; i < kMoments; ++i) {

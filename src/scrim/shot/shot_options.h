@@ -25,7 +25,7 @@ struct OpenOptions {
     int turntable = 0;               ///< the camera circles its target once in frames 1 to this number; 0: it does not
     LoadOptions load;                ///< how volume files are read
     int checkedFrame = 1;            ///< the frame at which the scene is checked when it is opened
-    /// a [[volume]] may name neither file nor source, because Shot::setVolume gives its grids
+    /// A [[volume]] may name neither file nor source, because Shot::setVolume gives its grids.
     bool gridsFromCode = false;
     /// If given, the new shot shares the colour config, the volumes and the slides of that shot, and files that both
     /// show are loaded once. The two shots are then not independent and must be used from one thread.
@@ -60,7 +60,7 @@ struct RenderOptions {
     /// memory suffices for both. This has no other effect: errors and messages appear with the frame they belong to.
     std::optional<int> next;
 
-    /// number of random pixels that are compared with brute force; kVerifyAll: all that may show something
+    /// Number of random pixels that are compared with brute force; kVerifyAll: all that may show something.
     int verify = 0;
     double verifyLimit = 0;           ///< seconds after which a verification ends; 0: no limit
     std::optional<double> tolerance;  ///< relative RMSE; replaces the scene's tolerance; 0: none

@@ -24,7 +24,7 @@ class ShotStudy {
 
     RenderOptions m_options;
     LoadedShot m_loaded;
-    /// keyed by lod, the only dial that changes which fields are assembled
+    /// Keyed by lod, the only dial that changes which fields are assembled.
     std::map<std::pair<double, VolumesOf>, ViewScene> m_views;
 };
 

@@ -23,7 +23,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned kPixelSeed = 1;
-// the error's interval is examined after this many pixels
+// The error's interval is examined after this many pixels.
 constexpr std::size_t kPixelsAtATime = 64, kLeastPixels = 128;
 // Fractions of the budget: the most that the reference may take, the most that each setting may take, the most that the
 // first render of all settings may take, and the time after which no pictures are made.

@@ -21,12 +21,12 @@ using SceneWith = std::function<ViewScene(const Dials&)>;
 struct StudyOptions {
     double budget = 0;      ///< seconds after which the study stops with what it has; 0: none
     int mostPixels = 1000;  ///< largest number of reference pixels
-    /// relative to the error: no pixels are added once half the 95 % interval is this narrow
+    /// Relative to the error: no pixels are added once half the 95 % interval is this narrow.
     double intervalWanted = 0.1;
     int repeats = 5;                                       ///< renders of every setting, interleaved; the median counts
     int mostPictures = 4;                                  ///< largest number of error pictures
     std::function<Dials(const std::string&)> preset = {};  ///< the dials of a preset in this scene; none: presetDials
-    /// the scene with all volumes, including those that a picture has no use for; none: the scene as rendered
+    /// The scene with all volumes, including those that a picture has no use for; none: the scene as rendered.
     SceneWith truth = {};
 };
 

@@ -155,7 +155,7 @@ std::string pictures(const Study& study, const ColourConfig& colour) {
                               "The picture: " + resultText(study.trials[study.best]));
     double scale = 0;
     for (const ErrorPicture& p : study.errorPictures)
-        // the scale of the scene's own setting, where that is among them
+        // The scale of the scene's own setting, where that is among them.
         if (p.trial == 0 || scale == 0) scale = errorScale(p.difference);
     for (const ErrorPicture& p : study.errorPictures)
         html += figure(errorPicture(p.difference, scale, stride),

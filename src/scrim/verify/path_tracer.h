@@ -62,7 +62,7 @@ class PathTracer {
     const ViewScene& m_scene;
     bool m_any = false;
     std::vector<VolumeOptics> m_volumes;
-    // one of the two, depending on whether the light is extended
+    // One of the two, depending on whether the light is extended.
     std::vector<std::variant<LightAt, LightRays>> m_lights;
     // The majorants: the largest extinction in each box of a grid around all volumes.
     Bounds m_wsBounds;

@@ -120,7 +120,7 @@ class PilotScene {
                 for (const PilotLight& l : m_lights) addLight(l, at, jitter, light);
             for (int i = 0; i < 2; ++i) {
                 const double tau = stuff[i].extinction * step, left = std::exp(-tau);
-                // mean transmittance of emission within the step
+                // Mean transmittance of emission within the step.
                 const double sent = tau > 1e-6 ? (1 - left) / tau : 1;
                 radiance[i] += through[i] * ((1 - left) * light[i] + sent * stuff[i].glow * step);
                 through[i] *= left;

@@ -15,7 +15,7 @@ inline constexpr double kFinestPromised = 0.1;  ///< voxels; texels and sheets a
 
 struct PromisedDials {
     Dials dials;
-    /// relative RMSE; expected > promised: none of the dials tried keeps the promise
+    /// Relative RMSE; expected > promised: none of the dials tried keeps the promise.
     double promised = 0, expected = 0;
 };
 

@@ -71,7 +71,7 @@ class Reference {
     const ViewScene& m_scene;
     ReferenceOptions m_options;
     std::vector<VolumeOptics> m_volumes;
-    // one of the two, depending on whether the light is extended
+    // One of the two, depending on whether the light is extended.
     std::vector<std::variant<LightAt, LightRays>> m_lights;
     Bounds m_wsBounds;
     double m_voxel, m_step;

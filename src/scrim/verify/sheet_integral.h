@@ -5,7 +5,7 @@
 // optical depth tau_in and loses another tau_l on its way through the sheet; the eye ray loses tau_e. The in-scattered
 // radiance is rho E p times tau_e times
 //
-//     transmit = e^-tau_in * phi, phi = integral over x in [0, 1] of e^-(tau_l x) e^-(tau_e y) dx,
+//     transmit = e^-tau_in * phi,   phi = integral over x in [0, 1] of e^-(tau_l x) e^-(tau_e y) dx,
 //
 // where x runs with the light, and y = x where eye and light enter on the same side, else y = 1 - x. In the first case
 // phi = psi(tau_e + tau_l), in the second phi = e^-min(tau_e, tau_l) psi(|tau_e - tau_l|), with psi(t) = (1 - e^-t) /

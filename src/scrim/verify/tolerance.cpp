@@ -14,7 +14,7 @@
 namespace scrim {
 namespace {
 
-// differs from the seeds of verifications, because dials must not be tuned for their pixels
+// Differs from the seeds of verifications, because dials must not be tuned for their pixels.
 constexpr unsigned kPilotSeed = 7919;
 constexpr double kDoubt = 0.025;  // probability that the bound of any attempt lies below the error
 
@@ -51,7 +51,7 @@ std::array<Pilot, 2> pilotsFor(double tolerance) {
 }
 
 ToleranceModel fitModel(const std::array<Pilot, 2>& pilots) {
-    // each of the two takes at least this fraction of a pilot's squared error, even where it seems to have none
+    // Each of the two takes at least this fraction of a pilot's squared error, even where it seems to have none.
     constexpr double kLeastPart = 0.05;
     const auto square = [](double x) { return x * x; };
     const auto& [thick, thin] = pilots;
@@ -123,7 +123,7 @@ void runPilots(std::array<Pilot, 2>& pilots, const ViewScene& scene, const ViewS
 
 ToleranceResult renderWithin(const ViewScene& given, const ViewScene& givenTruth, const ToleranceOptions& options) {
     const ViewScene scene = litWithin(given, options.tolerance), truth = litWithin(givenTruth, options.tolerance);
-    // fractions of progress: pilots of the whole, rendering of an attempt
+    // Fractions of progress: pilots of the whole, rendering of an attempt.
     constexpr double kPiloted = 0.3, kRendered = 0.2;
     ToleranceResult out;
     std::array<Pilot, 2> pilots = pilotsFor(options.tolerance);

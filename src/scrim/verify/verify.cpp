@@ -159,7 +159,7 @@ Verification summary(std::span<const VerifiedPixel> pixels, std::size_t candidat
         a.square = (p.rendered[3] - p.reference[3]) * (p.rendered[3] - p.reference[3]);
         a.mean = p.reference[3];
         if (!isFinite(p.rendered)) c.square = a.square = kInfinity;
-        // if nothing is lit, what shines in the picture is measured relative to opacity
+        // If nothing is lit, what shines in the picture is measured relative to opacity.
         if (brightest == 0) c.mean = a.mean;
         mean += c.mean;
         if (c.square >= v.worst) {

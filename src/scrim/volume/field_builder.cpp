@@ -140,7 +140,7 @@ void joinTiles(std::vector<ConstantTile>& tiles) {
     std::map<int, std::vector<ConstantTile>> byEdge;
     for (const ConstantTile& tile : tiles) byEdge[tile.edge].push_back(tile);
     tiles.clear();
-    // a joined tile is added later in the map, so the loop still reaches it
+    // A joined tile is added later in the map, so the loop still reaches it.
     for (auto now = byEdge.begin(); now != byEdge.end(); ++now) {
         auto& [edge, own] = *now;
         if (edge >= kLargest) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0
  *
- * Volume sources for Scrim: shared objects that make volumes. This header is all a source needs; it is plain
- * C99, so that a source can be written in any language and with any compiler.
+ * Volume sources for Scrim: shared objects that make volumes. A source needs nothing but this header, which is
+ * plain C99, so that a source can be written in any language and with any compiler.
  *
  * A source is a shared object called `scrim_source_NAME.so` that exports one function, `scrim_source_v1`,
  * which returns a pointer to a constant description of the source (struct scrim_source). Scrim looks for it
@@ -31,20 +31,20 @@
  *
  * A longer one, with progress and errors, is examples/source/ball.c.
  *
- * Rules. Nothing throws and nothing exits across this boundary, in either direction: an exception that leaves
- * `generate` is an error where the run-time can carry it to the host, and otherwise the end of the program, so
- * that sources in C++ should catch everything and call `fail`. The host's functions may
- * be called only during `generate` and only from the thread that called it; a source may use threads of its
- * own behind that. The same parameters give the same grids, whatever the number of threads. All text is UTF-8
- * and ends with a zero byte; the host copies what it is given before a function returns.
+ * Rules. Nothing throws and nothing exits across this boundary, in either direction. An exception that leaves
+ * `generate` is an error if the run-time can carry it to the host, and otherwise ends the program; therefore
+ * sources in C++ should catch everything and call `fail`. The host's functions may be called only during
+ * `generate` and only from the thread that called it; apart from that a source may use its own threads. The same
+ * parameters must give the same grids, whatever the number of threads. All text is UTF-8 and ends with a zero
+ * byte; the host copies all arguments before a function returns.
  *
- * Files. A file that came from elsewhere may crash its reader or take it over. Where Scrim is asked to guard loading,
- * as its program always does, it therefore runs a source that is given a parameter called `file` in a process that
- * can do little else. There the source can open that file and one other of the same folder, for reading, with
- * whatever library it likes (where it fails for want of the other, it is run again with it), and compute, with as
- * many threads as it likes. No other file seems to be there, so tables and the like should be read when the source
- * is loaded. To start a process fails; to write a file or to make a socket ends the process. A crash becomes an
- * error. A source that needs more must call its parameter otherwise.
+ * Files. An untrusted file may crash its reader or take it over. If loading is guarded, as it always is in Scrim's
+ * program, a source with a parameter called `file` therefore runs in a process that can do little else. There the
+ * source can open that file and one other file of the same folder, for reading, with any library (if it fails
+ * because it lacks the other file, it is run again with it), and can compute with any number of threads. All other
+ * files seem not to exist, so tables and the like should be read when the source is loaded. Starting a process
+ * fails; writing a file or making a socket ends the process. A crash becomes an error. A source that needs more must
+ * give its parameter another name.
  */
 #ifndef SCRIM_SOURCE_H
 #define SCRIM_SOURCE_H
@@ -55,18 +55,19 @@
 extern "C" {
 #endif
 
-/* The version of everything below. Structures grow at their end only; what would break a source that exists
+/* The version of everything below. Structures grow at their end only; a change that would break existing sources
  * raises the version and the number in the symbol's name. */
 #define SCRIM_SOURCE_ABI 1u
 
 #define SCRIM_SOURCE_EXPORT __attribute__((visibility("default")))
 
-/* What a parameter is. Held in an int32_t, whose size, unlike that of an enum, every compiler agrees on. */
+/* The types of parameters. They are stored in an int32_t, whose size, unlike that of an enum, is the same for every
+ * compiler. */
 #define SCRIM_NUMBER 0  /* a finite double */
 #define SCRIM_INTEGER 1 /* an int64_t */
-#define SCRIM_VEC3 2    /* three finite doubles, in text "x, y, z" */
-#define SCRIM_STRING 3  /* text, or one of some choices; one called "file" is a path, in a scene seen from there */
-#define SCRIM_BOOL 4    /* in text "true" or "false" */
+#define SCRIM_VEC3 2    /* three finite doubles, as text "x, y, z" */
+#define SCRIM_STRING 3  /* text, or one of some choices; one called "file" is a path, relative to the scene */
+#define SCRIM_BOOL 4    /* as text, "true" or "false" */
 
 /* The description of one parameter. */
 typedef struct scrim_parameter {
@@ -74,12 +75,12 @@ typedef struct scrim_parameter {
     int32_t type;             /* SCRIM_NUMBER, ... */
     const char* default_text; /* as a user would write it; must itself be valid */
     double minimum, maximum;  /* inclusive, for numbers, integers and each part of a vec3; both 0: no limits */
-    const char* choices;      /* of a string: "plume|ball|slab"; NULL: any text */
+    const char* choices;      /* for strings: "plume|ball|slab"; NULL: any text */
     const char* help;         /* one line: meaning and unit */
 } scrim_parameter;
 
-/* The value of one parameter, checked by the host against its description. Only the member of its type
- * counts. */
+/* The value of one parameter, which the host has checked against its description. Only the member for its type
+ * is valid. */
 typedef struct scrim_value {
     int32_t type;     /* as described */
     int32_t boolean;  /* SCRIM_BOOL: 0 or 1 */
@@ -88,8 +89,8 @@ typedef struct scrim_value {
     const char* text; /* SCRIM_STRING; valid until `generate` returns */
 } scrim_value;
 
-/* What the host offers. Functions that return int return 0 (or a grid's number) when all is well and a
- * negative number on an error the host has already noted: the source should then clean up and return that
+/* The functions of the host. Those that return int return 0 (or a grid's number) on success and a negative
+ * number on an error, which the host has already recorded: the source should then clean up and return that
  * number. */
 typedef struct scrim_host scrim_host;
 struct scrim_host {
@@ -104,7 +105,7 @@ struct scrim_host {
 
     /* Adds the voxels origin .. origin + 7 of a grid. `origin`: multiples of 8, each block once. `values`:
      * the one of voxel origin + (x, y, z) is at (x * 8 + y) * 8 + z; 0 means empty, and values that are
-     * negative, infinite or NaN count as 0, which the user is told. Blocks of nothing but 0 need not be
+     * negative, infinite or NaN count as 0, with a message to the user. Blocks that contain only 0 need not be
      * added. */
     int (*add_block)(const scrim_host* host, int grid, const int32_t origin[3], const float values[512]);
 
@@ -112,17 +113,18 @@ struct scrim_host {
      * `origin`: multiples of `edge`. Blocks and tiles must not overlap. */
     int (*add_tile)(const scrim_host* host, int grid, const int32_t origin[3], int32_t edge, float value);
 
-    /* Tells the user something, in one line. */
+    /* Shows the user a message of one line. */
     void (*warn)(const scrim_host* host, const char* text);
 
-    /* Reports the finished part, in [0, 1]. Not 0: the user wants to stop; clean up and return that number.
-     */
+    /* Reports the finished fraction, in [0, 1]. If the result is not 0, the user wants to stop: clean up and
+     * return that number. */
     int (*progress)(const scrim_host* host, double done);
 
-    /* Says, in one line, why `generate` is about to return something other than 0. The first text counts. */
+    /* States, in one line, why `generate` is about to return something other than 0. The first text counts. */
     void (*fail)(const scrim_host* host, const char* text);
 
-    /* 1: this process runs this one call, confined (above). Older hosts lack it: see `struct_size`. */
+    /* 1: this process runs only this call, confined as described above. Older hosts lack this member: see
+     * `struct_size`. */
     uint32_t alone;
 };
 
@@ -137,11 +139,11 @@ typedef struct scrim_source {
     uint32_t parameter_size; /* sizeof(scrim_parameter) */
 
     /* Makes the grids. `values`: one for each parameter, in the order described. Returns 0, or any other
-     * number after `fail`. Keeps no state from call to call. */
+     * number after `fail`. Must keep no state from call to call. */
     int (*generate)(const scrim_host* host, const scrim_value* values);
 } scrim_source;
 
-/* What the shared object exports, and the name the host looks for. */
+/* The function that the shared object exports, and the name that the host looks for. */
 typedef const scrim_source* (*scrim_source_function)(void);
 SCRIM_SOURCE_EXPORT const scrim_source* scrim_source_v1(void);
 #define SCRIM_SOURCE_SYMBOL "scrim_source_v1"

@@ -141,8 +141,8 @@ class TileLevels::Split {
     std::span<const double> m_weights;
     const BlockIndex m_index;
     SparseField m_coarse;
-    std::vector<ConstantTile> m_kept,
-        m_tiles;  // tiles of one cube each, which coarser voxels leave unchanged
+    // Tiles of one cube each: all that are kept, and those of them that coarser voxels leave unchanged.
+    std::vector<ConstantTile> m_kept, m_tiles;
     std::vector<std::pair<Int3, const Block*>> m_rests;
 };
 

@@ -15,11 +15,11 @@ namespace scrim {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x56444220;  ///< openvdb::OPENVDB_MAGIC, as a little-endian 64-bit number
-/// from this version on compression flags are stored in the grids, as the layout below assumes
+/// From this version on compression flags are stored in the grids, as the layout below assumes.
 constexpr std::uint32_t kOldestChecked = 222;
 constexpr std::uint32_t kOldestReadable = 211;  ///< the first version with library versions
 constexpr std::uint32_t kNewestKnown = 224;     ///< OPENVDB_FILE_VERSION of OpenVDB 5 to 12
-/// later versions have changed little so far, so reading them is attempted
+/// Later versions have changed little so far, so reading them is attempted.
 constexpr std::uint32_t kNewestTried = 255;
 constexpr std::uint32_t kZip = 0x1;           ///< openvdb::io::COMPRESS_ZIP
 constexpr std::uint32_t kActiveValues = 0x2;  ///< openvdb::io::COMPRESS_ACTIVE_MASK

@@ -38,9 +38,9 @@ struct VdbLayout {
     std::string creator;      ///< the program that wrote the file, by the file's metadata; "": unknown
     bool isNewer = false;     ///< the version is newer than all that are known here; what follows may be missing
     bool hasOffsets = false;  ///< the file was written to disk, not to a pipe
-    /// position of the number of grids (int32), which ends the header; only with offsets
+    /// Position of the number of grids (int32), which ends the header; only with offsets.
     std::uint64_t gridsBegin = 0;
-    /// empty where the file does not say where grids begin (no offsets, or before version 222)
+    /// Empty where the file does not say where grids begin (no offsets, or before version 222).
     std::vector<Grid> grids;
 };
 

@@ -29,7 +29,7 @@ struct ParsedVdb : VdbFile::Content {
     std::vector<std::pair<std::string, std::string>> metadata;
     std::vector<GridOffer> offers;  ///< all grids of the file
     openvdb::GridPtrVec grids;      ///< one for each of `offers`; null where it was not read
-    /// one for each of `offers`, why it was not read; or empty if there were no problems
+    /// One for each of `offers`, why it was not read; or empty if there were no problems.
     std::vector<std::string> problems;
 
     VdbFileInfo info() const override;

@@ -17,7 +17,7 @@ namespace HWY_NAMESPACE {
 
 using FirstDepth = PixelTiles::FirstDepth;
 
-// b + (1 + hidden) * a, where `hidden` is an opacity below 0.
+// b + (1 + hidden) * a, where `hidden` is a negated opacity.
 HWY_ATTR HWY_INLINE V4 through(const V4& hidden, const V4& a, const V4& b) {
     return each4([&](std::size_t i) HWY_ATTR {
         return hn::MulAdd(hn::Add(hn::Set(D4(), Real(1)), hidden.part[i]), a.part[i], b.part[i]);
@@ -30,8 +30,8 @@ HWY_ATTR HWY_INLINE V4 behind(V4 state, V4 texel) {
     return through(lastLane(texel), state, texel);
 }
 
-// One sample into a pixel's state, whatever pictures there are. quad(q): the sample's quads. Returns what tells how
-// much the sample hides, in its last lane.
+// Composites one sample into a pixel's state, for any number of quads. quad(q) gives the sample's quads. Returns the
+// quad whose last lane is the sample's negated opacity.
 template <bool kFrontToBack, bool kColoured, class Quad>
 HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
     const int last = quads - 1;
@@ -52,7 +52,7 @@ HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
     return hides;
 }
 
-// What of a sample, below 0, is something to be seen, where depth is asked for.
+// The negated opacity of a sample that counts as visible, for depth.
 template <class Quad>
 HWY_ATTR HWY_INLINE Real visible(const OutputLayout& layout, const Quad& quad, const V4& hides) {
     return layout.seen > 0 ? -lane0(quad(layout.quadOf(layout.seen))) : lane3(hides);
@@ -63,7 +63,8 @@ Real opticalDepth(Real hides) {
     return -std::log1p(std::max(hides, kOpaque - 1));
 }
 
-// Where what is in sheets of optical depths a, b, c begins: see FirstDepth. `middle`: depth of the first of them.
+// The depth at which the contents of sheets with the optical depths a, b, c begin, see FirstDepth. `middle`: depth of
+// the first of them.
 Real beginOf(Real a, Real b, Real c, Real middle, Real step) {
     if (b == 0) return middle;
     if (b <= a) return middle - step / 2;
@@ -100,7 +101,7 @@ HWY_ATTR void noteDepth(FirstDepth& first, Real hides, Real depth, Real signedSt
 
 // Where the rays of a tile meet one plane.
 struct Addresses {
-    alignas(64) RealIndex texel[kTileSize];  // by number; its offset may not fit: see `walk`
+    alignas(64) RealIndex texel[kTileSize];  // texel number; the offset may not fit, see `walk`
     alignas(64) Real u[kTileSize];           // fractions
     alignas(64) Real v[kTileSize];
 };
@@ -131,8 +132,8 @@ HWY_ATTR void findOpen(const Real* states, int floats, Real cutoff, OpenPixels& 
     }
 }
 
-// Plane by plane and pixel by pixel: neighbours do not wait for each other, as the sheets of one pixel do.
-// add(k, texel, u, v, rowStride, s) composites pixel k over the texels behind address `texel`.
+// Walks plane by plane and within a plane pixel by pixel: neighbouring pixels are independent, while the sheets of one
+// pixel depend on each other. add(k, texel, u, v, rowStride, s) composites pixel k over the texels at address `texel`.
 template <bool kFrontToBack, class Add>
 HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real cutoff, const Real* states,
                               const Add& add) {
@@ -152,7 +153,7 @@ HWY_ATTR HWY_INLINE void walk(const RayTile& rays, const SheetList& sheets, Real
     }
 }
 
-// Nothing but the beauty under grey extinction.
+// The case of the beauty alone with grey extinction.
 template <bool kFrontToBack>
 HWY_ATTR void walkBeauty(const RayTile& rays, const SheetList& sheets, Real cutoff, Real* states) {
     walk<kFrontToBack>(rays, sheets, cutoff, states,
@@ -215,7 +216,8 @@ HWY_ATTR void samplePlaneOnTarget(const RayTile& rays, const Real* at, const Rea
     }
 }
 
-// A part f of the sheet has tau f: opacity 1 - (1 - alpha)^f. What share of the opacity -hides that is.
+// The fraction of the opacity -hides that a fraction f of the sheet has: its optical depth is tau f, so its opacity is
+// 1 - (1 - alpha)^f.
 Real shownShare(Real hides, Real part) {
     const Real alpha = std::clamp(-hides, Real(0), Real(1));
     if (alpha <= Real(1e-20)) return part;
@@ -223,7 +225,7 @@ Real shownShare(Real hides, Real part) {
     return shown / alpha;
 }
 
-// Leaves the part of a sample that is seen: radiance in proportion to its opacity.
+// Keeps the visible fraction of a sample: radiance in proportion to its opacity.
 void keepPart(const OutputLayout& layout, Real part, const Real* from, Real* to) {
     const int last = layout.floats() - 4;
     for (int c = 0; c < 4; ++c) {
@@ -233,7 +235,7 @@ void keepPart(const OutputLayout& layout, Real part, const Real* from, Real* to)
 }
 
 #if HWY_TARGET != HWY_SCALAR && !defined(SCRIM_DOUBLE)
-// The beauty under grey extinction, all of the sheet: several pixels a vector.
+// The beauty with grey extinction and a fully visible sheet: several pixels per vector.
 template <bool kFrontToBack>
 HWY_ATTR void addBeauty(const Real* samples, Real* states) {
     const hn::ScalableTag<Real> d;

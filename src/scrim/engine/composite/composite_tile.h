@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 // Compositing: 256 pixels walk their rays through the shaded sheets of a batch (ZC02 eq. 1 and 2).
 //
-// A pixel's state is (C, -A): radiance and opacity gathered; a shaded texel is (S, -alpha). Front to back is state +=
-// (1 - A) * texel, back to front state = texel + (1 - alpha) * state, on all four channels. Opacity and not
-// transmittance is what is kept: where a volume is thin, 1 - T would lose it. So it is for each quad of a sample's
-// layout (outputs.h), under its own opacity or, where extinction is coloured, channel by channel under that of
-// all.
+// A pixel's state is (C, -A), the radiance and opacity gathered so far; a shaded texel is (S, -alpha). Front to back,
+// state += (1 - A) * texel; back to front, state = texel + (1 - alpha) * state, on all four channels. Opacity is kept
+// instead of transmittance, because 1 - T would lose it where a volume is thin. The same holds for each quad of a
+// sample's layout (outputs.h), with the quad's own opacity or, where extinction is coloured, channel by channel with
+// the opacity that all quads share.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -21,38 +21,39 @@ namespace scrim {
 
 struct SheetList {
     const Real* const* planes;  ///< RGBA texels of each sheet to walk, in sweep order
-    const Real* steps;          ///< its place in the batch: planes from the batch's first
+    const Real* steps;          ///< places of the sheets in the batch: planes from the batch's first
     int count;
-    int width, height;  ///< of the planes, texels
+    int width, height;  ///< of the planes, in texels
     OutputLayout layout = {};
     Simd simd = {};
 };
 
-/// A sample of less opacity than this is no first thing that a ray shows.
+/// A sample of less opacity than this does not count as the first visible one.
 constexpr Real kLeastVisible = Real(1e-3);
 
-/// Walks all sheets of the list. `frontToBack`: a pixel that has less transmittance than `cutoff` stops. `firstDepth`:
-/// of 256 pixels, where what first sheet has more opacity than kLeastVisible begins (the last to come, back to front);
-/// null where nobody asks, as where there is nothing but the beauty.
+/// Walks all sheets of the list. `frontToBack`: a pixel whose transmittance is below `cutoff` stops. `firstDepth`: for
+/// each of 256 pixels, receives the depth where the first sheet with more opacity than kLeastVisible begins (back to
+/// front, the last one visited); null if it is not needed.
 void compositeTile(const RayTile& rays, const SheetList& sheets, bool frontToBack, Real cutoff, Real* state,
                    PixelTiles::FirstDepth* firstDepth = nullptr);
 
-/// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the part in [0, 1] of the sheet that
-/// lies before the eye (nullptr: all of it).
+/// 256 shaded samples of one sheet, `at` planes from the batch's first, each with the fraction in [0, 1] of the sheet
+/// that lies in front of the eye (nullptr: all of it).
 struct SheetSamples {
     const Real* samples;
     const Real* part;
-    const Real* at = nullptr;  ///< read where the first depth is asked for
+    const Real* at = nullptr;  ///< only read if the first depth is requested
     OutputLayout layout = {};
     Simd simd = {};
 };
 void compositeSamples(const RayTile& rays, const SheetSamples& sheet, bool frontToBack, Real* state,
                       PixelTiles::FirstDepth* firstDepth = nullptr);
 
-/// What is left of a sample where only a part, in [0, 1], of its sheet is seen: radiance in proportion to opacity.
+/// The rest of a sample if only the fraction `part`, in [0, 1], of its sheet is visible: radiance in proportion to
+/// opacity.
 void keepSeenPart(const OutputLayout& layout, Real part, const Real* sample, Real* kept);
 
-/// Samples one plane at the rays' positions `at[k]` planes from the batch's first.
+/// Samples one plane at the rays' positions, `at[k]` planes from the batch's first.
 void samplePlane(const RayTile& rays, const Real* at, const Real* plane, int width, int height,
                  const OutputLayout& layout, Real* samples, Simd simd = {});
 

@@ -12,15 +12,15 @@
 namespace scrim {
 namespace {
 
-// Positions on rays are floats relative to a plane every so many sheets, and rays end at those planes: results
-// must not depend on how many sheets a batch has.
+// Positions on rays are floats relative to a plane every kBlock sheets, and rays end at those planes, so that results
+// do not depend on the number of sheets in a batch.
 constexpr int kBlock = 8;
 
 int blockBegin(int sheet) {
     return sheet / kBlock * kBlock;
 }
 
-// Room for a tile's samples, kept by each thread.
+// Memory for a tile's samples, one for each thread.
 Real* sampleScratch(const OutputLayout& layout) {
     struct alignas(64) Line {
         Real values[16];
@@ -33,18 +33,18 @@ Real* sampleScratch(const OutputLayout& layout) {
 
 }  // namespace
 
-// A tile's rays, and what they meet in a batch.
+// A tile's rays, and the planes that they meet in a batch.
 struct Compositor::TileWalk {
     RayTile rays;
-    alignas(64) Real ends[kTileSize];  // N at which they end, as rays.startN, where `ended`
+    alignas(64) Real ends[kTileSize];  // N at which they end, relative as rays.startN; if `ended`
     bool ended = false;
-    const double* thinFrom = nullptr;  // depths at which something begins that hides a part; null: nothing does
-    Real thinFirst = 0;                // N of the first of them, as the eye has it
+    const double* thinFrom = nullptr;  // depths at which something begins that hides in part; null: none
+    Real thinFirst = 0;                // N of the first of them in the eye's order
     Real startLeast, startMost;        // extremes of rays.startN
-    Real endLeast, endMost;            // of `ends`
+    Real endLeast, endMost;            // extremes of `ends`
     int block;                         // the block's first sheet
-    int firstStep;                     // place of plane 0 among the block's sheets
-    std::array<int, kBlock> planes;    // those with active texels under the tile
+    int firstStep;                     // index of plane 0 among the block's sheets
+    std::array<int, kBlock> planes;    // planes with active texels under the tile
     int planeCount = 0;
 };
 
@@ -78,8 +78,8 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
     const double reference = blockBegin(range.sheet) + 0.5;
     const int x0 = m_tiles.cornerX(tile), y0 = m_tiles.cornerY(tile);
 
-    // First the four corners: a batch that misses the tile must cost next to nothing. Not beyond the picture's edge,
-    // where rays of a wide eye may run away from the planes.
+    // The four corners are tested first, since a batch that misses the tile must cost next to nothing. They stay within
+    // the picture, outside of which rays of a wide eye may diverge from the planes.
     const int x1 = std::min(x0 + kTileEdge, m_tiles.region().x1), y1 = std::min(y0 + kTileEdge, m_tiles.region().y1);
     EyeView::Ray corners[4];
     for (int i = 0; i < 4; ++i) corners[i] = m_eye.ray(i & 1 ? x1 : x0, i & 2 ? y1 : y0, reference);
@@ -100,7 +100,7 @@ Compositor::TileWalk Compositor::enter(int tile, const Range& range, const Plane
     return walk;
 }
 
-// The same on the eye's own lattice, where a tile meets the same tile of every plane: `cells`.
+// The same on the eye's own lattice, where a tile meets the same tile, `cells`, on every plane.
 Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const PlaneStack& planes,
                                             const Int2& cells) const {
     TileWalk walk;
@@ -112,8 +112,8 @@ Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const 
     return walk;
 }
 
-// How much of the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies between the starts and ends of the
-// rays? What something hides a part of counts as a part.
+// Whether the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies between the starts and ends of the rays.
+// A slab behind something that hides in part counts as partly visible.
 Compositor::Seen Compositor::seenPart(const TileWalk& walk, int step) const {
     const Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
     const Real lowerLeast = m_frontToBack ? walk.startLeast : walk.endLeast;
@@ -125,7 +125,7 @@ Compositor::Seen Compositor::seenPart(const TileWalk& walk, int step) const {
     return open && lowerMost <= near && upperLeast >= far ? Seen::all : Seen::part;
 }
 
-// The seen part of a slab that rays begin or end in, and the place in the middle of it.
+// The visible fraction of a slab in which rays begin or end, and the middle of that fraction.
 void Compositor::cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const {
     for (int k = 0; k < kTileSize; ++k) {
         Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
@@ -138,13 +138,13 @@ void Compositor::cutSlab(const TileWalk& walk, int step, Real* part, Real* at) c
     }
 }
 
-// Leaves of a sheet's samples what is seen past things that hide a part: what they show, and not what they hide. `part`
-// and `at`: as cutSlab has them.
+// Reduces a sheet's samples to what is visible past objects that hide in part. Only the radiance is reduced, not the
+// opacity that hides. `part` and `at` are as in cutSlab.
 void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const {
     if (walk.thinFrom == nullptr) return;
     const OutputLayout& layout = m_tiles.layout();
     const int floats = layout.floats(), opacities = floats - 4;
-    const int shown = layout.coloured ? opacities : floats;  // quads of opacities alone are left as they are
+    const int shown = layout.coloured ? opacities : floats;  // quads that hold only opacities stay unchanged
     for (int k = 0; k < kTileSize; ++k) {
         const double x = m_tiles.cornerX(tile) + k % kTileEdge + 0.5, y = m_tiles.cornerY(tile) + k / kTileEdge + 0.5;
         const EyeView::Depths depths = m_eye.depths(x, y);
@@ -216,8 +216,8 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
     return work;
 }
 
-// What compositeTile is about to add, for the same rays; sampled once more, so that the flat picture's own loop stays
-// as it is.
+// Records the samples that compositeTile is about to add for the same rays. They are sampled once more, so that the
+// flat picture's own loop is not affected.
 void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheets, Real cutoff) {
     const Real* states = m_tiles.states(tile);
     const int floats = sheets.layout.floats();
@@ -275,11 +275,11 @@ PixelTiles::FirstDepth* Compositor::firstDepth(int tile) {
     return m_tiles.keepsDepth() ? m_tiles.depths(tile) : nullptr;
 }
 
-// A tile through whose pixels nothing is seen from N = `blockEnd` on: they are opaque, or their rays have ended.
+// Marks a tile whose pixels show nothing from N = `blockEnd` on, since they are opaque or their rays have ended.
 void Compositor::markIfOpaque(int tile, int blockEnd) {
     if (!m_frontToBack) return;
     const Real* states = m_tiles.states(tile);
-    const int floats = m_tiles.layout().floats();  // the last of which is the least opacity
+    const int floats = m_tiles.layout().floats();  // the last float is the smallest opacity
     const double* depths = m_ends == nullptr ? nullptr : m_ends->depths(tile);
     alignas(64) Real ends[kTileSize];
     if (depths != nullptr) m_eye.planesAt(m_tiles.cornerX(tile), m_tiles.cornerY(tile), depths, blockEnd, ends);
@@ -288,7 +288,7 @@ void Compositor::markIfOpaque(int tile, int blockEnd) {
     m_tiles.setOpaque(tile);
 }
 
-// The tiles of the picture that may see an active texel of the range: most see none, and should cost nothing.
+// The tiles of the picture that may see an active texel of the range. Most tiles see none, and should cost nothing.
 Box2<int> Compositor::tilesThatSee(const Range& range, const PlaneStack& planes) const {
     Box2<double> seen = Box2<double>::nothing();
     for (int p = range.firstPlane; p < range.lastPlane; ++p) {

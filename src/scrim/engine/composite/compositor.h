@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 5 of a batch: every pixel's ray through the batch's sheets, front to back or back to front.
+// Stage 5 of a batch: follows every pixel's ray through the batch's sheets, front to back or back to front.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -19,27 +19,27 @@ namespace scrim {
 
 class Compositor {
   public:
-    /// `ends`: what stands in the way of rays; null: nothing. `deep`: keeps what every ray meets, too; or null.
+    /// `ends`: objects that hide parts of rays; null: none. `deep`: also records the samples of every ray; may be null.
     Compositor(const EyeView& eye, PixelTiles& tiles, bool frontToBack, Real cutoff, const EyeEnds* ends = nullptr,
                DeepRays* deep = nullptr)
         : m_eye(eye), m_tiles(tiles), m_frontToBack(frontToBack), m_cutoff(cutoff), m_ends(ends), m_deep(deep) {}
 
-    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. Returns pixel and sheet pairs,
-    /// and what was shaded on the way, here and below.
+    /// Composites planes [0, count) of shaded texels, which are sheets firstSheet + p. This and the next function
+    /// return the pixel and sheet pairs, and the work of shading on the way.
     RenderWork throughTexels(int firstSheet, int count, const PlaneStack& shaded);
 
-    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the tiles where anything is, of
-    /// `lattice`, on which every pixel may have cells of its own (per-view splatting).
+    /// Shades where the pixels' rays meet the sheets, and composites that. `covered`: the active tiles of `lattice`, on
+    /// which every pixel may have its own cells (per-view splatting).
     RenderWork throughPixels(int firstSheet, int count, const PlaneStack& covered, const Lattice& lattice,
                              const SheetShader& shader);
 
-    /// Are all pixels opaque? Only ever so front to back.
+    /// True if all pixels are opaque; only possible front to back.
     bool allOpaque() const;
 
   private:
     struct TileWalk;
     struct Range {
-        int sheet;       ///< that plane `firstPlane` holds
+        int sheet;       ///< sheet of plane `firstPlane`
         int firstPlane;  ///< planes [firstPlane, lastPlane) of the batch, within one block of sheets
         int lastPlane;
     };

@@ -14,14 +14,14 @@
 namespace scrim {
 namespace {
 
-// Sheets whose samples are merged with one another while the sweep goes on, and the part of the tolerance for that:
-// the rest is for merging what the means of all rays are.
+// Number of sheets whose samples are merged during the sweep, and the fraction of the tolerance spent on that; the rest
+// is for merging the means over rays.
 constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
 
 constexpr double kHeldUnits = (1 << 24) - 1, kHeldByte = (1 << 8) - 1;
 
-// Pieces that show nothing: of what is held out.
+// Removes pieces that show nothing, because they are held out.
 void dropUnseen(DeepCurve& curve) {
     std::array<float, 4> before{};
     std::erase_if(curve, [&](const DeepPiece& piece) {
@@ -32,7 +32,7 @@ void dropUnseen(DeepCurve& curve) {
 }
 
 float unit(Real value) {
-    return static_cast<float>(std::min(std::max(Real(0), value), Real(1)));  // and a NaN is 0
+    return static_cast<float>(std::min(std::max(Real(0), value), Real(1)));  // NaN becomes 0
 }
 
 }  // namespace
@@ -102,8 +102,8 @@ void DeepRays::add(int index, const Crossing& crossing) {
     count(before, tile.samples.capacity());
 }
 
-// Keeps which part of what the sample hides is held out, and is no alpha: of all colours one number of 24 bits, or,
-// where extinction is coloured, of each one of 8, which is as good as the half floats that a deep alpha is written in.
+// Stores the fraction of what the sample hides that is held out and adds no alpha: one number of 24 bits for all
+// colours, or, with coloured extinction, 8 bits for each, which is as precise as the half floats of a deep alpha.
 void DeepRays::setHeld(const Channels& seen, const Channels& hidden, Sample& sample) const {
     const auto part = [](double shows, double hides, double units) {
         const double held = hides > 0 ? 1 - shows / hides : 0;
@@ -127,7 +127,7 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) const {
     for (; first != last; ++first) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * first->rgb[c];
-            // Opacity and not transmittance is added up: where a volume is thin, 1 - T would lose it.
+            // Sums opacity instead of transmittance, because 1 - T would lose it where a volume is thin.
             hidden[c] += left[c] * seenShare(*first, c) * first->hides[c];
             left[c] *= 1 - double(first->hides[c]);
         }
@@ -139,7 +139,7 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) const {
     return curve;
 }
 
-// The samples that a merged piece stands for, as one.
+// Merges the samples that a merged piece replaces into one.
 DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) const {
     Sample sum{piece.begin, piece.end, {}, {}, sample->ray, 0};
     std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
@@ -161,8 +161,8 @@ DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& p
     return sum;
 }
 
-// Sorts samples from `from` on by ray, and those of a ray from front to back. They came in the order of the sweep, or
-// stage by stage in that order.
+// Sorts samples from `from` on by ray, and those of a ray from front to back. They were added in the order of the
+// sweep, or stage by stage in that order.
 DeepRays::Firsts DeepRays::byRay(Tile& tile, std::size_t from) const {
     Firsts firsts{};
     for (std::size_t i = from; i < tile.samples.size(); ++i) ++firsts[tile.samples[i].ray + 1];
@@ -189,7 +189,7 @@ void DeepRays::compact(Tile& tile) {
     for (const Sample* first = out; first != end;) {
         const Sample* last = first;
         while (last != end && last->ray == first->ray) ++last;
-        // All of it counts as if nothing lay before it: what hides it hides its error, too.
+        // Pieces are merged as if nothing lay in front of them, since whatever hides them hides their error, too.
         const DeepCurve pieces = merged(curveOf(first, last), m_tolerance);
         for (const DeepPiece& piece : pieces) *out++ = compositeOf(first, piece);
     }

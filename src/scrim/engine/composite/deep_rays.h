@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// What every ray of a sweep meets, kept sheet by sheet beside the sums of compositing, for deep pictures. The order of
-// the sheets does not matter: a ray's samples become a curve from front to back once the sweep is done. Apart from
-// the compositor, which without a deep picture knows nothing of it but a null pointer.
+// Records, for deep pictures, the samples of every ray of a sweep, sheet by sheet, beside the sums of compositing. The
+// order of the sheets does not matter: after the sweep, a ray's samples are turned into a curve from front to back.
+// This is separate from the compositor, which has a null pointer to it if there is no deep picture.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -18,17 +18,17 @@
 
 namespace scrim {
 
-/// Different tiles may be added to from different threads.
+/// Different threads may add to different tiles at once.
 class DeepRays {
   public:
-    /// For a sweep over `tiles`, which must outlive this. `tolerance`: of the deep picture; a part of it is spent on
-    /// samples of neighbouring sheets that are merged while the sweep goes on, in places that do not depend on how many
-    /// sheets a batch has. `mostBytes`: that samples may take; 0: any number.
+    /// For a sweep over `tiles`, which must outlive this object. `tolerance` is that of the deep picture; a part of it
+    /// is spent on merging samples of neighbouring sheets during the sweep, at places that do not depend on the number
+    /// of sheets in a batch. `mostBytes`: limit on the samples' memory; 0: none.
     DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes);
 
-    /// 256 shaded samples in the layout of the tiles. `part`: how much of the sheet is seen, and null where all of it
-    /// is; the middle of that part lies `at` - `step` behind the middle of the sheet, in sheets along N. `open`: the
-    /// rays that see it, and null where all do.
+    /// 256 shaded samples in the layout of the tiles. `part`: the visible fraction of the sheet (null: all); the middle
+    /// of that fraction lies `at` - `step` behind the middle of the sheet, in sheets along N. `open`: the rays that see
+    /// the sheet (null: all).
     struct Crossing {
         int sheet;
         const Real* samples;
@@ -37,28 +37,28 @@ class DeepRays {
         const Real* at = nullptr;
         Real step = 0;
     };
-    /// Throws Error(memory).
+    /// Adds samples to a tile. Throws Error(memory).
     void add(int tile, const Crossing& crossing);
 
-    /// Means over the n x n rays of each pixel, in depth along the viewing axis. All rays of a pixel count as if they
-    /// crossed the sheets where its middle does, so a depth is wrong by at most half of what a sheet's depth changes
-    /// by across the pixel. Takes the samples: afterwards there are none. `eye`: that of the raster.
+    /// Averages the n x n rays of each pixel, by depth along the viewing axis. All rays of a pixel are treated as if
+    /// they crossed the sheets where the pixel's centre does, so a depth is wrong by at most half of its change across
+    /// the pixel. Removes the samples. `eye` is that of the raster.
     DeepImage resolve(const EyeView& eye, int n);
 
     /// Bytes of all samples.
     std::size_t bytes() const { return m_bytes; }
-    /// Samples that were added, merged ones too.
+    /// Number of samples that were added, including merged ones.
     std::uint64_t added() const { return m_added; }
 
-    /// A sample of this size is kept for a ray and a sheet that has anything for it, before merging.
+    /// Size of the sample that is kept for each ray and sheet with any contents, before merging.
     static constexpr std::size_t kSampleBytes = 36;
 
   private:
     struct Sample {
-        float begin, end;  // sheets from the eye's side: N front to back, or else -N
+        float begin, end;  // in sheets from the eye's side: N front to back, else -N
         float rgb[3];
         float hides[3];
-        std::uint32_t ray : 8;    // of the tile
+        std::uint32_t ray : 8;    // index within the tile
         std::uint32_t held : 24;  // see setHeld
     };
     using Channels = std::array<double, 3>;
@@ -67,7 +67,7 @@ class DeepRays {
     static_assert(sizeof(Sample) == kSampleBytes);
     struct Tile {
         std::vector<Sample> samples;
-        std::size_t done = 0;  // samples that are merged already
+        std::size_t done = 0;  // number of samples that are merged already
         int stage = -1;
     };
     using Firsts = std::array<std::uint32_t, kTileSize + 1>;  // of each ray's samples; and one more
@@ -86,8 +86,8 @@ class DeepRays {
     std::atomic<std::uint64_t> m_added{0};
 };
 
-/// The deep picture of all sweeps; `groups`: what each of the plan's left behind. Its curves end with the flat
-/// picture's pixels, but for rounding.
+/// The deep picture of all sweeps; `groups` holds the results of the plan's groups. Its curves end with the flat
+/// picture's pixels, up to rounding.
 DeepImage combined(const ViewScene& scene, const Plan& plan, const std::vector<DeepImage>& groups);
 
 }  // namespace scrim

@@ -41,7 +41,7 @@ EyeEnds::EyeEnds(const ViewScene& scene, const PixelTiles& tiles)
         for (std::size_t k = 0; k < kTileSize; ++k) {
             const double x = tiles.cornerX(tile) + static_cast<int>(k) % kTileEdge + 0.5,
                          y = tiles.cornerY(tile) + static_cast<int>(k) / kTileEdge + 0.5;
-            // Directions are scaled so that the parameter is depth.
+            // Directions are scaled so that the ray's parameter is depth.
             if (solids)
                 depths[k] = solids->firstHit(SolidRole::holdout, m_rayFamily.origin(x, y), m_rayFamily.direction(x, y),
                                              m_rayFamily.near, kInfinity);
@@ -55,13 +55,13 @@ EyeEnds::EyeEnds(const ViewScene& scene, const PixelTiles& tiles)
     });
 }
 
-// All rays of a pixel see what its one place in the picture holds.
+// All rays of a pixel see the pieces of the one pixel in the depth picture.
 DepthPicture::Pieces EyeEnds::piecesAt(double x, double y) const {
     if (!m_picture) return {};
     return m_picture->at(static_cast<int>(std::floor(x / m_antialias)), static_cast<int>(std::floor(y / m_antialias)));
 }
 
-// What the picture counts a depth of 1 along the viewing axis as.
+// What the picture stores for a depth of 1 along the viewing axis.
 double EyeEnds::unitAt(double x, double y) const {
     return m_picture && m_picture->alongRay ? glm::length(m_rayFamily.direction(x, y)) : 1;
 }

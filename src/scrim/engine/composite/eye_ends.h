@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands in the way of pixels' rays: solids and pictures' depths that hide what is behind them, where rays end,
-// and samples of deep pictures that hide a part.
+// Objects that hide parts of pixels' rays: solids and depth pictures, at which rays end, and samples of deep pictures,
+// which hide in part.
 #pragma once
 
 #include <scrim/engine/composite/pixel_tiles.h>
@@ -18,25 +18,25 @@ namespace scrim {
 
 class EyeEnds {
   public:
-    /// Does anything stand in the way of the scene's rays?
+    /// True if anything hides a part of the scene's rays.
     static bool any(const ViewScene& scene);
 
-    /// Looks along the rays through the centres of all pixels of `tiles`, those of the scene's antialiasing raster.
+    /// Traces the rays through the centres of all pixels of `tiles`, those of the scene's antialiasing raster.
     EyeEnds(const ViewScene& scene, const PixelTiles& tiles);
 
-    /// Depths along the viewing axis of a tile's 256 pixels, from which on nothing is seen; infinity where nothing
-    /// hides. Null: nothing does in all of the tile.
+    /// Depths along the viewing axis, for a tile's 256 pixels, from which on nothing is visible; infinity where nothing
+    /// hides. Null: nothing hides in the whole tile.
     const double* depths(int tile) const { return orNull(m_depths[std::size_t(tile)]); }
 
-    /// The same of where something begins that hides a part.
+    /// The same for depths at which something begins that hides in part.
     const double* thinFrom(int tile) const { return orNull(m_thin[std::size_t(tile)]); }
 
-    /// What part is seen, past what hides a part, of the opacity of something even on the ray of raster position
-    /// (x, y), of optical depth `tau` over depths [near, far].
+    /// The fraction of the opacity of a homogeneous segment that is visible past objects that hide in part. The segment
+    /// lies on the ray at raster position (x, y) and has the optical depth `tau` over depths [near, far].
     double seenShare(double x, double y, double near, double far, double tau) const;
 
     std::size_t bytes() const;
-    /// That were traced to solids.
+    /// Number of rays traced to solids.
     std::uint64_t rays() const { return m_rays; }
 
   private:
@@ -48,7 +48,7 @@ class EyeEnds {
     RayFamily m_rayFamily;
     int m_antialias;
     std::uint64_t m_rays = 0;
-    std::vector<std::vector<double>> m_depths, m_thin;  // a tile each
+    std::vector<std::vector<double>> m_depths, m_thin;  // one for each tile
 };
 
 }  // namespace scrim

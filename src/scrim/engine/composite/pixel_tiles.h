@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture while a sweep is under way: pixels in tiles of 16 x 16, so that a task's states lie together.
+// The picture during a sweep: pixels in tiles of 16 x 16, so that the states of one task lie together in memory.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -15,18 +15,18 @@ namespace scrim {
 
 class PixelTiles {
   public:
-    /// The first thing that a ray shows begins within a sheet: where, is told from how much of it each of the first
-    /// three sheets holds. If the optical depth of a sheet that is full is tau, and those before it have a together,
-    /// then it begins a / tau of a sheet before the full one (exact for whatever is as dense behind its surface). What
-    /// is in one sheet alone is taken to be in its middle.
+    /// The first visible thing of a ray begins somewhere within a sheet. Its place is computed from the optical depths
+    /// of the first three sheets. If the optical depth of a full sheet is tau, and the sheets before it have a
+    /// together, it begins a / tau of a sheet before the full one (exact if it is homogeneous behind its surface). If
+    /// only one sheet contains it, it is taken to be in the sheet's middle.
     struct FirstDepth {
         Real depth = 0;  ///< along the viewing axis; 0: nothing is visible
-        Real next = 0;   ///< optical depth of the sheets behind the first, or, front to back, of those that were walked
+        Real next = 0;   ///< optical depths of the sheets behind the first one; front to back, of those walked so far
         Real after = 0;
-        Real last = 0;  ///< depth of the sheet that was walked last; front to back 0 once all is known
+        Real last = 0;  ///< depth of the sheet that was walked last; front to back, 0 once the result is known
     };
 
-    /// `depth`: keeps the depth of the first thing visible, too.
+    /// `depth`: also keeps the depth of the first visible thing.
     explicit PixelTiles(const PixelWindow& region, const OutputLayout& layout = {}, bool depth = false)
         : m_region(region),
           m_layout(layout),
@@ -36,7 +36,7 @@ class PixelTiles {
         reset();
     }
 
-    /// All pixels black and transparent.
+    /// Makes all pixels black and transparent.
     void reset() {
         m_states = ZeroedArray<Real>(std::size_t(count()) * tileFloats());
         m_depth = ZeroedArray<FirstDepth>(m_keepsDepth ? std::size_t(count()) * kTileSize : 0);
@@ -52,15 +52,15 @@ class PixelTiles {
     int cornerX(int tile) const { return m_region.x0 + tile % m_tilesX * kTileEdge; }
     int cornerY(int tile) const { return m_region.y0 + tile / m_tilesX * kTileEdge; }
     const OutputLayout& layout() const { return m_layout; }
-    /// Of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
+    /// States of the tile's 256 pixels: (C, -A) in the layout, see composite_tile.h.
     Real* states(int tile) { return m_states.data() + std::size_t(tile) * tileFloats(); }
     const Real* states(int tile) const { return m_states.data() + std::size_t(tile) * tileFloats(); }
-    /// Of pixel (x, y) of the region.
+    /// State of pixel (x, y) of the region.
     const Real* state(int x, int y) const {
         const Place at = placeOf(x, y);
         return states(at.tile) + at.pixel * m_layout.floats();
     }
-    /// Depths of a tile's pixels; 0: nothing is visible. Only where they are kept.
+    /// Depths of a tile's pixels; 0: nothing is visible. Only valid if depths are kept.
     bool keepsDepth() const { return m_keepsDepth; }
     FirstDepth* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
     Real depth(int x, int y) const {
@@ -74,7 +74,7 @@ class PixelTiles {
     /// The tiles that a box of raster positions touches.
     Box2<int> tilesIn(const Box2<double>& positions) const;
 
-    /// Is one of the tiles not opaque? Those beyond the picture do not count.
+    /// True if one of the tiles is not opaque; tiles outside of the picture do not count.
     bool anyOpen(const Box2<int>& tiles) const;
     bool anyOpen(const Box2<double>& positions) const { return anyOpen(tilesIn(positions)); }
 

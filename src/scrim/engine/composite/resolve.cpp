@@ -8,7 +8,7 @@
 namespace scrim {
 namespace {
 
-// Of a pixel's motion, before it is divided: right and up times opacity, and the opacities that they were taken by.
+// Sums for a pixel's motion before division: right and up times opacity, and the opacities of both.
 constexpr std::size_t kMotionSums = 4;
 
 FrameLayer* find(Frame& frame, Layer layer, int light = -1, int volume = -1) {
@@ -17,7 +17,7 @@ FrameLayer* find(Frame& frame, Layer layer, int light = -1, int volume = -1) {
     return nullptr;
 }
 
-// Where the outputs of a group go, and how much of each.
+// The layer that receives an output of a group, and its weight.
 struct Target {
     int quad;
     FrameLayer* layer;
@@ -28,8 +28,7 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
     std::vector<Target> targets;
     for (std::size_t i = 0; i < group.outputs.list.size(); ++i) {
         const Output& output = group.outputs.list[i];
-        // Lights have their share in them already, and so have ambient light and emission, and what volumes make of
-        // them.
+        // Outputs of lights, ambient light, emission and volumes already contain the group's share.
         const bool seen =
             output.layer == Layer::albedo || output.layer == Layer::depth || output.layer == Layer::motion;
         targets.push_back({group.outputs.layout.quadOf(static_cast<int>(i) + 1),
@@ -38,7 +37,7 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
     return targets;
 }
 
-// A pixel's rays: the sums of their states, quad by quad, and the least depth of any.
+// The sums of the states of a pixel's rays, quad by quad, and the smallest of their depths.
 struct PixelSum {
     std::vector<Real> floats;
     Real first = 0;
@@ -98,12 +97,13 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
             sumRays(tiles, n, x, y, sum);
             const double weight = part.weight(x + 0.5, y + 0.5) / (n * n);
             const std::size_t at = frame.image.indexOf(x, y);
-            // Interpolation between texels rounds: what is nothing may come out a hair below, and opaque above.
+            // Interpolation between texels rounds: nothing may become slightly negative, and opaque slightly more than
+            // opaque.
             const auto radiance = [&](std::size_t f, double share) {
                 return static_cast<Real>(weight * share) * std::max(sum.floats[f], Real(0));
             };
             float* pixel = frame.image.rgba.data() + at;
-            // The beauty's quad, or those that add up to it: they come first either way.
+            // The beauty's quad, or those that add up to it; they come first in either case.
             for (std::size_t q = 0; q < beauties; ++q)
                 for (std::size_t c = 0; c < 3; ++c) pixel[c] += radiance(4 * q + c, 1);
             Real hidden[3];

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// From what sweeps left in the pixels of their raster to the frame: sums over sweeps, means over a pixel's rays.
+// Turns the results of sweeps, which are in the pixels of their raster, into the frame: sums over sweeps, means over a
+// pixel's rays.
 #pragma once
 
 #include <scrim/engine/model/frame.h>
@@ -8,13 +9,13 @@
 
 namespace scrim {
 
-/// Black, with all layers that the scene wants.
+/// A black frame with all layers that the scene requests.
 Frame emptyFrame(const ViewScene& scene);
 
-/// Adds what the sweep of `group` left in `tiles`.
+/// Adds the result of the sweep of `group`, which is in `tiles`.
 void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame);
 
-/// After all sweeps: what only their sum tells.
+/// Completes the layers that depend on the sum of all sweeps.
 void finishLayers(Frame& frame);
 
 }  // namespace scrim

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Optical depth along world-space segments, by steps of a voxel with two points of Gauss' quadrature in each: exact for
+// Optical depth along world-space segments, by steps of one voxel with two-point Gauss quadrature, which is exact for
 // the cubics of a trilinear field within a cell.
 class Marcher {
   public:
@@ -32,7 +32,7 @@ class Marcher {
         }
     }
 
-    // From `origin` along the unit vector `direction`, over `length`.
+    // The optical depth from `origin` along the unit vector `direction`, over `length`.
     Rgb opticalDepth(const Vec3& origin, const Vec3& direction, double length) const {
         Rgb tau(0);
         if (m_volumes.empty()) return tau;
@@ -58,12 +58,12 @@ class Marcher {
     std::vector<VolumeOptics> m_volumes;
 };
 
-// The point of the first solid on the ray of raster position (x, y), if that catches shadows.
+// The point on the first solid of the ray at raster position (x, y), if that solid catches shadows.
 std::optional<Vec3> caughtAt(const Solids& solids, const RayFamily& rays, double x, double y) {
     const Vec3 origin = rays.origin(x, y), direction = rays.direction(x, y);
     const double caught = solids.firstHit(SolidRole::catcher, origin, direction, rays.near, kInfinity);
     if (caught == kInfinity) return std::nullopt;
-    constexpr double kSame = 1e-6;  // of the distance: what catches may hide, too
+    constexpr double kSame = 1e-6;  // relative to the distance: one solid may both catch and hide
     if (solids.firstHit(SolidRole::holdout, origin, direction, rays.near, caught * (1 - kSame)) < kInfinity)
         return std::nullopt;
     return origin + caught * direction;
@@ -76,7 +76,7 @@ Rgb transmittance(const Marcher& marcher, const Light& light, const Vec3& ws) {
     return distance > 0 ? glm::exp(-marcher.opticalDepth(ws, way / distance, distance)) : Rgb(1);
 }
 
-// What share of its owner's light a sub-light gives at a point, without regard to the surface there.
+// The relative weight of a sub-light at a point, without regard to the surface there.
 double weightOf(const Light& light, const Vec3& ws) {
     const double power = light.intensity.x + light.intensity.y + light.intensity.z;
     if (!light.element()) return power;
@@ -85,7 +85,7 @@ double weightOf(const Light& light, const Vec3& ws) {
     return distance2 > 0 ? power * std::max(0.0, glm::dot(way, light.wsDirection)) / std::pow(distance2, 1.5) : 0;
 }
 
-// Of a light of the scene, which is one light or many.
+// The transmittance towards a light of the scene, which may consist of several lights.
 using Parts = std::vector<const Light*>;
 
 Rgb transmittance(const Marcher& marcher, const Parts& parts, const Vec3& ws) {
@@ -101,7 +101,7 @@ Rgb transmittance(const Marcher& marcher, const Parts& parts, const Vec3& ws) {
     return weights > 0 ? sum / weights : Rgb(1);
 }
 
-// What stands for light `index` of the scene; nothing where it throws no shadows.
+// The sub-lights of light `index` of the scene; empty if it casts no shadows.
 Parts partsOf(const ViewScene& scene, const SubLights& subLights, std::size_t index) {
     Parts parts;
     if (!scene.lights[index].shadows) return parts;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The shadows that volumes throw onto solids which catch them. Rays are marched from the solids to the lights: a point
-// on a solid lies where no sheet needs to be, and there is but one for each pixel's ray.
+// The shadows that volumes cast onto solids which catch them. Rays are marched from the solids to the lights, because
+// the points on solids need not lie in any sheet, and there is only one for each pixel's ray.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -12,10 +12,10 @@
 
 namespace scrim {
 
-/// Fills the layers `shadow` of `frame`: for each light that throws shadows (an extended one as its sub-lights), of
-/// red, green and blue, which part of it reaches the first solid that a pixel sees, through all volumes; the mean over
-/// its rays. 1 where it sees none that catches shadows. Solids throw no shadows here: whoever draws them does that.
-/// Returns how many rays were marched. `checkpoint` is called now and then.
+/// Fills the layers `shadow` of `frame`: for each light with shadows (an extended one by its sub-lights), the fraction
+/// of red, green and blue that reaches the first solid of a pixel through all volumes, averaged over the pixel's rays.
+/// It is 1 where that solid does not catch shadows, or there is none. Solids cast no shadows here; the renderer that
+/// draws them does that. Returns the number of rays that were marched. Calls `checkpoint` now and then.
 std::uint64_t catchShadows(const ViewScene& scene, const SubLights& subLights, Frame& frame,
                            const Checkpoint& checkpoint);
 

@@ -10,14 +10,15 @@
 namespace scrim {
 namespace {
 
-// Without a radius 1/r^2 has no bound: at less than this part of a sheet's thickness it stays what it is there.
+// Fraction of a sheet's thickness below which the irradiance of a light without a radius stays constant, since 1/r^2
+// has no bound.
 constexpr double kLeastRadius = 0.25;
 
-// A light that crosses sheets more slantingly than this (85 degrees) passes through far more than a sheet's extinction
-// at one place tells: only what the sheets before did to it counts, as in the paper (ZC02 eq. 5).
+// A light that crosses sheets at more than this slant (85 degrees) passes through far more than the extinction at one
+// place tells. Only the attenuation by the sheets before counts for it, as in the paper (ZC02 eq. 5).
 constexpr double kSteepestPath = 11.5;
 
-// World length of a distant light's way through a sheet, in thicknesses.
+// World length of a distant light's path through a sheet, in thicknesses.
 double pathInSheets(const LightView& view) {
     const double a = view.tsSource.x * view.slopeScale, b = view.tsSource.y * view.slopeScale;
     return std::sqrt(1 + a * a + b * b);
@@ -48,7 +49,7 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
     }
 }
 
-// What every light does to each sheet of the batch.
+// Determines how every light acts on each sheet of the batch.
 void LightSweep::enterBatch(int firstSheet, int count) {
     m_onSheets.assign(std::size_t(count), {});
     for (int p = 0; p < count; ++p) {
@@ -69,7 +70,8 @@ void LightSweep::enterBatch(int firstSheet, int count) {
     }
 }
 
-// The paper's way (ZC02 Fig. 5, lines 10 and 17): footprints into the light's own sheets, and those into its buffer.
+// The paper's method (ZC02 Fig. 5, lines 10 and 17): footprints are splatted into the light's own sheets, and these
+// into its buffer.
 RenderWork LightSweep::attenuateAligned(Caster& caster, int firstSheet, int count) {
     RenderWork work;
     work.footprints = caster.ownSheets->splat(firstSheet, count);
@@ -94,7 +96,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     std::vector<Shadowed> shadowed;
     for (Caster& caster : m_casters)
         for (std::size_t c = 0; c < caster.resampled.size(); ++c) {
-            // A channel may be empty where another is looked at: light arrives there, too.
+            // A channel may be empty where another one is looked up; light arrives there, too.
             const PlaneStack& planes = extinction.total(static_cast<int>(c));
             caster.resampled[c].beginBatch(firstSheet, count, planes, extinction.covered());
             shadowed.push_back({&caster.resampled[c], &planes});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 3 of a batch: every light's shadow buffer through the sheets, and what shading needs to know of each light at
-// each of them.
+// Stage 3 of a batch: carries every light's shadow buffer through the sheets, and provides what shading needs to know
+// about each light on each sheet.
 #pragma once
 
 #include <scrim/engine/light/shadow_buffer.h>
@@ -20,9 +20,9 @@ class LightSweep {
   public:
     LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
 
-    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction`: of the shared sheets;
-    /// a light whose lattice is its own splats its own instead. Returns
-    /// the light samples, and the footprints that were splatted for lights alone.
+    /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction` is that of the shared
+    /// sheets; a light with its own lattice splats its own instead. Returns the light samples, and the footprints that
+    /// were splatted for lights alone.
     RenderWork attenuate(int firstSheet, int count, const ExtinctionSum& extinction);
 
     /// The lights that reach sheet `p` of the batch, and their shadow buffers, one for each extinction channel
@@ -31,21 +31,21 @@ class LightSweep {
         int sheet = 0;
         std::vector<SheetLight> lights;
         std::vector<const ShadowLookup*> shadows;
-        std::vector<const SolidShadow*> solids;  ///< one a light, or nullptr; empty where the scene has no solids
+        std::vector<const SolidShadow*> solids;  ///< one for each light, or nullptr; empty if the scene has no solids
     };
-    /// Do solids shadow?
+    /// True if solids cast shadows.
     bool passSolids() const { return m_passSolids; }
     const OnSheet& onSheet(int p) const { return m_onSheets[p]; }
     std::size_t bytes() const;
-    /// Traced to solids.
+    /// Number of rays traced to solids.
     std::uint64_t solidRays() const;
 
-    /// Upper estimate of the bytes of one light's shadow buffer for one extinction channel.
+    /// Upper bound on the bytes of one light's shadow buffer for one extinction channel.
     static std::size_t shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets);
 
   private:
-    // What casts one light's shadows: a buffer for each extinction channel, resampled from the shared sheets; or, with
-    // a lattice of its own, sheets and buffers of its own.
+    // The data of one light's shadows: a buffer for each extinction channel, resampled from the shared sheets, or, if
+    // the light has its own lattice, its own sheets and buffers.
     struct Caster {
         std::vector<ShadowBuffer> resampled;
         std::unique_ptr<ExtinctionSum> ownSheets;
@@ -61,7 +61,7 @@ class LightSweep {
     int m_channels;
     bool m_passSolids;
     Simd m_simd;
-    std::vector<Caster> m_casters;  // one a light of the group; of an unshadowed one empty
+    std::vector<Caster> m_casters;  // one for each light of the group; empty for an unshadowed one
     std::vector<OnSheet> m_onSheets;
 };
 

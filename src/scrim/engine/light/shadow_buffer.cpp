@@ -14,8 +14,8 @@ struct TileRange {
     int first = 0, last = -1;  // closed
 };
 
-// The raster tiles that the texels of one row or column of sheet tiles look at, with one cell and one texel to
-// spare, so that bilinear look-ups stay within tiles that take part.
+// The raster tiles that the texels of one row or column of sheet tiles look up, with a margin of one cell and one
+// texel, so that bilinear look-ups stay within tiles that take part.
 TileRange cellTiles(int sheetTile, double offset, double scale, int rasterTiles) {
     const double lower = (sheetTile * kTileEdge - 1 - offset) / scale - 1;
     const double upper = (sheetTile * kTileEdge + kTileEdge - offset) / scale + 1;
@@ -39,8 +39,8 @@ ShadowBuffer::ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFi
     m_used.reserve(std::size_t(batchSheets));
 }
 
-// The part of its own sheet that a point light inside the volume shines through: no raster resolves it, so every ray
-// takes the extinction at the light.
+// The part of its own sheet that light from a point light inside of the volume crosses. No raster resolves it, so every
+// ray takes the extinction at the light.
 void ShadowBuffer::leaveTheSource(double part, const FloatPlane& extinction) {
     alignas(64) Real u[kTileSize], v[kTileSize], sigma[kTileSize];
     std::fill(u, u + kTileSize, static_cast<Real>(m_view.tsSource.x));
@@ -64,7 +64,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     const int tilesX = covered.tilesX(), tilesY = covered.tilesY();
     const int rasterX = m_view.width / kTileEdge, rasterY = m_view.height / kTileEdge;
 
-    // Which raster tiles each column and row of sheet tiles looks at, sheet by sheet.
+    // The raster tiles that each column and row of sheet tiles looks up, for every sheet.
     const auto perSheet = std::size_t(tilesX + tilesY);
     std::vector<TileRange> ranges(std::size_t(count) * perSheet);
     const auto columns = [&](int s) { return ranges.data() + std::size_t(s) * perSheet; };
@@ -86,7 +86,7 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     m_windowTilesY = std::max(0, windowY.last - windowY.first + 1);
     m_windowTileX = windowX.first;
     m_windowTileY = windowY.first;
-    // Windows grow towards the middle of a field, each by a little: new memory is slow.
+    // Windows grow slowly towards the middle of a field. The buffer grows in larger steps, since new memory is slow.
     if (const std::size_t size = entryStride() * std::size_t(count); m_entry.size() < size)
         m_entry =
             ZeroedArray<Real>(std::max(size, std::min(m_entry.size() * 3 / 2, m_tau.size() * std::size_t(count))));
@@ -152,10 +152,10 @@ void ShadowBuffer::prefilter(int s) {
     const auto isUsed = [&](int x, int y) {
         return x >= 0 && x < m_windowTilesX && y >= 0 && y < m_windowTilesY && used[y * m_windowTilesX + x] != 0;
     };
-    // Where an opaque edge lies between two cells, the lit one stays as it is: none goes beyond its neighbours.
+    // Values are limited to those of their neighbours, so that a lit cell at an opaque edge stays as it is.
     forPrefilteredTiles(m_entry.data() + std::size_t(s) * entryStride(), m_windowTilesX, m_windowTilesY, windowWidth(),
                         isUsed, [&](int tx, int ty, HaloTile& halo, Real* out) {
-                            // Tiles that take no part hold nothing: the cells that border on them stand in for theirs.
+                            // Tiles that take no part are empty; the cells that border on them replace theirs.
                             constexpr int kLast = kTileEdge - 1;
                             if (!isUsed(tx, ty - 1)) std::copy_n(halo.at(0, 0), kTileEdge, halo.at(0, -1));
                             if (!isUsed(tx, ty + 1)) std::copy_n(halo.at(0, kLast), kTileEdge, halo.at(0, kTileEdge));
@@ -168,7 +168,7 @@ void ShadowBuffer::prefilter(int s) {
                         });
 }
 
-// Tau at entry of sheet `firstSheet + s`: a window of the whole raster.
+// Tau at entry into sheet `firstSheet + s`: a window of the whole raster.
 FloatPlane ShadowBuffer::entryPlane(int s) const {
     return {m_entry.data() + std::size_t(s) * entryStride(),
             windowWidth(),
@@ -206,7 +206,7 @@ std::size_t ShadowBuffer::bytes() const {
 
 std::size_t ShadowBuffer::bytes(const LightView& view, const Sheets& sheets, int batchSheets) {
     const auto raster = std::size_t(view.width) * std::size_t(view.height);
-    // The window of a batch: the sheet's raster, moved along by the slant of the light, in cells.
+    // The window of a batch in cells: the sheet's raster, shifted by the slant of the light.
     const double least = view.distant ? view.cell : view.cell * std::max(0.5, -view.tsSource.z + 0.5);
     const double drift = view.distant ? (std::abs(view.tsSource.x) + std::abs(view.tsSource.y)) * batchSheets : 0;
     const double window =

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadow buffers: one raster of optical depth a light, carried from sheet to sheet (ZC02 section 3.2).
+// Shadow buffers: a raster of optical depth for each light, carried from sheet to sheet (ZC02 section 3.2).
 //
 // The buffer holds optical depth instead of the paper's opacity: sums of tau keep their precision where 1 - alpha would
-// lose it, and light is e^-tau of it (eq. 5). For each sheet of a batch it also keeps tau as it was when light entered
-// the sheet; that is what shading reads.
+// lose it, and the light is e^-tau of it (eq. 5). For each sheet of a batch the buffer also keeps tau where light
+// enters the sheet, which shading reads.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
@@ -20,11 +20,11 @@
 
 namespace scrim {
 
-/// What shading wants to know of a shadow buffer.
+/// The interface of a shadow buffer for shading.
 class ShadowLookup {
   public:
     virtual ~ShadowLookup() = default;
-    /// Tau at entry of sheet s of the batch for the 16 x 16 texels from (texelX, texelY), rows of 16.
+    /// Tau at entry into sheet s of the batch for the 16 x 16 texels from (texelX, texelY), in rows of 16.
     virtual void lookUpTile(int s, int texelX, int texelY, Real* tau) const = 0;
     /// The same at 256 arbitrary texel positions.
     virtual void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const = 0;
@@ -34,38 +34,37 @@ class ShadowLookup {
 /// are touched.
 class ShadowBuffer final : public ShadowLookup {
   public:
-    /// `lookUps`: bilinear ones on the way from this buffer to the picture, one where pixels look into it, two where
-    /// texels do that pixels then look at. See `prefilter`.
+    /// `lookUps`: the number of bilinear look-ups between this buffer and the picture: one where pixels look into it,
+    /// two where texels do and pixels look at the texels. See `prefilter`.
     ShadowBuffer(const LightView& view, const Sheets& sheets, ShadowFilter filter, int lookUps, int batchSheets,
                  Simd simd = {});
 
     const LightView& view() const { return m_view; }
 
-    /// Prepares sheets [firstSheet, firstSheet + count), of which `extinction` holds the planes: decides which tiles of
-    /// the raster take part. `covered` has active tiles wherever there is extinction, and wherever else the buffer will
-    /// be looked into.
+    /// Prepares sheets [firstSheet, firstSheet + count), whose planes are in `extinction`: decides which tiles of the
+    /// raster take part. `covered` has active tiles wherever there is extinction or the buffer will be looked up.
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered);
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
         beginBatch(firstSheet, count, extinction, extinction);
     }
 
-    /// Number of independent tasks of the batch: rows of tiles.
+    /// The number of independent tasks of the batch, which are rows of tiles.
     int taskCount() const { return m_windowTilesY; }
 
-    /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's
-    /// extinction times the path through it. Returns the number of light samples taken.
+    /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's extinction
+    /// times the path through it. Returns the number of light samples taken.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
-    /// Makes up beforehand for the blur of the look-ups to come, as PlaneStack::prefilter does for sheets: tau at entry
-    /// of sheet s of the batch loses a twelfth of its second differences for each look-up. After all of `attenuate`;
-    /// what the buffer carries on stays as it is.
+    /// Compensates for the blur of later look-ups, as PlaneStack::prefilter does for sheets: subtracts from tau at
+    /// entry into sheet s of the batch a twelfth of its second differences for each look-up. To be called after all of
+    /// `attenuate`; the values that the buffer carries on are not changed.
     void prefilter(int s);
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
     void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
 
     std::size_t bytes() const;
-    /// Upper estimate of the bytes a buffer takes.
+    /// Upper bound on the bytes of a buffer.
     static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets);
 
   private:
@@ -77,10 +76,10 @@ class ShadowBuffer final : public ShadowLookup {
     Simd m_simd;
     double m_thickness;  // of a sheet, world units
     bool m_nearest;
-    Real m_prefiltering;      // times the second differences
+    Real m_prefiltering;      // factor on the second differences
     ZeroedArray<Real> m_tau;  // the whole raster: tau at entry of the next batch
 
-    // The batch: a window of tiles of the raster, its entry planes and which tiles take part in which sheet.
+    // The batch: a window of tiles of the raster, its entry planes, and which tiles take part in which sheet.
     int m_firstSheet = 0, m_count = 0;
     int m_windowTileX = 0, m_windowTileY = 0, m_windowTilesX = 0, m_windowTilesY = 0;
     ZeroedArray<Real> m_entry;
@@ -90,9 +89,9 @@ class ShadowBuffer final : public ShadowLookup {
     std::size_t entryStride() const { return std::size_t(windowWidth()) * std::size_t(m_windowTilesY * kTileEdge); }
 };
 
-/// The paper's shadow buffer: a raster that is aligned with its light (or with the image plane), into which the light's
-/// own footprints are splatted, sheet by sheet (ZC02 section 3.2; Fig. 5, lines 10, 14 and 17). Nothing is resampled on
-/// the way: a cell is one light ray. Shading maps its points to the buffer after ZC02 eq. 4.
+/// The paper's shadow buffer: a raster aligned with its light (or with the image plane), into which the light's own
+/// footprints are splatted, sheet by sheet (ZC02 section 3.2; Fig. 5, lines 10, 14 and 17). Nothing is resampled on the
+/// way, since a cell is one light ray. Shading maps its points to the buffer by ZC02 eq. 4.
 class ViewShadow final : public ShadowLookup {
   public:
     ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd = {});
@@ -101,9 +100,9 @@ class ViewShadow final : public ShadowLookup {
         m_firstSheet = firstSheet;
         m_count = count;
     }
-    /// Independent tasks of a batch: rows of tiles.
+    /// The number of independent tasks of a batch, which are rows of tiles.
     int taskCount() const { return m_raster.height / kTileEdge; }
-    /// Carries one row of tiles through the batch's sheets; `extinction` is of this raster. Returns light samples.
+    /// Carries one row of tiles through the batch's sheets; `extinction` has this raster. Returns light samples.
     std::uint64_t attenuate(int task, const PlaneStack& extinction);
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;

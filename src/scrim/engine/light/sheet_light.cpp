@@ -11,23 +11,23 @@
 #include <hwy/foreach_target.h>
 #include <scrim/engine/simd-inl.h>
 
-// What does not depend on the target.
+// Definitions that do not depend on the target.
 #ifndef SCRIM_SLIDE_TILE_ONCE
 #define SCRIM_SLIDE_TILE_ONCE
 namespace scrim {
 namespace {
 
-// Taps at most. A longer footprint is seen through a coarser level: less sharp across, never aliased.
+// The most taps. A longer footprint uses a coarser level: less sharp across, but never aliased.
 constexpr int kMostTaps = 16;
 
-// Footprints shorter than this part of a pixel of the slide are points.
+// Footprints shorter than this fraction of a pixel of the slide are points.
 constexpr Real kPoint = Real(0.5);
 
-// A footprint that is longer than wide by less than this part of its width is round: one tap does.
+// A footprint whose length exceeds its width by less than this fraction of the width counts as round and takes one tap.
 constexpr Real kNearlyRound = Real(0.25);
 
-// The map of one tile as the engine counts: slide positions relative to `corner`, where the tile has its first sample,
-// so that nothing is lost however far that is from the picture's origin, and however far from the world's.
+// The map of one tile in the engine's floats: slide positions are relative to `corner`, the place of the tile's first
+// sample. This keeps their precision, however far they are from the picture's origin and from the world's.
 struct TileMap {
     Real u0, v0;
     Real at[3], perU[3], perV[3], perN[3];  // (X - cornerX W, Y - cornerY W, W)
@@ -48,7 +48,7 @@ TileMap tileMap(const SheetSlide& slide, Real u0, Real v0) {
         out.cornerX = std::clamp(out.cornerX, -width, 2 * width);
         out.cornerY = std::clamp(out.cornerY, -height, 2 * height);
     }
-    // W counts in world units, of any size: relative to the corner's it is near 1.
+    // W is in world units, of any magnitude; relative to the corner's it is close to 1.
     const double scale = inFront ? 1 / base.z : 1;
     const auto put = [&](const Vec3& h, Real* to) {
         to[0] = static_cast<Real>(scale * (h.x - out.cornerX * h.z));
@@ -62,13 +62,13 @@ TileMap tileMap(const SheetSlide& slide, Real u0, Real v0) {
     return out;
 }
 
-// Where the tile's corner lies on one level, pixel centres at integers.
+// The place of the tile's corner on one level, with pixel centres at integers.
 struct LevelPlace {
     const float* pixels;
     int width, height;
-    int x, y;             // whole part
-    Real fx, fy;          // and rest
-    Real scaleX, scaleY;  // level pixels a pixel of the picture
+    int x, y;             // integer part
+    Real fx, fy;          // fraction
+    Real scaleX, scaleY;  // level pixels per pixel of the picture
 };
 constexpr std::size_t kMostLevels = 32;
 
@@ -89,16 +89,16 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// One footprint a sample: everything in pixels of the picture, positions relative to the tile's corner.
+// The footprints of all samples, in pixels of the picture; positions are relative to the tile's corner.
 struct Footprints {
     alignas(64) Real x[kTileSize], y[kTileSize];          // centre
     alignas(64) Real stepX[kTileSize], stepY[kTileSize];  // from tap to tap
-    alignas(64) Real taps[kTileSize];                     // how many; 0: unlit
-    alignas(64) Real size[kTileSize];                     // what a tap must be averaged over
+    alignas(64) Real taps[kTileSize];                     // number of taps; 0: unlit
+    alignas(64) Real size[kTileSize];                     // size that each tap is averaged over
     alignas(64) Real boxX[kTileSize], boxY[kTileSize];    // edges of a tap's own box
 };
 
-// How the slide position moves along (dX, dY, dW), at position (x, y): the derivative of X / W.
+// The change of the slide position along (dX, dY, dW), at position (x, y): the derivative of X / W.
 HWY_ATTR HWY_INLINE VF moved(VF d, VF dW, VF at, VF inverseW) {
     return hn::Mul(hn::NegMulAdd(at, dW, d), inverseW);
 }
@@ -114,19 +114,19 @@ HWY_ATTR HWY_INLINE Vector3 combined(const TileMap& m, VF u, VF v, VF n) {
     return {part(0), part(1), part(2)};
 }
 
-// One vector of samples: is it lit, the centre of its footprint, and the sums over the footprint's edges of the
-// products of their coordinates.
+// For one vector of samples: whether it is lit, the centre of its footprint, and the sums over the footprint's edges of
+// the products of their coordinates.
 struct Spread {
     hn::Mask<DF> lit;
     VF x, y, xx, xy, yy;
 };
 
-// Cuts footprints along their long axis into taps.
+// Divides footprints along their long axis into taps.
 HWY_ATTR HWY_INLINE void storeFootprint(const Spread& spread, int k, Footprints& out) {
     const DF d;
     const auto zero = constant(0), one = constant(1);
     const auto& [lit, x, y, xx, xy, yy] = spread;
-    // Squares of the lengths of the two axes: eigenvalues of the covariance times 12.
+    // Squares of the lengths of the two axes: the eigenvalues of the covariance times 12.
     const auto half = constant(0.5);
     const auto mean = hn::Mul(half, hn::Add(xx, yy)), difference = hn::Mul(half, hn::Sub(xx, yy));
     const auto root = hn::Sqrt(hn::MulAdd(difference, difference, hn::Mul(xy, xy)));
@@ -136,7 +136,7 @@ HWY_ATTR HWY_INLINE void storeFootprint(const Spread& spread, int k, Footprints&
     taps = hn::Min(hn::Max(taps, one), constant(kMostTaps));
     const auto part = hn::Div(longer, taps);
 
-    // The long axis' direction, from whichever column of the matrix is the longer one.
+    // The direction of the long axis, from the longer column of the matrix.
     const auto steep = hn::Lt(difference, zero);
     auto axisX = hn::IfThenElse(steep, xy, hn::Add(difference, root));
     auto axisY = hn::IfThenElse(steep, hn::Sub(root, difference), xy);
@@ -152,7 +152,7 @@ HWY_ATTR HWY_INLINE void storeFootprint(const Spread& spread, int k, Footprints&
     hn::Store(hn::Mul(part, axisY), d, out.stepY + k);
     hn::Store(hn::IfThenElseZero(lit, taps), d, out.taps + k);
     hn::Store(hn::Max(shorter, part), d, out.size + k);
-    // What remains of the footprint once the taps have their share. A thousandth of a pixel keeps quotients finite.
+    // The rest of the footprint after division into taps. A thousandth of a pixel keeps quotients finite.
     const auto taken = hn::Mul(hn::Mul(longer, longer), hn::Sub(one, hn::Div(one, hn::Mul(taps, taps))));
     const auto least = constant(1e-6);
     hn::Store(hn::Sqrt(hn::Max(hn::NegMulAdd(taken, hn::Mul(axisX, axisX), xx), least)), d, out.boxX + k);
@@ -169,16 +169,16 @@ HWY_ATTR void layFootprints(const TileMap& m, const SampleTile& samples, Real sl
         const auto place = [&](int i) HWY_ATTR {
             return hn::MulAdd(du, constant(m.perU[i]), hn::MulAdd(dv, constant(m.perV[i]), constant(m.at[i])));
         };
-        // Behind the light, and too near for floats: no light.
+        // No light behind the light, or too close to it for floats.
         const auto w = place(2);
         const auto lit = hn::Gt(w, constant(1e-12));
         const auto inverse = hn::Div(one, hn::IfThenElse(lit, w, one));
-        // Beyond that nothing is told apart any more; squares must stay finite.
+        // Positions further away cannot be distinguished, and their squares must stay finite.
         const auto far = constant(1e7);
         const auto x = hn::Max(hn::Min(hn::Mul(place(0), inverse), far), hn::Neg(far));
         const auto y = hn::Max(hn::Min(hn::Mul(place(1), inverse), far), hn::Neg(far));
 
-        // The footprint's three edges: a step to either neighbour, and the eye's way through the sheet.
+        // The footprint's three edges: a step to either neighbour, and the eye's path through the sheet.
         const auto toTexels = constant(slopeToTexels);
         const auto slopeU = hn::Mul(hn::Load(d, samples.eyeA + k), toTexels);
         const auto slopeV = hn::Mul(hn::Load(d, samples.eyeB + k), toTexels);
@@ -228,9 +228,9 @@ HWY_ATTR HWY_INLINE V4 bilinear(const LevelPlace& level, Real x, Real y) {
                  lerp4(load4(bottom + left), load4(bottom + right), ax - floorX), ay - floorY);
 }
 
-// The part of a tap's box, along one axis, that lies within the picture.
+// The fraction of a tap's box, along one axis, that lies within the picture.
 HWY_INLINE Real within(Real middle, Real box, Real begin, Real end) {
-    // Counted from both borders, so that well inside it is 1 to the last bit, however small the box.
+    // It is computed from both borders, so that it is exactly 1 well inside, however small the box.
     const Real left = std::min((middle - begin) / box + Real(0.5), Real(1)),
                right = std::min((end - middle) / box + Real(0.5), Real(1));
     return std::max(left + right - 1, Real(0));
@@ -242,11 +242,11 @@ struct Levels {
     Real beginX, beginY, endX, endY;  // the picture, relative to the tile's corner
 };
 
-// All taps of sample k.
+// The mean of all taps of sample k.
 template <SlideOutside kOutside>
 HWY_ATTR V4 tapped(const Levels& levels, const Footprints& prints, int k) {
     const int taps = static_cast<int>(prints.taps[k]);
-    // A size of 2^l needs level l; between them, in proportion: what is left of a size once its exponent is taken.
+    // A size of 2^l needs level l. Between levels, interpolation is linear in the size's mantissa.
     int exponent;
     Real between = 2 * std::frexp(std::max(Real(1), prints.size[k]), &exponent) - 1;
     int level = exponent - 1;

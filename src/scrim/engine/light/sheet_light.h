@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
-// A light over one sheet, and its slide over a tile's worth of samples there, filtered.
+// A light on one sheet, and its slide filtered over a tile of samples there.
 //
-// What a sample stands for is not a point: it is as wide as the samples are apart, and as long as the way of the eye's
-// ray through the sheet. A ray marcher would see the slide's average along that way, and so does this: the footprint on
-// the slide is the parallelepiped of the two spacings and the ray's segment, flattened; its covariance (a box of edge e
-// has e^2 / 12) gives a long and a short axis. Along the long one several taps are averaged, the short one picks the
-// level of the mip pyramid (between levels: trilinear). A footprint smaller than a pixel of the slide needs no filter:
-// magnified slides stay as sharp as they are. The picture's border is sharp whatever the size of its pixels: a tap
-// counts as much as the part of its box that lies within.
+// A sample does not represent a point: it is as wide as the distance between samples, and as long as the path of the
+// eye's ray through the sheet. A ray marcher would see the slide's average along that path, and so does this: the
+// footprint on the slide is the flattened parallelepiped of the two spacings and the ray's segment. Its covariance (a
+// box of edge e has e^2 / 12) gives a long and a short axis. Several taps along the long axis are averaged; the short
+// axis selects the level of the mip pyramid (trilinear between levels). A footprint smaller than a pixel of the slide
+// needs no filter, so magnified slides stay sharp. The picture's border is sharp whatever the size of its pixels: a tap
+// counts in proportion to the part of its box that lies inside.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -19,7 +19,7 @@
 
 namespace scrim {
 
-/// A slide over one sheet. Without an image there is none.
+/// A slide on one sheet; without an image there is none.
 struct SheetSlide {
     const Texture* image = nullptr;
     SlideOutside outside = SlideOutside::black;
@@ -27,32 +27,33 @@ struct SheetSlide {
     Simd simd = {};
 };
 
-/// Writes 3 x 256 floats, all reds first: what the light's intensity is multiplied by. False, and nothing written,
-/// where that is 0 for all samples. `toTexels`: texels a sheet, which takes slopes du/dw to texels.
+/// Writes 3 x 256 floats, all reds first: the factor on the light's intensity. Returns false, and writes nothing, if
+/// that is 0 for all samples. `toTexels`: texels per sheet, which converts slopes du/dw to texels.
 bool tintTile(const SheetSlide& slide, const SampleTile& samples, Real toTexels, Real* tint);
 
-/// A light over one sheet. Directions are in sweep space, along which the light travels with +w.
+/// A light on one sheet. Directions are in sweep space, along which the light travels with +w.
 struct SheetLight {
     bool distant = true;
     bool spot = false;
-    bool oneSided = false;  ///< an element of a surface: the cosine to its axis, and nothing behind
+    /// An element of a surface: irradiance has the cosine to its axis as factor, and is 0 behind it.
+    bool oneSided = false;
     bool shadowed = true;
-    bool withinSheet = true;  ///< counts what the sheet itself takes of the light
+    bool withinSheet = true;  ///< includes attenuation by the sheet itself
     bool decay = true;
     Real slopeA = 0, slopeB = 0;                ///< distant: du/dw, dv/dw
-    Real texelU = 0, texelV = 0;                ///< otherwise: the source, in texels
+    Real texelU = 0, texelV = 0;                ///< otherwise: position of the source, in texels
     Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
-    Real radius2 = 0;                           ///< world units squared, > 0 where decay
-    Real axisU = 0, axisV = 0, axisW = 1;       ///< spot, element
-    Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: light fades between them
-    // Windows cut a light into overlapping parts (light close to the volume): this part's share of a direction
-    // is its window's value there over the sum of all. None: 0.
+    Real radius2 = 0;                           ///< world units squared, > 0 if the light decays
+    Real axisU = 0, axisV = 0, axisW = 1;       ///< for spots and elements
+    Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: the light fades between them
+    // Windows divide a light close to the volume into overlapping parts. The share of this part in a direction is its
+    // window's value there over the sum of all windows. Null: no windows.
     const std::vector<Vec3>* windows = nullptr;  ///< axes in sweep space
     int window = 0;
-    Real windowCos = 0;  ///< a window falls to 0 at this cosine from its axis
+    Real windowCos = 0;  ///< a window falls to 0 at this cosine to its axis
     Real intensity[3] = {1, 1, 1};
-    int output = 0;  ///< where what it lights goes: a part of the beauty, or the beauty
-    int index = 0;   ///< among the lights of the plan
+    int output = 0;  ///< output that receives its light: a part of the beauty, or the beauty
+    int index = 0;   ///< index among the lights of the plan
     SheetSlide slide;
 };
 

@@ -12,14 +12,14 @@
 namespace scrim {
 namespace {
 
-// A ray lights sheet n if it ends at N >= n + this.
+// A ray lights sheet n if it ends at N >= n + pastSheet.
 //
-// A surface that hides from the eye what is behind it ends the eye's ray where it ends the light's. So how much of the
-// sheet counts is the eye's to say, and the light must not say it once more: where both are on one side of the surface,
-// a sheet is lit if any of it is, and one more, since texels behind the surface are looked up together with those in
-// front of it. Where the surface lies between them, what the eye sees of it is dark, and so is what lies next to that.
-// So what is seen of a surface does not depend on where the sheets lie. What does not hide shadows from the middle of a
-// sheet on.
+// A surface that hides what is behind it ends the eye's ray at the same place as the light's. The eye's ray then
+// already determines how much of the sheet counts, and the light must not reduce it once more. If eye and light are on
+// the same side of the surface, a sheet is lit if any part of it is, and so is one more sheet, since texels behind the
+// surface are looked up together with those in front of it. If the surface lies between them, the side that the eye
+// sees is dark, and so is the space next to it. Thus the look of a surface does not depend on the positions of the
+// sheets. A surface that does not hide casts shadows from the middle of a sheet on.
 double pastSheet(const SolidHit& hit, const Vec3& wsLight, const Vec3& wsEye) {
     if (!hit.hides) return 0.5;
     return glm::dot(hit.wsNormal, wsLight) * glm::dot(hit.wsNormal, wsEye) > 0 ? -1 : 2;
@@ -40,7 +40,8 @@ SolidShadow::SolidShadow(const Solids& solids, const LightView& view, const Shee
     parallelFor(std::size_t(view.height), [&](std::size_t y) {
         for (int x = 0; x < view.width; ++x) {
             const double a = view.first.x + x * view.cell, b = view.first.y + double(y) * view.cell;
-            // N is the parameter of a distant light's ray, and N less the source's of another.
+            // N is the parameter of a distant light's ray; for other lights the parameter is N minus that of the
+            // source.
             const Vec3 origin = view.distant ? sheets.wsPoint({a, b, 0}) : wsSource;
             const Vec3 along = view.distant ? sheets.wsPoint({a + view.tsSource.x, b + view.tsSource.y, 1}) - origin
                                             : sheets.wsPoint(view.tsSource + Vec3(a, b, 1)) - wsSource;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shadows of solids: where each ray of a light's raster first meets a surface. Unlike optical depth that is known
-// before the sweep begins, and is one number a ray.
+// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast to optical depth,
+// this is known before the sweep begins, and is a single number for each ray.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -17,11 +17,12 @@ namespace scrim {
 
 class SolidShadow {
   public:
-    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is seen.
+    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is
+    /// visible.
     SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera);
 
-    /// What part of the light gets past the solids to 256 texel positions of sheet n, in [0, 1]: between rays that do
-    /// and rays that do not it is linear. Multiplies `light`.
+    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to 256 texel positions of sheet n. It is
+    /// interpolated linearly between rays that pass and rays that do not.
     void multiply(int n, const Real* u, const Real* v, Real* light) const;
 
     std::uint64_t rays() const { return m_hits.size(); }
@@ -32,8 +33,8 @@ class SolidShadow {
 
   private:
     LightView m_view;
-    std::vector<float>
-        m_hits;  // the last N of a sheet that a ray lights, in rows of the raster; infinity: it lights all
+    // The last N of a sheet that each ray lights, in rows of the raster; infinity: it lights all sheets.
+    std::vector<float> m_hits;
 };
 
 }  // namespace scrim

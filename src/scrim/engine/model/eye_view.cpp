@@ -12,18 +12,18 @@
 #include <hwy/foreach_target.h>
 #include <scrim/engine/simd-inl.h>
 
-// What does not depend on the target.
+// Definitions that do not depend on the target.
 #ifndef SCRIM_EYE_VIEW_ONCE
 #define SCRIM_EYE_VIEW_ONCE
 namespace scrim {
 namespace {
 
-// A row of 16 rays in texel space, as affine functions of the pixel's place i in it: origin + i * originStep, and
-// likewise for directions. In double: an eye may be far away.
+// A row of 16 rays in texel space, as affine functions of the pixel's index i: origin + i * originStep, and likewise
+// for directions. In double precision, since an eye may be far away.
 struct RayRow {
     double origin[3], originStep[3], direction[3], directionStep[3];
     double near;       // depth at which rays begin, in units of the direction
-    double reference;  // N of the plane that positions are wanted on
+    double reference;  // N of the plane on which positions are needed
 };
 
 }  // namespace
@@ -139,7 +139,7 @@ Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
     const auto edge = [&](int pixels) { return roundUpToTile(pixels) + 2 * guardTiles * kTileEdge; };
     raster.width = edge(region.width());
     raster.height = edge(region.height());
-    // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; then pixels' centres to whole numbers.
+    // (x, y, t) or (x t, y t, t) of points relative to the rays' origin; the shift then puts pixel centres at integers.
     const Mat3& m = m_rasterFromOffset;
     const double shift[2] = {guardTiles * kTileEdge - region.x0 - 0.5, guardTiles * kTileEdge - region.y0 - 0.5};
     const auto row = [&](int i) {
@@ -153,8 +153,8 @@ Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
 
 SampleSpacing EyeView::pixelSpacing(double middle) const {
     SampleSpacing spacing;
-    // Rays from the eye: a step of a pixel is one of their direction, times how far along the ray the sample lies; and
-    // that is what the last row of the inverse tells.
+    // For rays from the eye, a step of one pixel is a step of their direction, times the distance of the sample along
+    // the ray, which the last row of the inverse gives.
     const Vec3 &x = m_orthographic ? m_ts.originX : m_ts.directionX,
                &y = m_orthographic ? m_ts.originY : m_ts.directionY;
     for (int axis = 0; axis < 3; ++axis) {
@@ -170,7 +170,7 @@ SampleSpacing EyeView::pixelSpacing(double middle) const {
     return spacing;
 }
 
-// The last row of the inverse tells how far along a ray, and so how deep, a point lies.
+// The last row of the inverse gives the distance along a ray, and therefore the depth, of a point.
 void EyeView::setDepth(double middle, SampleTile& samples) const {
     samples.depth = static_cast<Real>((m_rasterFromOffset * (Vec3(0, 0, middle) - m_ts.origin0)).z);
     samples.depthU = static_cast<Real>(m_rasterFromOffset[0].z);

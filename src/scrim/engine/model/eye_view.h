@@ -13,8 +13,7 @@
 
 namespace scrim {
 
-/// The texel positions that look-ups of what these tiles hold may come from: a texel serves bilinear look-ups up to one
-/// texel around it.
+/// The texel positions from which look-ups may use these tiles: a texel serves bilinear look-ups up to one texel away.
 inline Box2<double> texelsAround(const Box2<int>& tiles) {
     return {double(tiles.x0 * kTileEdge - 1), double(tiles.y0 * kTileEdge - 1), double(tiles.x1 * kTileEdge),
             double(tiles.y1 * kTileEdge)};
@@ -29,43 +28,43 @@ class EyeView {
     /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference).
     struct Ray {
         double u, v;
-        double slopeU, slopeV;  ///< texels a sheet
-        double startN;          ///< N where the ray begins (the eye, or the near plane)
+        double slopeU, slopeV;  ///< texels per sheet
+        double startN;          ///< N where the ray begins (at the eye or the near plane)
     };
 
-    /// The ray through raster position (x, y), located at the plane N = `reference`.
+    /// The ray through raster position (x, y), with its position on the plane N = `reference`.
     Ray ray(double x, double y, double reference) const;
 
-    /// How deep, along the viewing axis, the ray through a raster position lies at N: first + N * step. What lies
-    /// before `near` is not seen.
+    /// The depth, along the viewing axis, of the ray through a raster position at N: first + N * step. Depths below
+    /// `near` are not visible.
     struct Depths {
         double first, step, near;
     };
     Depths depths(double x, double y) const;
 
-    /// The rays of the 16 x 16 pixels from (x0, y0), through their centres, for a batch whose first plane is at
-    /// N = `reference`.
+    /// The rays through the centres of the 16 x 16 pixels from (x0, y0), for a batch whose first plane is at N =
+    /// `reference`.
     RayTile rays(int x0, int y0, double reference) const;
 
-    /// N - reference of points on the rays of those pixels, by their depths along the viewing axis: infinite ones lie
-    /// where the rays go.
+    /// N - reference of points on the rays of those pixels, given by their depths along the viewing axis. An infinite
+    /// depth gives an infinite N in the direction of the ray.
     void planesAt(int x0, int y0, const double* depths, double reference, Real* planes) const;
 
-    /// The lattice of the pixels of tiles of `region`, with `guardTiles` tiles more on each side: what per-view
-    /// splatting fills. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
+    /// The lattice of the pixels in tiles of `region`, with `guardTiles` more tiles on each side, into which per-view
+    /// splatting splats. Pixel (x0, y0) of the region is the first of tile (guardTiles, guardTiles).
     Lattice lattice(const PixelWindow& region, int guardTiles) const;
 
     /// Slopes of eye rays at texels, for shading.
     const EyeSlopes& slopes() const { return m_slopes; }
 
-    /// How far apart pixels are on the plane N = `middle`, by the position of a sample there.
+    /// The spacing of pixels on the plane N = `middle`, as a function of a sample's position.
     SampleSpacing pixelSpacing(double middle) const;
 
-    /// Writes to `samples` how deep positions on the plane N = `middle` lie.
+    /// Sets in `samples` the depth of positions on the plane N = `middle`.
     void setDepth(double middle, SampleTile& samples) const;
 
-    /// The pixels whose rays may pass through a box of texels on the plane N = `middle`: as raster positions, or
-    /// nothing where no bound is known (next to the eye and behind it).
+    /// A box, in raster positions, around the pixels whose rays may pass through a box of texels on the plane N =
+    /// `middle`. No value if no bound is known (next to the eye and behind it).
     std::optional<Box2<double>> seenBy(const Box2<double>& texels, double middle) const;
 
   private:

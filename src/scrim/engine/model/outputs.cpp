@@ -26,7 +26,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
                                    : isNew              ? add(Layer::light, light)
                                                         : static_cast<int>(known - outputs.list.begin()) + 1);
     }
-    // What of a light has scattered before the sweeps show that own alpha.
+    // The sweeps that own alpha show the multiply scattered part of a light.
     for (const int light : scattered)
         if (primary && wants(Layer::light) &&
             std::find(outputs.list.begin(), outputs.list.end(), Output{Layer::light, light}) == outputs.list.end())
@@ -43,7 +43,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     layout.outputs = static_cast<int>(outputs.list.size()) + 1;
     if (primary && holdsOut(scene)) layout.seen = layout.outputs++;
     layout.coloured = coloured;
-    // What consists of outputs that are there anyway needs none of its own.
+    // An output that is the sum of other existing outputs needs no quad of its own.
     const bool emits = std::any_of(scene.volumes.begin(), scene.volumes.end(),
                                    [](const ViewVolume& volume) { return !volume.emission.empty(); });
     const bool ambientLeft = primary && lit && layout.ambient == 0;

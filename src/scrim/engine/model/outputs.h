@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The outputs of a sweep (AOVs): the beauty, which is number 0, and what is composited beside it; and how the floats of
-// a shaded sample are laid out for them.
+// The outputs of a sweep (AOVs): the beauty, which is number 0, and the outputs that are composited beside it; and the
+// layout of a shaded sample's floats.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -9,56 +9,56 @@
 
 namespace scrim {
 
-/// An output beside the beauty. Of Layer::light one each for every light, of Layer::volume for every volume.
+/// An output beside the beauty. There is one of Layer::light for every light, and one of Layer::volume for every
+/// volume.
 struct Output {
     Layer layer = Layer::light;
-    int light = -1;  ///< of a light's: index into ViewScene::lights
-    int place = -1;  ///< of a volume's: index into Scene::volumes
+    int light = -1;  ///< for lights: index into ViewScene::lights
+    int place = -1;  ///< for volumes: index into Scene::volumes
 
     bool operator==(const Output&) const = default;
 };
 
-/// Quads of floats, one for each output, and how much the sample hides of what lies behind it. Where extinction is grey
-/// every quad is (S.rgb, -alpha). Where it is `coloured` quads are (S.rgb, 0), and one quad of opacities that all share
-/// follows: (-alpha.rgb, -the least of the three). Compositing comes in these two kinds, whatever outputs there are.
+/// A sample consists of quads of floats: one for each output, with the sample's opacity. With grey extinction, every
+/// quad is (S.rgb, -alpha). With `coloured` extinction, quads are (S.rgb, 0), followed by one quad of opacities that
+/// all share: (-alpha.rgb, -the least of the three). Compositing has only these two forms, whatever the outputs are.
 ///
-/// Without `beauty` output 0 has no quad of its own: all that it consists of has one, and it is added up once the
-/// pixels are done.
+/// Without `beauty`, output 0 has no quad of its own: all of its parts have one, and they are added up at the end.
 struct OutputLayout {
-    int outputs = 1;  ///< with the beauty
+    int outputs = 1;  ///< including the beauty
     bool coloured = false;
     bool beauty = true;
-    // Outputs that receive what is not a light's. 0: it goes into the beauty; -1: nowhere, nobody asks for it.
+    // The outputs that receive light which belongs to no light. 0: the beauty; -1: none, since nobody asks for it.
     int ambient = 0, emission = 0;
     int albedo = -1, depth = -1, motion = -1;
-    /// Opacity of what is seen, in each channel: the picture's alpha where that is not all that hides; else -1. It is
-    /// no layer, and the last of the outputs.
+    /// The output for the opacity of what is visible, in each channel. It is the picture's alpha if something hides
+    /// without being visible; else -1. It is not a layer, and is the last output.
     int seen = -1;
     int beautyParts = 1;  ///< outputs [1, beautyParts) are parts of the beauty
 
     bool beautyAlone() const { return outputs == 1 && !coloured && beauty; }
-    /// Which quad holds an output.
+    /// The index of an output's quad.
     int quadOf(int output) const { return beauty ? output : output - 1; }
     int outputQuads() const { return quadOf(outputs); }
     int quads() const { return outputQuads() + (coloured ? 1 : 0); }
     int floats() const { return 4 * quads(); }
 };
 
-/// What one sweep composites: only what it contributes to.
+/// The outputs that one sweep composites: only those that it contributes to.
 struct SweepOutputs {
-    std::vector<Output> list;  ///< output i + 1
+    std::vector<Output> list;  ///< element i is output i + 1
     OutputLayout layout;
     std::vector<int> ofLights;        ///< the output of each of the sweep's lights
-    std::vector<int> ofVolumes = {};  ///< of each of ViewScene::volumes; 0: none
+    std::vector<int> ofVolumes = {};  ///< the output of each of ViewScene::volumes; 0: none
 };
 
-/// Of a sweep with these lights (indices into ViewScene::lights, one may occur more than once). `primary`: it owns
-/// alpha, ambient light, emission, and what has scattered before of the lights `scattered`. Throws Error(usage) where
-/// there are too many.
+/// The outputs of a sweep with these lights (indices into ViewScene::lights, possibly repeated). `primary`: the sweep
+/// owns alpha, ambient light, emission, and multiply scattered light from the lights `scattered`. Throws Error(usage)
+/// if there are too many.
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
                            const std::vector<int>& scattered = {});
 
-/// Pictures beside the beauty that a frame of `scene` has.
+/// The number of pictures beside the beauty in a frame of `scene`.
 std::size_t layerCount(const ViewScene& scene);
 
 }  // namespace scrim

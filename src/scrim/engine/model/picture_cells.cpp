@@ -12,16 +12,16 @@
 namespace scrim {
 namespace {
 
-// Cells consist of bins, of which there are no more than this along the picture's longer side. A bin holds the sums of
-// its pixels, so that neither light nor the middle of it depends on the bins. A picture of a few pixels is cut finer:
-// a white sky is as wide as it is, whether it has one pixel or a million.
+// Cells consist of bins, of which there are at most this many along the picture's longer side. A bin holds the sums of
+// its pixels, so that neither its light nor its centre depends on the bins. A picture of few pixels is divided more
+// finely, since a white sky has the same extent whether it has one pixel or a million.
 constexpr int kMostBins = 512, kLeastBins = 256;
 
 struct Bin {
     Rgb light{0};       // integral over the bin
     double weight = 0;  // mean of the channels
-    double share = 0;   // of all there is of solid angle or area
-    Vec3 moment{0};     // integral of weight times place
+    double share = 0;   // fraction of the full solid angle or area
+    Vec3 moment{0};     // integral of weight times position
 
     Bin& operator+=(const Bin& b) {
         light += b.light;
@@ -35,15 +35,15 @@ struct Bin {
 struct Cell {
     int x0, y0, x1, y1;
     Bin sum;
-    bool whole = false;  // cannot be split
-    // What a light at the middle may get wrong: how much light, times how far it is moved.
+    bool whole = false;  // cannot be divided
+    // A measure of the error of a light at the centre: the amount of light times the distance it is moved.
     double priority() const { return whole ? 0 : sum.weight * std::sqrt(sum.share); }
 };
 
 class BinMap {
   public:
-    /// A point (u, v) of the picture is at across(u) * scale(v) + down(v); rows from v0 to v1 have share(v0, v1) of
-    /// all.
+    /// A point (u, v) of the picture is at across(u) * scale(v) + down(v); rows from v0 to v1 are the fraction
+    /// share(v0, v1) of the whole.
     template <class Across, class Scale, class Down, class Share>
     BinMap(const Texture& picture, const Across& across, const Scale& scale, const Down& down, const Share& share) {
         const Texture::Level& level = picture.levels().front();
@@ -94,11 +94,11 @@ class BinMap {
             for (int x = x0; x < x1; ++x) sum += at(x, y);
         return sum;
     }
-    // Across its longer side, where half of its light lies on either side; none of a single bin.
+    // Divides a cell across its longer side so that each half has half of its light; no value for a single bin.
     std::optional<std::pair<Cell, Cell>> halved(const Cell& c, double widthOverHeight) const {
         const int columns = c.x1 - c.x0, rows = c.y1 - c.y0;
         if (columns * rows == 1) return std::nullopt;
-        // A cell's own share tells how wide it is where a sky's meridians meet.
+        // The cell's share accounts for its width where a sky's meridians converge.
         const double height = double(rows) / m_height;
         const bool across = rows == 1 || (columns > 1 && c.sum.share / height > height / widthOverHeight);
         const int length = across ? columns : rows;
@@ -131,11 +131,11 @@ std::vector<PictureCell> domeCells(const Light& light, int count) {
         [up = glm::normalize(light.wsUp)](double v) { return std::cos(pi * v) * up; },
         [](double v0, double v1) { return 0.5 * (std::cos(pi * v0) - std::cos(pi * v1)); });
     std::vector<PictureCell> cells;
-    // As shares of the sphere heights are up to 1 and widths 4 / pi times as much at the equator.
+    // In fractions of the sphere, heights are up to 1 and widths 4 / pi times as much at the equator.
     for (const Cell& cell : map.split(count, 4 / pi)) {
         if (cell.sum.weight <= 0) continue;
         const double length = glm::length(cell.sum.moment);
-        // The whole sky has no middle.
+        // The whole sky has no centre.
         const Vec3 center = length > 1e-9 * cell.sum.weight ? cell.sum.moment / length : glm::normalize(light.wsUp);
         cells.push_back({4 * pi * cell.sum.light, center, cell.sum.share});
     }
@@ -144,14 +144,14 @@ std::vector<PictureCell> domeCells(const Light& light, int count) {
 
 double lightInSpots(const Light& dome, int directions) {
     constexpr double pi = std::numbers::pi;
-    constexpr double kBright = 4;      // times the mean around: a horizon, or half a cloud, is not as much
-    constexpr int kFineEnough = 1024;  // pixels across: the sun has two
+    constexpr double kBright = 4;      // times the mean around; a horizon, or half a cloud, is not as bright
+    constexpr int kFineEnough = 1024;  // pixels across; the sun has two
     if (!dome.slide || !dome.slide->image) return 0;
     const auto& levels = dome.slide->image->levels();
     std::size_t chosen = 0;
     while (chosen + 1 < levels.size() && levels[chosen + 1].width >= kFineEnough) ++chosen;
     const Texture::Level& level = levels[chosen];
-    // Regions of about one direction each: rows of equal heights, cut into as many as their circles are long.
+    // Regions of about one direction each: rows of equal heights, divided by the lengths of their circles.
     const int rows = std::max(1, static_cast<int>(std::lround(std::sqrt(pi * directions) / 2)));
     const auto regionsOf = [&](int row) {
         return std::max(1, static_cast<int>(std::lround(2 * rows * std::sin(pi * (row + 0.5) / rows))));

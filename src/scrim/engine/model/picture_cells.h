@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture of a sky or a luminous rectangle, cut into cells that each count about as much: a bright window has many
-// small ones and a dark wall a few large ones. Every pixel's light is in just one cell, so that no light gets lost.
+// Divides the picture of a sky or a luminous rectangle into cells of about equal importance: many small ones for a
+// bright window, a few large ones for a dark wall. Every pixel's light is in exactly one cell, so no light is lost.
 #pragma once
 
 #include <scrim/scene/light.h>
@@ -10,19 +10,19 @@
 namespace scrim {
 
 struct PictureCell {
-    Rgb sum{0};        ///< dome: integral of the picture over the cell's solid angle; rectangle: its share of the mean
-    Vec3 center{0};    ///< of its light: dome: unit direction towards the sky; rectangle: a point in world space
-    double share = 0;  ///< of all solid angles, or of the rectangle's area
+    Rgb sum{0};  ///< dome: integral of the picture over the cell's solid angle; rectangle: its contribution to the mean
+    Vec3 center{0};    ///< centre of its light; dome: unit direction towards the sky; rectangle: a point in world space
+    double share = 0;  ///< fraction of the full solid angle, or of the rectangle's area
 };
 
-/// At most `count` cells, those without light left out. Deterministic. Of a dome with a loaded picture.
+/// At most `count` cells of a dome with a loaded picture, without those that are dark. Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);
 
-/// What share of a dome's light comes from spots, such as a sun, that are much smaller than one of `directions` that
-/// are spread evenly over the sky: a mean over a direction blurs those. In [0, 1]; 0 without a loaded picture.
+/// The fraction, in [0, 1], of a dome's light that comes from spots much smaller than one of `directions` directions
+/// spread evenly over the sky, such as a sun: a mean over a direction blurs them. 0 without a loaded picture.
 double lightInSpots(const Light& dome, int directions);
 
-/// As domeCells, of a rectangle with a loaded picture.
+/// As domeCells, for a rectangle with a loaded picture.
 std::vector<PictureCell> rectangleCells(const Light& light, int count);
 
 }  // namespace scrim

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Where the samples of a tile lie: 256 of them, at texels of a sheet or where pixels' rays meet it.
+// The positions of a tile's 256 samples, at texels of a sheet or where pixels' rays meet it.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -8,8 +8,8 @@
 
 namespace scrim {
 
-/// How far apart samples are on a sheet, along two directions: x * t and y * t, (u, v, N) in texels and sheets, with
-/// t = t0 + u tu + v tv; what moves off the plane follows the eye's ray back to it. As it is here: one texel.
+/// The spacing of samples on a sheet in two directions: x * t and y * t, in (u, v, N), texels and sheets, with t = t0 +
+/// u tu + v tv. A displacement off the plane is projected back to it along the eye's ray. By default it is one texel.
 struct SampleSpacing {
     Real x[3] = {1, 0, 0}, y[3] = {0, 1, 0};
     Real t0 = 1, tu = 0, tv = 0;
@@ -19,21 +19,21 @@ struct SampleSpacing {
 struct SampleTile {
     alignas(64) Real u[kTileSize];
     alignas(64) Real v[kTileSize];
-    alignas(64) Real eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's ray
+    alignas(64) Real eyeA[kTileSize];  ///< slopes du/dw and dv/dw of the eye's rays
     alignas(64) Real eyeB[kTileSize];
-    SampleSpacing spacing;  ///< texels, unless said otherwise
-    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v: read for the output of it.
+    SampleSpacing spacing;  ///< one texel unless set otherwise
+    /// Depth along the viewing axis, world units, is depth + depthU u + depthV v; only read for the depth output.
     Real depth = 0, depthU = 0, depthV = 0;
 };
 
-/// Eye rays in texel space: parallel ones have constant slopes; those from a point meet at `tsEye`.
+/// Eye rays in texel space: parallel rays have constant slopes, others meet at `tsEye`.
 struct EyeSlopes {
     bool parallel = true;
     double a = 0, b = 0;  ///< parallel: du/dw and dv/dw
     Vec3 tsEye{0};        ///< otherwise
 };
 
-/// The rays of a tile of pixels: texel position at the batch's first plane, and step from plane to plane.
+/// The rays of a tile of pixels: texel positions at the batch's first plane, and steps from plane to plane.
 struct RayTile {
     alignas(64) Real u[kTileSize];
     alignas(64) Real v[kTileSize];

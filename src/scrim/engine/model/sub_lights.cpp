@@ -18,10 +18,10 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Places in the unit square that are even along every line through it: one in each of `count` columns and of `count`
-// rows. A shadow's edge in any direction thus falls apart into about `count` fine steps, where a square grid would show
-// the square root of that as bands. From column to column the row moves on by the golden section, which wraps disks and
-// spheres in the spiral of Fibonacci; what counts is the order that this brings about. One place is the middle.
+// Points in the unit square that are evenly distributed along every line through it: one in each of `count` columns and
+// of `count` rows. A shadow's edge in any direction is thus divided into about `count` fine steps, where a square grid
+// would show the square root of that as bands. From column to column the row advances by the golden section, which
+// wraps disks and spheres in Fibonacci's spiral; only the resulting order matters. One of the points is the centre.
 std::vector<Vec2> evenPlaces(int count) {
     const auto height = [](int i) { return i / std::numbers::phi - std::floor(i / std::numbers::phi); };
     std::vector<int> columns(static_cast<std::size_t>(count));
@@ -35,19 +35,19 @@ std::vector<Vec2> evenPlaces(int count) {
     return places;
 }
 
-// The unit square onto the unit disk, areas in proportion.
+// Maps the unit square to the unit disk, preserving ratios of areas.
 Vec2 onDisk(const Vec2& p) {
     return std::sqrt(p.x) * Vec2(std::cos(2 * kPi * p.y), std::sin(2 * kPi * p.y));
 }
 
-// The unit square onto the cap of the unit sphere with cos >= `cosine` to +z, areas in proportion.
+// Maps the unit square to the cap of the unit sphere with cos >= `cosine` to +z, preserving ratios of areas.
 Vec3 onCap(const Vec2& p, double cosine) {
     const double z = 1 - p.x * (1 - cosine), r = std::sqrt(std::max(0.0, 1 - z * z));
     return {r * std::cos(2 * kPi * p.y), r * std::sin(2 * kPi * p.y), z};
 }
 
-// Nearer than this an element of such a surface shines no brighter: a disk of its area fills the half-space in front of
-// it, 2 pi, and so does the element there.
+// The radius of an element of a surface with this area, within which irradiance grows no further: a disk of the same
+// area fills the half-space in front of it, 2 pi, and so does the element there.
 double radiusOf(double area) {
     return std::sqrt(area / (2 * kPi));
 }
@@ -72,7 +72,7 @@ Light sunFrom(const Light& whole, const Vec3& travel, const Rgb& irradiance) {
     return light;
 }
 
-// The solid angle that a light fills where the corners' box is closest to it.
+// The solid angle of a light as seen from the point of the corners' box that is closest to it.
 double solidAngle(const Light& light, const std::vector<Vec3>& wsCorners) {
     if (light.dome()) return 4 * kPi;
     if (!light.area()) return 2 * kPi * (1 - std::cos(glm::radians(0.5 * std::get<Light::Distant>(light.kind).angle)));
@@ -80,7 +80,7 @@ double solidAngle(const Light& light, const std::vector<Vec3>& wsCorners) {
     for (const Vec3& corner : wsCorners) ws.include(corner);
     if (ws.empty()) return 0;
     const double distance = glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper));
-    // Of a disk of the same area, seen from its axis.
+    // The solid angle of a disk of the same area, seen from its axis.
     return 2 * kPi * (1 - distance / std::hypot(distance, std::sqrt(light.area()->area() / kPi)));
 }
 
@@ -134,12 +134,12 @@ void addSun(const Light& whole, double angle, int count, std::vector<Light>& out
 int subLightCount(const ViewScene& scene, const Light& light) {
     if (!light.extended()) return 1;
     if (light.samples > 0) return light.samples;
-    // What N sub-lights miss falls as 1 / N, and is less for a light that fills less of the sky: of a plume of dense
-    // smoke a sky left 0.85 / N, a sun of 20 degrees 0.09 / N, one of 5
-    // degrees 0.02 / N and a soft box near by 0.2 / N. Those are all about the root of its share of the sky.
+    // The error of N sub-lights falls as 1 / N, and is smaller for a light that fills less of the sky. With a plume of
+    // dense smoke, a sky left 0.85 / N, a sun of 20 degrees 0.09 / N, one of 5 degrees 0.02 / N and a soft box near by
+    // 0.2 / N. All of these are about the square root of the light's share of the sky.
     constexpr double kPerRoot = 1;
     const double share = solidAngle(light, wsCorners(scene)) / (4 * kPi);
-    // Of a sphere's sub-lights half are behind it.
+    // Half of a sphere's sub-lights are on its far side.
     const double used = light.area() && light.area()->shape == AreaShape::sphere ? 0.5 : 1;
     const double count = kPerRoot * std::sqrt(share) / (used * scene.dials.lightError);
     return static_cast<int>(std::clamp(std::ceil(count), 1.0, double(kMostSubLights)));
@@ -162,7 +162,7 @@ SubLights subLights(const ViewScene& scene) {
         else if (light.dome() && !skiesFromBorder(scene))
             addSky(light, count, all.lights);
         else if (light.dome())
-            all.lights.push_back(sunFrom(light, light.wsUp, Rgb(0)));  // which is culled: it has none of the light
+            all.lights.push_back(sunFrom(light, light.wsUp, Rgb(0)));  // it is culled, since it has no intensity
         else if (light.extended())
             addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
         else
@@ -191,7 +191,7 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
     plain = scene;
     plain.lights = lights.lights;
     for (ViewVolume& volume : plain.volumes) {
-        // Into what scatters light more than once skies shine through the border of its cells.
+        // Skies light media that scatter fully through the border of the cells.
         const bool noSky = scattersFully(volume);
         if (volume.lights.empty() && !noSky) continue;
         const std::vector<bool> byOwner = volume.lights;

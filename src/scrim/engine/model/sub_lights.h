@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// An extended light as a sum of lights that the engine knows: points of a surface, directions of the sun's disk or of
-// the sky. Everything behind the plan sees these sub-lights and nothing else; what they light belongs to their owner.
+// Represents an extended light by a sum of lights that the engine can handle: points of a surface, directions of the
+// sun's disk or of the sky. All later stages see only these sub-lights; their light belongs to their owner.
 //
-// A sum of N sub-lights converges to the whole light where a blurred single shadow buffer does not. Their pattern is
-// fixed to the light, so that it stays what it is from frame to frame.
+// A sum of N sub-lights converges to the true light, which a blurred single shadow buffer does not. Their pattern is
+// fixed to the light, so that it is the same in all frames.
 #pragma once
 
 #include <scrim/scene/view_scene.h>
@@ -13,33 +13,35 @@
 namespace scrim {
 
 struct SubLights {
-    std::vector<Light> lights;  ///< none extended; empty where no light of the scene is: then the scene's own count
-    std::vector<int> owners;    ///< of each: index into the lights of the scene, ascending
+    /// None is extended; empty if the scene has no extended lights: then the scene's own lights are used.
+    std::vector<Light> lights;
+    std::vector<int> owners;  ///< for each of them the index into the lights of the scene, ascending
 
     /// The scene's light that light `i` of the plan belongs to.
     int ownerOf(int i) const { return owners.empty() ? i : owners[std::size_t(i)]; }
-    /// How many lights stand for light `owner` of the scene.
+    /// The number of lights that represent light `owner` of the scene.
     int countOf(int owner) const;
 };
 
-/// The most that the dial light_error takes for one light.
+/// The most sub-lights that the dial light_error requests for one light.
 inline constexpr int kMostSubLights = 1024;
 
-/// How many sub-lights the scene's `light` asks for: its `samples`, or what the dial light_error needs.
+/// The number of sub-lights for the scene's `light`: its `samples`, or as many as the dial light_error needs.
 int subLightCount(const ViewScene& scene, const Light& light);
 
-/// All lights of the scene, each extended one as its sub-lights. Slides must be loaded. A pure function of the lights,
-/// the dial light_error and the volumes' bounds.
+/// All lights of the scene, with the extended ones replaced by their sub-lights. Slides must be loaded. The result
+/// depends only on the lights, the dial light_error and the volumes' bounds.
 SubLights subLights(const ViewScene& scene);
 
-/// The scene with every extended light as about `count` lights, for a rough look at it. Pictures need not be loaded.
+/// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be
+/// loaded.
 ViewScene withFewSubLights(const ViewScene& scene, int count);
 
-/// The scene with the lights of the plan in place of its own; `plain` holds the changed copy where there are any.
+/// The scene with the plan's lights in place of its own. `plain` holds the changed copy, if there is one.
 const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, ViewScene& plain);
 
-/// Do skies shine into all that they light through the border of the cells that scatter light more than once, so that
-/// no sub-lights stand for them?
+/// True if skies light everything through the border of the cells that carry multiply scattered light, so that they
+/// need no sub-lights.
 bool skiesFromBorder(const ViewScene& scene);
 
 }  // namespace scrim

@@ -19,10 +19,10 @@ namespace {
 
 constexpr double kAround = 0.5;  // pixels
 
-// The faces of a parallelepiped, by its corners.
+// The faces of a parallelepiped, by the indices of its corners.
 constexpr int kFaces[6][4] = {{0, 1, 3, 2}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 3, 7, 6}, {0, 2, 6, 4}, {1, 3, 7, 5}};
 
-// Is the point in the parallelepiped?
+// True if the point is inside of the parallelepiped.
 bool contains(const std::array<Vec3, 8>& c, const Vec3& p) {
     const Mat3 edges(c[1] - c[0], c[2] - c[0], c[4] - c[0]);
     if (std::abs(glm::determinant(edges)) < 1e-300) return false;
@@ -53,7 +53,8 @@ ViewFrustum::ViewFrustum(const Camera& camera, const PixelWindow& window) {
         if (plane.side(inside) < 0) plane = {-plane.normal, -plane.offset};
         m_planes.push_back(plane);
     };
-    // Each side holds an edge of the raster at two depths, beyond the eye where rays meet in a point.
+    // Each side contains an edge of the raster at two depths; both are in front of the eye, where rays of a perspective
+    // view meet.
     for (int i = 0; i < 2; ++i) {
         add(pointOn(i, 0, rays.near + 1), pointOn(i, 1, rays.near + 1), pointOn(i, 0, rays.near + 2));
         add(pointOn(0, i, rays.near + 1), pointOn(1, i, rays.near + 1), pointOn(0, i, rays.near + 2));
@@ -80,7 +81,7 @@ std::vector<Vec3> ViewFrustum::visiblePart(const std::array<Vec3, 8>& wsCorners)
         }
         visible.insert(visible.end(), polygon.begin(), polygon.end());
     }
-    // The frustum may begin, and its edges may run, within the box.
+    // The frustum may begin inside of the box, and its edges may pass through it.
     for (const Vec3& corner : m_corners)
         if (contains(wsCorners, corner)) visible.push_back(corner);
     return visible;
@@ -109,7 +110,7 @@ bool scatters(const ViewVolume& volume) {
     return volume.medium.mostExtinction() > 0 && (!volume.scatter.empty() || volume.medium.albedo != Rgb(0));
 }
 
-// Might light that passes `from` come to `to`? Judged by what encloses either, so that a yes may be wrong.
+// True if light that passes `from` may reach `to`. The test uses enclosing shapes, so a yes may be wrong.
 bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
     if (light.extended()) return true;
     if (light.distant()) {
@@ -130,7 +131,7 @@ bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std:
     if (a.cosAngle <= 0 || b.cosAngle <= 0) return true;
     double farthest = 0;
     for (const Vec3& p : to) farthest = std::max(farthest, glm::distance(p, light.wsPosition));
-    // No point of the boxes is nearer than the plane through the nearest corner across the cone's axis.
+    // No point of the boxes is nearer than the plane across the cone's axis through the nearest corner.
     double nearest = std::numeric_limits<double>::infinity();
     for (const Vec3& p : from) nearest = std::min(nearest, glm::dot(p - light.wsPosition, a.axis));
     const double between = std::acos(std::clamp(glm::dot(a.axis, b.axis), -1.0, 1.0));
@@ -209,12 +210,12 @@ std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& 
 
 namespace {
 
-// Texels around what is seen that look-ups, prefilters and shadow buffers' cells reach into.
+// Margin, in texels, around what is visible: look-ups, prefilters and shadow buffers' cells use neighbours.
 constexpr double kMargin = 6;
 
 using Points = std::vector<Vec3>;
 
-// Grows `box` by the part of the points' convex hull that lies within [lower, upper] along N.
+// Extends `box` by the part of the points' convex hull within [lower, upper] along N.
 void includeSlice(const Points& hull, double lower, double upper, Bounds& box) {
     for (std::size_t i = 0; i < hull.size(); ++i)
         for (std::size_t j = 0; j <= i; ++j) {
@@ -229,7 +230,7 @@ void includeSlice(const Points& hull, double lower, double upper, Bounds& box) {
         }
 }
 
-// The points, and where the light's rays to them come from: the front of the stack, or the light within it.
+// The points, and the places where the light's rays to them start: the front of the stack, or a light inside of it.
 Points withWayOf(const Light& light, const Sheets& sheets, const Points& points) {
     Points hull = points;
     bool within = false;
@@ -268,7 +269,7 @@ NeededTiles neededTiles(const ViewScene& scene, const PixelWindow& window, const
     needed.sheets.resize(std::size_t(sheets.count));
     if (seen.empty()) return needed;
 
-    // A sheet's neighbours count where something is made of their values, too.
+    // Neighbouring sheets count where their values are used, too.
     double reach = 1;
     for (const ViewVolume& volume : scene.volumes)
         reach = std::max(reach, 1.0 + (volume.classified ? Surface::halo(volume, sheets) : 0));

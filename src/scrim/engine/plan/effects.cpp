@@ -14,7 +14,7 @@
 namespace scrim {
 namespace {
 
-// Collects what has or lacks something, and where the scene says so.
+// Collects the lights or volumes that have or lack a property, and the places where the scene says so.
 class Finder {
   public:
     explicit Finder(const ViewScene& scene) : m_scene(scene) {}
@@ -29,14 +29,15 @@ class Finder {
     }
     bool any() const { return !m_texts.empty(); }
     std::string texts() const {
-        constexpr std::size_t kMostNamed = 12;  // of thousands of lights nobody reads all
+        constexpr std::size_t kMostNamed = 12;  // nobody reads a list of thousands of lights
         const auto end = m_texts.begin() + static_cast<std::ptrdiff_t>(std::min(m_texts.size(), kMostNamed));
         const std::string more =
             m_texts.size() > kMostNamed ? fmt::format(" and {} more", m_texts.size() - kMostNamed) : "";
         return fmt::format("{}{}", fmt::join(m_texts.begin(), end, ", "), more);
     }
 
-    /// On where anything was found: "`before` a, b"; else off with the text for that.
+    /// The effect is on if anything was found, with the reason "`before` a, b"; otherwise off with the reason
+    /// `otherwise`.
     Effect effect(const std::string& name, const std::string& before, const std::string& otherwise) const {
         if (!any()) return {name, false, otherwise, {}};
         return {name, true, before + texts(), m_where};
@@ -52,7 +53,7 @@ std::string quoted(const std::string& name) {
     return "'" + name + "'";
 }
 
-// Those lights of the plan, or volumes, for which say() has something to say.
+// Finds the lights of the plan, or the volumes, for which say() returns a text.
 template <class Say>
 Finder lightsThat(const ViewScene& scene, const Plan& plan, const std::string& key, const Say& say) {
     Finder found(scene);
@@ -91,7 +92,7 @@ Effect slides(const ViewScene& scene, const Plan& plan) {
         .effect("slides", "of ", "no light has a slide");
 }
 
-// Solids with a role.
+// The effect of solids with a role.
 Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, const std::string& key,
               const std::string& otherwise) {
     Finder found(scene);
@@ -157,7 +158,7 @@ Effect surfaces(const ViewScene& scene) {
                 "no volume is classified: no gradients, no transfer function");
 }
 
-// Of media: classified volumes have none of these.
+// An effect of media; classified volumes have none of these.
 template <class Say>
 Effect ofMedia(const ViewScene& scene, const std::string& key, const Say& say, const std::string& name,
                const std::string& before, const std::string& otherwise) {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a scene needs and what it does not, each with its reason and the lines of the scene that brought it about. A
-// pure function of the scene and its plan; what is off has cost nothing: no buffer, no splat, no loop.
+// The effects that a scene needs and does not need, each with its reason and the lines of the scene that caused it.
+// They depend only on the scene and its plan. An effect that is off costs nothing: no buffer, no splat, no loop.
 //
-// Where later effects go, and what they meet:
+// Notes for later effects:
 //   holdouts               are volumes whose opacity counts and whose radiance does not: extinction channels like any
-//                          other (plan.h), without a medium in SheetShader's list. A depth picture to stop at
-//                          is the rays' end, as the near plane is their start (cutSlab in compositor.cpp).
-// Each is a pass, a channel or a layout of its own: none doubles the loops that there are.
+//                          other (plan.h), without a medium in SheetShader's list. A depth picture ends rays in the
+//                          same way as the near plane starts them (cutSlab in compositor.cpp).
+// Each is a pass, a channel or a layout of its own, so that none doubles the existing loops.
 #pragma once
 
 #include <scrim/engine/plan/make_plan.h>
@@ -19,8 +19,9 @@ namespace scrim {
 struct Effect {
     std::string name;
     bool on = false;
-    std::string reason;              ///< one line, without the places
-    std::vector<std::string> where;  ///< of the scene's text that decided it: "scene.toml:12:3"; none: it is silent
+    std::string reason;  ///< one line, without the places in the scene
+    /// The places in the scene's text that decided it: "scene.toml:12:3"; empty: the text does not mention it.
+    std::vector<std::string> where;
 };
 
 std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan);

@@ -19,14 +19,14 @@
 namespace scrim {
 namespace {
 
-constexpr double kCosSlack = 1e-12;  // rounding of a cosine and back
+constexpr double kCosSlack = 1e-12;  // rounding of a cosine and its inverse
 
 double angleOf(double cosine) {
     return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-// 42 directions spread evenly over the sphere: the corners of an icosahedron and the middles of its edges. No
-// direction is further than 21 degrees from one of them, so windows of 32 degrees overlap well.
+// 42 directions spread evenly over the sphere: the corners of an icosahedron and the middles of its edges. Every
+// direction is within 21 degrees of one of them, so windows of 32 degrees overlap well.
 const std::vector<Vec3>& windowAxes() {
     static const std::vector<Vec3> axes = [] {
         const double golden = (1 + std::sqrt(5.0)) / 2;
@@ -50,7 +50,8 @@ const std::vector<Vec3>& windowAxes() {
     return axes;
 }
 
-// Cuts a light's directions into the windows that meet the volume's cone (or all, for a light inside) and its own beam.
+// Divides a light's directions into the windows that meet the volume's cone (all windows, for a light inside) and the
+// light's own beam.
 void addWindows(int index, const Light& light, const Beam& beam, const Cone& cone, std::vector<PlannedLight>& parts) {
     const std::vector<Vec3>& axes = windowAxes();
     const double volumeAngle = cone.cosAngle > 0 ? std::acos(cone.cosAngle) : std::numbers::pi;
@@ -78,7 +79,8 @@ void addParts(int index, const Light& light, const std::vector<Vec3>& corners, s
     const Cone cone = coneToCorners(light.wsPosition, corners, directions);
     const Beam beam = beamOf(light);
     const double volumeAngle = angleOf(cone.cosAngle);
-    // A picture that passes the volume by is no work at all, and one that is narrower leaves most of it alone.
+    // A slide that misses the volume needs no work, and a slide that is narrower than the volume leaves most of it
+    // alone.
     if (passesBy(light, beam, cone)) return;
     if (light.slide && beam.angle < std::min(volumeAngle, kWidestView)) {
         parts.push_back({index, beam.directions, {}, 0});
@@ -96,14 +98,14 @@ void addParts(int index, const Light& light, const std::vector<Vec3>& corners, s
     addWindows(index, light, beam, cone, parts);
 }
 
-// The eye's rays, turned where eye and light look at each other.
+// The eye's rays, reversed if eye and light face each other.
 std::vector<Vec3> turnedEye(const std::vector<Vec3>& eye, bool sameSide) {
     std::vector<Vec3> directions;
     for (const Vec3& d : eye) directions.push_back(sameSide ? d : -d);
     return directions;
 }
 
-// The cone around them and the lights' rays.
+// The cone around the eye's rays and the lights' rays.
 Cone groupCone(const std::vector<Vec3>& eye, const std::vector<const PlannedLight*>& parts, bool sameSide) {
     std::vector<Vec3> directions = turnedEye(eye, sameSide);
     for (const PlannedLight* part : parts)
@@ -119,10 +121,11 @@ Vec3 meanDirection(const std::vector<Vec3>& directions) {
 
 struct Item {
     PlannedLight part;
-    std::vector<Vec3> corners;  // those of its directions that matter to cones, for which every group asks
+    // Those of its directions that matter to cones, since every group is tested against them.
+    std::vector<Vec3> corners;
     bool sameSide;
     double slant;      // of the best sweep for this part alone
-    double meanSlant;  // over both sides that serve the part, by their shares
+    double meanSlant;  // mean over both sides that serve the part, weighted by their shares
     Vec3 mean;
     std::string name;
 };
@@ -136,7 +139,7 @@ double shareOfSameSide(double cosine, double crossFade) {
     return t * t * (3 - 2 * t);
 }
 
-// Parts in an order that does not depend on the scene's: those nearest to the eye's axis first.
+// The parts in an order that does not depend on the scene's, with those closest to the eye's axis first.
 std::vector<Item> orderedParts(const ViewScene& scene, const std::vector<Vec3>& corners, const EyePart& eye,
                                const std::vector<std::string>& culled, const Checkpoint& checkpoint) {
     std::vector<PlannedLight> parts;
@@ -188,9 +191,9 @@ void setAxis(GroupPlan& group, const ViewScene& scene, const std::vector<Vec3>& 
     }
 }
 
-// Alpha and ambient belong to the sweep that leans least: that of the light nearest to the eye's axis. Another light
-// may become that in the next frame; so whoever is about as near has a part in them, which grows as smoothly as its own
-// share does. `groupOf`: of each item.
+// Distributes alpha and ambient light. They belong to the sweep with the least slant, which is that of the light
+// closest to the eye's axis. In the next frame this may be another light. Therefore all lights that are about as close
+// have a share, which grows as smoothly as their own share does. `groupOf`: the group of each item.
 void sharePrimary(const std::vector<Item>& items, const std::vector<std::size_t>& groupOf, double crossFade,
                   std::vector<GroupPlan>& groups) {
     const double edge = glm::radians(crossFade);
@@ -215,7 +218,7 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const std::vector<Vec
     const std::vector<Vec3>& eye = part.wsDirections;
     const double limit = glm::radians(scene.dials.maxSlant);
 
-    // Each part joins the group in which it costs the least slant, or opens its own.
+    // Each part joins the group in which it adds the least slant, or opens a new one.
     std::vector<GroupPlan> groups;
     std::vector<std::size_t> groupOf;
     std::vector<GrowingCone> cones;
@@ -227,14 +230,15 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const std::vector<Vec
         for (std::size_t g = 0; g < groups.size(); ++g) {
             if (groups[g].sameSide != item.sameSide) continue;
             const double cosMost = std::cos(bestSlant) - kCosSlack;
-            if (cones[g].cone().cosAngle < cosMost) continue;  // it leans too far already
+            if (cones[g].cone().cosAngle < cosMost) continue;  // its slant is too large already
             const double slant = angleOf(cones[g].with(item.corners, cosMost).cosAngle);
             if (slant <= bestSlant) {
                 bestSlant = slant;
                 best = g;
             }
         }
-        // A group that leans further takes what makes it lean no further: a window that other lights have, too.
+        // A group with a larger slant takes a part that does not increase its slant, such as a window that other lights
+        // have, too.
         for (std::size_t g = 0; g < groups.size() && best == groups.size(); ++g)
             if (groups[g].sameSide == item.sameSide && cones[g].holds(item.corners)) best = g;
         if (best == groups.size()) {
@@ -246,13 +250,13 @@ std::vector<GroupPlan> groupLights(const ViewScene& scene, const std::vector<Vec
         groupOf.push_back(best);
         cones[best].add(item.corners);
     }
-    if (groups.empty()) groups.push_back({});  // the primary group exists without lights, too
+    if (groups.empty()) groups.push_back({});  // the primary group exists even without lights
     sharePrimary(items, groupOf, scene.dials.crossFade.value_or(kCrossFade), groups);
     for (GroupPlan& group : groups) setAxis(group, scene, eye);
 
     for (const GroupPlan& group : groups) {
         if (group.slant <= kSlantLimit) continue;
-        // The paper's own sheets are crossed by lights at any slant, and show it (ZC02 Fig. 17).
+        // Lights cross the paper's own sheets at any slant, with visible errors (ZC02 Fig. 17).
         if (scene.dials.sheets == SheetAxis::imageAligned && scene.dials.splat == SplatMode::perView) continue;
         const std::string_view cause = scene.dials.sheets == SheetAxis::imageAligned
                                            ? "image-aligned sheets do not suit this scene (sheets = \"half-way\" "
@@ -299,7 +303,7 @@ Beam beamOf(const Light& light) {
         const double angle = slideHalfAngle(light);
         if (angle < beam.angle) beam = {slideCorners(light), angle};
     }
-    beam.angle = std::min(beam.angle, 0.5 * pi);  // nothing behind a slide is lit
+    beam.angle = std::min(beam.angle, 0.5 * pi);  // a slide lights nothing behind it
     return beam;
 }
 

@@ -23,7 +23,7 @@
 namespace scrim {
 namespace {
 
-// Buffers of a batch should stay near the caches: more only pays with more threads.
+// The buffers of a batch should stay close to the caches. Larger ones only pay with more threads.
 constexpr std::size_t kComfortableBytes = std::size_t{64} << 20;
 constexpr int kLeastBatch = 16;
 
@@ -41,11 +41,11 @@ std::size_t groupBytes(const ViewScene& scene, const Plan& plan, const GroupPlan
     return bytes;
 }
 
-// Sheets a batch: enough for every thread to have some, few enough to stay in memory.
+// Chooses the number of sheets in a batch: enough to occupy every thread, few enough to stay in memory.
 void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, const Plan& plan, GroupPlan& group) {
     const auto bytesFor = [&](int batch) { return groupBytes(scene, plan, group, batch); };
     const int wanted = std::min(group.sheets.count, std::max(kLeastBatch, 8 * threads));
-    // Where memory is short, a deep picture gets at least half of what the flat one leaves.
+    // If memory is short, a deep picture gets at least half of what the flat one leaves.
     const std::size_t left = scene.memoryLimit - std::min(scene.memoryLimit, frameBytes);
     const std::size_t budget =
         scene.memoryLimit == 0 ? kComfortableBytes : std::min(kComfortableBytes, scene.deep ? left / 2 : left);
@@ -70,7 +70,7 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     for (const GroupPlan& group : plan.groups) {
         const double share = group.needed.share(group.sheets);
         const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
-        // A voxel reaches all sheets within its kernel's extent: about one and its own width.
+        // A voxel reaches all sheets within its kernel's extent: about one sheet more than its width.
         const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
         plan.work.footprints += share * voxels * reach;
         plan.work.texels += texels;
@@ -82,7 +82,7 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     }
 }
 
-// What the group's light belongs to, of the scene's lights.
+// The owners of the group's lights, as indices into the scene's lights.
 std::vector<int> ownersOf(const Plan& plan, const GroupPlan& group) {
     std::vector<int> owners;
     for (const PlannedLight& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
@@ -96,8 +96,8 @@ std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan
     return shadowed;
 }
 
-// A deep picture: what its samples may take at most, and what they get. Samples become curves of about their size, so
-// they may take half of what the limit leaves.
+// Plans the memory of a deep picture: what its samples may need at most, and the limit that they get. Samples are
+// turned into curves of about their size, so they may take half of what the memory limit leaves.
 void planDeep(const ViewScene& scene, Plan& plan) {
     if (!scene.deep) return;
     double bytes = 0;
@@ -114,7 +114,7 @@ void planDeep(const ViewScene& scene, Plan& plan) {
     plan.bytes += plan.deepBytes;
 }
 
-// What the plan itself takes, which is little unless there are very many sheets.
+// Checks the memory of the plan itself, which is small unless there are very many sheets.
 void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
     std::size_t count = std::size_t(sheets);
     for (const GroupPlan& group : plan.groups) count += group.needed.sheets.size();
@@ -125,7 +125,7 @@ void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
                                 bytesText(bytes), bytesText(scene.memoryLimit)));
 }
 
-// Of lights that share an axis: where their sweep's sheets and rasters lie.
+// Plans a group of lights that share an axis: the places of its sheets and rasters.
 GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, const Plan& plan, const EyePart& part,
                     GroupPlan g, const Checkpoint& checkpoint) {
     g.eyePart = plan.eyeParts.size();
@@ -142,8 +142,8 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
     return g;
 }
 
-// Where one sheet at a time, with the shadow buffers of all of a group's lights, is more than the limit leaves, the
-// lights take turns: the sweep is repeated for a part of them at a time, along the same axis.
+// Splits groups that exceed the memory limit even with one sheet at a time, because of the shadow buffers of all their
+// lights. Their sweep is repeated along the same axis, each time with some of the lights.
 void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan) {
     if (scene.memoryLimit == 0) return;
     const auto fits = [&](const GroupPlan& group) {
@@ -152,7 +152,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
     std::vector<GroupPlan> all;
     for (GroupPlan& group : plan.groups) {
         std::vector<GroupPlan> passes;
-        std::vector<GroupPlan> open{std::move(group)};  // the first lights last
+        std::vector<GroupPlan> open{std::move(group)};  // the first lights are last
         while (!open.empty()) {
             GroupPlan one = std::move(open.back());
             open.pop_back();
@@ -182,7 +182,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
 
 constexpr std::size_t kColours = 3;
 
-// Surfaces are grey: a transfer function has one extinction.
+// A volume's tint. Classified volumes are grey, since a transfer function has one extinction.
 Rgb tintOf(const ViewVolume& volume) {
     return volume.classified ? Rgb(1) : volume.medium.relativeTint();
 }
@@ -193,9 +193,9 @@ Bounds wsBounds(const ViewScene& scene) {
     return ws;
 }
 
-// Why a slide wants pixels: texels blur what is not at least two of them wide. (A slide of noise in smoke, its pixels
-// as large as a texel: 5 to 7 % of error at texels, 1.5 % at pixels; four times as large: 2 % and 1.5 %.) Empty where
-// none does.
+// The reason why a slide needs shading at pixels: texels blur features that are less than two texels wide. (A slide of
+// noise in smoke, with pixels as large as a texel, gave errors of 5 to 7 % at texels and 1.5 % at pixels; with pixels
+// four times as large, 2 % and 1.5 %.) Empty if no slide needs it.
 std::string fineSlide(const ViewScene& scene, const std::vector<std::string>& culled, double texel) {
     const Vec3 center = wsBounds(scene).center();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -210,12 +210,13 @@ std::string fineSlide(const ViewScene& scene, const std::vector<std::string>& cu
     return {};
 }
 
-// Optical depth of a sheet from which on media are shaded at pixels. What a texel shows, 1 - e^-tau, bends more and
-// more as tau grows, and so does what lies between two texels. (Smoke of so many a voxel, error at texels and at
-// pixels: 0.23: 0.5, 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9: 8.2, 4.6 %, for a fifth more time.)
+// Optical depth of a sheet from which on media are shaded at pixels. A texel shows 1 - e^-tau, which is increasingly
+// non-linear as tau grows, and so is the interpolation between two texels. (Smoke with these optical depths per voxel
+// had these errors at texels and at pixels: 0.23: 0.5, 0.4 %; 0.46: 1.0, 0.7 %; 0.9: 1.9, 0.9 %; 2.3: 3.1, 1.8 %; 9:
+// 8.2, 4.6 %, for a fifth more time.)
 constexpr double kDenseSheet = 0.4;
 
-// Empty where no medium is that dense.
+// The reason why a dense medium needs shading at pixels; empty if no medium is that dense.
 std::string denseMedium(const ViewScene& scene, const Plan& plan) {
     for (const ViewVolume& volume : scene.volumes) {
         const double tau =
@@ -227,8 +228,8 @@ std::string denseMedium(const ViewScene& scene, const Plan& plan) {
     return {};
 }
 
-// Rays from an eye fan out: the slant of its rays, and with it the optical depth of a sheet, changes from a texel to
-// the next by about texel / distance. Nearer than this, in texels, that is no longer a small part of either.
+// Rays from an eye diverge: the slant of its rays, and with it the optical depth of a sheet, changes from a texel to
+// the next by about texel / distance. At a smaller distance than this, in texels, that change is no longer small.
 constexpr double kNearEye = 4;
 
 bool eyeAmong(const ViewScene& scene, double texel) {
@@ -239,7 +240,7 @@ bool eyeAmong(const ViewScene& scene, double texel) {
     return ws.contains(scene.camera.wsPosition);
 }
 
-// What texels would spoil; empty where they serve as well as pixels.
+// The reason why something in the scene needs shading at pixels; empty if texels serve as well.
 std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::vector<std::string>& culled) {
     const double texel = plan.groups.front().sheets.texel;
     for (const ViewVolume& volume : scene.volumes)
@@ -255,7 +256,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
     return denseMedium(scene, plan);
 }
 
-// Where light is added up, at texels of the sheets or at pixels of the picture, and why (the dial `shade`).
+// Whether light is added up at pixels of the picture or at texels of the sheets, and why (the dial `shade`).
 std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& plan,
                                           const std::vector<std::string>& culled) {
     if (plan.groups.empty()) return {false, ""};
@@ -263,9 +264,9 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
     if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
     if (const std::string need = needOfPixels(scene, plan, culled); !need.empty()) return {true, need};
 
-    // For a thin medium both are equally exact. At texels every texel is shaded, and every pixel reads what texels
-    // show; at pixels every pixel reads extinction and shadows, and is shaded. In nanoseconds a sample and light (of
-    // smoke, one thread): at texels 5 + 4 lights, and 7 a pixel; at pixels 6 + 4 lights.
+    // For a thin medium both are equally exact. At texels, every texel is shaded, and every pixel reads the texels; at
+    // pixels, every pixel reads extinction and shadows, and is shaded. The cost in nanoseconds per sample, measured for
+    // smoke on one thread, is 5 + 4 lights at texels plus 7 for each pixel, or 6 + 4 lights at pixels.
     const Bounds ws = wsBounds(scene);
     const double distance = glm::distance(scene.camera.wsPosition, ws.center());
     const double pixel = pixelAt(scene.camera, distance) / scene.dials.antialias;
@@ -278,7 +279,7 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
                         across, scene.lights.size(), scene.lights.size() == 1 ? "" : "s")};
 }
 
-// For each light of the scene why it is culled: why the first of its lights is, where all are.
+// For each light of the scene the reason why it is culled: that of its first sub-light, if all of them are culled.
 std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vector<std::string>& reasons,
                                         std::size_t count) {
     if (lights.owners.empty()) return reasons;
@@ -292,7 +293,7 @@ std::vector<std::string> reasonsByOwner(const SubLights& lights, const std::vect
     return byOwner;
 }
 
-// Of the picture itself.
+// Memory of the picture itself.
 std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     const auto tiles = [](int pixels) { return roundUpToTile(pixels) / kTileEdge; };
     const std::size_t pixels =
@@ -383,9 +384,9 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
 }
 
 double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
-    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint reaches about three
-    // voxels beyond its slab in u and v, so it has that many texels, squared; of sheets and pictures about a third is
-    // not empty.
+    // Seconds on one thread, fitted to a study of smoke (scrim study, noise:350). A footprint extends about three
+    // voxels beyond its slab in u and v, so its number of texels is the square of that. About a third of sheets and
+    // pictures is not empty.
     constexpr double kFootprint = 2.0e-8, kFootprintTexel = 1.2e-9, kReach = 4;
     constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
     const double across = kReach / scene.dials.texel;

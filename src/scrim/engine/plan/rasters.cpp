@@ -16,11 +16,11 @@
 namespace scrim {
 namespace {
 
-// Cells along one side of a raster at most: a light very close to a large volume gets coarser cells far away
-// from it instead of all the memory.
+// The most cells along one side of a raster. A light very close to a large volume gets coarser cells far away from it,
+// instead of using all memory.
 constexpr double kMostCells = 8192;
 
-// What lies in both; where nothing does, a point of `a`.
+// The part that lies in both boxes; a point of `a` if there is none.
 Box2<double> common(const Box2<double>& a, const Box2<double>& b) {
     auto both = Box2<double>::nothing();
     both.include(std::clamp(b.x0, a.x0, a.x1), std::clamp(b.y0, a.y0, a.y1));
@@ -28,7 +28,7 @@ Box2<double> common(const Box2<double>& a, const Box2<double>& b) {
     return both;
 }
 
-// Lays cells over the extent, with a margin of two for look-ups between cells.
+// Lays cells over the extent, with a margin of two cells for look-ups between cells.
 void layCells(const Box2<double>& extent, LightView& view) {
     view.cell = std::max({view.cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
     view.first = {(std::floor(extent.x0 / view.cell) - 2) * view.cell,
@@ -41,14 +41,14 @@ void layCells(const Box2<double>& extent, LightView& view) {
     view.height = cells(view.first.y, extent.y1);
 }
 
-constexpr double kMargin = 8;  // cells: a footprint's rounded-up rows must lie within
+constexpr double kMargin = 8;  // cells; a footprint's rounded-up rows must lie within
 
-// Rays may not lie within the sheets: half a degree is what they keep to them.
+// The smallest angle between rays and the sheets: half a degree, in radians.
 constexpr double kLeastRise = 0.0087;
-// Nor along the plane of the raster: 85 degrees is the limit.
+// The smallest angle between rays and the plane of the raster, in radians; rays may be slanted by 85 degrees at most.
 constexpr double kLeastCrossing = 0.0872;
 
-// A linear form on sweep space relative to a point, as a row on (U, V, N, 1).
+// A linear form on sweep space relative to a point, as a row that acts on (U, V, N, 1).
 glm::dvec4 rowOf(const Vec3& ssForm, const Vec3& step, const Vec3& tsFrom) {
     const Vec3 form = ssForm * step;
     return {form.x, form.y, form.z, -glm::dot(form, tsFrom)};
@@ -60,7 +60,8 @@ Vec3 meanOf(const std::vector<Vec3>& directions) {
     return glm::normalize(sum);
 }
 
-// Rows to a raster, whose cells have the size 1 / `perCell` in the units of the rows, around the extent.
+// The lattice with cells of size `cell` around the extent, from the rows x, y and w, whose units `cell` and the extent
+// have.
 Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, const glm::dvec4& y,
                   const glm::dvec4& w) {
     cell = std::max({cell, (extent.x1 - extent.x0) / kMostCells, (extent.y1 - extent.y0) / kMostCells});
@@ -78,7 +79,8 @@ Lattice layRaster(const Box2<double>& extent, double cell, const glm::dvec4& x, 
     return raster;
 }
 
-// What a light's own sheets are perpendicular to, in sweep space: the light, or the image plane, as the dial says.
+// The normal, in sweep space, of the planes in which a light's own sheets lie: along the light or along the viewing
+// axis, as the dial says.
 Vec3 planeNormal(const ViewScene& scene, const Light& light, const Sheets& sheets, const Vec3& along) {
     if (scene.dials.shadowPlane != ShadowPlane::image) return along;
     Vec3 normal = sheets.ssFromWs * viewingAxis(scene.camera);
@@ -106,7 +108,7 @@ Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, c
 
     auto extent = Box2<double>::nothing();
     if (distant) {
-        // Slide points along the light onto the plane.
+        // Projects points along the light onto the plane.
         const double crossing = glm::dot(normal, along);
         const Vec3 fx = ex - normal * (glm::dot(ex, along) / crossing);
         const Vec3 fy = ey - normal * (glm::dot(ey, along) / crossing);
@@ -143,9 +145,9 @@ Lattice lightLattice(const ViewScene& scene, const std::vector<Vec3>& corners, c
     return raster;
 }
 
-// Tiles around the picture that footprints of voxels just outside of it may reach.
+// The number of tiles around the picture that footprints of voxels just outside of it may reach.
 int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheets) {
-    if (camera.type != CameraType::orthographic) return 1;  // footprints are cut at the border there
+    if (camera.type != CameraType::orthographic) return 1;  // footprints are clipped at the border there
     const Lattice raster = EyeView(camera, sheets).lattice({0, 0, 1, 1}, 0);
     double reach = 0;
     for (const ViewVolume& volume : scene.volumes) {
@@ -157,11 +159,11 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
     return static_cast<int>(std::ceil((2 * reach + 6) / kTileEdge));
 }
 
-// The raster of a distant light over the volumes' corners, or the part of it that a slide lights.
+// Lays the raster of a distant light over the volumes' corners, or over the part of them that a slide lights.
 void layDistant(const ViewScene& scene, const Light& light, const std::vector<Vec3>& corners, const Sheets& sheets,
                 LightView& view) {
     Vec3 travel = sheets.tsVector(light.wsDirection);
-    // Image-aligned sheets may have a light that runs within them.
+    // A light may run within image-aligned sheets.
     travel.z = std::max(travel.z, 1e-3 * glm::length(travel));
     view.tsSource = {travel.x / travel.z, travel.y / travel.z, 0};
     view.cell = scene.dials.shadowTexel;
@@ -179,11 +181,11 @@ void layDistant(const ViewScene& scene, const Light& light, const std::vector<Ve
     layCells(extent, view);
 }
 
-// The raster of a light that shines from a point, in `wsDirections`.
+// Lays the raster of a light that shines from a point, in `wsDirections`.
 void layPoint(const ViewScene& scene, const Light& light, const std::vector<Vec3>& corners, const Sheets& sheets,
               double slant, const std::vector<Vec3>& wsDirections, LightView& view) {
-    // Rays from a point are named by their slopes: those of the part's directions, or of the volume's corners
-    // where that is less. No slope may exceed the sweep's slant.
+    // Rays from a point are identified by their slopes. The extent is that of the part's directions, or of the volume's
+    // corners if that is smaller. No slope may exceed the sweep's slant.
     auto extent = Box2<double>::nothing();
     view.tsSource = sheets.tsPoint(light.wsPosition);
     const double steepest = std::tan(std::min(slant + 0.02, kSlantLimit)) / view.slopeScale;
@@ -205,7 +207,7 @@ void layPoint(const ViewScene& scene, const Light& light, const std::vector<Vec3
               std::clamp(extent.x1, -steepest, steepest), std::clamp(extent.y1, -steepest, steepest)};
     if (extent.x1 < extent.x0) std::swap(extent.x0, extent.x1);
     if (extent.y1 < extent.y0) std::swap(extent.y0, extent.y1);
-    // Cells are largest where the light has gone furthest.
+    // Cells are largest where the light has travelled furthest.
     view.cell = scene.dials.shadowTexel / farthest;
     layCells(extent, view);
 }

@@ -108,7 +108,7 @@ std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan
     text += fmt::format("  raster   {} x {} texels of {:.6g}\n", group.sheets.width, group.sheets.height,
                         group.sheets.texel);
     text += fmt::format("  memory   {}\n", bytesText(group.bytes));
-    // Of many sub-lights the first few tell what the rest are like.
+    // The first few of many sub-lights show what the others are like.
     constexpr std::size_t kMostLines = 24;
     for (std::size_t i = 0; i < std::min(group.lights.size(), kMostLines); ++i)
         text += lightLine(scene, plan, group.lights[i]);
@@ -116,7 +116,7 @@ std::string groupLines(const ViewScene& scene, const Plan& plan, const GroupPlan
     return text;
 }
 
-/// That the picture is the mean of.
+/// The number of renders that the picture averages.
 int renders(const ViewScene& scene) {
     return scene.shutter ? scene.shutter->samples : 1;
 }

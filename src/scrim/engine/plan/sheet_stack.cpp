@@ -14,13 +14,13 @@
 namespace scrim {
 namespace {
 
-constexpr double kWidestEye = 0.7854;  // 45 degrees: half the opening that one sweep serves well
-constexpr double kPartAngle = 1.0472;  // 60 degrees: the opening of a part along x or y, at most
-constexpr double kOverlap = 0.0698;    // 4 degrees: where two parts share the picture
+constexpr double kWidestEye = 0.7854;  // 45 degrees: half the opening angle that one sweep serves well
+constexpr double kPartAngle = 1.0472;  // 60 degrees: largest opening angle of a part along x or y
+constexpr double kOverlap = 0.0698;    // 4 degrees: width of the overlap of two parts
 
-// Raster positions that the volume may cover.
+// A box around the raster positions that the volume may cover.
 Box2<double> coveredRaster(const ViewScene& scene, const RayFamily& rays, const std::vector<Vec3>& corners) {
-    // A crop does not count: its pixels must come out as in the whole picture.
+    // A crop does not count, because its pixels must equal those of the whole picture.
     const Box2<double> all{double(std::min(0, scene.region.x0)), double(std::min(0, scene.region.y0)),
                            double(std::max(scene.camera.resolution.x, scene.region.x1)),
                            double(std::max(scene.camera.resolution.y, scene.region.y1))};
@@ -42,10 +42,10 @@ std::vector<Vec3> directionsTo(const RayFamily& rays, const Box2<double>& box) {
     return directions;
 }
 
-// An axis of the picture cut at equal angles. Positions p are seen at the angle atan((p - middle) / focal).
+// An axis of the picture divided at equal angles. Position p is seen at the angle atan((p - middle) / focal).
 struct Cuts {
     std::vector<double> edges;    // first, cuts, last
-    std::vector<double> overlap;  // half the width of the ramp at each of them; 0 at the ends
+    std::vector<double> overlap;  // half the width of the ramp at each edge; 0 at the ends
 
     Cuts(double from, double to, double middle, double focal) {
         const double first = std::atan((from - middle) / focal), last = std::atan((to - middle) / focal);
@@ -62,15 +62,15 @@ struct Cuts {
     Vec2 ramp(std::size_t edge) const { return {edges[edge] - overlap[edge], edges[edge] + overlap[edge]}; }
 };
 
-// Sheets in a sweep, or texels along a side, at most: a transform that squeezes one axis to a millionth asks for
-// millions of sheets, or for more than an int holds.
+// The most sheets in a sweep, or texels along a side. A transform that squeezes one axis to a millionth would need
+// millions of sheets, or more than an int holds.
 constexpr int kMostAddressed = 1 << 20;
 
-// Image-aligned sheets may be crossed at any slant (ZC02 Fig. 17); beyond this one thinner sheets no longer help.
-// Radians.
+// Rays may cross image-aligned sheets at any slant (ZC02 Fig. 17); beyond this one, in radians, thinner sheets no
+// longer help.
 constexpr double kSteepestSlant = 1.0472;  // 60 degrees
 
-// `count`, rounded up; `what` it counts.
+// `count`, rounded up. `what` names the counted things in the error.
 int addressable(double count, const std::string& what) {
     if (std::isfinite(count) && count <= kMostAddressed) return static_cast<int>(std::ceil(count));
     throw Error(
@@ -97,7 +97,7 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
     whole.wsDirections = directionsTo(rays, box);
     if (enclosingCone(whole.wsDirections).cosAngle >= std::cos(kWidestEye)) return {whole};
 
-    // Raster steps are steps of the ray's direction at depth 1.
+    // A step on the raster is a step of the ray's direction at depth 1.
     const double focalX = 1 / glm::length(rays.directionX), focalY = 1 / glm::length(rays.directionY);
     const Cuts x(box.x0, box.x1, 0.5 * scene.camera.resolution.x, focalX);
     const Cuts y(box.y0, box.y1, 0.5 * scene.camera.resolution.y, focalY);
@@ -120,8 +120,8 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
     return parts;
 }
 
-// The stack of sheets around the volume. Planes lie at whole multiples of the thickness, texels at whole
-// multiples of their size, from the middle of the volume: nothing depends on where the camera stands.
+// The stack of sheets around the volume. Planes lie at integer multiples of the thickness, texels at integer multiples
+// of their size, measured from the middle of the volume, so that nothing depends on the camera's position.
 Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, const Vec3& wsAxis, double slant,
                     double voxel) {
     Bounds ws;
@@ -135,8 +135,8 @@ Sheets sheetsAround(const ViewScene& scene, const std::vector<Vec3>& corners, co
 
     Bounds ts;  // with the origin at the anchor
     for (const Vec3& corner : corners) ts.include(sheets.tsPoint(corner));
-    // Two texels of zeros around, so that bilinear look-ups that leave the raster find nothing there, and behind them
-    // room for the rounded-up rows of footprints.
+    // There is a margin of two texels of zeros, so that bilinear look-ups outside of the raster find nothing, and
+    // behind it room for the rounded-up rows of footprints.
     const double left = std::floor(ts.lower.x) - 2, top = std::floor(ts.lower.y) - 2;
     const double front = std::floor(ts.lower.z);
     sheets.ssOrigin = Vec3(left * sheets.texel, top * sheets.texel, front * sheets.thickness);

@@ -18,7 +18,7 @@ bool black(const Rgb& v) {
     return v == Rgb(0);
 }
 
-// Everything that light comes from, by the layer that it belongs to.
+// All sources of light, by the layer that they belong to.
 std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
     std::vector<ScatterTarget> targets;
     ScatterTarget beauty;
@@ -47,10 +47,10 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
     return targets;
 }
 
-// Is what scatters, and what it scatters, of one colour?
+// True if all light and all scattering have the same colour.
 bool oneColour(const ViewScene& scene) {
     if (!greyScattering(scene)) return false;
-    Rgb colour(0);  // of the first light
+    Rgb colour(0);  // colour of the first light
     const auto same = [&](const Rgb& light) {
         if (black(colour)) colour = light;
         return glm::length(glm::cross(colour, light)) <= 1e-12 * glm::length(colour) * glm::length(light);
@@ -63,8 +63,8 @@ bool oneColour(const ViewScene& scene) {
     return same(scene.ambient);
 }
 
-// How narrow the narrowest phase function is decides. Smoke lit from behind, cells of two voxels: with g = 0.75 there
-// are 4 % left with 64 ordinates, and 3 % with 128; with g = 0.9 10, 9 and 4 % with 64, 128 and 256.
+// The number of ordinates, by the narrowest phase function. Errors measured on smoke lit from behind, with cells of two
+// voxels: for g = 0.75, 4 % with 64 ordinates and 3 % with 128; for g = 0.9, 10, 9 and 4 % with 64, 128 and 256.
 int ordinatesFor(const ViewScene& scene) {
     double narrowest = 0;
     for (const ViewVolume& v : scene.volumes) {
@@ -75,7 +75,7 @@ int ordinatesFor(const ViewScene& scene) {
     return narrowest <= 0.75 ? 64 : narrowest <= 0.85 ? 128 : 256;
 }
 
-// World volume of all blocks of fields, those of several fields counted for each.
+// World volume of all blocks of fields; where several fields overlap, each counts.
 double occupied(const ViewScene& scene, double margin) {
     double sum = 0;
     for (const ViewVolume& volume : scene.volumes) {
@@ -122,11 +122,11 @@ TransportPlan planTransport(const ViewScene& scene) {
     plan.isotropic = std::all_of(scene.volumes.begin(), scene.volumes.end(),
                                  [](const ViewVolume& v) { return !scattersFully(v) || v.medium.phase.isotropic(); });
     plan.colours = oneColour(scene) ? 1 : 3;
-    // Blocks of cells at the border of voxels' blocks are not full of them: about as much again.
+    // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
     const double values = plan.isotropic ? 3 + 8 : 3 * plan.ordinates * 0.6;  // see TransportSolver and sweepIsotropic
     const double fields = double(plan.targets.size()) * 4 * 2;
-    // Coarser levels, and cells twice as large for extrapolation.
+    // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
     const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)

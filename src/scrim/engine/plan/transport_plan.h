@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What is decided of light that scatters more than once, before any voxel is read.
+// The decisions about multiply scattered light that are made before any voxel is read.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
@@ -10,14 +10,15 @@
 
 namespace scrim {
 
-/// Gives those of `reasons` why lights are culled, one a light of the scene, that are of such skies.
+/// Sets those of `reasons` (why each light of the scene is culled) that concern skies which shine through the border of
+/// the cells.
 void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reasons);
 
-/// "'sky': 43 % of its light comes from spots ..." for each sky whose light the plan's directions blur; ", " between.
-/// Empty where none is.
+/// "'sky': 43 % of its light comes from spots ..." for each sky whose light the plan's directions blur, separated by ",
+/// "; empty if there is none.
 std::string blurredSkies(const ViewScene& scene, const TransportPlan& plan);
 
-/// Throws Error(memory) where cells of the dial's size are too many for the memory limit, or to be numbered.
+/// Throws Error(memory) if cells of the dial's size exceed the memory limit, or cannot be numbered.
 TransportPlan planTransport(const ViewScene& scene);
 
 }  // namespace scrim

@@ -9,7 +9,7 @@
 namespace scrim {
 namespace {
 
-// Raster positions, homogeneous: those of an orthographic camera have w = 1, of a perspective one it is depth.
+// The map to homogeneous raster positions: w is 1 for an orthographic camera, and depth for a perspective one.
 Mat4 rasterFromWs(const Camera& camera) {
     const RayFamily rays = wsRays(camera);
     const bool parallel = camera.type == CameraType::orthographic;
@@ -60,7 +60,7 @@ void ScreenMotion::fill(double middle, const SampleTile& samples, std::span<cons
             const Volume& volume = m_volumes[std::size_t(part.sceneVolume)];
             glm::dvec4 next = volume.rasterFromTs * ts;
             for (int axis = 0; axis < 3 && part.flow[0]; ++axis) {
-                // Planes are sharpened beforehand, so that their quotient may go a little beyond what there is.
+                // The planes were sharpened, so their quotient may slightly exceed the range of the grid.
                 const double more = part.flow[std::size_t(axis)][k] / extinction;
                 next += std::clamp(volume.least[axis] + more, volume.least[axis], volume.most[axis]) *
                         volume.rasterFromFlow[axis];
@@ -70,7 +70,7 @@ void ScreenMotion::fill(double middle, const SampleTile& samples, std::span<cons
             y += extinction * (next.y / next.w - now.y / now.w);
             weight += extinction;
         }
-        // Rasters count rows downwards.
+        // Raster rows count downwards.
         right[k] = static_cast<Real>(weight > 0 ? x / weight : 0);
         up[k] = static_cast<Real>(weight > 0 ? -y / weight : 0);
     }

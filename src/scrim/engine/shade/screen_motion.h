@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// How far what samples show moves across the picture until the next frame: by its volume's transform, by a velocity
-// grid, and by the camera. Apart from shading, which only carries the result, weighted by opacity.
+// How far samples move across the picture until the next frame: by their volume's transform, by a velocity grid, and by
+// the camera. It is separate from shading, which only carries the result, weighted by opacity.
 #pragma once
 
 #include <scrim/engine/model/samples.h>
@@ -17,21 +17,22 @@ class ScreenMotion {
   public:
     ScreenMotion(const ViewScene& scene, const Sheets& sheets);
 
-    /// A volume's part in the samples of a tile, 256 values each.
+    /// A volume's contribution to the samples of a tile, 256 values each.
     struct Part {
         int sceneVolume;
         const Real* extinction;
-        /// VolumeMotion::flow where the samples are; null: there is none.
+        /// Values of VolumeMotion::flow at the samples; null: none.
         std::array<const Real*, 3> flow = {};
     };
-    /// Writes for 256 samples of the plane N = `middle` the mean over their volumes, by extinction, in pixels a frame:
-    /// to the right, and up. 0 where nothing is, or it is not before the camera.
+    /// Writes, for 256 samples on the plane N = `middle`, the mean motion of their volumes, weighted by extinction, in
+    /// pixels per frame to the right and up. It is 0 where there is nothing, or where the sample is not in front of the
+    /// camera.
     void fill(double middle, const SampleTile& samples, std::span<const Part> parts, Real* right, Real* up) const;
 
   private:
     struct Volume {
         Mat4 rasterFromTs;    // at the next frame
-        Mat4 rasterFromFlow;  // for each unit of velocity more
+        Mat4 rasterFromFlow;  // change for each unit of velocity
         Vec3 least, most;
     };
     Mat4 m_rasterFromTs;  // homogeneous: (x w, y w, 0, w)

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's way): what a tile's samples send to the eye that is not
-// light straight from a light: emission, ambient light, and light that scattered before.
+// Internal, compiled once for each instruction set (Highway's method): what a tile's samples send to the eye apart from
+// light that comes directly from lights: emission, ambient light, and multiply scattered light.
 #if defined(SCRIM_SHADE_SOURCES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_SHADE_SOURCES_INL_H_
 #undef SCRIM_SHADE_SOURCES_INL_H_
@@ -14,7 +14,7 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Where extinction is grey the three rows of a quantity are one and the same: the first.
+// Rows for three channels. With grey extinction only the first row is used.
 struct Rows {
     alignas(64) Real values[3][kTileSize];
 };
@@ -22,14 +22,14 @@ struct Rows {
 struct Work {
     alignas(64) Real slantEye[kTileSize];
     alignas(64) Real pathEye[kTileSize];
-    Rows extinction, tauIn;  // coloured only
+    Rows extinction, tauIn;  // only with coloured extinction
     Rows tauEye, light, through;
     Rows beauty;
     Incidence in;
     ShadeWork done;
 };
 
-// Sum over the input's rows of a row times its tint.
+// The sum of the input's rows, each multiplied by its tint.
 HWY_ATTR void mix(const ShadeInput& input, const Real* const* rows, Rows& out) {
     const DF d;
     for (int c = 0; c < 3; ++c)
@@ -46,7 +46,7 @@ Real* outputRow(const ShadeInput& input, Work& w, int output, int channel) {
     return input.outputs + ((output - 1) * 3 + channel) * kTileSize;
 }
 
-// What part of radiance per world unit leaves the sheet towards the eye: its mean transmittance times the path.
+// The factor by which radiance per world unit leaves the sheet towards the eye: mean transmittance times path length.
 HWY_ATTR void fillThrough(const ShadeInput& input, Work& w) {
     const DF d;
     const int channels = input.coloured ? 3 : 1;
@@ -69,14 +69,14 @@ HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real c
     });
 }
 
-// The same to an output of the volume's own, if it has one.
+// Adds the source also to the volume's own output, if there is one.
 HWY_ATTR void addSource(const ShadeInput& input, const Real* coefficient, Real color, int channel, int output, int own,
                         Work& w) {
     addSource(input, coefficient, color, channel, output, w);
     if (own > 0) addSource(input, coefficient, color, channel, own, w);
 }
 
-// The same of radiance that differs from sample to sample.
+// Adds multiply scattered radiance, which differs from sample to sample.
 HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& scattered, int output, Work& w) {
     const DF d;
     const SheetMedium& medium = input.media[std::size_t(scattered.medium)];
@@ -92,8 +92,8 @@ HWY_ATTR void addScatteredBefore(const ShadeInput& input, const SheetScattered& 
     }
 }
 
-// What all volumes make of radiance that comes from everywhere, `radiance` of each channel; `surfaces`: their share.
-// `seen`: it is a part of the beauty.
+// Adds what all volumes make of uniform radiance from all directions; `radiance` has a value for each channel, and
+// `share` gives the fraction for surfaces. `seen`: it is part of the beauty.
 template <class SurfaceShare>
 HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int output, bool seen,
                              const SurfaceShare& share, Work& w) {
@@ -108,7 +108,7 @@ HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int 
     }
 }
 
-// All that is not a light's.
+// Adds all light that does not come directly from lights.
 HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
     if (!ambient && input.emissions.empty() && input.scattered.empty() && input.layout.albedo < 0) return;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Internal, compiled once for each instruction set (Highway's way): where a light stands and shines, as seen from the
-// samples of a tile, and what volumes make of it. What a light does not need (distance, cone, window) is a pass that is
-// not run.
+// Internal, compiled once for each instruction set (Highway's method): the direction and strength of a light at the
+// samples of a tile, and how volumes scatter or reflect it. What a light does not need (distance, cone, window) is a
+// pass that is not run.
 #if defined(SCRIM_SHADE_TILE_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SCRIM_SHADE_TILE_INL_H_
 #undef SCRIM_SHADE_TILE_INL_H_
@@ -18,13 +18,13 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// How one light meets the samples of a tile.
+// One light at the samples of a tile.
 struct Incidence {
     alignas(64) Real a[kTileSize];  // slopes of its rays
     alignas(64) Real b[kTileSize];
     alignas(64) Real slant[kTileSize];       // 1 / cos of its angle to w
     alignas(64) Real irradiance[kTileSize];  // before attenuation, relative to intensity
-    alignas(64) Real tint[3 * kTileSize];    // by the light's slide, if it has one
+    alignas(64) Real tint[3 * kTileSize];    // factor by the light's slide, if it has one
 };
 
 HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
@@ -39,8 +39,8 @@ HWY_ATTR void meetDistant(const SheetLight& light, Incidence& in) {
     });
 }
 
-// Near a light 1/r^2 changes within a sheet: its mean over the eye's segment is taken at the two points of Gauss'
-// quadrature. Below the light's radius it stays what it is there.
+// Close to a light 1/r^2 changes within a sheet, so its mean over the eye's segment is taken at the two points of Gauss
+// quadrature. It is constant within the light's radius.
 HWY_ATTR HWY_INLINE VF meanDecay(const ShadeInput& input, const SheetLight& light, VF a, VF b, VF slant2, int k) {
     const auto z = constant(light.distanceW), gauss = constant(Real(0.28867513459481287) * input.thickness);
     const auto ea = load(input.samples->eyeA, k), eb = load(input.samples->eyeB, k);
@@ -68,7 +68,7 @@ HWY_ATTR void meetPoint(const ShadeInput& input, const SheetLight& light, Incide
     });
 }
 
-// A spot's cone: smooth between the cosines of its outer and inner angle.
+// Applies a spot's cone: smooth between the cosines of its outer and inner angle.
 HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
     const DF d;
     const auto outer = constant(light.cosOuter);
@@ -84,7 +84,7 @@ HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
     });
 }
 
-// An element of a surface: Lambert's cosine.
+// Applies Lambert's cosine, for an element of a surface.
 HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
@@ -95,7 +95,7 @@ HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
     });
 }
 
-// This part's share of a light that is cut into overlapping windows; the shares of a direction sum to 1.
+// Applies this part's share of a light that is divided into overlapping windows; the shares in a direction sum to 1.
 HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
     const DF d;
     const auto edge = constant(light.windowCos);
@@ -123,7 +123,7 @@ HWY_ATTR void scale(const Real* factors, Real* values) {
 
 constexpr Real kInverseFourPi = Real(0.07957747154594767);
 
-// A light at the samples of a tile, and where what is made of it goes. Rows of channels may be one and the same.
+// A light at the samples of a tile, and the outputs for its response. Rows of channels may be one and the same.
 struct Lit {
     const ShadeInput* input;
     const SheetLight* light;
@@ -133,7 +133,8 @@ struct Lit {
     Real* to[3];
 };
 
-// Cosine between the way light travels and the way it leaves towards the eye, against the direction of the eye's ray.
+// The cosine between the light's direction of travel and the direction towards the eye, which is opposite to the eye's
+// ray.
 HWY_ATTR HWY_INLINE VF scatteringCosine(const Lit& lit, int k) {
     const Incidence& in = *lit.in;
     const auto dot = hn::MulAdd(load(in.a, k), load(lit.input->samples->eyeA, k),
@@ -142,7 +143,7 @@ HWY_ATTR HWY_INLINE VF scatteringCosine(const Lit& lit, int k) {
     return lit.input->sameSide ? hn::Neg(cosine) : cosine;
 }
 
-// Calls add(k, value of the phase function) for all samples: one loop a kind of phase function.
+// Calls add(k, value of the phase function) for all samples, with one loop for each kind of phase function.
 template <class Add>
 HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add& add) {
     if (phase.isotropic()) {
@@ -170,8 +171,9 @@ HWY_ATTR HWY_INLINE void withPhase(const Phase& phase, const Lit& lit, const Add
     }
 }
 
-// `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place to place).
-// `kPerChannel`: channels differ in more than a factor, because extinction is coloured or the albedo is a grid.
+// Adds scattered light. `kTinted`: the light has a slide (ZC02 eq. 9: its intensity is a vector that varies from place
+// to place). `kPerChannel`: channels differ by more than a factor, because extinction is coloured or the albedo is a
+// grid.
 template <bool kTinted, bool kPerChannel>
 HWY_ATTR void addScattered(const Lit& lit, const SheetMedium& medium, const Phase& phase, Real part) {
     const DF d;
@@ -201,26 +203,26 @@ HWY_ATTR HWY_INLINE VF power(VF x, Real exponent) {
                               expMinus(hn::Mul(hn::Neg(hn::Log(d, safe)), constant(exponent))));
 }
 
-// What a classified volume reflects after Phong (ZC02 eq. 6, 8 and 9, and phong() in classified.h). A white diffuse
-// surface that faces the light reflects k_d E / pi.
+// Adds the light that a classified volume reflects by Phong's model (ZC02 eq. 6, 8 and 9, and phong() in classified.h).
+// A white diffuse surface that faces the light reflects k_d E / pi.
 template <bool kTinted>
 HWY_ATTR void addReflected(const Lit& lit, const SheetSurface& surface) {
     const DF d;
     constexpr Real kInversePi = Real(0.3183098861837907);
     const Incidence& in = *lit.in;
     const SampleTile& samples = *lit.input->samples;
-    const Real eyeSign = lit.input->sameSide ? Real(-1) : Real(1);  // from the sample to the eye is -d
+    const Real eyeSign = lit.input->sameSide ? Real(-1) : Real(1);  // the direction from the sample to the eye is -d
     forSamples([&](int k) HWY_ATTR {
         const auto a = load(in.a, k), b = load(in.b, k), slant = load(in.slant, k);
         const auto nx = load(surface.normal[0], k), ny = load(surface.normal[1], k), nz = load(surface.normal[2], k);
-        // The light travels along (a, b, 1) / slant, the way to it is the opposite.
+        // The light travels along (a, b, 1) / slant; the direction to it is the opposite.
         const auto cosine = hn::Neg(hn::Div(hn::MulAdd(nx, a, hn::MulAdd(ny, b, nz)), slant));
         const auto facing = surface.twoSided ? hn::Abs(cosine) : hn::Max(cosine, constant(0));
         const auto weight = load(surface.weight, k);
         const auto diffuse = hn::Mul(constant(surface.diffuse * kInversePi),
                                      hn::MulAdd(weight, hn::Sub(facing, constant(1)), constant(1)));
 
-        // Towards the eye, and how far the mirrored light R = 2 (N.L) N - L points there.
+        // The direction towards the eye, and its cosine to the mirrored light R = 2 (N.L) N - L.
         const auto ea = load(samples.eyeA, k), eb = load(samples.eyeB, k);
         const auto normalEye = hn::MulAdd(nx, ea, hn::MulAdd(ny, eb, nz));
         const auto lightEye = hn::Neg(hn::Div(hn::MulAdd(a, ea, hn::MulAdd(b, eb, constant(1))), slant));

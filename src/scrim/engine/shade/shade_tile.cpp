@@ -15,17 +15,17 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Light that passes the sheet on its way to the samples and from there to the eye, for one channel: all rows are its
-// own.
+// Light that passes through the sheet to the samples and from there to the eye, for one channel; all rows belong to
+// that channel.
 struct Passage {
     const Real* extinction;
     const Real* tauIn;
     const Real* tauEye;
     Real pathScale;  // of a light's path through the sheet
-    Real depth;      // optical depths towards the light count this much
+    Real depth;      // factor on optical depths towards the light
 };
 
-// Radiance that one light adds per unit of intensity, scattering coefficient and phase function.
+// The radiance that one light adds per unit of intensity, scattering coefficient and phase function.
 template <bool kShadowed, bool kSameSide>
 HWY_ATTR void transmit(const Passage& p, const Incidence& in, const Real* pathEye, Real* out) {
     const DF d;
@@ -45,7 +45,7 @@ HWY_ATTR void transmit(const Passage& p, const Incidence& in, const Real* pathEy
     });
 }
 
-// The light that is left of one light at the samples, through `depth` times the extinction that there is.
+// The rest of one light at the samples, with `depth` as factor on extinction.
 HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const Real* tauIn, Real depth, Work& w) {
     const int channels = input.coloured ? 3 : 1;
     for (int c = 0; c < channels; ++c) {
@@ -77,7 +77,7 @@ bool lights(const SheetLight& light, const std::vector<bool>* lit) {
     return !lit || (*lit)[light.index];
 }
 
-// Adds what a volume makes of a light to the light's rows, and where the volume has an output of its own, there, too.
+// Adds a volume's response to a light to the light's rows, and to the volume's own output, if it has one.
 template <class Add>
 void addTo(const ShadeInput& input, const Lit& lit, int output, Work& w, const Add& add) {
     add(lit);
@@ -87,7 +87,7 @@ void addTo(const ShadeInput& input, const Lit& lit, int output, Work& w, const A
     add(own);
 }
 
-// The first octave is single scattering, which surfaces know too; the others are of media that have them.
+// The first octave is single scattering, which also applies to surfaces; only media have further ones.
 template <bool kTinted>
 HWY_ATTR void addToVolumes(const ShadeInput& input, const SheetLight& light, const Real* tauIn, const Lit& lit,
                            Work& w) {
@@ -118,7 +118,7 @@ HWY_ATTR void addLight(const ShadeInput& input, std::size_t index, Work& w) {
     if (light.slide.image) {
         w.done.slideLookups += kTileSize;
         if (!tintTile(light.slide, *input.samples, input.thickness / input.texel, w.in.tint))
-            return;  // outside of the picture
+            return;  // outside of the slide's picture
     }
     if (light.distant)
         meetDistant(light, w.in);
@@ -168,7 +168,7 @@ HWY_ATTR void enterSheet(const ShadeInput& input, Work& w) {
     w.done.samples = kTileSize;
 }
 
-// The usual case: grey extinction and nothing but the beauty.
+// The usual case: grey extinction and only the beauty.
 HWY_ATTR void writeBeauty(Work& w, Real* out) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
@@ -177,7 +177,7 @@ HWY_ATTR void writeBeauty(Work& w, Real* out) {
     });
 }
 
-// What of the samples' opacities is seen: volumes are mixed evenly within a sheet.
+// The visible fraction of the samples' opacities; volumes are mixed evenly within a sheet.
 HWY_ATTR void fillSeen(const ShadeInput& input, const Rows& opacity, Work& w) {
     const DF d;
     Rows& seen = w.tauIn;  // no longer needed
@@ -199,7 +199,7 @@ HWY_ATTR void fillSeen(const ShadeInput& input, const Rows& opacity, Work& w) {
     }
 }
 
-// Depth of the samples times the opacity of what is seen.
+// Depth of the samples times the visible opacity.
 HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const DF d;
     const SampleTile& s = *input.samples;
@@ -225,7 +225,7 @@ HWY_ATTR void fillMotion(const ShadeInput& input, const Rows& opacity, Work& w) 
     }
 }
 
-// The beauty's parts into the beauty.
+// Adds the beauty's parts to the beauty.
 HWY_ATTR void addUp(const ShadeInput& input, Work& w) {
     const DF d;
     for (int p = 1; p < input.layout.beautyParts; ++p)
@@ -281,8 +281,8 @@ HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, Real* out) {
 HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
                                    SampleTile& samples) {
     const DF d;
-    // Rays from a point: slope = offset / distance along w. Within half a sheet of the eye slopes grow without
-    // bound; texels there are seen by no ray that has crossed a sheet, and must only stay finite.
+    // For rays from a point, slope = offset / distance along w. Within half a sheet of the eye slopes grow without
+    // bounds. Rays that have crossed a sheet do not see texels there, so these only need to stay finite.
     double away = middle - eye.tsEye.z;
     if (away > -0.25 && away < 0.25) away = away < 0 ? -0.25 : 0.25;
     const double scale = sheets.texel / (sheets.thickness * away);

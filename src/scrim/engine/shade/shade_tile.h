@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-// Shading of a tile's worth of samples of one sheet: extinction and light in, radiance and opacity out.
+// Shading of a tile of samples of one sheet: turns extinction and light into radiance and opacity.
 //
-// The samples may be texels (shared by all views, the default) or the points where pixels' rays meet the sheet.
-// Work is cut into passes over 256 samples that fit the first-level cache; what a light or a volume does not need
-// (distance, cone, slide, phase, shadow, octaves) is a pass that is not run, never a test per sample. Passes are
-// instantiated on the few things that change what a sample is: shadowed or not and from which side, with a slide or
-// not, one extinction or one for each channel, and the kinds of phase functions. They multiply only within a pass
-// (scattering: 2 x 2 x 4 loops), so that a new effect is a new pass and not twice as many of all the others.
+// The samples are texels (shared by all views, the default) or the points where pixels' rays meet the sheet. Work is
+// divided into passes over 256 samples that fit the first-level cache. What a light or a volume does not need
+// (distance, cone, slide, phase, shadow, octaves) is a pass that is not run, never a test for each sample. Passes are
+// instantiated for the few things that change the form of a sample: shadowed or not and from which side, with or
+// without a slide, one extinction or one for each channel, and the kinds of phase functions. These multiply only within
+// a pass (scattering: 2 x 2 x 4 loops), so that a new effect is a new pass and does not double all others.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -28,44 +28,45 @@ namespace scrim {
 void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
                   SampleTile& samples, Simd simd = {});
 
-/// A medium's part in a sheet.
+/// A medium's contribution to a sheet.
 struct SheetMedium {
-    /// 256 values for each channel: scattering coefficient, per world unit, is this times `albedo`. All three are the
-    /// medium's extinction, unless its albedo is a grid.
+    /// 256 values for each channel; the scattering coefficient, per world unit, is this times `albedo`. All three are
+    /// the medium's extinction unless its albedo is a grid.
     const Real* scatter[3];
-    Real albedo[3];  ///< times extinction's tint
+    Real albedo[3];  ///< multiplied by the extinction's tint
     Phase phase;
     Octaves octaves;
-    const std::vector<bool>* lit = nullptr;  ///< for each light of the scene, does it light this medium? Null: all do
-    bool ambient = true;                     ///< does ambient light reach it as if nothing shadowed it?
-    int output = 0;                          ///< where what it shows goes beside the beauty or its parts; 0: nowhere
+    /// For each light of the scene, whether it lights this medium; null: all do.
+    const std::vector<bool>* lit = nullptr;
+    bool ambient = true;  ///< ambient light reaches the medium without shadows
+    int output = 0;       ///< further output, beside the beauty or its parts, for this medium; 0: none
 };
 
-/// Light that scattered before, at a medium: an environment that differs from sample to sample.
+/// Multiply scattered light at a medium, which acts as an environment that differs from sample to sample.
 struct SheetScattered {
     int medium = 0;           ///< index into ShadeInput::media
     const Real* radiance[3];  ///< 256 values each
-    Real share = 1;           ///< that the sweep owns of it
+    Real share = 1;           ///< share that the sweep owns
     int output = 0;
 };
 
-/// A part of what a sheet sends out by itself: 256 coefficients times a colour are radiance per world unit.
+/// A source of emission of a sheet: radiance per world unit is 256 coefficients times a colour.
 struct SheetEmission {
     const Real* coefficient;
     Real color[3];
-    int output = 0;  ///< as a medium's
+    int output = 0;  ///< as in SheetMedium
 };
 
-/// A classified volume's part in a sheet: 256 values each, see ClassifiedTile.
+/// A classified volume's contribution to a sheet: 256 values each, see ClassifiedTile.
 struct SheetSurface {
     const Real* extinction;
     const Real* emission[3];  ///< extinction times colour
-    const Real* normal[3];    ///< unit, in sweep space, out of the denser side
-    const Real* weight;       ///< of the normal
+    const Real* normal[3];    ///< unit, in sweep space, pointing out of the denser side
+    const Real* weight;       ///< weight of the normal
     Real ambient, diffuse, specular, exponent;
     bool twoSided;
-    const std::vector<bool>* lit = nullptr;  ///< as a medium's
-    int output = 0;                          ///< the same
+    const std::vector<bool>* lit = nullptr;  ///< as in SheetMedium
+    int output = 0;                          ///< as in SheetMedium
     int sceneVolume = 0;
 };
 
@@ -74,30 +75,30 @@ struct ShadeInput {
     const SampleTile* samples;
     Real texel, thickness;  ///< world units
     bool sameSide;          ///< eye and light meet the same side of a sheet first (s = +1)
-    /// Extinction per world unit, summed over all volumes, is a row of 256 values where it is grey. Where `coloured` it
-    /// is the sum over the extinction channels of a row times its tint, and so is tau at entry.
+    /// Total extinction of all volumes per world unit. If it is grey, it is one row of 256 values. If `coloured`, it is
+    /// the sum over the extinction channels of a row times its tint, and so is tau at entry.
     const Real* extinction[3];
-    /// The same of volumes that are seen; nullptr: they all are.
+    /// The same for visible volumes only; nullptr: all are visible.
     const Real* seen[3];
     bool coloured;
-    int channels;  ///< 1, where not coloured
+    int channels;  ///< 1 if not coloured
     Real tints[3][3];
     std::span<const SheetMedium> media;
     std::span<const SheetSurface> surfaces;
     std::span<const SheetEmission> emissions;
     std::span<const SheetScattered> scattered;
     std::span<const SheetLight> lights;
-    const Real* tauIn;  ///< `channels` x 256 values a light: tau at entry (read for shadowed lights)
-    /// 256 values a light, of what gets past solids; nullptr: there are none.
+    const Real* tauIn;  ///< tau at entry: `channels` x 256 values for each light; only read for shadowed lights
+    /// 256 values for each light: the fraction that passes solids; nullptr: there are no solids.
     const Real* unblocked;
     Real ambient[3];        ///< radiance of an unshadowed environment; all 0: none
-    const Real* motion[2];  ///< pixels a frame, to the right and up: read for the output of it
+    const Real* motion[2];  ///< pixels per frame, to the right and up; only read for the motion output
     OutputLayout layout;
-    Real* outputs;  ///< scratch: 3 x 256 floats for each output beyond the beauty
+    Real* outputs;  ///< scratch: 3 x 256 floats for each output other than the beauty
     Simd simd;
 };
 
-/// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns what it did.
+/// Writes the samples in the input's layout: layout.floats() x 256 floats. Returns the work done.
 ShadeWork shadeTile(const ShadeInput& input, Real* out);
 
 }  // namespace scrim

@@ -17,7 +17,7 @@ struct alignas(64) Row {
     Real values[kTileSize];
 };
 
-// Memory for the samples of a tile, kept by each thread, so that shading a tile allocates nothing.
+// Memory for the samples of a tile, one for each thread, so that shading a tile allocates nothing.
 struct Scratch {
     std::vector<Row> rows;
     std::vector<ClassifiedTile> classified;
@@ -45,16 +45,16 @@ void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
 
 }  // namespace
 
-// What is known of a tile's samples: rows of 256 floats, one kind behind the other.
+// The data of a tile's samples: rows of 256 floats, one kind after the other.
 struct SheetShader::Rows {
     Rows(const SheetShader& shader, std::size_t lights) : scratch(threadScratch()) {
-        const auto perMedium = std::size_t{4};  // extinction, and what is scattered of red, green and blue
+        const auto perMedium = std::size_t{4};  // extinction, and scattering for red, green and blue
         m_medium = std::size_t(shader.m_plan.extinction.count());
         m_emission = m_medium + perMedium * shader.m_media.size();
         m_seen = m_emission + shader.m_extinction.emissions().size();
         m_tauIn = m_seen + (shader.m_holdouts ? std::size_t(shader.m_plan.extinction.count()) : 0);
         const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
-        m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // the first is there in any case
+        m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // there is always at least one row of tau
         m_scattered = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
         m_motion = m_scattered + 3 * shader.m_scatteredParts.size();
         m_outputs = m_motion + (shader.m_motion ? 2 + 3 * shader.m_media.size() : 0);
@@ -63,12 +63,12 @@ struct SheetShader::Rows {
         if (scratch.classified.size() < shader.m_surfaces.size()) scratch.classified.resize(shader.m_surfaces.size());
         scratch.surfaces.clear();
     }
-    // Of all volumes, by extinction channel.
+    // Sums over all volumes, by extinction channel.
     Real* total(int channel) const { return scratch.rows[channel].values; }
     Real* medium(std::size_t i) const { return scratch.rows[m_medium + 4 * i].values; }
     Real* scatter(std::size_t i, int c) const { return scratch.rows[m_medium + 4 * i + 1 + std::size_t(c)].values; }
     Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
-    // Of the volumes that are seen, by extinction channel; only where there are others.
+    // Sums over the visible volumes, by extinction channel; only used if some are not visible.
     Real* seen(int channel) const { return scratch.rows[m_seen + std::size_t(channel)].values; }
     Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
     Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
@@ -108,7 +108,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
             continue;
         }
         const bool grid = extinction.volumes()[i].scatter[0] != nullptr;
-        // What is held out scatters nothing.
+        // A held-out volume scatters nothing.
         const Rgb own = volume.holdout ? Rgb(0) : grid ? Rgb(1) : volume.medium.albedo;
         const Rgb albedo = own * volume.medium.relativeTint();
         SheetMedium look{
@@ -124,7 +124,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
     if (m_scattered && group.primary > 0) chooseScattered();
 }
 
-// Light that scattered before belongs to no sweep's lights: the sweeps show it that own alpha.
+// Multiply scattered light belongs to no sweep's lights; the sweeps that own alpha show it.
 void SheetShader::chooseScattered() {
     for (std::size_t t = 0; t < m_scattered->targets(); ++t) {
         int output = 0;
@@ -156,15 +156,15 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     }
 }
 
-// Of a volume's own layer; 0: there is none.
+// The output of a volume's own layer; 0: none.
 int SheetShader::outputOf(int sceneVolume) const {
     return m_group.outputs.ofVolumes.empty() ? 0 : m_group.outputs.ofVolumes[std::size_t(sceneVolume)];
 }
 
-// Fills the rows of all media; read(planes, to) reads one row of one of them.
+// Fills the rows of all media; read(planes, to) reads one row of one medium.
 template <class Read>
 void SheetShader::gather(const Read& read, Rows& rows) const {
-    // Where there are surfaces `classify` adds up what is there.
+    // If there are surfaces, `classify` computes the sum.
     if (m_surfaces.empty())
         for (int i = 0; i < m_plan.extinction.count(); ++i) read(m_extinction.total(i), rows.total(i));
     for (std::size_t i = 0; i < m_media.size(); ++i) {
@@ -184,7 +184,7 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         read(*m_extinction.emissions()[e].planes, rows.emission(e));
 }
 
-// Adds the extinction of one of m_extinction's volumes to what is seen, unless it is held out.
+// Adds the extinction of one of m_extinction's volumes to the visible sum, unless it is held out.
 void SheetShader::addSeen(std::size_t volume, const Real* extinction, Rows& rows) const {
     if (!m_holdouts || m_held[volume]) return;
     for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
@@ -201,7 +201,8 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     SampleTile samples;
     texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples, m_plan.simd);
     m_eye.setDepth(sheet + 0.5, samples);
-    // Surfaces are classified along eye rays, which no texel of a plane knows: there texels are points like any other.
+    // Surfaces are classified along eye rays, and a plane's texels do not know them; texels are then treated like
+    // points.
     if (!m_surfaces.empty()) {
         ShadeWork work;
         if (!shadePoints(p, samples, std::nullopt, out, work))
@@ -251,8 +252,8 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
     return true;
 }
 
-// Classifies all surfaces at positions `at` of the eye's lattice, and lets the total extinction be what they and the
-// media have there: what the sheets hold of classified volumes is classified at texels, which serves lights.
+// Classifies all surfaces at positions `at` of the eye's lattice, and sets the total extinction to that of the surfaces
+// and media there. The sheets' own classified extinction, at texels, only serves lights.
 void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, Real(0));
@@ -281,11 +282,11 @@ void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
     }
 }
 
-// Is there extinction or emission at any of the samples?
+// True if there is extinction or emission at any of the samples.
 bool SheetShader::shows(const Rows& rows) const {
     const auto any = [](const Real* values) {
         using Bits = std::conditional_t<sizeof(Real) == 4, std::uint32_t, std::uint64_t>;
-        Bits all = 0;  // a loop over floats with an early end would go one by one
+        Bits all = 0;  // a loop over floats with an early exit would not be vectorised
         for (int k = 0; k < kTileSize; ++k) all |= std::bit_cast<Bits>(values[k]);
         return all != 0;
     };
@@ -296,7 +297,7 @@ bool SheetShader::shows(const Rows& rows) const {
     return false;
 }
 
-// What of each light gets past the solids to the samples.
+// The fraction of each light that passes the solids to the samples.
 void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     for (std::size_t i = 0; i < lights.solids.size(); ++i) {
@@ -305,7 +306,7 @@ void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const
     }
 }
 
-// What of all that is at the samples moves how far.
+// The mean motion of the volumes at the samples, for the layer `motion`.
 void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const {
     std::vector<ScreenMotion::Part> parts;
     for (std::size_t i = 0; i < m_media.size(); ++i) {
@@ -318,7 +319,7 @@ void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const
     m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion(0), rows.motion(1));
 }
 
-// All that shading reads, from the rows.
+// Makes the input of shading from the rows.
 ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Scratch& scratch = rows.scratch;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 4 of a batch: brings together what one tile of samples needs (extinction, surfaces, lights, shadows) and shades
-// it, at texels or at the points where pixels' rays meet the sheet.
+// Stage 4 of a batch: collects what a tile of samples needs (extinction, surfaces, lights, shadows) and shades it, at
+// texels or at the points where pixels' rays meet the sheet.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -24,12 +24,12 @@ class SheetShader {
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
 
-    /// Shades points of plane p: where pixels' rays meet it. `cells`: the tile of the eye's own lattice whose cells
-    /// they are, with per-view splatting. False, and nothing in `out`, where nothing is to be seen.
+    /// Shades points of plane p where pixels' rays meet it. `cells`: with per-view splatting, the tile of the eye's own
+    /// lattice whose cells they are. Returns false, and leaves `out` empty, if nothing is visible.
     bool shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out,
                      ShadeWork& work) const;
 
-    /// Texels a sheet times this is a slope, du/dw.
+    /// Factor that converts texels per sheet to a slope du/dw.
     double slopeScale() const { return m_group.sheets.texel / m_group.sheets.thickness; }
 
   private:
@@ -52,21 +52,21 @@ class SheetShader {
     const ExtinctionSum& m_extinction;
     const LightSweep& m_lights;
     const EyeView& m_eye;
-    const ScatteredLight* m_scattered;  // null: light scatters but once
-    bool m_alone;                       // one medium has all the extinction there is
-    bool m_holdouts = false;            // are there volumes that are not seen?
-    std::vector<bool> m_unlit;          // for each light, that it lights none of those
+    const ScatteredLight* m_scattered;  // null: light scatters only once
+    bool m_alone;                       // one medium has all of the extinction
+    bool m_holdouts = false;            // some volumes are held out
+    std::vector<bool> m_unlit;          // for each light, whether it lights none of the media
     Real m_ambient[3];
     Real m_emitting;  // the group's share of emission
-    // What volumes look like, without what differs from sample to sample; and which of m_extinction's they are.
+    // The constant part of volumes' looks, and the indices of these volumes in m_extinction.
     std::vector<SheetMedium> m_media;
     std::vector<SheetSurface> m_surfaces;
     std::vector<int> m_mediumVolumes, m_surfaceVolumes;
-    // What of m_scattered the group shows, and which fields of it that are.
+    // The parts of m_scattered that the group shows, and their fields.
     std::vector<SheetScattered> m_scatteredParts;
     std::vector<int> m_scatteredFields;
-    std::vector<bool> m_held;              // for each of m_extinction's volumes: is it not seen?
-    std::optional<ScreenMotion> m_motion;  // where a layer asks for it
+    std::vector<bool> m_held;              // for each of m_extinction's volumes, whether it is held out
+    std::optional<ScreenMotion> m_motion;  // only if a layer needs it
 };
 
 }  // namespace scrim

@@ -14,8 +14,9 @@ ViewField densityOf(const ViewVolume& volume) {
     return {volume.field, volume.wsFromIs};
 }
 
-// Voxels of more than 1e9 optical depths a voxel count as that: sums of floats must not overflow, and beyond it a
-// voxel's tent is opaque to its rim but for a millionth of a voxel, which no raster resolves.
+// Settings for splatting a density. Values above 1e9 optical depths per voxel are clamped to that: sums of floats must
+// not overflow, and beyond it a voxel's tent is opaque up to a millionth of a voxel from its rim, which no raster
+// resolves.
 FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel) {
     FieldPlanes::Settings settings;
     settings.scale = static_cast<Real>(scale);
@@ -24,7 +25,7 @@ FieldPlanes::Settings settingsOf(double scale, const Dials& dials, double voxel)
     return settings;
 }
 
-// The fields in runs that share their footprints with the first one of the run.
+// Divides the fields into runs that share the footprints of the first field of the run.
 std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& fields) {
     std::vector<std::vector<ViewField>> runs;
     for (const ViewField& field : fields)
@@ -36,15 +37,15 @@ std::vector<std::vector<ViewField>> ofOneTopology(const std::vector<ViewField>& 
     return runs;
 }
 
-// What of a volume's emission is not empty.
+// A volume's sources of emission whose fields are not empty.
 std::vector<ViewEmission> emissionOf(const ViewVolume& volume) {
     std::vector<ViewEmission> emission = volume.emission;
     std::erase_if(emission, [](const ViewEmission& e) { return e.field.field->empty(); });
     return emission;
 }
 
-// What is splatted into the same planes, since it looks the same: instances, above all. Indices of volumes with
-// density.
+// True for volumes that look the same, above all instances, which are splatted into the same planes. The groups hold
+// indices of volumes with density.
 using Alike = std::vector<std::size_t>;
 
 bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
@@ -53,7 +54,7 @@ bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene) {
-    const bool apart = wants(scene, Layer::volume);  // each is seen by itself
+    const bool apart = wants(scene, Layer::volume);  // each volume has its own layer
     std::vector<Alike> groups;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         if (scene.volumes[v].field->empty()) continue;
@@ -68,21 +69,21 @@ std::vector<Alike> alikeVolumes(const ViewScene& scene) {
     return groups;
 }
 
-// What the layer `motion` looks at.
+// The fields that the layer `motion` needs.
 const std::vector<ViewField>& flowOf(const ViewScene& scene, const ViewVolume& volume) {
     static const std::vector<ViewField> none;
     return wants(scene, Layer::motion) && volume.motion ? volume.motion->flow : none;
 }
 
-// Does the sum need planes of its own?
+// True if the sum needs planes of its own.
 bool needsTotals(const ViewScene& scene, const Plan& plan, ExtinctionSum::For who) {
     const auto emits = [](const ViewVolume& volume) { return !emissionOf(volume).empty(); };
     return plan.extinction.count() > 1 || alikeVolumes(scene).size() != 1 ||
            (who == ExtinctionSum::For::primaryEye && std::any_of(scene.volumes.begin(), scene.volumes.end(), emits));
 }
 
-// Adds the active tiles of plane p of `from`, times `weight`, to those of `to`; nothing is added where it is 0, but the
-// tiles count as active.
+// Adds the active tiles of plane p of `from`, times `weight`, to those of `to`. Nothing is added if `weight` is 0, but
+// the tiles become active.
 void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
     for (int ty = 0; ty < to.tilesY(); ++ty)
         for (int tx = 0; tx < to.tilesX(); ++tx) {
@@ -112,7 +113,7 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
             for (const ViewField& field : fields) m_voxels += field.field->activeVoxels;
         return m_own.back().get();
     };
-    // The planes of each field; those of one topology are splatted together.
+    // The planes of each field; fields of one topology are splatted together.
     const auto planesOf = [&](const std::vector<ViewField>& fields, double scale) {
         std::vector<const PlaneStack*> planes;
         for (const std::vector<ViewField>& together : ofOneTopology(fields)) {
@@ -190,7 +191,8 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
     return footprints;
 }
 
-// Sums the volumes into the channels of one sheet, in their order. The first channel is active wherever anything is.
+// Sums the volumes, in their order, into the channels of one sheet. The first channel is active wherever there are any
+// contents.
 void ExtinctionSum::addUp(int p) {
     for (PlaneStack& total : m_totals) total.begin(p);
     for (const Volume& volume : m_volumes) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stages 1 and 2 of a batch: every volume's fields into their own sheets, and the sum of what is extinct there, which
-// eye and lights pass through.
+// Stages 1 and 2 of a batch: splats every volume's fields into their own sheets, and sums their extinction, which eye
+// and lights pass through.
 #pragma once
 
 #include <scrim/engine/model/plan.h>
@@ -16,12 +16,12 @@ namespace scrim {
 
 class ExtinctionSum {
   public:
-    /// Who looks at the sheets: lights need extinction only, the eye what scatters, too, and one of its sweeps
+    /// The user of the sheets. Lights need extinction only, the eye also scattering, and one of the eye's sweeps
     /// emission.
     enum class For { light, eye, primaryEye };
     static For eyeOf(const GroupPlan& group) { return group.primary > 0 ? For::primaryEye : For::eye; }
 
-    /// On the cells of `lattice`. `scene`, `plan`, `sheets` and `lattice` must outlive this.
+    /// On the cells of `lattice`. `scene`, `plan`, `sheets` and `lattice` must outlive this object.
     ExtinctionSum(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                   int batchSheets, For who);
 
@@ -29,28 +29,27 @@ class ExtinctionSum {
     /// that were added. See FieldPlanes::splat.
     std::uint64_t splat(int firstSheet, int count, const NeededTiles* needed = nullptr, const TileCull& cull = {});
 
-    /// An extinction channel of all volumes together, per world unit. Where there is one volume these are its own
-    /// planes.
+    /// An extinction channel summed over all volumes, per world unit. If there is one volume, these are its own planes.
     const PlaneStack& total(int channel) const {
         return m_totals.empty() ? m_volumes.front().extinction() : m_totals[channel];
     }
-    /// The planes whose active tiles are all those where anything is.
+    /// Planes whose active tiles are all tiles with any contents.
     const PlaneStack& covered() const { return total(0); }
 
-    /// A volume that has extinction, or several that look alike.
+    /// A volume with extinction, or several that look alike.
     struct Volume {
-        int sceneVolume = 0;                    ///< its place among the scene's, or the first one's
-        std::unique_ptr<Surface> surface = {};  ///< of a classified volume
-        const PlaneStack* density = nullptr;    ///< of a medium: its extinction
-        std::array<const PlaneStack*, 3> scatter =
-            {};                                      ///< where the albedo is a grid: what each colour scatters; or null
-        std::array<const PlaneStack*, 3> flow = {};  ///< VolumeMotion::flow, where the layer `motion` looks at it
+        int sceneVolume = 0;                    ///< index of the volume, or of the first one, in the scene
+        std::unique_ptr<Surface> surface = {};  ///< only for a classified volume
+        const PlaneStack* density = nullptr;    ///< only for a medium: its extinction
+        /// Only if the albedo is a grid: the scattering of each colour; otherwise null.
+        std::array<const PlaneStack*, 3> scatter = {};
+        std::array<const PlaneStack*, 3> flow = {};  ///< VolumeMotion::flow, if the layer `motion` needs it
 
         const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }
     };
     const std::vector<Volume>& volumes() const { return m_volumes; }
 
-    /// Radiance per world unit = planes times colour.
+    /// A source of emission: radiance per world unit is the planes times the colour.
     struct Emission {
         const PlaneStack* planes;
         Rgb color;
@@ -60,7 +59,7 @@ class ExtinctionSum {
 
     std::uint64_t voxels() const { return m_voxels; }
     std::size_t bytes() const;
-    /// An upper estimate beforehand.
+    /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewScene& scene, const Plan& plan, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets, For who);
 
@@ -70,9 +69,9 @@ class ExtinctionSum {
     const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
     std::vector<Emission> m_emissions;
-    std::vector<std::unique_ptr<FieldPlanes>> m_own;  // all fields but those of surfaces
-    std::vector<FieldPlanes*> m_fields;               // all of them
-    std::vector<PlaneStack> m_totals;                 // one a channel, only where extinction is not that of one volume
+    std::vector<std::unique_ptr<FieldPlanes>> m_own;  // all fields except those of surfaces
+    std::vector<FieldPlanes*> m_fields;               // all fields
+    std::vector<PlaneStack> m_totals;  // one for each channel; only if extinction is not that of a single volume
     std::uint64_t m_voxels = 0;
 };
 

@@ -14,19 +14,20 @@
 namespace scrim {
 namespace {
 
-// Consecutive sheets that one task splats: voxels reach into about four, so fewer would locate them more often.
+// Consecutive sheets that one task splats. Voxels reach into about four sheets, so with fewer they would be located
+// more often.
 constexpr int kSheetsPerTask = 8;
 
-// Rows of tiles that a block may touch, and one more: bands must not depend on what there is in a batch, since they
-// decide the order in which floats are added.
+// The number of rows of tiles that a block may touch, plus one. Bands must not depend on the contents of a batch, since
+// they decide the order in which floats are added.
 int bandTilesFor(const Mat4& rsFromIs, Kernel kernel) {
     const Vec3 row(rsFromIs[0][1], rsFromIs[1][1], rsFromIs[2][1]);
     const double block = (kBlockEdge - 1) * (std::abs(row.x) + std::abs(row.y) + std::abs(row.z));
     return static_cast<int>((block + 2 * kernelExtent(kernel, row) + 3) / kTileEdge) + 4;
 }
 
-// How often voxels may double before a footprint is many texels wide: then there are few of them, and all that is left
-// to save is lost to how finely tables know their places.
+// The number of times that voxels may be doubled. Beyond that a footprint is many texels wide. Then there are few
+// voxels, and the remaining gain is lost to the tables, which must resolve positions finely.
 int coarserLevels(const Mat4& rsFromIs) {
     constexpr double kWidest = 4;  // edge of a voxel, in texels and in sheets
     double edge = 0;
@@ -59,7 +60,7 @@ FieldPlanes::Splatter FieldPlanes::splatterFor(const Placement& placement) const
 }
 
 FieldPlanes::Reach FieldPlanes::reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets) {
-    constexpr double kRounding = 2;  // of footprints' tables, in sheets, and of bounds
+    constexpr double kRounding = 2;  // rounding of footprint tables and of bounds, in sheets
     const Mat4 tsFromIs = sheets.tsFrom(field.wsFromIs);
     const double reach = kernelExtent(dials.kernel, {tsFromIs[0][2], tsFromIs[1][2], tsFromIs[2][2]}) + kRounding;
     const Bounds ts = transformed(tsFromIs, field.field->isBounds());
@@ -94,9 +95,11 @@ void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*>
     m_placements.push_back({std::move(fields), std::move(values), reach, std::nullopt});
 }
 
-// A field without large constant tiles as it is; of others, blocks and each level of tiles for itself.
+// Places a field. One without large constant tiles stays as it is; of others, the blocks and each level of tiles are
+// placed separately.
 void FieldPlanes::placeTiles(const ViewField& field) {
-    // Tiles that only a source can make are cut where they are splatted: their hulls alone are too much.
+    // Larger tiles, which only sources can make, are divided where they are splatted, because their hulls alone are too
+    // large.
     constexpr int kLargest = 4096;
     const std::vector<ConstantTile>& all = field.field->tiles;
     const bool cuts = std::all_of(all.begin(), all.end(), [](const ConstantTile& t) { return t.edge <= kLargest; });
@@ -119,7 +122,7 @@ void FieldPlanes::placeTiles(const ViewField& field) {
     place({field});
 }
 
-// Those that the batch reaches are there, and no others.
+// Makes splatters for the placements that the batch reaches, and drops all others.
 void FieldPlanes::prepare() {
     std::vector<Placement*> missing;
     for (Placement& placement : m_placements) {
@@ -165,7 +168,7 @@ int FieldPlanes::bands() const {
     return m_lattice.parallel() ? (planes().tilesY() + m_bandTiles - 1) / m_bandTiles : 1;
 }
 
-// Phases take turns at the bands of rows; views that warp their footprints have no bands.
+// Phases alternate between bands of rows; views that warp their footprints have no bands.
 int FieldPlanes::tasks(int phase) const {
     return static_cast<int>(m_runs.size()) * ((bands() + 1 - phase) / kPhases);
 }
@@ -203,7 +206,7 @@ void FieldPlanes::finish(int plane) {
             planes.prefilter(p, m_simd);  // views look between its texels
             continue;
         }
-        if (m_lattice.parallel()) planes.raiseToZero(p);  // slopes of footprints go below 0 around the field's rim
+        if (m_lattice.parallel()) planes.raiseToZero(p);  // footprint slopes go below 0 around the field's rim
         planes.dropEmpty(p);
     }
 }
@@ -218,11 +221,11 @@ std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings,
            placementBytes(field, settings, dials, sheets, lattice);
 }
 
-// What the most placements take that reach into one batch.
+// The largest sum of bytes of placements that reach into the same batch.
 std::size_t FieldPlanes::bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
                                const Sheets& sheets, const Lattice& lattice, int batchSheets) {
     const int batch = batchSheets + 2 * settings.halo;
-    std::map<int, std::ptrdiff_t> changes;  // by the batch's first sheet
+    std::map<int, std::ptrdiff_t> changes;  // by the first sheet of the batch
     for (const ViewField& field : placements) {
         const Reach reach = reachOf(field, dials, sheets);
         const auto own = static_cast<std::ptrdiff_t>(placementBytes(field, settings, dials, sheets, lattice));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Stage 1 of a batch: a field splatted into sheets, or several of one topology together. Densities, albedos, emission
-// and temperatures are all fields; what is extinct there is made of some of them (extinction_sum.h).
+// Stage 1 of a batch: splats a field, or several of one topology together, into sheets. Densities, albedos, emission
+// and temperatures are all fields; extinction is computed from some of them (extinction_sum.h).
 #pragma once
 
 #include <scrim/base/real.h>
@@ -20,44 +20,44 @@ class FieldPlanes {
   public:
     /// How a field is splatted.
     struct Settings {
-        Real scale = 1;                                 ///< times every voxel
-        Real most = std::numeric_limits<float>::max();  ///< scaled voxels count as this above it
+        Real scale = 1;                                 ///< factor on every voxel
+        Real most = std::numeric_limits<float>::max();  ///< scaled voxels are clamped to this
         int stepsPerVoxel = 8;                          ///< of its footprints, see FootprintTable
         int halo = 0;                                   ///< sheets kept on either side of a batch
     };
 
-    /// Onto the cells of `lattice`, the sheets' own or a view's. Fields, `dials`, `sheets` and `lattice` must outlive
-    /// this.
-    /// Several fields must have the topology of the first (haveOneTopology), and each has planes of its own.
+    /// Splats onto the cells of `lattice`, which is the sheets' own or a view's. Fields, `dials`, `sheets` and
+    /// `lattice` must outlive this object. Several fields must have the topology of the first (haveOneTopology); each
+    /// has its own planes.
     FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets)
         : FieldPlanes(std::vector<std::vector<ViewField>>(1, fields), settings, dials, sheets, lattice, batchSheets) {}
-    /// Placements add up in the same planes; all have as many fields. Where there are several, what each needs is there
-    /// for the batches that it reaches into, and no longer.
+    /// Several placements, each with the same number of fields, add up in the same planes. The memory that a placement
+    /// needs exists only during the batches that it reaches into.
     FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
-    /// Begins the batch [firstSheet, firstSheet + count). It is splatted in phases, one after the other, each of tasks
-    /// that are independent; then all planes are finished, independently.
+    /// Begins the batch [firstSheet, firstSheet + count). It is splatted in consecutive phases, each of independent
+    /// tasks; then all planes are finished, independently of one another.
     void beginBatch(int firstSheet, int count);
     static constexpr int kPhases = 2;
     int tasks(int phase) const;
-    /// Returns the footprints that were added. Blocks that touch none of the tiles of `needed` are culled, and so are
-    /// those that `cull` names.
+    /// Runs one task. Returns the footprints that were added. Blocks that touch none of the tiles in `needed` are
+    /// culled, and so are those that `cull` rejects.
     std::uint64_t splat(int phase, int task, const NeededTiles* needed, const TileCull& cull);
     int planesToFinish() const { return m_readySheet - m_firstReady; }
     void finish(int plane);
 
-    /// Planes of sheets in a ring, so that every sheet is splatted once: the plane of a sheet of the batch or its halo.
+    /// The plane of a sheet of the batch or its halo. Planes form a ring, so that every sheet is splatted only once.
     int planeOf(int sheet) const { return (sheet - m_origin + m_settings.halo) % planes().planes(); }
-    /// Without a halo planes [0, count) are those of the batch.
+    /// Without a halo, planes [0, count) are those of the batch.
     const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
 
     std::size_t bytes() const;
-    /// An upper estimate beforehand.
+    /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
                              const Lattice& lattice, int batchSheets);
-    /// The same of several placements.
+    /// The same for several placements.
     static std::size_t bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
                              const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
@@ -66,13 +66,13 @@ class FieldPlanes {
         int sheet, count;
     };
     using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
-    // The sheets that it reaches, at most: [first, last].
+    // The sheets that a placement may reach: [first, last].
     struct Reach {
         int first, last;
     };
     struct Placement {
         std::vector<ViewField> fields;
-        std::vector<const float*> values;  // of the first field's blocks, where it does not hold them itself
+        std::vector<const float*> values;  // values of the first field's blocks, if the field itself does not hold them
         Reach reach;
         std::optional<Splatter> splatter;
     };
@@ -90,12 +90,12 @@ class FieldPlanes {
     const Dials& m_dials;
     Settings m_settings;
     Simd m_simd;
-    std::vector<TileLevels> m_tiles;  // of the placements that have large ones
+    std::vector<TileLevels> m_tiles;  // for the placements that have large tiles
     std::vector<Placement> m_placements;
-    int m_bandTiles = 0;                     // at whose bands all take turns
-    std::size_t m_mostBytes = 0;             // of splatters, in any batch
-    std::vector<PlaneStack> m_planes;        // one a field
-    int m_origin = -1;                       // the first sheet of the first batch, whose planes lie as it wants them
+    int m_bandTiles = 0;                     // height of the bands at which all splatters take turns
+    std::size_t m_mostBytes = 0;             // largest bytes of splatters in any batch
+    std::vector<PlaneStack> m_planes;        // one for each field
+    int m_origin = -1;                       // first sheet of the first batch, which starts the ring of planes
     int m_firstReady = 0, m_readySheet = 0;  // sheets that the batch splats
     std::vector<Run> m_runs;
 };

@@ -39,7 +39,7 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     shape.extent = kernelExtents(kernel, tsFromIs);
     shape.columns = texels(shape.extent.x);
     shape.rows = texels(shape.extent.y);
-    // Slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
+    // The slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
     const double most = 1 - 1.0 / sheetSteps;
     const int firstSheet = static_cast<int>(std::floor(-shape.extent.z - 1)) + 1;
     const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
@@ -56,13 +56,13 @@ std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texel
 }
 
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
-    // A voxel's size along an axis of texel space: the length of its three edges there, taken together.
+    // A voxel's size along an axis of texel space: the combined length of its three edges along it.
     const auto voxelAlong = [&](int axis) {
         const Vec3 edges(tsFromIs[0][axis], tsFromIs[1][axis], tsFromIs[2][axis]);
         return glm::length(edges);
     };
-    // Powers of two. Six steps of texels a voxel instead of eight cost thin media 0.7 % of error; of sheets six will
-    // do.
+    // The smallest power of two that suffices. With six instead of eight steps of texels per voxel, the error of thin
+    // media rises by 0.7 %; for sheets six steps suffice.
     constexpr double kTexels = 0.95, kSheets = 0.75;
     const auto steps = [&](double voxel, double enough) {
         int n = 2;
@@ -87,8 +87,8 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSte
     if (sloped()) parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
 }
 
-// Central differences over a step on either side. One step past a texel's last is the first of the next texel, where
-// the footprint has moved on by one.
+// Central differences over one step to either side. The step after a texel's last one is the first step of the next
+// texel, where the footprint has moved by one texel.
 void FootprintTable::addSlopes(int stepV) {
     const auto weight = [&](int stepU, int v, int stepN, int slab, int row, int column) {
         const auto wrap = [](int& step, int steps, int& place) {
@@ -125,14 +125,14 @@ void FootprintTable::addSlopes(int stepV) {
                     }
 }
 
-// Fills the entries of one quantised fraction in v. For each texel of the footprint: integrate the kernel
-// along w once, cumulatively in the table's steps, then read every sheet's share as a difference.
+// Fills the entries of one quantised fraction in v. For each texel of the footprint, the kernel is integrated along w
+// once, cumulatively in the table's steps; every sheet's share is then a difference.
 void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     const int fineCount = (m_sheets.count + 1) * m_sheetSteps;
     const double fine = 1.0 / m_sheetSteps;
     const double depth0 = m_sheets.first - 1.0;  // N of the cumulative integral's first point
-    // Two-point Gauss quadrature is exact for the cubics that `linear` is made of, kinks aside.
-    // Where rays of a view lie almost within the sheets a step of the table is many voxels long: cut it up.
+    // Two-point Gauss quadrature is exact for the cubics of which `linear` consists, apart from its kinks. If rays of a
+    // view lie almost within the sheets, a step of the table spans many voxels, and is divided.
     constexpr double kLongestStep = 0.25;  // voxels
     const int cuts = std::max(1, static_cast<int>(std::ceil(glm::length(isFromTs[2]) * fine / kLongestStep - 1e-9)));
     const double cut = fine / cuts, gauss = 0.5 * cut / std::sqrt(3.0);
@@ -169,7 +169,8 @@ FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(st
     for (int sheet = 0; sheet < table.sheets(); ++sheet)
         for (int row = 0; row < table.rows(); row += kRows)
             for (int column = 0; column < table.rowStride(); column += kColumns)
-                // The last two of an odd number of rows start a row earlier, and leave that to the piece before.
+                // With an odd number of rows, the last piece starts one row earlier, and leaves that row to the
+                // preceding piece.
                 m_kindsOf.push_back(
                     {sheet, std::min(row, table.rows() - kRows), column, std::max(0, row + kRows - table.rows())});
     const std::size_t perSheet = m_kindsOf.size() / std::size_t(table.sheets());

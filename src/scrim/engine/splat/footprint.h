@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
-// Footprints: what one voxel's kernel adds to the texels of the sheets it reaches (ZC02 section 2).
+// Footprints: what one voxel's kernel adds to the texels of the sheets that it reaches (ZC02 section 2).
 //
-// A footprint depends on nothing but the voxel's fractional position against texels and sheets, so it is
-// tabulated over quantised fractions. Each weight is the mean of the kernel over
-// the sheet's thickness, along w through the texel's centre: numerically integrated once, which makes every
-// kernel, rotation, shear and anisotropic voxel equally cheap. Because one cumulative integral along w serves
-// all sheets, the weights of a texel sum over the sheets to the kernel's line integral for every thickness.
+// A footprint depends only on the voxel's fractional position relative to texels and sheets, so it is tabulated over
+// quantised fractions. Each weight is the mean of the kernel over the sheet's thickness, along w through the texel's
+// centre. It is integrated numerically once, so that every kernel, rotation, shear and anisotropic voxel is equally
+// cheap. Because one cumulative integral along w serves all sheets, the weights of a texel sum over the sheets to the
+// kernel's line integral for every thickness.
 //
-// Rounding a position to its step moves the voxel: an error of first order in the step, which flickers when a camera
-// or a light moves, and which gradients show. A table may therefore hold the slopes of its weights, too; what is left
-// is of second order.
+// Rounding a position to its step moves the voxel. That is an error of first order in the step, which flickers when a
+// camera or a light moves, and which shows in gradients. A table may therefore also hold the slopes of its weights; the
+// remaining error is of second order.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -25,17 +25,17 @@ namespace scrim {
 
 class FootprintTable {
   public:
-    /// How a position between the steps of a table is served.
+    /// How a position between the steps of a table is looked up.
     enum class Lookup {
-        nearest,  ///< by the nearest step
-        sloped,   ///< by the nearest step and the slopes there
+        nearest,  ///< the weights at the nearest step
+        sloped,   ///< the weights at the nearest step, corrected by the slopes there
     };
-    /// How finely positions are quantised: steps a texel along U and V, and a sheet along N.
+    /// The resolution of quantised positions: steps per texel along U and V, and per sheet along N.
     struct Steps {
         int texel, sheet;
     };
-    /// `tsFromIs`: the grid's map to texel space (its linear part counts). Positions are quantised to `texelSteps`
-    /// a texel along U and V and `sheetSteps` a sheet along N: powers of two in [2, 128].
+    /// `tsFromIs`: the grid's map to texel space, of which only the linear part counts. Positions are quantised to
+    /// `texelSteps` per texel along U and V and `sheetSteps` per sheet along N, powers of two in [2, 128].
     FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
                    Lookup lookup = Lookup::nearest);
 
@@ -43,8 +43,8 @@ class FootprintTable {
     int texelSteps() const { return m_texelSteps; }
     int sheetSteps() const { return m_sheetSteps; }
 
-    // A position is rounded to the nearest step, so that lattices which fall on the steps are exact. For a voxel at
-    // (rounded) (U, V, N) the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
+    // A position is rounded to the nearest step, so that lattices which coincide with the steps are exact. For a voxel
+    // at the rounded position (U, V, N), the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
     // likewise, and sheets floor(N) + firstSheet() + [0, sheets()).
     int firstColumn() const { return m_columns.first; }
     int firstRow() const { return m_rows.first; }
@@ -52,25 +52,27 @@ class FootprintTable {
     int columns() const { return m_columns.count; }
     int rows() const { return m_rows.count; }  ///< at least 2
     int sheets() const { return m_sheets.count; }
-    int rowStride() const { return m_rowStride; }  ///< columns() rounded up to a multiple of 4; 0 beyond
+    /// columns() rounded up to a multiple of 4; weights beyond columns() are 0.
+    int rowStride() const { return m_rowStride; }
     int partStride() const { return m_rowStride * m_rows.count; }
-    /// A sheet has one part, its weights, or four: weights, and their changes over one step in U, V and N.
+    /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes over one step in U, V
+    /// and N.
     int sheetStride() const { return partStride() * m_parts; }
     double extentN() const { return m_extent.z; }    ///< half the kernel's extent along w, in sheets
     const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
 
-    /// Offset of the weights for quantised fractions (each below its number of steps), sheets() x parts x rows()
-    /// x rowStride() of them.
+    /// Offset of the weights for quantised fractions, each below its number of steps. There are sheets() x parts x
+    /// rows() x rowStride() weights.
     std::size_t offset(int stepU, int stepV, int stepN) const {
         return std::size_t((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
                std::size_t(sheetStride() * m_sheets.count);
     }
     const Real* weights() const { return m_weights.data(); }
-    /// Keeps the geometry alone, for whoever has its pieces.
+    /// Keeps only the geometry, for users that have the pieces.
     void dropWeights() { m_weights = {}; }
     std::size_t bytes() const { return m_weights.size() * sizeof(Real); }
 
-    /// Bytes a table would take, without building it.
+    /// Bytes of a table, without building it.
     static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
                              Lookup lookup = Lookup::nearest);
 
@@ -89,8 +91,8 @@ class FootprintTable {
     std::vector<Real> m_weights;
 };
 
-/// The footprints of a sloped table, cut into pieces of two rows of four texels of one sheet. Pieces without weight are
-/// left out: a table is as large as its largest footprint, and of a footprint about half is empty.
+/// The footprints of a sloped table, divided into pieces of two rows of four texels on one sheet. Empty pieces are left
+/// out: the table's entries are as large as its largest footprint, and about half of a footprint is empty.
 class FootprintPieces {
   public:
     static constexpr int kRows = 2, kColumns = 4;
@@ -99,10 +101,10 @@ class FootprintPieces {
 
     explicit FootprintPieces(const FootprintTable& table);
 
-    /// Offsets of the kinds of pieces from a footprint's first texel, in planes of such strides.
+    /// Offsets of the kinds of pieces from a footprint's first texel, in planes with these strides.
     std::vector<std::ptrdiff_t> offsets(std::ptrdiff_t planeStride, std::ptrdiff_t rowStride) const;
 
-    /// The pieces of entry e are numbers [begins(e)[0], begins(e)[sheets()]); those of its sheet s begin at
+    /// The pieces of entry e are those from begins(e)[0] to begins(e)[sheets()] - 1; those of its sheet s begin at
     /// begins(e)[s].
     const std::uint32_t* begins(std::size_t entry) const { return m_begins.data() + entry * m_beginStride; }
     const std::uint32_t* kinds() const { return m_kinds.data(); }
@@ -112,19 +114,19 @@ class FootprintPieces {
   private:
     struct Kind {
         int sheet, row, column;
-        int done;  // rows that are the piece's before it
+        int done;  // rows that belong to the preceding piece
     };
     struct alignas(64) Piece {
         std::array<Real, kFloats> values;
     };
     std::size_t m_beginStride;
-    std::vector<Kind> m_kindsOf;  // by number of the kind
+    std::vector<Kind> m_kindsOf;  // indexed by kind
     std::vector<std::uint32_t> m_begins;
     std::vector<std::uint32_t> m_kinds;
     std::vector<Piece> m_pieces;
 };
 
-/// How finely to quantise positions: powers of two, and at least 3/4 of `stepsPerVoxel` for a voxel of the size that
+/// How finely positions are quantised: powers of two, with at least 3/4 of `stepsPerVoxel` for a voxel of the size that
 /// `tsFromIs` gives it.
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
 

@@ -14,11 +14,11 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Between the texels at `at` and those to the right of them, the lanes' own each.
+// Interpolates between the texels at `at` and their right neighbours, separately in each lane.
 HWY_ATTR HWY_INLINE VF between(const Real* data, VI at, VF fraction) {
     const DF d;
 #if HWY_TARGET != HWY_SCALAR
-    // Two neighbours are one double float: half as many loads.
+    // Two neighbouring floats are loaded as one double, which halves the number of loads.
     if constexpr (sizeof(Real) == sizeof(float)) {
         const hn::Repartition<std::int64_t, DF> d64;
         const hn::Half<DI> half;
@@ -32,7 +32,7 @@ HWY_ATTR HWY_INLINE VF between(const Real* data, VI at, VF fraction) {
     return lerp(hn::GatherIndex(d, data, at), hn::GatherIndex(d, data + 1, at), fraction);
 }
 
-// Bilinear sample with its own position in every lane.
+// A bilinear sample at a different position in each lane.
 HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Split& v) {
     const DI di;
     const auto at = hn::Add(hn::Mul(v.whole, hn::Set(di, plane.width)), u.whole);
@@ -50,7 +50,7 @@ HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const FloatPlane::Ma
     }
 }
 
-// Calls consume(j, i, samples) for the lattice of 16 x 16 positions, a vector of columns at a time.
+// Calls consume(j, i, samples) for the lattice of 16 x 16 positions, one vector of columns at a time.
 template <class Consume>
 HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest,
                                     const Consume& consume) {
@@ -62,7 +62,8 @@ HWY_ATTR HWY_INLINE void forLattice(const FloatPlane& plane, Real u, Real v, Rea
     for (int j = 0; j < kTileEdge; ++j) {
         const auto sv = split(hn::Set(d, v + static_cast<Real>(j) * step), plane.y0, plane.height, nearest);
         if (streaming) {
-            // One texel a cell: the whole row shares its fractions, and neighbours are consecutive floats.
+            // With one texel per cell, all cells of a row have the same fractions, and neighbours are consecutive
+            // floats.
             Real fraction = u - floorU;
             if (nearest) fraction = std::floor(fraction + Real(0.5));
             const auto t = hn::Set(d, fraction);
@@ -88,14 +89,14 @@ HWY_ATTR void sampleLatticeOnTarget(const FloatPlane& plane, Real u, Real v, Rea
                [&](int j, int i, VF sample) HWY_ATTR { hn::StoreU(sample, d, out + j * kTileEdge + i); });
 }
 
-// The world length of the way through a sheet of rays with slopes (a, b), where `path` is its thickness.
+// The world length of the path through a sheet for rays with slopes (a, b); `path` is the sheet's thickness.
 HWY_ATTR HWY_INLINE VF wayThrough(VF a, VF b, Real path) {
     const DF d;
     const auto slant = hn::Sqrt(hn::MulAdd(a, a, hn::MulAdd(b, b, hn::Set(d, Real(1)))));
     return hn::Mul(slant, hn::Set(d, path));
 }
 
-// `way(j, i)`: through the sheet, of the rays of the lattice's row j from column i on.
+// Attenuates a tile. `way(j, i)`: path lengths through the sheet for row j of the lattice from column i on.
 template <class Way>
 HWY_ATTR HWY_INLINE void attenuateAlong(const AttenuateTile& tile, const Way& way) {
     const DF d;

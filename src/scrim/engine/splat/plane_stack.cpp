@@ -7,7 +7,7 @@
 namespace scrim {
 namespace {
 
-// Floats behind the last row that a vector read or a padded footprint row may touch.
+// Floats after the last row, which a vector read or a padded footprint row may touch.
 constexpr std::size_t kTail = 64;
 
 std::size_t planeFloats(int width, int height, int channels) {

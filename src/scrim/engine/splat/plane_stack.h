@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 // The buffers of a batch of sheets: a few planes of texels, of which only touched tiles cost anything.
 //
-// Planes are dense in address space, so that rows are rows, but memory is only used where something was
-// written: they start as untouched zero pages, and each plane remembers its tiles of 16 x 16. A tile that is not
-// active reads as zeros; the work of clearing follows the tiles that were written, never the plane's size.
+// Planes are dense in address space, so that rows are contiguous, but memory is used only where something was written:
+// they start as untouched zero pages, and each plane records the states of its tiles of 16 x 16. A tile that is not
+// active reads as zeros. The work of clearing depends on the number of tiles that were written, never on the plane's
+// size.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -21,8 +22,8 @@ namespace scrim {
 
 class PlaneStack {
   public:
-    /// `width` and `height` in texels, multiples of kTileEdge; `channels` floats a texel, interleaved.
-    /// Throws Error (memory) where the address space cannot be had.
+    /// `width` and `height` in texels, multiples of kTileEdge; `channels` floats per texel, interleaved. Throws Error
+    /// (memory) if the address space is not available.
     PlaneStack(int planes, int width, int height, int channels);
 
     int planes() const { return m_planes; }
@@ -37,37 +38,37 @@ class PlaneStack {
     int tilesX() const { return m_width / kTileEdge; }
     int tilesY() const { return m_height / kTileEdge; }
     bool active(int p, int tx, int ty) const { return m_state[tileIndex(p, tx, ty)] == kActive; }
-    /// Is any of these tiles active? Tiles beyond the plane are not.
+    /// True if any of these tiles is active; tiles outside of the plane are not.
     bool anyActive(int p, const Box2<int>& tiles) const;
     /// The smallest box of tiles around the active ones.
     Box2<int> activeBounds(int p) const;
 
-    // The life of a plane in a batch: begin, then any mix of activate (before adding to a tile) and replace
-    // (before writing all of a tile), then finish. Different planes, and different tiles of one plane, may be
-    // handled by different threads.
+    // The life of a plane in a batch: begin, then any mix of activate (before adding to a tile) and replace (before
+    // writing all of a tile), then finish. Different threads may handle different planes, and different tiles of one
+    // plane.
 
-    /// Forgets the plane's content; old tiles are cleared when they are next touched, or by finish.
+    /// Forgets the plane's contents. Old tiles are cleared when they are next touched, or by finish.
     void begin(int p);
-    /// Makes a tile active with zeros in it, unless it is active already.
+    /// Makes a tile active and fills it with zeros, unless it is active already.
     void activate(int p, int tx, int ty);
     /// Makes a tile active without clearing it.
     void replace(int p, int tx, int ty) { m_state[tileIndex(p, tx, ty)] = kActive; }
-    /// Clears what is left of the old content. `finishRow` does so for one row of tiles.
+    /// Clears the rest of the old contents. `finishRow` does so for one row of tiles.
     void finish(int p);
     void finishRow(int p, int ty);
-    /// Makes up for the blur of the look-ups to come: f - 1/12 (second differences along u and v), but not below 0, of
-    /// a plane with one channel that is finished. See forPrefilteredTiles. Tiles of zeros become inactive.
+    /// Compensates for the blur of later look-ups: f - 1/12 (second differences along u and v), but not below 0, for a
+    /// finished plane with one channel. See forPrefilteredTiles. Tiles of zeros become inactive.
     void prefilter(int p, Simd simd = {});
-    /// What is below 0 in active tiles becomes 0.
+    /// Sets values below 0 in active tiles to 0.
     void raiseToZero(int p);
-    /// Makes tiles inactive that hold nothing but zeros (of a plane with one channel).
+    /// Makes tiles inactive that contain only zeros (for a plane with one channel).
     void dropEmpty(int p);
 
-    /// Bytes of address space a stack of this shape takes, at most all of it in memory.
+    /// Bytes of address space of a stack of this shape; memory use is at most as large.
     static std::size_t bytes(int planes, int width, int height, int channels);
 
   private:
-    // States of a tile.
+    // The states of a tile.
     static constexpr std::uint8_t kClean = 0, kStale = 1, kActive = 2;
 
     std::size_t tileIndex(int p, int tx, int ty) const {
@@ -82,20 +83,19 @@ class PlaneStack {
 };
 
 /// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. filter(tx, ty, halo, out)
-/// is called for every active tile: the halo holds its cells and those around it as they were, and `out` is its first
-/// cell.
-/// Beyond the plane are zeros, and inactive tiles to the left and above count as zeros, too.
+/// is called for every active tile: the halo holds the original values of its cells and those around it, and `out` is
+/// its first cell. Cells outside of the plane are zeros, and so are those of inactive tiles to the left and above.
 ///
-/// Why: views look sheets up between texels, bilinearly. Over all positions between texels that adds, on average, a
-/// twelfth of the second difference along each axis: a blur that every view sees and that does not average out. Taking
-/// it away beforehand leaves an error that changes sign from texel to texel and sheet to sheet, and does average out
+/// The reason is that views look sheets up between texels, bilinearly. Averaged over all positions between texels, that
+/// adds a twelfth of the second difference along each axis: a blur that every view sees and that does not average out.
+/// Subtracting it beforehand leaves an error that changes sign from texel to texel and sheet to sheet, and averages out
 /// along a ray (quasi-interpolation; compare T. Blu, P. Thevenaz, M. Unser, "Linear Interpolation Revitalized", IEEE
 /// Transactions on Image Processing, 2004). Constant and linear fields stay as they are.
 template <class Active, class Filter>
 void forPrefilteredTiles(Real* plane, int tilesX, int tilesY, std::ptrdiff_t rowStride, const Active& active,
                          const Filter& filter) {
     HaloTile halo;
-    // What was in the rows above and the columns to the left before they were filtered.
+    // The original values in the rows above and the columns to the left, before these were filtered.
     std::vector<Real> above(std::size_t(tilesX * kTileEdge), Real(0));
     for (int ty = 0; ty < tilesY; ++ty) {
         bool leftActive = false;
@@ -110,7 +110,7 @@ void forPrefilteredTiles(Real* plane, int tilesX, int tilesY, std::ptrdiff_t row
             const bool endsX = tx + 1 == tilesX, endsY = ty + 1 == tilesY;
             for (int y = 0; y < kTileEdge; ++y) {
                 Real* row = halo.at(0, y);
-                row[-1] = leftActive ? row[kTileEdge - 1] : Real(0);  // of the tile that was here before
+                row[-1] = leftActive ? row[kTileEdge - 1] : Real(0);  // original values of the tile to the left
                 std::copy_n(first + y * rowStride, kTileEdge, row);
                 row[kTileEdge] = endsX ? Real(0) : first[y * rowStride + kTileEdge];
             }

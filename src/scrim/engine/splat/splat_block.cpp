@@ -14,21 +14,21 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Voxels whose addresses are computed together, ahead of their footprints.
+// Voxels whose addresses are computed together, before their footprints are added.
 constexpr int kChunk = 32;
 
 constexpr int kAhead = 4, kLinesAhead = 12;
-constexpr std::int32_t kNoSheet = 1 << 29;  // of culled voxels: past every last sheet
+constexpr std::int32_t kNoSheet = 1 << 29;  // first sheet of culled voxels: beyond every last sheet
 
 struct Chunk {
     alignas(64) RealIndex table[kChunk];  // index of the quantised fraction
     alignas(64) RealIndex texel[kChunk];  // offset of the footprint's first texel in its plane
     alignas(64) RealIndex sheet[kChunk];  // first sheet of the footprint
-    alignas(64) Real restU[kChunk];       // what rounding left, in steps
+    alignas(64) Real restU[kChunk];       // rest after rounding, in steps
     alignas(64) Real restV[kChunk];
     alignas(64) Real restN[kChunk];
-    alignas(64) Real value[BlockSplat::kMost][kChunk];  // of each field
-    // The voxels that the sheets get anything of: their pieces, and the place of the first texel in all planes.
+    alignas(64) Real value[BlockSplat::kMost][kChunk];  // for each field
+    // The voxels that contribute to the sheets: their pieces, and the offset of the first texel in all planes.
     RealIndex voxels[2 * kChunk];
     std::uint32_t piece[kChunk], lastPiece[kChunk];
     std::ptrdiff_t at[kChunk];
@@ -41,7 +41,7 @@ HWY_INLINE int log2Of(int powerOfTwo) {
     return log2;
 }
 
-// Addresses of voxels [k, k + kChunk) of the order (reading past its end is harmless: see the caller).
+// Computes the addresses of voxels [k, k + kChunk) of the order (reading beyond its end is harmless: see the caller).
 template <bool kClipped>
 HWY_ATTR void locate(const BlockSplat& splat, const BlockSplat::Place& place, int k, Chunk& chunk) {
     const hn::ScalableTag<Real> df;
@@ -107,7 +107,7 @@ HWY_ATTR HWY_INLINE void addTo(D d, hn::Vec<D> weights, const Real* value, Real*
     }
 }
 
-// One piece of a footprint, into the same texels of one field or of several, from texels[f] + at on: value[f] times
+// Adds one piece of a footprint to the same texels of one field or of several, from texels[f] + at on: value[f] times
 // its weights.
 template <int kFields>
 HWY_ATTR HWY_INLINE void addPiece(const Real* piece, const Rest& rest, const Real* value, Real* const* texels,
@@ -130,7 +130,7 @@ HWY_ATTR HWY_INLINE void addPiece(const Real* piece, const Rest& rest, const Rea
                                         at + r * rowStride + i, fields);
 }
 
-// Values of the chunk's voxels [begin, end), and which of them the sheets get anything of.
+// Reads the values of the chunk's voxels [begin, end), and finds those that contribute to the sheets.
 template <int kFields>
 HWY_ATTR void findLive(const BlockSplat& splat, const float* const* values, int k, int begin, int end, Chunk& chunk) {
     const hn::ScalableTag<Real> df;
@@ -156,7 +156,7 @@ HWY_ATTR void findLive(const BlockSplat& splat, const float* const* values, int 
 template <bool kClipped, int kFields>
 HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
                                   int first, int second) {
-    // Copies, because the compiler must assume that writing texels changes what pointers lead to.
+    // These are copies, because the compiler must assume that writing texels changes the data behind pointers.
     const FootprintPieces& pieces = *splat.pieces;
     const int sheets = splat.table->sheets(), fields = kFields > 0 ? kFields : splat.fields;
     const std::ptrdiff_t planeStride = splat.planeStride, rowStride = splat.rowStride;
@@ -169,7 +169,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
     Chunk chunk;
 
     for (int k0 = first; k0 < second; k0 += kChunk) {
-        // The last chunk starts early enough to stay within the 512 voxels; its head was done before.
+        // The last chunk starts early enough to stay within the 512 voxels; its first part was done before.
         const int k = std::min(k0, kBlockVoxels - kChunk);
         locate<kClipped>(splat, place, k, chunk);
         findLive<kFields>(splat, values, k, k0 - k, second - k, chunk);
@@ -184,7 +184,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
             footprints += static_cast<std::uint64_t>(to - from);
         }
         for (int l = 0; l < chunk.live; ++l) {
-            // Entries of the table lie all over it.
+            // The entries of the table are scattered over memory.
             const int ahead = std::min(l + kAhead, chunk.live - 1);
             __builtin_prefetch(kinds + chunk.piece[ahead]);
             const Real* next = weights + std::size_t(chunk.piece[ahead]) * FootprintPieces::kFloats;
@@ -201,7 +201,7 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
     return footprints;
 }
 
-// Kept apart: one field, which is the usual case, and several.
+// Separate versions for one field, which is the usual case, and for several.
 template <int kFields>
 HWY_ATTR std::uint64_t splatFields(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
                                    int first, int second) {
@@ -228,11 +228,11 @@ struct Voxel {
     Vec3 ts;
     std::int32_t index;
     int bucket;   // floor of N
-    int turn;     // which round through the quarters it is taken in
+    int turn;     // round in which it is taken from its quarter
     int quarter;  // of the block's extent in (U, V)
 };
 
-// Deals the voxels of each bucket out in turns, one from each quarter of the block's extent in (U, V).
+// Takes the voxels of each bucket in turns, one from each quarter of the block's extent in (U, V).
 void dealOut(std::array<Voxel, kBlockVoxels>& voxels) {
     Vec3 middle(0);
     for (const Voxel& v : voxels) middle += v.ts / double(kBlockVoxels);

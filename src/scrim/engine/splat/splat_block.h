@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The innermost loop of Scrim: the voxels of one block into some consecutive sheets. Vectorised, and compiled
-// once for every instruction set that the processor may have.
+// The innermost loop of Scrim: splats the voxels of one block into some consecutive sheets. It is vectorised, and
+// compiled once for every instruction set that the processor may have.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -17,15 +17,15 @@
 
 namespace scrim {
 
-/// The depth order of the voxels inside a block. A block is 8^3 voxels on a lattice and a grid has one affine map, so
-/// the 512 offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid: the voxels
-/// that touch a sheet are a contiguous range. This is what ZC02's bucket sort (Fig. 5, line 2) comes down to here:
-/// nothing per voxel, and no memory.
+/// The depth order of the voxels inside of a block. A block has 8^3 voxels on a lattice, and a grid has one affine map.
+/// Therefore the 512 offsets from the block's origin, bucketed along the sweep's axis, serve every block of the grid,
+/// and the voxels that touch a sheet are a contiguous range. This replaces ZC02's bucket sort (Fig. 5, line 2), without
+/// work or memory for single voxels.
 class LatticeOrder {
   public:
-    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a
-    // bucket neighbours in the list lie apart in (U, V): a voxel that adds to texels which the one before has
-    // just written would wait for them.
+    // Offsets from the block's first voxel in texel space, bucket by bucket in ascending floor(N). Within a bucket,
+    // neighbours in the list are far apart in (U, V), since a voxel that adds to texels just written by the preceding
+    // voxel would have to wait for them.
     alignas(64) std::array<Real, kBlockVoxels> offsetU;
     alignas(64) std::array<Real, kBlockVoxels> offsetV;
     alignas(64) std::array<Real, kBlockVoxels> offsetN;
@@ -33,8 +33,8 @@ class LatticeOrder {
 
     explicit LatticeOrder(const Mat4& tsFromIs);
 
-    /// Positions [first, second) that hold all voxels with lower < offsetN < upper, and perhaps some others of
-    /// the same buckets.
+    /// The positions [first, second) that contain all voxels with lower < offsetN < upper, and possibly others of the
+    /// same buckets.
     std::pair<int, int> between(double lower, double upper) const;
 
   private:
@@ -44,8 +44,8 @@ class LatticeOrder {
 
 /// How the blocks of a field are splatted.
 struct BlockSplat {
-    /// Where a block lies in texel space: its first voxel at whole + fraction on each axis. Split so that floats only
-    /// ever hold offsets within a block, however large the raster is.
+    /// The place of a block in texel space: its first voxel is at whole + fraction on each axis. The two are separate,
+    /// so that floats only hold offsets within a block, however large the raster is.
     struct Place {
         std::int32_t wholeU, wholeV, wholeN;
         Real fractionU, fractionV, fractionN;
@@ -54,8 +54,8 @@ struct BlockSplat {
     const LatticeOrder* order;
     const FootprintTable* table;  ///< geometry of the footprints
     const FootprintPieces* pieces;
-    const std::ptrdiff_t* offsets;  ///< of the pieces' kinds, in these planes
-    /// Of up to kMost fields that share their footprints: the plane of sheet `firstSheet`.
+    const std::ptrdiff_t* offsets;  ///< offsets of the pieces' kinds in these planes
+    /// For each of up to kMost fields that share their footprints, the plane of sheet `firstSheet`.
     static constexpr int kMost = 4;
     std::array<Real*, kMost> planes;
     int fields;
@@ -64,15 +64,15 @@ struct BlockSplat {
     std::int32_t firstSheet;     ///< sheets [firstSheet, lastSheet) are written
     std::int32_t lastSheet;
     Real scale;                  ///< factor on every value
-    Real most;                   ///< scaled values above it count as it
-    std::int32_t width, height;  ///< of the planes, texels
-    bool clipped;                ///< footprints may leave the planes; those that do are culled
+    Real most;                   ///< scaled values are clamped to this
+    std::int32_t width, height;  ///< of the planes, in texels
+    bool clipped;                ///< footprints may extend beyond the planes; those that do are culled
     Simd simd = {};
 };
 
-/// Adds the footprints of the voxels [first, second) of the lattice order to the sheets: of each field with `values`
-/// (512 floats in `blockOffset` order) times scale, at most `most`. Voxels of value 0 are skipped. Returns the number
-/// of footprints (voxel and sheet pairs), which all fields share.
+/// Adds the footprints of the voxels [first, second) of the lattice order to the sheets, for each field with `values`
+/// (512 floats in `blockOffset` order) times scale, clamped to `most`. Voxels of value 0 are skipped. Returns the
+/// number of footprints (voxel and sheet pairs), which all fields share.
 std::uint64_t splatBlock(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values, int first,
                          int second);
 

@@ -13,13 +13,12 @@
 namespace scrim {
 namespace {
 
-// How far the position in a table may be from the true one, in sheets: half a step, and a whole one to have floats'
-// rounding in it too.
+// Bound on the error of a position in a table, in sheets: half a step, and as much again for rounding of floats.
 double rounding(const FootprintTable& table) {
     return 1.0 / table.sheetSteps();
 }
 
-// The sheets that footprints of voxels at depths [lower, upper] may be written to, before and behind.
+// The first and last sheets that footprints of voxels at depths [lower, upper] may be written to.
 int firstTouched(const FootprintTable& table, double lower) {
     return static_cast<int>(std::floor(lower - rounding(table))) + table.firstSheet();
 }
@@ -27,7 +26,7 @@ int lastTouched(const FootprintTable& table, double upper) {
     return static_cast<int>(std::floor(upper + rounding(table))) + table.firstSheet() + table.sheets() - 1;
 }
 
-constexpr int kLeastBand = 6;  // rows of tiles: work enough for a task
+constexpr int kLeastBand = 6;  // rows of tiles; enough work for a task
 
 }  // namespace
 
@@ -58,12 +57,12 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
     Bounds lattice;
     for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
         lattice.include(transformVector(tsFromIs, corner));
-    // Slopes reach a step beyond the kernel.
+    // Slopes extend one step beyond the kernel.
     const double texelStep = 1.0 / m_table.texelSteps();
     const Vec3 reach = m_table.extent() + Vec3(texelStep, texelStep, 2 * rounding(m_table));
     m_blockLower = lattice.lower - reach;
     m_blockUpper = lattice.upper + reach;
-    // A tile for where blocks lie in theirs, another for what tables reach beyond footprints.
+    // One more tile accounts for the position of blocks within tiles, another for the tables' extent beyond footprints.
     m_bandTiles = std::max(kLeastBand, static_cast<int>((m_blockUpper.y - m_blockLower.y + 1) / kTileEdge) + 3);
 
     std::vector<std::uint32_t> blocks(field.blockCount());
@@ -104,7 +103,7 @@ std::span<const std::uint32_t> FieldSplatter::SheetOrder::touching(int firstShee
     return {cubes.data() + (begin - firstSheets.begin()), static_cast<std::size_t>(end - begin)};
 }
 
-// In their own order, since sums depend on it.
+// They stay in their own order, since sums depend on it.
 std::vector<std::uint32_t> FieldSplatter::tilesTouching(int firstSheet, int lastSheet) const {
     std::vector<std::uint32_t> tiles;
     for (const SheetOrder& order : m_tiles) {
@@ -170,7 +169,7 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
         if (bandOf(ts, target) == target.band) blocks.emplace_back(b, ts);
     }
     for (std::size_t i = 0; i < blocks.size(); ++i) {
-        // Blocks lie all over the memory, and each is soon done: the next but one is fetched meanwhile.
+        // Blocks are scattered over memory, and each is soon done; the one after the next is prefetched meanwhile.
         if (constexpr std::size_t kAhead = 2; i + kAhead < blocks.size()) prefetchBlock(blocks[i + kAhead].first);
         const auto& [b, ts] = blocks[i];
         std::array<const float*, BlockSplat::kMost> values{};
@@ -187,7 +186,7 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
     return target.footprints;
 }
 
-// Tiles that a block's footprints may touch, some perhaps beyond the planes.
+// The tiles that a block's footprints may touch, some possibly outside of the planes.
 Box2<int> FieldSplatter::tilesUnder(const Vec3& ts) const {
     const auto tile = [](double texel) { return static_cast<int>(std::floor(texel / kTileEdge)); };
     return {tile(ts.x + m_blockLower.x), tile(ts.y + m_blockLower.y), tile(ts.x + m_blockUpper.x + 1) + 1,
@@ -204,7 +203,7 @@ void FieldSplatter::prefetchBlock(std::uint32_t b) const {
         for (int i = 0; i < kBlockVoxels; i += kLine) __builtin_prefetch(values[b] + i);
 }
 
-// A tile is cut into halves until its pieces are blocks or miss the sheets.
+// Halves a tile until its pieces are blocks or miss the sheets.
 void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values, Target& target) const {
     const Bounds is{Vec3(origin), Vec3(origin + Int3(edge - 1))};
     const Bounds ts = transformed(m_tsFromIs, is);
@@ -223,19 +222,19 @@ void FieldSplatter::splatTile(const Int3& origin, int edge, const float* values,
 
 void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Target& target) const {
     const BlockSplat& splat = target.splat;
-    // All voxels whose entry in the table has one of the sheets, be it with zeros: which voxels are splatted into a
-    // sheet, and the count of footprints, must not depend on how sheets are spread over calls.
+    // All voxels whose entry in the table includes one of the sheets count, even if its weights there are 0: which
+    // voxels are splatted into a sheet must not depend on how calls share the sheets.
     const auto [first, second] =
         m_order.between(splat.firstSheet - m_table.firstSheet() - m_table.sheets() + 1 - rounding(m_table) - ts.z,
                         splat.lastSheet - m_table.firstSheet() - ts.z);
     if (first == second) return;
 
-    // Activate the tiles under the block, once for each sheet that it may touch.
+    // Activates the tiles under the block, once for each sheet that it may touch.
     const Box2<int> under = tilesUnder(ts);
     const Box2<int> tiles = intersection(under, {0, 0, target.planes[0].tilesX(), target.planes[0].tilesY()});
     if (tiles.empty()) return;
     if (*target.cull && (*target.cull)(under)) return;
-    // Tables reach a little beyond the kernel: a texel before it, and rows are rounded up behind it.
+    // Tables extend a little beyond the kernel: one texel before it, and rows are rounded up behind it.
     constexpr double kBefore = 2, kBehind = 6;
     target.splat.clipped = ts.x + m_blockLower.x < kBefore || ts.y + m_blockLower.y < kBefore ||
                            ts.x + m_blockUpper.x > splat.width - kBehind ||
@@ -257,12 +256,12 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Ta
 
 namespace {
 
-// Steps of the table in texels: in one of its entries they are columns.
+// The table's steps per texel, which are the columns of its entries.
 double finerSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     return footprintSteps(tsFromIs, stepsPerVoxel).texel;
 }
 
-// Texel space with the middle ray upright, and with finer texels.
+// The map to texel space in which the middle ray is upright and texels are finer.
 Mat4 tableFromIs(const Mat4& tsFromIs, const Vec2& slope, double finer) {
     Mat4 upright(1.0);
     upright[0].x = finer;
@@ -272,7 +271,7 @@ Mat4 tableFromIs(const Mat4& tsFromIs, const Vec2& slope, double finer) {
     return upright * tsFromIs;
 }
 
-// Slope of the view's ray through the middle of the field.
+// The slope of the view's ray through the middle of the field.
 Vec2 middleSlope(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster) {
     const Vec3 at = raster.place(transformPoint(tsFromIs, field.isBounds().center()));
     const Vec3 ray =
@@ -341,7 +340,7 @@ void WarpedSplatter::splatOneBlock(const Int3& origin, const float* values, Targ
 }
 
 void WarpedSplatter::splatVoxel(const Vec3& ts, Real value, Target& target) const {
-    // The quantised depth decides the entry; its sheets follow.
+    // The quantised depth selects the entry, and with it the sheets.
     const int steps = m_table.sheetSteps();
     const auto depth = static_cast<int>(std::floor(ts.z * steps + 0.5));
     const int whole = depth >= 0 ? depth / steps : -((-depth + steps - 1) / steps);
@@ -350,7 +349,7 @@ void WarpedSplatter::splatVoxel(const Vec3& ts, Real value, Target& target) cons
     for (int slab = 0; slab < m_table.sheets(); ++slab) {
         const int sheet = first + slab;
         if (sheet < target.firstSheet || sheet >= target.lastSheet) continue;
-        // Along the middle ray to the sheet's middle, and from there into the view.
+        // Moves along the middle ray to the sheet's middle, and from there into the view.
         const double away = sheet + 0.5 - ts.z;
         const Vec3 onPlane(ts.x + m_slope.x * away, ts.y + m_slope.y * away, sheet + 0.5);
         const Vec3 at = m_raster.place(onPlane);
@@ -371,7 +370,7 @@ void WarpedSplatter::splatVoxel(const Vec3& ts, Real value, Target& target) cons
             for (int tx = tiles.x0; tx < tiles.x1; ++tx) target.planes->activate(p, tx, ty);
         ++target.footprints;
 
-        // From cells to columns and rows of the table.
+        // The map from cells to columns and rows of the table.
         const Real* weights = entry + slab * m_table.sheetStride();
         const auto uX = static_cast<Real>(m_finer * d / determinant),
                    uY = static_cast<Real>(-m_finer * b / determinant);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Splats fields into sheets: active voxels only, block by block in a fixed order, constant tiles as blocks
-// that are never allocated (algorithm, "Feeding the splatter").
+// Splats fields into sheets: active voxels only, block by block in a fixed order, and constant tiles as blocks that are
+// never allocated (algorithm, "Feeding the splatter").
 #pragma once
 
 #include <scrim/base/real.h>
@@ -22,39 +22,39 @@
 
 namespace scrim {
 
-/// Says of a box of tiles that nobody sees what is splatted there: ZC02 Fig. 5's occlusion map.
+/// Returns true for a box of tiles if nobody sees what is splatted there (the occlusion map of ZC02 Fig. 5).
 using TileCull = std::function<bool(const Box2<int>&)>;
 
 /// Splats a field onto the sheets' own texels, or onto the cells of a parallel view.
 class FieldSplatter {
   public:
-    /// `field` must outlive this. `tsFromIs` takes its index space to texel space; voxel values are multiplied
-    /// by `scale`, and count as `most` above it; positions are quantised to `stepsPerVoxel`.
+    /// `field` must outlive this object. `tsFromIs` maps its index space to texel space. Voxel values are multiplied by
+    /// `scale` and clamped to `most`; positions are quantised to `stepsPerVoxel`.
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, Real scale,
                   Real most = std::numeric_limits<float>::max(), Simd simd = {});
 
-    /// Has `field`, which must outlive this, share the footprints of the first field: it is splatted beside it, with
-    /// the same scale. See haveOneTopology; at most BlockSplat::kMost fields together.
+    /// Splats `field`, which must outlive this object, together with the first field, whose footprints and scale it
+    /// shares. See haveOneTopology; at most BlockSplat::kMost fields together.
     void join(const SparseField& field);
 
-    /// Takes the values of the field's blocks from elsewhere, 512 each.
+    /// Replaces the values of the field's blocks by others, 512 each.
     void useValues(std::vector<const float*> values) { m_values.front() = std::move(values); }
 
-    /// Sheets that a footprint may reach.
+    /// The number of sheets that a footprint may reach.
     int footprintSheets() const { return m_table.sheets(); }
     std::size_t tableBytes() const { return m_pieces.bytes(); }
-    /// Rows of tiles a band. More than are needed let several splatters take turns at the same bands.
+    /// Rows of tiles in a band. Setting more than needed lets several splatters take turns at the same bands.
     int bandTiles() const { return m_bandTiles; }
     void useBands(int tiles) { m_bandTiles = tiles; }
     int bands(const PlaneStack& planes) const { return (planes.tilesY() + m_bandTiles - 1) / m_bandTiles; }
 
-    /// Adds the field to sheets [firstSheet, lastSheet): the mean over each sheet's thickness of the reconstructed
-    /// field times scale, at texel centres, goes to planes firstPlane + [0, lastSheet - firstSheet), on which `begin`
-    /// was called. Returns the number of footprints (voxel and sheet pairs). Safe to call at once for different planes.
-    /// Footprints that do not lie on the planes as a whole are culled, and so are blocks that `cull` names.
-    /// `planes`: one a field, the first one's and those that have joined it.
-    /// `band`: only the blocks of one of `bands(planes)` bands of rows. Bands next to each other share rows; every
-    /// second one may be splatted at once. All of them: those with even numbers go first.
+    /// Adds the field to sheets [firstSheet, lastSheet). The mean over each sheet's thickness of the reconstructed
+    /// field times scale, at texel centres, is added to planes firstPlane + [0, lastSheet - firstSheet), for which
+    /// `begin` was called. Returns the number of footprints (voxel and sheet pairs). Different threads may call it at
+    /// once for different planes. Footprints that are not completely on the planes are culled, and so are blocks that
+    /// `cull` rejects. `planes`: one for each field, the first one and those that joined it. `band`: splats only the
+    /// blocks of one of `bands(planes)` bands of rows. Neighbouring bands share rows, but every second band may be
+    /// splatted at once. Without a band all are splatted, those with even numbers first.
     std::uint64_t splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                         const TileCull& cull, int band) const;
     std::uint64_t splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
@@ -73,18 +73,18 @@ class FieldSplatter {
     void splatTile(const Int3& origin, int edge, const float* values, Target& target) const;
 
     const SparseField& m_field;
-    std::vector<std::vector<const float*>> m_values;  // of each block, of the first field and of those that joined it
+    std::vector<std::vector<const float*>> m_values;  // for each block, of the first field and of those that joined it
     Mat4 m_tsFromIs;
     Real m_scale, m_most;
     Simd m_simd;
     FootprintTable m_table;  // without its weights
     FootprintPieces m_pieces;
     LatticeOrder m_order;
-    // Cubes of one size, ascending in the first sheet that they touch, then in order.
+    // Cubes of one size, ascending by the first sheet that they touch, then by index.
     struct SheetOrder {
         std::vector<std::uint32_t> cubes;
-        std::vector<std::int32_t> firstSheets;  // the same order
-        int span = 0;                           // sheets a cube can touch at most
+        std::vector<std::int32_t> firstSheets;  // in the same order
+        int span = 0;                           // most sheets that a cube can touch
 
         std::span<const std::uint32_t> touching(int firstSheet, int lastSheet) const;
     };
@@ -93,21 +93,21 @@ class FieldSplatter {
     SheetOrder orderOf(std::vector<std::uint32_t> numbers, int edge, const Origin& origin) const;
     std::vector<std::uint32_t> tilesTouching(int firstSheet, int lastSheet) const;
 
-    Vec3 m_blockLower, m_blockUpper;  // offsets of a block's voxels in texel space, footprints included
+    Vec3 m_blockLower, m_blockUpper;  // offsets of a block's voxels in texel space, including their footprints
     SheetOrder m_blocks;
     std::vector<SheetOrder> m_tiles;  // one for each size of tiles
-    int m_bandTiles;                  // rows of tiles a band, more than a block touches
+    int m_bandTiles;                  // rows of tiles in a band, more than a block touches
 };
 
-/// Splats a field onto the cells of a perspective view: every footprint is warped by the Jacobian of the projection at
+/// Splats a field onto the cells of a perspective view. Every footprint is warped by the Jacobian of the projection at
 /// its voxel (ZC02 section 6: "the footprints are individually warped").
 ///
 /// The footprint is tabulated once, finely, as the kernel's mean through the sheet along the view's middle ray, and
-/// looked up at every cell that it covers. What that leaves out is of second order: in the angle between a voxel's own
-/// ray and the middle one (times the sheet's thickness), and in the size of a voxel over its distance from the view.
+/// looked up at every cell that it covers. The error is of second order in the angle between a voxel's own ray and the
+/// middle ray (times the sheet's thickness), and in the size of a voxel relative to its distance from the view.
 class WarpedSplatter {
   public:
-    /// `field` must outlive this. Voxel values are multiplied by `scale`, and count as `most` above it.
+    /// `field` must outlive this object. Voxel values are multiplied by `scale` and clamped to `most`.
     WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, const Lattice& raster, Kernel kernel,
                    int stepsPerVoxel, Real scale, Real most = std::numeric_limits<float>::max());
 
@@ -126,9 +126,9 @@ class WarpedSplatter {
     Mat4 m_tsFromIs;
     Lattice m_raster;
     Real m_scale, m_most;
-    double m_finer;          // table's columns a texel
-    Vec2 m_slope;            // of the ray through the middle of the field, texels a sheet
-    FootprintTable m_table;  // of the space in which the middle ray is upright
+    double m_finer;          // the table's columns per texel
+    Vec2 m_slope;            // slope of the ray through the middle of the field, texels per sheet
+    FootprintTable m_table;  // in the space in which the middle ray is upright
     Vec3 m_extent;           // half a footprint, in texels and sheets
     double m_first, m_last;  // offsets in N of the first and last voxel of a block
 };

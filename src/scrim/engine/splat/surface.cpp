@@ -13,7 +13,7 @@
 namespace scrim {
 namespace {
 
-// Least and greatest value of a tile and the texels next to it on some planes.
+// The least and greatest value of a tile and its neighbouring texels, on some planes.
 struct Limits {
     Real low, high;
 };
@@ -36,9 +36,9 @@ Limits limitsAround(const std::array<FloatPlane, 3>& planes, int tx, int ty) {
 
 // The field at both faces and in the middle of a sheet, from its values on the planes of sheets n - 1, n and n + 1.
 //
-// Those are means over sheets, and between them the field is taken to be linear. Either makes it smoother than it is:
-// over a sheet, by a 24th and on average by a twelfth of the second difference. An eighth of it is taken away again (as
-// PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
+// These values are means over sheets, and the field is taken to be linear between them. Both make it smoother: by a
+// 24th of the second difference over a sheet, and by a twelfth on average between planes. An eighth of it is therefore
+// subtracted (as PlaneStack::prefilter does within the sheet), which halves the error of sharp transfer functions.
 void runThroughSheet(Real& before, Real& here, Real& behind) {
     const Real blur = Real(0.125) * (before - 2 * here + behind);
     const auto sharp = [blur](Real value) { return value > blur ? value - blur : Real(0); };
@@ -49,7 +49,7 @@ void runThroughSheet(Real& before, Real& here, Real& behind) {
     behind = back;
 }
 
-// Values of a plane at the samples, moved by (du, dv) cells.
+// The values of a plane at the samples, moved by (du, dv) cells.
 void sampleMoved(const FloatPlane& plane, const SampleTile& at, Real du, Real dv, Real* out) {
     alignas(64) Real u[kTileSize], v[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
@@ -59,7 +59,7 @@ void sampleMoved(const FloatPlane& plane, const SampleTile& at, Real du, Real dv
     samplePoints(plane, u, v, false, kTileSize, out);
 }
 
-// Values of a plane where the eye's rays cross it; per unit of slope they move by `texels`.
+// The values of a plane where the eye's rays cross it; they move by `texels` per unit of slope.
 void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels, Real* out) {
     alignas(64) Real u[kTileSize], v[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
@@ -69,8 +69,9 @@ void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels,
     samplePoints(plane, u, v, false, kTileSize, out);
 }
 
-// Surfaces take twice the steps that the dial says, because normals show ripples best. Voxels of more than a million
-// times the last value of the transfer function count as that: sums of floats must not overflow.
+// Settings for splatting a surface's field. It uses twice the steps of the dial, because ripples show most in normals.
+// Values above a million times the last value of the transfer function are clamped to that, because sums of floats must
+// not overflow.
 FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials, const Sheets& sheets) {
     constexpr int kMostSteps = 128;
     FieldPlanes::Settings settings;
@@ -123,8 +124,8 @@ void Surface::classifyTexels(int p) {
     out.begin(p);
     for (int ty = 0; ty < out.tilesY(); ++ty)
         for (int tx = 0; tx < out.tilesX(); ++tx) {
-            // A tile counts as active where its texels, or anything between them and their neighbours, may show
-            // something: pixels look there, too.
+            // A tile is active if its texels, or anything between them and their neighbours, may show something,
+            // because pixels look there, too.
             if (!anyActive(tx, ty)) continue;
             const Limits limits = limitsAround(around, tx, ty);
             if (!m_table.anyBetween(limits.low, limits.high)) continue;
@@ -174,7 +175,7 @@ bool Surface::classify(int p, const SampleTile& at, const Int2& tile, Classified
     return true;
 }
 
-// Values at the samples moved by `tsOffset`: between planes, linearly.
+// The values at the samples moved by `tsOffset`, interpolated linearly between planes.
 void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const {
     const auto du = static_cast<Real>(tsOffset.x), dv = static_cast<Real>(tsOffset.y);
     const int whole = static_cast<int>(std::floor(tsOffset.z));
@@ -193,8 +194,9 @@ void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step,
         sampleBetween(p, at, -step.rsVoxel[axis], lower);
         sampleBetween(p, at, step.rsVoxel[axis], upper);
         for (int c = 0; c < 3; ++c) {
-            // Out of the denser side: down the gradient. In units of the vague one: squares of gradients neither
-            // overflow nor vanish, whatever the units of the field and the size of its voxels.
+            // The normal points out of the denser side, down the gradient. Gradients are in units of the vague
+            // gradient, so that their squares neither overflow nor vanish, whatever the units of the field and the size
+            // of its voxels.
             const auto part = static_cast<Real>(-step.ssFromDifference[axis][c] / m_vagueGradient);
             for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
         }
@@ -214,12 +216,12 @@ Surface::GradientStep Surface::stepFor(const Mat4& rsFromTs) const {
     const Mat4 rsFromIs = rsFromTs * m_sheets.tsFrom(m_wsFromIs);
     GradientStep step;
     for (int axis = 0; axis < 3; ++axis) step.rsVoxel[axis] = Vec3(rsFromIs[axis]);
-    // A gradient is a covector: differences go with the inverse transpose.
+    // A gradient is a covector, so differences are multiplied by the inverse transpose.
     step.ssFromDifference = m_sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(m_wsFromIs))));
     return step;
 }
 
-// At the middle of a tile of a perspective view, on its ray.
+// The step at the middle of a tile of a perspective view, on its ray.
 Surface::GradientStep Surface::stepAt(int p, const Int2& tile) const {
     const double n = m_firstSheet + p + 0.5;
     const Vec3 middle((tile.x + 0.5) * kTileEdge, (tile.y + 0.5) * kTileEdge, 1);

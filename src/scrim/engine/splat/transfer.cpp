@@ -19,9 +19,9 @@ namespace HWY_NAMESPACE {
 struct Lookup {
     const Real* table;
     int cells;
-    Real beyond;  // slope past the last place
+    Real beyond;  // slope beyond the last place
 
-    // Linear between places; past the last one it goes on with `beyond`.
+    // Linear between places; beyond the last one it continues with slope `beyond`.
     HWY_ATTR HWY_INLINE VF at(VF x) const {
         const DF d;
         const auto last = hn::Set(d, static_cast<Real>(cells));
@@ -34,8 +34,8 @@ struct Lookup {
     }
 };
 
-// Mean over [x, y], in cells. Runs shorter than a cell are looked up in their middle: there the difference of two
-// integrals would be rounding.
+// The mean over [x, y], in cells. If that is shorter than a cell, the value at its middle is used, because the
+// difference of two integrals would be rounding only.
 HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX, VF integralY) {
     const DF d;
     const auto run = hn::Sub(y, x);
@@ -50,7 +50,7 @@ HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX
 HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real cellsPerValue,
                            const Real* a, const Real* b, const Real* c, int count, Real* out) {
     const DF d;
-    // Tables of integrals are in units of cells, so that means are differences over differences of cells.
+    // The tables of integrals are in units of cells, so that means are differences divided by differences of cells.
     const Lookup value{values, cells, 0}, integral{integrals, cells, beyond};
     const auto scale = hn::Set(d, cellsPerValue);
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
@@ -80,7 +80,8 @@ TransferTable::TransferTable(const Classified& classified) {
             const ClassifiedValue c = classify(classified, value);
             return c.extinction * (f == 0 ? 1.0 : c.color[f - 1]);
         };
-        // Between two neighbouring places or points extinction times colour is a quadratic: Simpson's rule is exact.
+        // Between two neighbouring places or points, extinction times colour is a quadratic, for which Simpson's rule
+        // is exact.
         double integral = 0;
         for (int i = 0; i <= kCells; ++i) {
             const double place = i * m_cell;

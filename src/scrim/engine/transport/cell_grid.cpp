@@ -13,13 +13,13 @@
 namespace scrim {
 namespace {
 
-// Blocks of the box that there can be numbers for: 64 MB of them.
+// The most blocks of the box; their numbers take 64 MB.
 constexpr double kMostBlocks = 1 << 24;
-// From the world's origin, so that cells can be counted with an int.
+// The largest distance from the world's origin, in blocks, so that cells can be counted with an int.
 constexpr double kFarthestBlock = 1 << 26;
 
 int blockOf(int cell) {
-    return cell >> 3;  // also below 0
+    return cell >> 3;  // also rounds down below 0
 }
 
 }  // namespace
@@ -57,7 +57,7 @@ CellGrid CellGrid::coarser(const CellGrid& fine) {
     out.m_edge = 2 * fine.m_edge;
     if (fine.m_places.empty()) return out;
     Int3 first(0), last(0);
-    const Int3 fineOrigin = fine.m_origin / kCellEdge;  // exact: multiples of 8
+    const Int3 fineOrigin = fine.m_origin / kCellEdge;  // exact, since both are multiples of 8
     for (int axis = 0; axis < 3; ++axis) {
         first[axis] = fineOrigin[axis] >> 1;
         last[axis] = (fineOrigin[axis] + fine.m_blocks[axis] - 1) >> 1;

@@ -12,13 +12,13 @@
 namespace scrim {
 namespace {
 
-// Coarser cells along an edge of a finer block, and around it.
+// Coarser cells along an edge of a finer block, including one around it on each side.
 constexpr int kAround = kCellEdge / 2 + 2;
 constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
-// Of two neighbours along an axis the nearer one counts three quarters.
+// Of two neighbours along an axis, the nearer one has the weight three quarters.
 constexpr Real kNearer = Real(0.75), kFarther = Real(0.25);
 
-// The two coarser cells beside cell i of an edge: of the nearer, and of the other.
+// The indices of the two coarser cells beside cell i of an edge: the nearer one, and the other.
 constexpr int nearer(int i) {
     return i / 2 + 1;
 }
@@ -28,7 +28,7 @@ constexpr int farther(int i) {
 
 using Rows = std::array<const Real*, kNear>;
 
-// One value a row: along one axis after the other, values and how many of them there are.
+// Interpolates one value per row, along one axis after the other: sums of values, and how many cells they have.
 void addOne(const Rows& near, const std::int32_t* rows, Real* to) {
     constexpr int kE = kCellEdge, kA = kAround;
     using Pair = std::array<Real, 2>;  // value, weight

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// From cells to those half as large.
+// Interpolation from cells to cells half as large.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -11,14 +11,14 @@
 
 namespace scrim {
 
-/// Which cells of a grid have a row of values, and which one; -1: none.
+/// Which cells of a grid have a row of values, and its number; -1: none.
 struct CellRows {
     const CellGrid* grid;
     const std::vector<std::int32_t>* rows;
 };
 
-/// Adds to the rows of the finer cells, `values` numbers each, what those of the coarser ones (CellGrid::coarser) have
-/// there: linear between their middles. Cells without a row do not count.
+/// Adds to the rows of the finer cells, `values` numbers each, the values of the coarser cells (CellGrid::coarser)
+/// there, interpolated linearly between their centres. Cells without a row do not count.
 void addInterpolated(const CellRows& coarse, const std::vector<Real>& from, const CellRows& fine, std::size_t values,
                      std::vector<Real>& to);
 

@@ -19,11 +19,11 @@ bool grey(const Rgb& v) {
     return v.x == v.y && v.y == v.z;
 }
 
-// One field, what it is of, and how many times a voxel's value goes where.
+// A field that is deposited into cells, and the factors on a voxel's value for each destination row.
 struct Deposit {
     const SparseField* field;
     Mat4 wsFromIs;
-    const Classified* classified = nullptr;  // its extinction goes there instead of the field's value
+    const Classified* classified = nullptr;  // if set, its extinction is deposited instead of the field's value
     struct Share {
         CellMedia::Row* row;
         double factor;
@@ -31,14 +31,14 @@ struct Deposit {
     std::vector<Share> shares;
 };
 
-// Half the edges of the box, along the world's axes, around a voxel.
+// Half the edges of the box along the world's axes around a voxel.
 Vec3 halfVoxel(const Mat4& wsFromIs) {
     Vec3 half(0);
     for (int axis = 0; axis < 3; ++axis) half += 0.5 * glm::abs(Vec3(wsFromIs[axis]));
     return half;
 }
 
-// Shares a box of space out to the cells that it meets.
+// Distributes a box of space over the cells that it meets.
 class BoxDeposit {
   public:
     BoxDeposit(const CellGrid& grid, const Deposit& deposit) : m_grid(grid), m_deposit(deposit) {
@@ -46,7 +46,7 @@ class BoxDeposit {
         m_voxelVolume = std::abs(glm::dot(m[0], glm::cross(m[1], m[2])));
     }
 
-    // `voxels`: of how many voxels' volume the box is.
+    // `voxels`: the volume of the box, in voxels.
     void add(const Vec3& wsCenter, const Vec3& wsHalf, double voxels, double value) const {
         if (m_deposit.classified) value = classify(*m_deposit.classified, value).extinction;
         if (value == 0) return;
@@ -68,7 +68,7 @@ class BoxDeposit {
     }
 
   private:
-    // The cells that an interval meets, and which part of it each of them has.
+    // The cells that an interval meets, and the fraction of it in each of them.
     struct Span {
         int first, count;
         double begin, size;
@@ -100,7 +100,7 @@ void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t bl
                              value);
 }
 
-// In cubes that are about as large as a cell, and of which the tile's edge is a multiple.
+// Deposits a tile in cubes that are about as large as a cell and that divide the tile's edge.
 void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& deposit, const ConstantTile& tile,
                  const Vec3& half) {
     int edge = 1;
@@ -112,8 +112,9 @@ void depositTile(const CellGrid& grid, const BoxDeposit& into, const Deposit& de
                          double(edge) * half, double(edge) * edge * edge, tile.value);
 }
 
-// Every block goes to cells around it. Where cells are smaller than blocks, two blocks that are not neighbours share
-// none, so eight rounds of every other block can go on at once; sums are the same whoever adds them.
+// Deposits a field. Every block contributes to the cells around it. If cells are smaller than blocks, two blocks that
+// are not neighbours share no cells, so every other block can be processed in parallel, in eight rounds. The sums do
+// not depend on the thread that adds them.
 void add(const CellGrid& grid, const Deposit& deposit) {
     const SparseField& field = *deposit.field;
     const Vec3 half = halfVoxel(deposit.wsFromIs);
@@ -140,7 +141,7 @@ void addShares(std::vector<CellMedia::Row>& rows, const Rgb& factor, Deposit& de
         if (factor[int(c)] != 0) deposit.shares.push_back({&rows[c], factor[int(c)]});
 }
 
-// A volume's extinction, and what of it is scattered into `cls`, if it scatters.
+// Adds a volume's extinction, and its scattering to `scattering` if it scatters.
 void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<CellMedia::Row>* scattering) {
     if (volume.field->empty()) return;
     const Medium& medium = volume.medium;
@@ -157,7 +158,7 @@ void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<CellMedia
     }
 }
 
-// Takes what scatters straight on out of extinction and scattering.
+// Subtracts the light that scatters straight on from extinction and scattering.
 void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
     if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.split.straight() == 0; }))
         return;
@@ -247,7 +248,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
 
 CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const CellMedia::Row& row) {
     CellMedia::Row out(coarse.cells(), Real(0));
-    // A block of the finer grid is an octant of one of the coarser.
+    // A block of the finer grid is an octant of a block of the coarser one.
     const Int3 shift(glm::round(coarse.csFromWs(fine.wsFromCs(Vec3(0)))));
     for (std::size_t b = 0; b < fine.storedBlocks().size(); ++b) {
         const Int3 first = shift + fine.storedBlocks()[b] * (kCellEdge / 2);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What volumes are in cells: means of extinction, scattering and emission over each cell.
+// Volumes in cells: means of extinction, scattering and emission over each cell.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -11,29 +11,29 @@
 
 namespace scrim {
 
-/// Volumes that scatter light the same way, and that the same lights shine on.
+/// Volumes that scatter light in the same way and are lit by the same lights.
 struct ScatterClass {
     Phase phase;
     SplitPhase split;          ///< of `phase`
-    std::vector<bool> lights;  ///< for each light of the scene, does it light these volumes? Empty: all do
+    std::vector<bool> lights;  ///< for each light of the scene, whether it lights these volumes; empty: all do
     std::vector<int> volumes;  ///< indices into ViewScene::volumes
 
     bool litBy(std::size_t light) const { return lights.empty() || lights[light]; }
 };
 
-/// Of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
+/// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 
-/// One row of values a quantity, one value a cell of `grid`, per world unit. Light that scatters straight on counts as
-/// not scattered: extinction and scattering are less by it.
+/// Rows of values, one value for each cell of `grid`, per world unit. Light that scatters straight on counts as not
+/// scattered; extinction and scattering are reduced accordingly.
 struct CellMedia {
     using Row = std::vector<Real>;
 
     CellGrid grid;
-    std::vector<Row> extinction;               ///< of one colour that stands for all, or of three
-    std::vector<Row> straight;                 ///< what of extinction scatters straight on; none: nothing does
+    std::vector<Row> extinction;               ///< for one colour that represents all, or for three
+    std::vector<Row> straight;                 ///< the part of extinction that scatters straight on; empty: none
     std::vector<std::vector<Row>> scattering;  ///< [class][colour]
-    std::vector<Row> emission;                 ///< radiance per world unit, of three colours; none: nothing glows
+    std::vector<Row> emission;                 ///< radiance per world unit, for three colours; empty: nothing glows
 
     const Row& extinctionOf(std::size_t colour) const { return extinction[extinction.size() == 1 ? 0 : colour]; }
     const Row& scatteringOf(std::size_t cls, std::size_t colour) const {
@@ -42,21 +42,21 @@ struct CellMedia {
     std::size_t bytes() const;
 };
 
-/// The boxes that cells must be there for: around each block of voxels of `scene`, with `margin` world units around.
+/// The boxes that cells must cover: around each block of voxels of `scene`, with a margin of `margin` world units.
 std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 
-/// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (where a volume
-/// is turned, as the box around it along the world's axes), each cell gets its share of it, so that sums are kept.
-/// Throws Error(memory) as CellGrid does.
+/// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
+/// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. Throws
+/// Error(memory) as CellGrid does.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge);
 
-/// The means over 2^3 cells each.
+/// The media in cells twice as large: means over 2^3 cells each.
 CellMedia coarser(const CellMedia& fine);
 
-/// Of rows on `fine`'s grid, the means on `coarse`, which CellGrid::coarser made of it.
+/// The means of a row on the grid `fine`, on the grid `coarse`, which CellGrid::coarser made from it.
 CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const CellMedia::Row& row);
 
-/// Is extinction the same in all colours? And what is scattered of it?
+/// greyExtinction: extinction is the same in all colours. greyScattering: so is its scattered part.
 bool greyExtinction(const ViewScene& scene);
 bool greyScattering(const ViewScene& scene);
 

@@ -24,12 +24,12 @@ HWY_ATTR HWY_INLINE VL lanes(const Real* from) {
     return hn::LoadU(DL(), from);
 }
 
-// What one cell makes of what enters it: radiance in it, and what leaves it.
+// The result of one cell: the radiance in it, and what leaves it along each axis.
 struct Passed {
     VL in, x, y, z;
 };
 
-// Some ordinates of one octant, which all cells are passed in the same order for.
+// Some ordinates of one octant, which pass all cells in the same order.
 class Bundle {
   public:
     HWY_ATTR Bundle(const CellSweep& sweep, int octant, int first)
@@ -51,7 +51,8 @@ class Bundle {
         m_z = hwy::AllocateAligned<Real>(std::size_t(blocks.y) * kCellEdge * m_acrossX * m_lanes);
     }
 
-    // Passes all blocks, in the order that light does; cell(index, extinction, passed) is called for each stored cell.
+    // Passes all blocks in the order in which light does, and calls cell(index, extinction, passed) for each stored
+    // cell.
     template <class Source, class Result>
     HWY_ATTR void pass(const Source& source, const Result& result) {
         const Int3 blocks = m_sweep.grid->blocks();
@@ -105,7 +106,7 @@ class Bundle {
                     Real* const intoZ = faceZ(at.x * kCellEdge + cx, at.y * kCellEdge + y);
                     const VL extinction = hn::Set(d, m_sweep.extinction[cell]), sent = source(cell);
                     const VL fromY = lanes(intoY), fromZ = lanes(intoZ);
-                    // Balance, with outflow = 2 in - inflow and slope = 2 |cosine| / edge.
+                    // The cell's balance, with outflow = 2 in - inflow and slope = 2 |cosine| / edge.
                     const VL entered =
                         hn::MulAdd(slopeX, x, hn::MulAdd(slopeY, fromY, hn::MulAdd(slopeZ, fromZ, sent)));
                     const VL in = hn::Div(entered, hn::Add(extinction, slopes));
@@ -126,8 +127,8 @@ class Bundle {
         }
     }
 
-    // Nothing leaves through a face where less than nothing would; the cell is balanced anew without it, which may let
-    // another face fall below zero, but no more than three.
+    // No light leaves through a face with negative outflow; the cell is balanced again without that face. Another face
+    // may then go below zero, but this happens three times at most.
     HWY_ATTR void balance(VL x, VL y, VL z, VL extinction, VL sent, Passed& out) const {
         const DL d;
         const VL zero = hn::Zero(d), half = hn::Set(d, Real(0.5));
@@ -137,12 +138,12 @@ class Bundle {
             keepX = hn::IfThenZeroElse(hn::Lt(out.x, zero), keepX);
             keepY = hn::IfThenZeroElse(hn::Lt(out.y, zero), keepY);
             keepZ = hn::IfThenZeroElse(hn::Lt(out.z, zero), keepZ);
-            // Inflow counts |cosine| / edge, and as much again where outflow = 2 in - inflow.
+            // The inflow's weight is |cosine| / edge, and twice that where outflow = 2 in - inflow.
             const auto into = [&](VL slope, VL keep, VL inflow)
                                   HWY_ATTR { return hn::Mul(hn::Mul(half, slope), hn::MulAdd(keep, inflow, inflow)); };
             const VL entered = hn::Add(hn::Add(into(a, keepX, x), into(b, keepY, y)), hn::Add(into(c, keepZ, z), sent));
             const VL leaves = hn::MulAdd(a, keepX, hn::MulAdd(b, keepY, hn::MulAdd(c, keepZ, extinction)));
-            // Where all faces are closed and nothing is extinct, nothing has come in.
+            // If all faces are closed and there is no extinction, nothing has entered.
             out.in = hn::Div(hn::Max(entered, zero), hn::Max(leaves, hn::Set(d, Real(1e-30))));
             out.x = hn::Mul(keepX, hn::Sub(hn::Add(out.in, out.in), x));
             out.y = hn::Mul(keepY, hn::Sub(hn::Add(out.in, out.in), y));
@@ -153,7 +154,7 @@ class Bundle {
         out.z = hn::Max(out.z, zero);
     }
 
-    // Where nothing is stored a block is passed as one large cell.
+    // An empty block is passed as one large cell.
     HWY_ATTR void passEmpty(const Int3& at) {
         const DL d;
         const VL x = mean([&](int i, int j) { return faceX(i, j); });
@@ -161,7 +162,7 @@ class Bundle {
         const VL z = mean([&](int i, int j) { return faceZ(at.x * kCellEdge + i, at.y * kCellEdge + j); });
         const VL a = lanes(m_slope[0]), b = lanes(m_slope[1]), c = lanes(m_slope[2]);
         const VL in = hn::Div(hn::MulAdd(a, x, hn::MulAdd(b, y, hn::Mul(c, z))), hn::Add(a, hn::Add(b, c)));
-        // As one cell's fix-up, without extinction: all that enters leaves by the faces that are left to it.
+        // As in `balance`, without extinction: everything that enters leaves by the remaining faces.
         const VL twice = hn::Add(in, in), zero = hn::Zero(d);
         Passed out{in, hn::Sub(twice, x), hn::Sub(twice, y), hn::Sub(twice, z)};
         const VL least = hn::Min(out.x, hn::Min(out.y, out.z));
@@ -190,7 +191,7 @@ class Bundle {
     std::size_t m_first, m_lanes, m_acrossX;
     bool m_down[3];
     Real m_slope[3][kOrdinateLanes];  // 2 |cosine| / edge
-    Real m_weight[kOrdinateLanes];    // sum to 1 over all ordinates
+    Real m_weight[kOrdinateLanes];    // they sum to 1 over all ordinates
     Real m_inflow[kOrdinateLanes];
     // What enters the next cell along each axis: through the faces of a block, of a layer of blocks, of all of them.
     hwy::AlignedFreeUniquePtr<Real[]> m_x, m_y, m_z;
@@ -200,7 +201,7 @@ int bundleLanes() {
     return static_cast<int>(hn::Lanes(DL()));
 }
 
-// `sum`: the bundle's own row of one value a cell.
+// `sum`: the bundle's own row, with one value for each cell.
 HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, const Real* source, Real* sum) {
     Bundle bundle(sweep, octant, first);
     const DL d;
@@ -253,7 +254,7 @@ void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std
     const std::size_t cells = sweep.grid->cells();
     const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
     const auto bundles = std::size_t(sweep.ordinates->count() / lanes);
-    // Sums are formed in one order, whichever thread is through first.
+    // Sums have a fixed order, whichever thread finishes first.
     scratch.resize(std::max(scratch.size(), bundles * cells));
     std::fill_n(scratch.begin(), bundles * cells, Real(0));
     forBundles(sweep, [&](std::size_t i, int octant, int first) {

@@ -13,24 +13,26 @@ namespace scrim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-// Past it no light is left that would be seen: e^-30 is 1e-13.
+// Beyond this optical depth no visible light is left: e^-30 is 1e-13.
 constexpr double kMostTau = 30;
-// So many edges from the middle of a cube 1/r^2 has its mean over the cube: that of a ball as large is 3 / R^2.
+// At this distance from the centre of a cube, in edges, 1/r^2 equals its mean over the cube; that mean is 3 / R^2 for a
+// ball of the same volume.
 constexpr double kNearest = 0.36;
 
-// Of light that is even over a way of optical depth t, whose middle it was found at: sinh(t / 2) / (t / 2).
+// The ratio of the mean of light over a path of optical depth t to its value at the path's middle: sinh(t / 2) / (t /
+// 2).
 double meanOverCell(double t) {
     const double half = 0.5 * std::min(t, 2 * kMostTau);
     return half < 1e-4 ? 1 : std::sinh(half) / half;
 }
 
-// Without what scatters straight on, and of that.
+// Optical depth without scattering straight on, and the depth of that scattering.
 struct Depths {
     Rgb tau{0}, straight{0};
 };
 
-// From cell to cell, and past blocks in which nothing is at a time (J. Amanatides and A. Woo, A Fast Voxel Traversal
-// Algorithm for Ray Tracing, 1987).
+// Optical depths along a ray, from cell to cell, with empty blocks skipped (J. Amanatides and A. Woo, A Fast Voxel
+// Traversal Algorithm for Ray Tracing, 1987).
 Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& direction, double distance) {
     const CellGrid& grid = media.grid;
     const Vec3 origin = grid.csFromWs(ws);
@@ -73,7 +75,7 @@ Depths opticalDepths(const CellMedia& media, const Vec3& ws, const Vec3& directi
 
 }  // namespace
 
-// Light is at least as near as a cell's points are to its middle in the mean.
+// The distance to the light is at least the mean distance of a cell's points from its centre.
 FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const Light& light)
     : m_scene(scene), m_media(media), m_light(light), m_unattenuated(light, kNearest * media.grid.edge()) {}
 
@@ -87,7 +89,7 @@ ArrivingInCell FirstCollisions::at(std::size_t cell) const {
         return out;
     }
     const Depths depths = opticalDepths(m_media, ws, toLight, out.distance);
-    // A cube's mean chord along a direction is its volume over its shadow.
+    // The mean chord of a cube along a direction is its volume divided by its projected area.
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
     for (int c = 0; c < 3; ++c)
         out.irradiance[c] *=

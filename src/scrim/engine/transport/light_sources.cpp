@@ -15,12 +15,12 @@
 namespace scrim {
 namespace {
 
-// That stand for an extended light.
+// The most points that represent an extended light.
 constexpr int kMostPoints = 12;
-// Columns of a sky's picture that its ordinates' means are taken from.
+// Number of columns of a sky's picture from which the means for ordinates are computed.
 constexpr int kSkyColumns = 256;
 
-// Of one ordinate, weighted with solid angles.
+// The mean for one ordinate, weighted by solid angles.
 struct SkyMean {
     double radiance = 0, weight = 0;
 };
@@ -34,7 +34,7 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
     std::size_t level = 0;
     while (level + 1 < levels.size() && levels[level].width > kSkyColumns) ++level;
     const Texture::Level& picture = levels[level];
-    // A picture of a few pixels is looked at in more places: none of the ordinates goes without.
+    // A picture of few pixels is sampled at more points, so that every ordinate gets some.
     const int finer = std::max(1, kSkyColumns / (2 * std::max(picture.width, picture.height)));
     const int width = picture.width * finer, height = picture.height * finer;
     std::vector<SkyMean> means(radiance.size());
@@ -51,7 +51,7 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
         if (means[m].weight > 0) radiance[m] += sky.intensity[colour] * means[m].radiance / means[m].weight;
 }
 
-// The light itself, or a few that stand for it.
+// The light itself, or a few lights that represent it.
 std::vector<Light> pointsOf(const ViewScene& scene, const Light& light) {
     if (!light.extended()) return {light};
     ViewScene alone = scene;
@@ -64,17 +64,18 @@ struct Collisions {
     const ViewScene& scene;
     const CellMedia& media;
     const std::vector<ScatterClass>& classes;
-    std::size_t owner;  // of the light: index into the scene's
+    std::size_t owner;  // index of the light in the scene
     int colour;
     const Ordinates& ordinates;
     Simd simd;
 
-    // Of all classes that the light shines on, per unit of irradiance: one number, or one for each ordinate.
+    // Adds the light to the source of all classes that it lights, per unit of irradiance: one number, or one for each
+    // ordinate.
     void addTo(const TransportSolver& solver, const Light& light, std::vector<Real>& source,
                StraightLight& straight) const {
         const FirstCollisions rays(scene, media, light);
         const std::size_t values = solver.valuesPerRow();
-        std::vector<std::vector<Real>> even;  // where the light comes from one direction
+        std::vector<std::vector<Real>> even;  // used if the light comes from a single direction
         if (!solver.isotropic() && light.distant())
             for (const ScatterClass& cls : classes)
                 scatteringRow(ordinates, cls.split.spread(), light.wsDirection, even.emplace_back(values).data(), simd);
@@ -105,7 +106,7 @@ struct Collisions {
     }
 
   private:
-    // Where phase functions are mixed, each class sees the beam as if its own had spread it.
+    // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
     void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row, StraightLight& straight) const {
         if (straight.empty() || arriving.straightDepth[colour] == 0) return;
         const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a solve of the transport equation begins with: light of lights where it scatters for the first time, what glows,
-// and what shines in from beyond all volumes.
+// The sources of a solve of the transport equation: light from lights where it scatters for the first time, emission,
+// and light that enters from outside of all volumes.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -13,20 +13,21 @@
 
 namespace scrim {
 
-/// The way that light travels which reaches the eye from `ws`, unit.
+/// The direction of travel (unit) of light that goes from `ws` to the eye.
 Vec3 travelToEye(const Camera& camera, const Vec3& ws);
 
-/// Radiance of the target's skies and ambient light along each ordinate, of one colour: the mean over the directions
-/// that are nearest to it. Empty where there are none.
+/// Radiance of the target's skies and ambient light along each ordinate, for one colour: the mean over the directions
+/// closest to the ordinate. Empty if there are none.
 std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates, int colour);
 
-/// Light of lights that scattered straight on, in which the eye sees more of a narrow lobe than ordinates know of:
-/// [class][row of the solver], radiance towards the eye per unit of scattering coefficient. Empty where none does.
+/// Light from lights that scattered straight on. Near a light the eye sees the narrow lobe more sharply than ordinates
+/// resolve it. [class][row of the solver]: radiance towards the eye per unit of scattering coefficient. Empty if there
+/// is none.
 using StraightLight = std::vector<std::vector<Real>>;
 
-/// The solver's source for colour `colour` of the target: what its lights, skies not among them, bring to each cell,
-/// and what glows; returns what of it scattered straight on before. Of an extended light a few points are enough: what
-/// scatters twice has lost its edges.
+/// Fills the solver's source for colour `colour` of the target: the light that its lights, except for skies, bring to
+/// each cell, and emission. Returns the part of that light which had scattered straight on before. A few points suffice
+/// for an extended light, since light that scatters twice has no sharp shadows.
 StraightLight fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
                          const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
                          TransportSolver& solver);

@@ -13,7 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace scrim {
 namespace HWY_NAMESPACE {
 
-// Four vectors of outputs of two rows at a time stay in registers while all inputs pass.
+// Four vectors of outputs for two rows stay in registers while all inputs are read.
 
 HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a, const Real* b, Real* toA, Real* toB) {
     const hn::CappedTag<Real, 8> d;
@@ -47,7 +47,7 @@ HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a,
 
 using D8 = hn::CappedTag<Real, 8>;
 
-// Phase functions times 4 pi; returns the sum of the row times the weights.
+// Fills a row with the phase function times 4 pi; returns the sum of the row times the weights.
 HWY_ATTR Real fillRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row) {
     const D8 d;
     const auto x = hn::Set(d, static_cast<Real>(travel.x)), y = hn::Set(d, static_cast<Real>(travel.y));
@@ -96,7 +96,7 @@ HWY_EXPORT(fillRow);
 HWY_EXPORT(weightedSum);
 
 namespace {
-constexpr std::size_t kMost = 256;  // ordinates
+constexpr std::size_t kMost = 256;  // most ordinates
 }  // namespace
 
 void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vector<std::vector<Real>>& shares,

@@ -39,7 +39,7 @@ std::vector<Node> gaussLegendre(int n) {
     return nodes;
 }
 
-// How many angles a quarter turn has at each level, from the pole to the equator.
+// The number of angles in a quarter turn at each level, from the pole to the equator.
 std::vector<int> anglesOf(int count) {
     switch (count) {
         case 64:
@@ -99,8 +99,8 @@ int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction) {
 std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phase) {
     const auto count = std::size_t(ordinates.count());
     const double g = meanCosine(phase);
-    // Into the other ordinates goes what the phase function says, scaled by d_n d_m; straight on, where its value is
-    // least sure, what gives it its mean cosine.
+    // The matrix has the phase function's values for other ordinates, scaled by d_n d_m. Straight on, where the value
+    // is least certain, it has whatever gives the right mean cosine.
     std::vector<double> p(count * count), straight(count), scale(count, 1.0);
     for (std::size_t n = 0; n < count; ++n) {
         double sum = 0, along = 0;

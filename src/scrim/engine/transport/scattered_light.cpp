@@ -15,9 +15,9 @@
 namespace scrim {
 namespace {
 
-constexpr std::size_t kFour = 4;  // values a cell, of which the last is not used
+constexpr std::size_t kFour = 4;  // values per cell, the last of which is unused
 
-// What the target's light is of, where all of it is of one colour.
+// The colour of the target's light, if all of it has the same colour.
 Rgb colourOf(const ViewScene& scene, const ScatterTarget& target) {
     for (const int light : target.lights) return scene.lights[std::size_t(light)].intensity;
     if (target.ambient) return scene.ambient;
@@ -70,14 +70,14 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
     }
 }
 
-// Where a cell of a block stands among all those of blocks with borders.
+// The index of a block's cell among the cells of all blocks with borders.
 std::size_t ScatteredLight::paddedOf(std::size_t cell) {
     const std::size_t i = cell % kBlockCells, block = cell / kBlockCells;
     const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
     return block * kPaddedCells + (z * kPadded + y) * kPadded + x;
 }
 
-// Adds what the eye sees of a solve to a field, of the cells that blocks have themselves.
+// Adds what the eye sees of a solve to a field, for the cells inside of blocks.
 void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase,
                           const Real* straight, const Ordinates& directions, Simd simd, const Rgb& colours,
                           Field& field) const {
@@ -101,8 +101,8 @@ void ScatteredLight::keep(const ViewScene& scene, const TransportSolver& solver,
     });
 }
 
-// The cells around each block, from its neighbours; and those that have no row of their own, but whose neighbours do,
-// as the mean of these: kernels reach a little further than voxels.
+// Fills the cells around each block from its neighbours. Cells without a row of their own get the mean of neighbours
+// that have one, because kernels reach a little further than voxels.
 void ScatteredLight::fillBorders(const TransportSolver& solver, Field& field) const {
     const auto known = [&](const Int3& place) -> const Real* {
         const std::ptrdiff_t cell = m_grid.index(place);
@@ -137,14 +137,14 @@ int ScatteredLight::fieldOf(int volume, std::size_t target) const {
     return cls < 0 ? -1 : static_cast<int>(target * m_classes) + cls;
 }
 
-// Linear between the middles of cells; `at`: counted from that of the first.
+// Linear interpolation between the centres of cells; `at` is relative to the centre of the first cell.
 void ScatteredLight::sample(const Field& field, const Vec3& at, Real (&rgb)[3]) const {
     const Vec3 low = glm::floor(at);
     const Int3 cell(glm::clamp(low, Vec3(-1e9), Vec3(1e9)));
     const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
     std::int32_t stored = m_grid.stored(block);
     Int3 inside = cell - block * kCellEdge + 1;
-    // The middle of the border's cells may lie in a block beside which there is one.
+    // If the cell's own block is not stored, the centres of border cells may lie in the border of a stored neighbour.
     for (int side = 1; side < 8 && stored < 0; ++side) {
         const Int3 step(side & 1, side >> 1 & 1, side >> 2);
         const Int3 beside((cell.x + step.x) >> 3, (cell.y + step.y) >> 3, (cell.z + step.z) >> 3);
@@ -183,10 +183,10 @@ void ScatteredLight::lookUp(int field, const SamplePlane& plane, const Real* u, 
     }
 }
 
-// What cells leave falls with their edge: by half where light and density go together within a cell, by three quarters
-// where fields are smooth. Measured, beside path tracers, on fractal smoke and on smooth: taking off kLeft of what
-// cells twice as large have more leaves less than half of the error in both (L. F. Richardson, 1911). How fast it falls
-// cannot be told from larger cells still: these do not see what there is, and promise the first order everywhere.
+// The error of cells falls with their edge: to a half if light and density vary together within a cell, to a quarter if
+// fields are smooth. Measured against path tracers on fractal and on smooth smoke: subtracting kLeft of the additional
+// error of cells twice as large leaves less than half of the error in both cases (L. F. Richardson, 1911). The rate
+// cannot be measured with even larger cells, which do not resolve the fields and always suggest first order.
 void ScatteredLight::extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                  const std::function<void()>& checkpoint) {
     constexpr Real kLeft = Real(0.5);

@@ -16,22 +16,25 @@
 namespace scrim {
 namespace {
 
-constexpr std::size_t kFewestCells = 4 * kBlockCells;  // of a grid that is not made coarser
+constexpr std::size_t kFewestCells = 4 * kBlockCells;  // grids with fewer cells are not made coarser
 constexpr std::size_t kMostLevels = 6;
-constexpr double kCoarseTolerance = 0.2;  // of a residual: coarser cells are no more like the finer
-// Sweeps of coarser cells for one of finer ones, and of the coarsest: few, since every level asks the next one anew.
+// Relative tolerance for a residual. More precision is pointless, since coarser cells only approximate the finer ones.
+constexpr double kCoarseTolerance = 0.2;
+// Sweeps of coarser cells for each sweep of finer ones, and of the coarsest cells. They are few, since every level
+// calls the next one again.
 constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
-constexpr int kIdleSweeps = 6;  // in a row that take less than a tenth off the change: no further one will
-constexpr double kFall = 0.25;  // of the change from sweep to sweep of the finest cells, at first
+// Consecutive sweeps that reduce the change by less than a tenth; then further ones are useless.
+constexpr int kIdleSweeps = 6;
+constexpr double kFall = 0.25;  // initial estimate of the change's ratio from sweep to sweep of the finest cells
 constexpr int kHistory = 6;
-constexpr std::size_t kChunk = 2048;  // rows of a task
+constexpr std::size_t kChunk = 2048;  // rows in a task
 template <class Task>
 void forChunks(std::size_t count, const Task& task) {
     parallelFor((count + kChunk - 1) / kChunk,
                 [&](std::size_t i) { task(i * kChunk, std::min(count, (i + 1) * kChunk)); });
 }
 
-// The sum over rows of term(row), formed in one order.
+// The sum of term(row) over rows, in a fixed order.
 template <class Term>
 double sumOf(std::size_t count, const Term& term) {
     std::vector<double> sums((count + kChunk - 1) / kChunk);
@@ -45,7 +48,7 @@ double sumOf(std::size_t count, const Term& term) {
     return sum;
 }
 
-// Least squares by the normal equations, which need no pivots; what is singular counts as 0.
+// Least squares by the normal equations, which need no pivots; singular directions count as 0.
 std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<double> b) {
     const std::size_t n = b.size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -73,10 +76,10 @@ Solved& Solved::operator+=(const Solved& o) {
     return *this;
 }
 
-// The mix of the last iterates whose residuals cancel best.
+// Anderson's acceleration: the mix of the last iterates whose residuals cancel best.
 class TransportSolver::Anderson {
   public:
-    // x becomes the next iterate; `next` = G(x). `weights`: of the squares, one a row.
+    // Replaces x by the next iterate; `next` = G(x). `weights`: of the squares, one per row.
     void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights,
               std::size_t values) {
         std::vector<Real> residual(x.size());
@@ -140,8 +143,8 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
     for (Level& level : m_levels) numberRows(level);
 }
 
-// Where all directions are one number every cell has a row. Where they are many, only those have that scatter, and
-// those around them, which others are interpolated from.
+// Numbers the rows. If one number represents all directions, every cell has a row. Otherwise only cells that scatter
+// have one, and the cells around them, which are used for interpolation.
 void TransportSolver::numberRows(Level& level) const {
     const CellGrid& grid = level.cells().grid;
     level.rows.assign(grid.cells(), m_isotropic ? 0 : -1);
@@ -197,7 +200,8 @@ std::vector<Real>& TransportSolver::clearedSource() {
     return source;
 }
 
-// next = G(x): what cells send out, swept, scattered. The last time it is not scattered, and nothing is below zero.
+// next = G(x): sweeps what cells emit, and scatters the result. The last time it is not scattered, and negative values
+// are removed.
 void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
     if (m_settings.checkpoint) m_settings.checkpoint();
     const std::size_t values = valuesPerRow();
@@ -221,14 +225,14 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
     if (&level == &m_levels.front()) ++m_solved.sweeps;
 }
 
-// From the radiance along each ordinate to what a unit of scattering coefficient sends out along each.
+// Converts the radiance along each ordinate to what a unit of scattering coefficient emits along each.
 void TransportSolver::scatter(Level& level) const {
     forChunks(level.rowCount, [&](std::size_t begin, std::size_t end) {
         mixOrdinates(m_matrices, level.shares, begin, end, valuesPerRow(), level.next.data(), m_settings.simd);
     });
 }
 
-// What the last sweep changed of the scattered light, relative to it.
+// The relative change of the scattered light by the last sweep.
 double TransportSolver::changeOf(const Level& level) const {
     const std::size_t values = valuesPerRow();
     const auto total = [&](std::size_t row, const auto& value) {
@@ -245,12 +249,12 @@ double TransportSolver::changeOf(const Level& level) const {
     return all > 0 ? change / all : 0;
 }
 
-// The source of the coarser cells: that of the finer ones, or what a sweep of these has left to be scattered.
+// Sets the source of the coarser cells: that of the finer ones, or the residual of a sweep of these.
 void TransportSolver::restrict(const Level& fine, Level& coarse, bool residual) const {
     const std::size_t values = valuesPerRow();
     const CellGrid &grid = fine.cells().grid, &to = coarse.cells().grid;
     std::fill(coarse.source.begin(), coarse.source.end(), Real(0));
-    // A block of the coarser grid holds whole blocks of the finer one, and no other task writes to it.
+    // A block of the coarser grid contains whole blocks of the finer one, and no other task writes to it.
     const Int3 shift(glm::round(to.csFromWs(grid.wsFromCs(Vec3(0)))));
     std::vector<std::vector<std::size_t>> inside(to.storedBlocks().size());
     for (std::size_t b = 0; b < grid.storedBlocks().size(); ++b)
@@ -274,7 +278,7 @@ void TransportSolver::restrict(const Level& fine, Level& coarse, bool residual) 
     });
 }
 
-// fine.x = (add ? fine.next : 0) + what the coarser cells have there.
+// fine.x = (add ? fine.next : 0) + the values of the coarser cells there.
 void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const {
     if (add)
         fine.x = fine.next;
@@ -284,7 +288,7 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
                     fine.x);
 }
 
-// A first x, from the coarser cells.
+// Finds an initial x with the coarser cells.
 void TransportSolver::start(std::size_t level, const Real* inflow) {
     Level& here = m_levels[level];
     if (level + 1 == m_levels.size()) {
@@ -298,9 +302,9 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
     prolong(coarse, here, false);
 }
 
-// Until a sweep changes x by no more than `tolerance`, which is then what it is; returns the change. On return x is the
-// last iterate. `ahead`: if given, ends where the next sweep is expected to change no more, and becomes
-// false where that was not the end.
+// Iterates until a sweep changes x by no more than `tolerance`; returns the change. On return x is the last iterate.
+// `ahead`: if given, iteration ends when the next sweep is expected to change no more than that, and it becomes false
+// if iteration ended for another reason.
 double TransportSolver::iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead) {
     Level& here = m_levels[level];
     const bool coarsest = level + 1 == m_levels.size();
@@ -311,7 +315,7 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
         sweep(here, inflow, false);
         change = changeOf(here);
         if (change <= tolerance) break;
-        // From one sweep to the next the change falls by about as much as before.
+        // The ratio of the change from one sweep to the next is about constant.
         const bool enough = ahead && 2 * change * (i > 0 ? change / least : kFall) <= tolerance;
         idle = change < 0.9 * least || !m_settings.accelerate ? 0 : idle + 1;
         least = std::min(least, change);
@@ -320,7 +324,8 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
         } else if (coarsest) {
             anderson.step(here.x, here.next, here.scattering, valuesPerRow());
         } else {
-            // What is left is r + K r + ..., with r = G(x) - x: r itself, and on coarser cells what it scatters to.
+            // The remaining error is r + K r + ..., with r = G(x) - x: r itself, and its scattering, which coarser
+            // cells compute.
             Level& coarse = m_levels[level + 1];
             restrict(here, coarse, true);
             std::fill(coarse.x.begin(), coarse.x.end(), Real(0));
@@ -339,8 +344,8 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     for (Level& level : m_levels) chooseColour(level, colour);
     const Real* from = inflow.empty() ? nullptr : inflow.data();
     start(0, from);
-    // The sweep whose result is seen is also one that tells how much there was left to do. It may not be, where much
-    // falls below zero.
+    // The sweep whose result is visible also shows how much remained to be done. This fails if much of the result is
+    // below zero.
     Level& finest = m_levels.front();
     bool ahead = m_settings.accelerate;
     m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps, ahead ? &ahead : nullptr);

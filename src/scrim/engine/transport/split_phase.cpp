@@ -11,19 +11,19 @@
 namespace scrim {
 namespace {
 
-// The table: depth / (1 + depth) and the sine of half the angle, both in [0, 1], linear between.
+// The table over depth / (1 + depth) and the sine of half the angle, both in [0, 1]; linear between entries.
 constexpr int kDepths = 64, kAngles = 256;
 constexpr double kLeastMoment = 1e-4;
 constexpr int kMostMoments = 400;
 
-// Mean cosine of the narrowest lobe that is left to so many ordinates. Measured on smoke lit from behind and from the
-// side, g = 0.75 and 0.9: narrower ones come out too bright where the eye looks near the light, and wider ones, which
-// send more straight on, carry light too far.
+// The mean cosine of the narrowest lobe that the ordinates must resolve. Measured on smoke lit from behind and from the
+// side, g = 0.75 and 0.9: with narrower lobes, smoke is too bright where the eye looks near the light; with wider ones,
+// which send more light straight on, light is carried too far.
 double narrowestLobe(int ordinates) {
     return ordinates <= 64 ? 0.6 : ordinates <= 128 ? 0.7 : 0.85;
 }
 
-// Legendre's moments of a phase function: g^l of Henyey and Greenstein's.
+// The Legendre moments of a phase function: g^l for Henyey and Greenstein's.
 struct Moments {
     const Phase& phase;
     double first = 1, second = 1;
@@ -37,7 +37,8 @@ struct Moments {
     }
 };
 
-// Narrower lobes are as good as a line here, forwards and backwards: what is next to one would only divide by zero.
+// The phase function with its narrowest lobes widened. Narrower ones are like a line here, forwards and backwards, and
+// would only cause divisions by zero.
 Phase heldLobes(Phase phase) {
     constexpr double kNarrowest = 0.9999;
     phase.g = std::clamp(phase.g, -kNarrowest, kNarrowest);
@@ -50,7 +51,7 @@ Phase heldLobes(Phase phase) {
 SplitPhase::SplitPhase(const Phase& given, int ordinates) : m_spread(heldLobes(given)) {
     const Phase phase = m_spread;
     if (phase.type == PhaseType::rayleigh) return;
-    // Of a lobe with mean cosine g the part f goes straight on, and the rest has w: f + (1 - f) w = g.
+    // For a lobe with mean cosine g, the fraction f goes straight on and the rest has w: f + (1 - f) w = g.
     const double w = narrowestLobe(ordinates);
     const auto straightOf = [&](double g) { return g > w ? (g - w) / (1 - w) : 0.0; };
     m_straight = straightOf(phase.g);

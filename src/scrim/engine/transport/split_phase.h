@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A phase function with narrow lobes, for which ordinates are too few: part of the light goes straight on as if it had
-// not been scattered, the rest into a wider lobe, and the mean cosine is kept (J. H. Joseph, W. J. Wiscombe and
-// J. A. Weinman, The Delta-Eddington Approximation, J. Atmos. Sci. 33, 1976). What the eye sees of a light's beam that
-// so went straight on is found without that approximation of its directions, for which the eye has a sharp sense.
+// Splits a phase function whose lobes are too narrow for the ordinates: part of the light continues straight on as if
+// it had not been scattered, the rest scatters into a wider lobe, and the mean cosine is preserved (J. H. Joseph, W. J.
+// Wiscombe and J. A. Weinman, The Delta-Eddington Approximation, J. Atmos. Sci. 33, 1976). The light of a beam that
+// continued straight on is shown to the eye without this approximation of its directions, because the eye is sensitive
+// to them.
 #pragma once
 
 #include <scrim/scene/medium.h>
@@ -13,19 +14,20 @@ namespace scrim {
 
 class SplitPhase {
   public:
-    /// For a solve with `ordinates` directions.
+    /// Splits `phase` for a solve with `ordinates` directions.
     SplitPhase(const Phase& phase, int ordinates);
 
-    /// Part of the scattered light that goes straight on, in [0, 1).
+    /// The fraction of scattered light that continues straight on, in [0, 1).
     double straight() const { return m_straight; }
-    /// Of the rest.
+    /// The phase function of the rest.
     const Phase& spread() const { return m_spread; }
 
-    /// Of a beam that came an optical depth `depth` of scattering straight on: what of it is scattered towards a
-    /// direction at cosine `cosTheta` to it, per steradian, that was scattered before, relative to the beam with all
-    /// that. The beam is as narrow as ever, but its light is not: each time it is spread by what is left of the phase
-    /// function without the wider lobe. In Legendre's polynomials that is a product, and a sum over the number of times
-    /// is an exponential. What is left may be below zero far from the beam; then so is this, which keeps its sum.
+    /// The light of a beam, relative to the beam, that was scattered before and is now scattered, per steradian, in a
+    /// direction at cosine `cosTheta` to the beam. The beam has passed the optical depth `depth` of scattering straight
+    /// on. In the solve it is as narrow as before, but its true light is not: each time, it is spread by the phase
+    /// function minus the wider lobe. In Legendre's polynomials the repeated spreading is a product, and the sum over
+    /// the number of times is an exponential. The difference of the two lobes may be below zero far from the beam, and
+    /// then so is the result; this preserves its sum.
     double scatteredAgain(double depth, double cosTheta) const;
 
   private:
