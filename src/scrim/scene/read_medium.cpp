@@ -54,7 +54,7 @@ Octaves readOctaves(TomlTable table) {
     return octaves;
 }
 
-// A table of octaves alone implies the word "octaves"; beside another word it is a contradiction.
+// A table of octaves alone means that scattering is octaves; beside another word it is a contradiction.
 void readScattering(TomlTable& table, const MediumKeys& k, Medium& medium) {
     const auto octaves = table.find(k.octaves);
     const auto word = table.find(k.scattering);

@@ -19,7 +19,7 @@ namespace {
 
 // Two bodies apart from one another, so that the box around them is mostly empty.
 std::vector<Bounds> bodies() {
-    return {{Vec3(-3.1, 0.2, 0.4), Vec3(5.7, 6.1, 4.9)}, {Vec3(40, 41, 42), Vec3(44, 43, 42.5)}};
+    return {{Vec3(-3.1, 0.2, 0.4), Vec3(5.7, 6.1, 4.9)}, {Vec3(40, 41, 42), Vec3(43.5, 43, 42.5)}};
 }
 
 TEST(CellGrid, StoresTheBlocksThatMeetABoxAndNoOthers) {
