@@ -331,8 +331,8 @@ class StuckChild : public SourceLoader {
             LoadJob job("", files, request.path, transfer.fd(), input, limits, false);
             const std::string text = errorOf(ErrorKind::input, [&] { job.wait({}); });
             // Which of the two limits is reached first is chance.
-            EXPECT_TRUE(text == request.path + ": reading it took more than 1 seconds" ||
-                        text == request.path + ": reading it did not come to an end in 1 seconds of processor time")
+            EXPECT_TRUE(text == request.path + ": reading it took more than 1 second" ||
+                        text == request.path + ": reading it did not come to an end in 1 second of processor time")
                 << text;
         }
         while (grandchildren() > 0 && std::chrono::steady_clock::now() - start < std::chrono::seconds(30))

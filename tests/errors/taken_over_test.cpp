@@ -114,7 +114,7 @@ TEST_F(TakenOver, PicturesThatCannotBeAreRefused) {
     EXPECT_EQ(refusedPicture(with(good, kWidth, kMost)), "its picture has too many pixels");
     EXPECT_EQ(refusedPicture(with(good, kWidth, 4)), "it is shorter than it says");
     EXPECT_EQ(refusedPicture(with(good, kHeight, 1 << 20)), "it is shorter than it says");
-    EXPECT_EQ(refusedPicture(with(good, kWidth, 2)), "it is longer than it says");
+    EXPECT_EQ(refusedPicture(with(good, kWidth, 2)), "it is longer than its header says");
     for (const double aspect : {0.0, -1.0, 1e300, std::nan(""), std::numeric_limits<double>::infinity()})
         EXPECT_EQ(refusedPicture(with(good, kAspect, aspect)), "its pixels have no shape");
     for (const std::uint64_t size : {std::uint64_t{1} << 20, std::uint64_t{1} << 63, ~std::uint64_t{0}})

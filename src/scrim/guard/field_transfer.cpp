@@ -197,7 +197,7 @@ ReceivedFields receiveFields(int fd) {
         out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, shortened(reader.text(), 2000)});
     }
     for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
-    if (!reader.done()) incompleteTransfer("it is longer than it says");
+    if (!reader.done()) incompleteTransfer("it is longer than its header says");
     return out;
 }
 

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -186,11 +187,15 @@ std::string signalName(int signal) {
     return name == nullptr ? fmt::format("signal {}", signal) : fmt::format("signal SIG{}", name);
 }
 
+std::string secondsText(long long seconds) {
+    return seconds == 1 ? "1 second" : fmt::format("{} seconds", seconds);
+}
+
 [[noreturn]] void tookTooLong(const std::string& path, std::chrono::seconds patience) {
     const auto seconds = patience.count();
     throw Error(ErrorKind::input,
                 fmt::format("{}: reading it took more than {}", path,
-                            seconds < 120 ? fmt::format("{} seconds", seconds)
+                            seconds < 120 ? secondsText(seconds)
                                           : fmt::format("{:.0f} minutes", static_cast<double>(seconds) / 60)));
 }
 
@@ -213,8 +218,8 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
                                                    path));
     if (WTERMSIG(status) == SIGXCPU)
         throw Error(ErrorKind::input,
-                    fmt::format("{}: reading it did not come to an end in {:.0f} seconds of processor time", path,
-                                std::chrono::duration<double>(used).count()));
+                    fmt::format("{}: reading it did not come to an end in {} of processor time", path,
+                                secondsText(std::llround(std::chrono::duration<double>(used).count()))));
     // Only the system's out-of-memory killer ends a child like this.
     if (WTERMSIG(status) == SIGKILL)
         throw Error(ErrorKind::memory,

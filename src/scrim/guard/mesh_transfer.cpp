@@ -46,12 +46,12 @@ FileMesh receiveMesh(int fd) {
     out.problem = shortened(reader.text(), 2000);
     receiveItems(reader, out.mesh.points);
     receiveItems(reader, out.mesh.triangles);
-    if (!reader.done()) incompleteTransfer("it is longer than it says");
+    if (!reader.done()) incompleteTransfer("it is longer than its header says");
     for (const Vec3& p : out.mesh.points)
-        if (!isFinite(p)) incompleteTransfer("a point of its mesh is nowhere");
+        if (!isFinite(p)) incompleteTransfer("a point of its mesh is not finite");
     for (const auto& triangle : out.mesh.triangles)
         for (const std::uint32_t corner : triangle)
-            if (corner >= out.mesh.points.size()) incompleteTransfer("a triangle names a point that there is not");
+            if (corner >= out.mesh.points.size()) incompleteTransfer("a triangle refers to a point that does not exist");
     return out;
 }
 

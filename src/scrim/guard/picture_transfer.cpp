@@ -67,7 +67,7 @@ FilePicture receivePicture(int fd) {
     const char* values = reader.take(4 * pixels, sizeof(float));
     out.rgba.resize(4 * pixels);
     std::memcpy(out.rgba.data(), values, 4 * pixels * sizeof(float));
-    if (!reader.done()) incompleteTransfer("it is longer than it says");
+    if (!reader.done()) incompleteTransfer("it is longer than its header says");
     return out;
 }
 
@@ -97,7 +97,7 @@ PictureHeader receivePictureHeader(int fd) {
         const char* numbers = reader.take(count, sizeof(float));
         if (count > 0) std::memcpy(matrix->data(), numbers, count * sizeof(float));
     }
-    if (!reader.done()) incompleteTransfer("it is longer than it says");
+    if (!reader.done()) incompleteTransfer("it is longer than its header says");
     if (out.problem.empty()) takeSize(pixels, out);
     return out;
 }
@@ -147,7 +147,7 @@ FileDepth receivePictureDepth(int fd) {
     } else {
         takeInto(out.depths, pixels, reader);
     }
-    if (!reader.done()) incompleteTransfer("it is longer than it says");
+    if (!reader.done()) incompleteTransfer("it is longer than its header says");
     return out;
 }
 
