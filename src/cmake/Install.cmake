@@ -44,7 +44,6 @@ foreach(
     solid/triangle_mesh.h
     volume/field_builder.h
     volume/grid_request.h
-    volume/kernel.h
     volume/scrim_source.h # for volume sources, in C
     volume/sparse_field.h
     volume/vdb_file.h

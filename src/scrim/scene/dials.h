@@ -3,7 +3,7 @@
 // meanings stand in one table in quality.h.
 #pragma once
 
-#include <scrim/volume/kernel.h>
+#include <scrim/volume/sparse_field.h>
 
 #include <optional>
 #include <string>

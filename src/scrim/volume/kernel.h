@@ -4,22 +4,11 @@
 #pragma once
 
 #include <scrim/geometry/spaces.h>
+#include <scrim/volume/sparse_field.h>
 
 #include <span>
 
 namespace scrim {
-
-/// The shape of a voxel's contribution to the space around it (ZC02 section 2).
-enum class Kernel {
-    linear,    ///< trilinear tent: an exact partition of unity, as in ray marchers
-    gaussian,  ///< exp(-2 r^2) cut off at radius 2 voxels, ZC02's usual choice; ripples by about 1 %
-    bspline,   ///< cubic B-spline: an exact and smooth partition of unity, which blurs
-};
-
-/// Half the edge of the box (index space, voxels) outside of which the kernel is 0.
-inline double kernelRadius(Kernel kernel) {
-    return kernel == Kernel::linear ? 1.0 : 2.0;
-}
 
 /// Half the extent of the region where the kernel is not 0, measured along a coordinate that is the linear form `row`
 /// of index-space offsets.
