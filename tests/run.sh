@@ -29,7 +29,8 @@ cd "$root"
 if [ "$preset" = "asan" ]; then
     export ASAN_OPTIONS=detect_leaks=0 UBSAN_OPTIONS=print_stacktrace=1
     export SCRIM_FUZZ_RUNS=20
-    programs="error unit shot stability fuzz plugin effect thread"
+    # Those of effects take as long as all others: .ci/full runs them, by SCRIM_PROGRAMS=effect.
+    programs="${SCRIM_PROGRAMS:-error unit shot stability fuzz plugin thread}"
     targets="--target $(printf 'scrim_%s_tests ' $programs)"
     filter='-Interrupt.*:Sizes.*:*EveryAngle*:*TenThousandSheets*:*ManySheets*:Study.*:Ways/Place*:*Mutations*random_scene*:*AgreeWithBruteForce*:*classifiedPerView*:Limits.*:Documents.*:SourceLoader.KeepsFilesThatTakeOver*:MultipleScattering.*PathTracer:MultipleScattering.OfA*Chandrasekhars:MultipleScattering.OfADome*:MultipleScattering.OfAnEvenGlow*:MultipleScattering.ConvergesWithTheCells:MultipleScattering.TakesFewSweeps*:MultipleScattering.OfASlabIsMilnes:*ConvergesToTheReference:*ConvergeToTheReference:*AgreesWithBruteForce*:*ShowsWhatTheReferenceShows*'
     options=""
