@@ -51,7 +51,7 @@ FileMesh receiveMesh(int fd) {
         if (!isFinite(p)) incompleteTransfer("a point of its mesh is not finite");
     for (const auto& triangle : out.mesh.triangles)
         for (const std::uint32_t corner : triangle)
-            if (corner >= out.mesh.points.size()) incompleteTransfer("a triangle refers to a point that does not exist");
+            if (corner >= out.mesh.points.size()) incompleteTransfer("a triangle refers to a missing point");
     return out;
 }
 
