@@ -15,7 +15,7 @@ namespace {
 constexpr double kEmptyRadius = 4;
 
 // An upper bound on the index-space length of one world unit in any direction.
-double isPerWs(const Mat4& isFromWs) {
+double longestOf(const Mat4& isFromWs) {
     double longest = 0;
     for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, glm::length(Vec3(isFromWs[axis])));
     return longest * std::sqrt(3.0);
@@ -24,7 +24,7 @@ double isPerWs(const Mat4& isFromWs) {
 }  // namespace
 
 FieldInWorld::FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers)
-    : isFromWs(glm::inverse(view.wsFromIs)) {
+    : isFromWs(glm::inverse(view.wsFromIs)), isPerWs(longestOf(isFromWs)) {
     std::shared_ptr<const FieldSampler>& shared = samplers[view.field.get()];
     if (!shared || shared->kernel() != kernel) shared = std::make_shared<const FieldSampler>(*view.field, kernel);
     field = shared;
@@ -93,9 +93,8 @@ Vec3 VolumeOptics::gradient(const Vec3& ws) const {
 double VolumeOptics::emptyDistance(const Vec3& ws) const {
     double distance = std::numeric_limits<double>::infinity();
     const auto isEmpty = [&](const FieldInWorld& f) {
-        const double voxels = isPerWs(f.isFromWs);
-        distance = std::min(distance, kEmptyRadius / voxels);
-        return f.field->emptyAround(transformPoint(f.isFromWs, ws), kEmptyRadius + m_mostWay * voxels);
+        distance = std::min(distance, kEmptyRadius / f.isPerWs);
+        return f.field->emptyAround(transformPoint(f.isFromWs, ws), kEmptyRadius + m_mostWay * f.isPerWs);
     };
     if (m_density && !isEmpty(*m_density)) return 0;
     return std::all_of(m_emission.begin(), m_emission.end(), isEmpty) ? distance : 0;

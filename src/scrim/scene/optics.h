@@ -22,6 +22,7 @@ using FieldSamplers = std::map<const SparseField*, std::shared_ptr<const FieldSa
 struct FieldInWorld {
     std::shared_ptr<const FieldSampler> field;
     Mat4 isFromWs{1.0};
+    double isPerWs = 0;  ///< upper bound on the index-space length of a world unit
 
     /// Takes the field's sampler from `samplers` and adds it there if it is missing. `view.field` must outlive
     /// `samplers`.
