@@ -179,4 +179,14 @@ LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     return {inCone(-m_light.wsDirection, 2 * half * half, square), kInfinity, m_light.intensity};
 }
 
+std::vector<LightSent> lightsSent(const std::vector<Light>& lights) {
+    std::vector<LightSent> sent;
+    for (const Light& light : lights)
+        if (light.extended())
+            sent.emplace_back(std::in_place_type<LightRays>, light);
+        else
+            sent.emplace_back(std::in_place_type<LightAt>, light);
+    return sent;
+}
+
 }  // namespace scrim

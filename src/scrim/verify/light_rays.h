@@ -5,7 +5,9 @@
 #pragma once
 
 #include <scrim/scene/light.h>
+#include <scrim/scene/light_at.h>
 
+#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -38,5 +40,11 @@ class LightRays {
     // For a dome's picture: running sums of light over rows, and over the pixels of each row.
     std::vector<double> m_rows, m_pixels;
 };
+
+/// What a light sends to a point: one ray, or those of its extent.
+using LightSent = std::variant<LightAt, LightRays>;
+
+/// One for each of `lights`, which must outlive them.
+std::vector<LightSent> lightsSent(const std::vector<Light>& lights);
 
 }  // namespace scrim

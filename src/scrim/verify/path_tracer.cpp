@@ -58,11 +58,7 @@ struct PathTracer::Random {
 PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(scene) {
     m_any = std::any_of(scene.volumes.begin(), scene.volumes.end(), scattersFully);
     if (!m_any) return;
-    for (const Light& light : scene.lights)
-        if (light.extended())
-            m_lights.emplace_back(std::in_place_type<LightRays>, light);
-        else
-            m_lights.emplace_back(std::in_place_type<LightAt>, light);
+    m_lights = lightsSent(scene.lights);
     FieldSamplers own;
     for (const ViewVolume& volume : scene.volumes)
         m_volumes.emplace_back(volume, scene.dials.kernel, shared ? *shared : own);

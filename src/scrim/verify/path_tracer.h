@@ -11,7 +11,6 @@
 #include <scrim/verify/light_rays.h>
 
 #include <cstdint>
-#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -63,7 +62,7 @@ class PathTracer {
     bool m_any = false;
     std::vector<VolumeOptics> m_volumes;
     // One of the two, depending on whether the light is extended.
-    std::vector<std::variant<LightAt, LightRays>> m_lights;
+    std::vector<LightSent> m_lights;
     // The majorants: the largest extinction in each box of a grid around all volumes.
     Bounds m_wsBounds;
     Int3 m_size{0};

@@ -51,11 +51,7 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
     for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
-    for (const Light& light : scene.lights)
-        if (light.extended())
-            m_lights.emplace_back(std::in_place_type<LightRays>, light);
-        else
-            m_lights.emplace_back(std::in_place_type<LightAt>, light);
+    m_lights = lightsSent(scene.lights);
     // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
     constexpr int kFewest = 6, kMost = 24;
     if (m_options.lightRays == 0)

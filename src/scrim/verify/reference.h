@@ -15,7 +15,6 @@
 
 #include <array>
 #include <limits>
-#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -72,7 +71,7 @@ class Reference {
     ReferenceOptions m_options;
     std::vector<VolumeOptics> m_volumes;
     // One of the two, depending on whether the light is extended.
-    std::vector<std::variant<LightAt, LightRays>> m_lights;
+    std::vector<LightSent> m_lights;
     Bounds m_wsBounds;
     double m_voxel, m_step;
 };
