@@ -47,7 +47,7 @@ int statusOf(Files files, const Task& task) {
             AnsweredCalls::install("scan.nhdr", file);
             AnsweredCalls::add("scan.raw", file);
         }
-        if (!confine(kLimits, files)) ::_exit(kNotConfined);
+        if (confine(kLimits, files) != 0) ::_exit(kNotConfined);
         task();
         ::_exit(0);
     }

@@ -43,20 +43,20 @@ constexpr rlim_t kMostAnsweredFiles = 64;
 constexpr rlim_t kGrace = 2;
 
 /// Lowers a limit to `most`, or to the limit that this process was given if that is lower, since only root can raise
-/// it. The hard limit is `beyond` higher; it acts without a signal that can be handled.
-bool limit(__rlimit_resource resource, rlim_t most, rlim_t beyond = 0) {
+/// it. The hard limit is `beyond` higher; it acts without a signal that can be handled. Returns 0 or the errno.
+int limit(__rlimit_resource resource, rlim_t most, rlim_t beyond = 0) {
     rlimit given{};
-    if (::getrlimit(resource, &given) != 0) return false;
+    if (::getrlimit(resource, &given) != 0) return errno;
     const rlim_t soft = std::min({most, given.rlim_cur, given.rlim_max});  // "infinity" is the largest number
     const rlimit both{soft, std::min(soft + beyond, given.rlim_max)};
-    return ::setrlimit(resource, &both) == 0;
+    return ::setrlimit(resource, &both) == 0 ? 0 : errno;
 }
 
-/// Drops the capabilities of root, which could raise its limits again.
-bool dropCapabilities() {
+/// Drops the capabilities of root, which could raise its limits again. Returns 0 or the errno.
+int dropCapabilities() {
     __user_cap_header_struct self{_LINUX_CAPABILITY_VERSION_3, 0};
     const __user_cap_data_struct none[_LINUX_CAPABILITY_U32S_3] = {};
-    return ::syscall(SYS_capset, &self, none) == 0;
+    return ::syscall(SYS_capset, &self, none) == 0 ? 0 : errno;
 }
 
 /// Builds a filter of system calls. A call that is not named ends the process.
@@ -64,8 +64,9 @@ class Filter {
   public:
     Filter() : m_context(::seccomp_init(SCMP_ACT_KILL_PROCESS)) {
         // By default the library would end the thread only.
-        m_good = m_context != nullptr &&
-                 ::seccomp_attr_set(m_context, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS) == 0;
+        m_problem = m_context == nullptr
+                        ? ENOMEM
+                        : -::seccomp_attr_set(m_context, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
     }
     ~Filter() { ::seccomp_release(m_context); }
     Filter(const Filter&) = delete;
@@ -93,7 +94,8 @@ class Filter {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, 0xFFFFFFFF, value));
     }
 
-    bool install() { return m_good && ::seccomp_load(m_context) == 0; }
+    /// Returns 0 or the errno of the first call that failed.
+    int install() { return m_problem != 0 ? m_problem : -::seccomp_load(m_context); }
 
   private:
     // The kernel reads these arguments as 32 bits; their upper halves may hold anything.
@@ -101,14 +103,18 @@ class Filter {
         return {argument, SCMP_CMP_MASKED_EQ, mask, value};
     }
     void add(std::uint32_t action, long call) {
-        m_good = m_good && ::seccomp_rule_add_array(m_context, action, static_cast<int>(call), 0, nullptr) == 0;
+        addRule(action, call, 0, nullptr);
     }
     void add(std::uint32_t action, long call, const scmp_arg_cmp& where) {
-        m_good = m_good && ::seccomp_rule_add_array(m_context, action, static_cast<int>(call), 1, &where) == 0;
+        addRule(action, call, 1, &where);
+    }
+    void addRule(std::uint32_t action, long call, unsigned conditions, const scmp_arg_cmp* where) {
+        if (m_problem == 0)
+            m_problem = -::seccomp_rule_add_array(m_context, action, static_cast<int>(call), conditions, where);
     }
 
     scmp_filter_ctx m_context;
-    bool m_good = false;
+    int m_problem = 0;
 };
 
 /// Traps the calls of libraries that open files by name. Opening a file for writing is not included.
@@ -134,8 +140,8 @@ void answerCalls(Filter& filter) {
     for (const long call : {SYS_sysinfo, SYS_uname, SYS_clock_nanosleep, SYS_getrusage}) filter.allow(call);
 }
 
-/// Installs a filter under which no call opens, names or connects anything.
-bool filterCalls(Files files) {
+/// Installs a filter under which no call opens, names or connects anything. Returns 0 or the errno.
+int filterCalls(Files files) {
     Filter filter;
     if (files == Files::answered) answerCalls(filter);
     for (const long call :
@@ -163,16 +169,21 @@ bool hasFilter() {
 #endif
 }
 
-bool confine(const Limits& limits, Files files) {
-    bool good = ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0;
-    good = limit(RLIMIT_CORE, 0) && limit(RLIMIT_CPU, limits.seconds, kGrace) && dropCapabilities() && good;
+int confine(const Limits& limits, Files files) {
+    int problem = ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 ? 0 : errno;
+    const auto keep = [&problem](int next) {
+        if (problem == 0) problem = next;
+    };
+    keep(limit(RLIMIT_CORE, 0));
+    keep(limit(RLIMIT_CPU, limits.seconds, kGrace));
+    keep(dropCapabilities());
     // The data it sends lies in memory, too. Exceeding the limit is an error, not a crash.
     std::signal(SIGXFSZ, SIG_IGN);
-    good = limit(RLIMIT_FSIZE, limits.memory) && good;
-    if (!hasFilter()) return good;  // sanitizers also take huge address spaces
-    const rlim_t descriptors = files == Files::answered ? kMostAnsweredFiles : 0;
-    good = limit(RLIMIT_AS, addressSpace() + limits.memory) && limit(RLIMIT_NOFILE, descriptors) && good;
-    return good && filterCalls(files);
+    keep(limit(RLIMIT_FSIZE, limits.memory));
+    if (!hasFilter()) return problem;  // sanitizers also take huge address spaces
+    keep(limit(RLIMIT_AS, addressSpace() + limits.memory));
+    keep(limit(RLIMIT_NOFILE, files == Files::answered ? kMostAnsweredFiles : 0));
+    return problem != 0 ? problem : filterCalls(files);
 }
 
 }  // namespace scrim::load

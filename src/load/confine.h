@@ -24,7 +24,8 @@ enum class Files {
 /// Confines this process permanently: no core dumps, no capabilities of root and no new privileges, limits of memory
 /// and time, and only system calls that compute or read and write open descriptors. Any other call (to open a file,
 /// make a socket, start a thread or a program) ends the process by SIGSYS. With Files::answered, threads may be started
-/// (some libraries need them to decode), and harmless queries fail instead. Returns false where the system refuses.
-bool confine(const Limits& limits, Files files = Files::descriptors);
+/// (some libraries need them to decode), and harmless queries fail instead. Returns 0, or the errno of what failed:
+/// ENOMEM where there is not enough memory to build the filter, anything else where the system refuses.
+int confine(const Limits& limits, Files files = Files::descriptors);
 
 }  // namespace scrim::load

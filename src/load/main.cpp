@@ -82,7 +82,8 @@ bool receive(Request& request) {
 
 template <typename Task>
 void runConfined(const Task& task, const Limits& limits) {
-    if (!confine(limits, Task::kFiles)) ::_exit(kNotConfined);
+    if (const int problem = confine(limits, Task::kFiles); problem != 0)
+        ::_exit(problem == ENOMEM ? kNoMemoryToConfine : kNotConfined);
     task.run();
 }
 

@@ -205,6 +205,9 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
     if (WIFEXITED(status) && WEXITSTATUS(status) == kNotConfined)
         throw Error(ErrorKind::render,
                     fmt::format("{}: the process that reads it cannot be confined: this system has no seccomp", path));
+    if (WIFEXITED(status) && WEXITSTATUS(status) == kNoMemoryToConfine)
+        throw Error(ErrorKind::memory,
+                    fmt::format("{}: not enough memory to confine the process that reads it (ulimit -v)", path));
     if (WIFEXITED(status) && WEXITSTATUS(status) == kNoDescriptors)
         throw Error(ErrorKind::render, fmt::format("{}: cannot be read: {}", path, systemErrorText(EMFILE)));
     if (WIFEXITED(status))

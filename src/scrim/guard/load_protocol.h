@@ -30,8 +30,10 @@ struct LoadAnswer {
     std::int64_t microseconds = 0;  ///< processor time of the child
 };
 
-/// Exit status of a child that could not be confined.
+/// Exit status of a child that the system refused to confine.
 constexpr int kNotConfined = 3;
+/// Exit status of a child that did not have enough memory to confine itself.
+constexpr int kNoMemoryToConfine = 5;
 /// Exit status of a child that has fewer descriptors than it needs.
 constexpr int kNoDescriptors = 4;
 
