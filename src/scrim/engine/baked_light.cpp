@@ -85,6 +85,7 @@ ViewScene bakingScene(const ViewScene& given) {
         volume.emission.clear();
         volume.medium.albedo = Rgb(1);
     }
+    for (Light& light : scene.lights) light.shadow = ShadowMethod::buffers;
     scene.dials.splat = SplatMode::shared;
     scene.dials.sheets = SheetAxis::halfWay;
     scene.dials.shadowPlane = ShadowPlane::light;

@@ -11,6 +11,7 @@
 #include <scrim/engine/light/light_sweep.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/extinction_sum.h>
+#include <scrim/engine/transport/light_cells.h>
 #include <scrim/engine/transport/scattered_light.h>
 
 #include <algorithm>
@@ -103,7 +104,7 @@ void keepDeep(DeepRays& deep, const EyeView& eye, int n, Swept& swept) {
 }
 
 Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const EyeEnds* ends,
-            const ScatteredLight* scattered, std::size_t mostDeepBytes,
+            const std::vector<CellLight>& cellLight, std::size_t mostDeepBytes,
             const std::function<void(double, const PixelTiles&)>& progress) {
     Stopwatch watch;
     const int n = scene.dials.antialias;
@@ -113,7 +114,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
     LightSweep lights(scene, plan, group);
-    const SheetShader shader(scene, plan, group, extinction, lights, eye, scattered);
+    const SheetShader shader(scene, plan, group, extinction, lights, eye, cellLight);
     const auto deep = deepRays(scene, group, tiles, mostDeepBytes);
     Compositor compositor(eye, tiles, group.sameSide, static_cast<Real>(scene.dials.opacityCutoff), ends, deep.get());
     std::optional<PlaneStack> shaded;
@@ -167,20 +168,28 @@ std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept)
     return plan.mostDeepBytes > taken ? plan.mostDeepBytes - taken : 1;
 }
 
-// Multiply scattered light, computed before the sweeps that look it up; null if there is none.
-std::unique_ptr<ScatteredLight> scatteredLight(const ViewScene& scene, const Plan& plan, Frame& frame,
-                                               const std::function<void()>& checkpoint) {
-    if (!plan.transport.any() || plan.groups.empty()) return nullptr;
+// The light that the sweeps look up on cells, computed before them.
+std::vector<CellLight> lightOnCells(const ViewScene& scene, const Plan& plan, Frame& frame,
+                                    const std::function<void()>& checkpoint) {
+    std::vector<CellLight> all;
+    if (plan.groups.empty()) return all;
     Stopwatch watch;
-    auto scattered = std::make_unique<ScatteredLight>(scene, plan.transport, plan.simd, checkpoint);
-    const Solved& solved = scattered->solved();
-    frame.scatterChange = solved.change;
-    frame.scatterConverged = solved.converged;
-    frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
-    frame.work.scatterDirections = solved.cellDirections;
-    frame.work.bytes.scattered = scattered->bytes();
+    if (plan.transport.any()) {
+        const ScatteredLight scattered(scene, plan.transport, plan.simd, checkpoint);
+        all = scattered.lights();
+        const Solved& solved = scattered.solved();
+        frame.scatterChange = solved.change;
+        frame.scatterConverged = solved.converged;
+        frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
+        frame.work.scatterDirections = solved.cellDirections;
+        frame.work.bytes.scattered = scattered.bytes();
+    }
+    if (!plan.cellLights.lights.empty())
+        for (CellLight& light :
+             extendedLight(scene, plan.cellLights, plan.simd, checkpoint, frame.work.bytes.scattered))
+            all.push_back(std::move(light));
     frame.times.scatter = watch.lap();
-    return scattered;
+    return all;
 }
 
 Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& progress, const PictureSink& shown) {
@@ -198,7 +207,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
         };
         if (shown) shown(soFar);
     };
-    const auto scattered = scatteredLight(given, plan, frame, [&] { goOn(0); });
+    const std::vector<CellLight> cellLight = lightOnCells(given, plan, frame, [&] { goOn(0); });
     std::vector<DeepImage> deep;
     std::unique_ptr<EyeEnds> ends;  // shared by all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {
@@ -207,7 +216,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
             ends = eyeEnds(scene, plan.eyeParts[part]);
             if (ends) frame.work.solidRays += ends->rays();
         }
-        Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), scattered.get(), deepBytesLeft(plan, deep),
+        Swept swept = sweep(scene, plan, plan.groups[g], ends.get(), cellLight, deepBytesLeft(plan, deep),
                             [&](double done, const PixelTiles& tiles) {
                                 goOn((double(g) + done) / double(plan.groups.size()));
                                 show(plan.groups[g], tiles);

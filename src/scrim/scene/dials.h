@@ -39,6 +39,7 @@ struct Dials {
     double lightError = 0.005;    ///< relative error allowed to the sub-lights that represent an extended light
     double lod = 0;          ///< projected size of a voxel, pixels, below which a coarser level is splatted; 0: never
     int antialias = 1;       ///< n x n rays a pixel
+    std::optional<double> lightCell;  ///< edge, in voxels, of the cells of lights on cells; no value: chosen
     double scatterCell = 2;  ///< edge, in voxels, of the cells that carry multiply scattered light
     /// Directions that carry multiply scattered light; no value: chosen from the phase functions.
     std::optional<int> scatterDirections;

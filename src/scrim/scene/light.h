@@ -32,6 +32,10 @@ struct Slide {
 
 enum class AreaShape { rectangle, disk, sphere };
 
+/// Where the attenuation of a light is kept: in shadow buffers (ZC02), which resolve sharp shadows, or on cells, which
+/// are cheaper for light from many directions or from within the volumes (engine/transport/light_cells.h).
+enum class ShadowMethod { automatic, buffers, cells };
+
 /// A light, in world space, with its colour in the working space.
 struct Light {
     struct Distant {
@@ -79,6 +83,7 @@ struct Light {
     int samples = 0;  ///< sub-lights that represent an extended light; 0: as many as the dial light_error asks for
     std::optional<Slide> slide;  ///< multiplies the intensity; a projector is a point light with a slide
     bool shadows = true;
+    ShadowMethod shadow = ShadowMethod::automatic;
 
     bool distant() const { return std::holds_alternative<Distant>(kind); }
     const Spot* spot() const { return std::get_if<Spot>(&kind); }

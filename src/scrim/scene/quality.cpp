@@ -114,6 +114,19 @@ Dial shutterSamples() {
     return d;
 }
 
+Dial lightCell() {
+    Dial d;
+    d.words = {"auto"};
+    d.info = {"light_cell", "voxels", "", "'auto', or a number from 0.25 to 64",
+              "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: by the "
+              "optical depth of a voxel and by light_error; error of second order"};
+    d.allows = [](double v) { return v >= 0.25 && v <= 64; };
+    d.setNumber = [](Dials& dials, double v) { dials.lightCell = v; };
+    d.setWord = [](Dials& dials, std::size_t) { dials.lightCell.reset(); };
+    d.get = [](const Dials& dials) { return dials.lightCell ? text(*dials.lightCell) : std::string("auto"); };
+    return d;
+}
+
 Dial scatterDirections() {
     Dial d;
     d.words = {"auto"};
@@ -161,6 +174,7 @@ std::vector<Dial> makeDials() {
     all.push_back(number("light_error", "relative RMSE", 1e-4, 0.5, &Dials::lightError,
                          "error that is left to the sub-lights of area lights, domes and suns with an angle: how many "
                          "there are, where a light gives no samples"));
+    all.push_back(lightCell());
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
                          "size below which voxels are splatted from a coarser level of the grid; 0: never"));
     all.push_back(integer(

@@ -239,6 +239,7 @@ Light readLight(TomlTable table, const std::string& defaultName, const ReadConte
     if (light.area() && table.boolean(k.normalize)) light.intensity /= light.area()->area();
     if (light.area() || light.dome() || light.distant()) light.samples = readSamples(table);
     light.shadows = table.boolean(k.shadows);
+    light.shadow = static_cast<ShadowMethod>(table.choice(k.shadow));
     table.finish();
     return light;
 }

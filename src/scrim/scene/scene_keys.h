@@ -253,6 +253,11 @@ struct LightKeys : Section {
                              "A picture that the light shines through; a projector needs one. For a rectangle it is "
                              "the picture on it, as on a screen, and has only 'file' and 'colorspace'.");
     const Key& shadows = boolean("shadows", true, "Volumes and meshes cast shadows in this light.");
+    const Key& shadow =
+        choice("shadow", {"auto", "buffers", "cells"},
+               "Where attenuation is kept. buffers: a shadow buffer for each point or direction, for sharp shadows; "
+               "cells: cells of about a voxel, for light from many directions or from within the volume; auto: the "
+               "cheaper one that is exact enough.");
 };
 
 struct AmbientKeys : Section {

@@ -20,6 +20,16 @@ std::vector<int> TransportPlan::lights() const {
     return all;
 }
 
+bool CellLightPlan::has(std::size_t light) const {
+    return std::find(lights.begin(), lights.end(), static_cast<int>(light)) != lights.end();
+}
+
+std::vector<int> Plan::lightsOnCells() const {
+    std::vector<int> all = transport.lights();
+    all.insert(all.end(), cellLights.lights.begin(), cellLights.lights.end());
+    return all;
+}
+
 double EyePart::weight(double x, double y) const {
     if (whole) return 1;
     const auto falling = [](const Vec2& ramp, double position) {

@@ -58,6 +58,16 @@ struct TransportPlan {
     std::vector<int> lights() const;
 };
 
+/// Lights that are kept on cells (transport/light_cells.h) instead of being sums of shadow buffers.
+struct CellLightPlan {
+    std::vector<int> lights;  ///< indices into ViewScene::lights
+    double edge = 0;          ///< edge of the cells, world units
+    std::size_t bytes = 0;    ///< approximately
+    std::string unfit;        ///< the reason why no light can be kept on cells; empty: there is none
+
+    bool has(std::size_t light) const;
+};
+
 struct EyePart {
     PixelWindow window;  ///< pixels of the picture that the part contributes to, before any crop
     bool whole = true;   ///< this is the only part: its weight is 1 everywhere
@@ -175,11 +185,14 @@ struct Plan {
     };
 
     TransportPlan transport;        ///< for multiply scattered light
+    CellLightPlan cellLights;       ///< for single scattering of extended lights
     SubLights subLights;            ///< the lights that the engine uses; empty: those of the scene
     std::vector<GroupPlan> groups;  ///< in the order of eye parts; empty if nothing is visible
     int threads = 1;                ///< number of threads of the render
     Simd simd;                      ///< vector instructions of the render
     ExtinctionChannels extinction;
+    /// The lights of the scene that light from cells belongs to.
+    std::vector<int> lightsOnCells() const;
     bool perView = false;  ///< footprints are splatted into each view's own sheets instead of shared ones
     bool shadeAtPixels = false;
     std::string shadeReason;

@@ -151,23 +151,25 @@ int SubLights::countOf(int owner) const {
     return static_cast<int>(last - first);
 }
 
-SubLights subLights(const ViewScene& scene) {
+SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
     SubLights all;
-    if (std::none_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); })) return all;
+    const bool extended = std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); });
+    if (!extended && onCells.empty()) return all;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
         const int count = subLightCount(scene, light);
-        if (light.area())
+        const bool onCell = std::find(onCells.begin(), onCells.end(), static_cast<int>(i)) != onCells.end();
+        if (onCell || (light.dome() && skiesFromBorder(scene))) {
+            // A black light has the place of this one; it is culled below, and takes no sweep.
+        } else if (light.area())
             addSurface(light, count, all.lights);
-        else if (light.dome() && !skiesFromBorder(scene))
-            addSky(light, count, all.lights);
         else if (light.dome())
-            all.lights.push_back(sunFrom(light, light.wsUp, Rgb(0)));  // it is culled, since it has no intensity
+            addSky(light, count, all.lights);
         else if (light.extended())
             addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
         else
             all.lights.push_back(light);
-        if (all.lights.size() == all.owners.size()) {  // its picture is black
+        if (all.lights.size() == all.owners.size()) {  // its picture is black, or it is on cells
             all.lights.push_back(sunFrom(light, light.wsDirection, Rgb(0)));
             all.lights.back().slide.reset();
         }

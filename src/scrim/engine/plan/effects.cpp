@@ -127,12 +127,33 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
         if (!light.extended() || (i < plan.culledLights.size() && !plan.culledLights[i].empty())) continue;
-        const int count = plan.subLights.countOf(static_cast<int>(i));
-        found.add(
-            fmt::format("{} ({}): {} sub-light{}", quoted(light.name), extent(light), count, count == 1 ? "" : "s"),
-            "light." + light.name);
+        const bool cells = plan.cellLights.has(i);
+        const int count = cells ? subLightCount(scene, light) : plan.subLights.countOf(static_cast<int>(i));
+        const std::string what = fmt::format("{} ({}): {}", quoted(light.name), extent(light), count);
+        found.add(cells ? fmt::format("{} {} on cells", what, light.area() ? "points" : "directions")
+                        : fmt::format("{} sub-light{}", what, count == 1 ? "" : "s"),
+                  "light." + light.name);
     }
-    return found.effect("extended lights", "", "every light shines from one point or direction");
+    Effect effect = found.effect("extended lights", "", "every light shines from one point or direction");
+    if (effect.on && !plan.cellLights.unfit.empty())
+        effect.reason += fmt::format("; shadow buffers for each, since {}", plan.cellLights.unfit);
+    return effect;
+}
+
+Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
+    Finder found(scene);
+    for (const int i : plan.cellLights.lights) {
+        const Light& light = scene.lights[std::size_t(i)];
+        const char* why = light.shadow == ShadowMethod::cells ? "the scene says so"
+                          : light.extended()                  ? "it shines from many places"
+                                                              : "it is among the volumes";
+        found.add(fmt::format("{}: {}", quoted(light.name), why), "light." + light.name);
+    }
+    Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
+    if (effect.on)
+        effect.reason += fmt::format("; cells of {:.3g} voxels, about {}", plan.cellLights.edge / plan.voxel,
+                                     bytesText(plan.cellLights.bytes));
+    return effect;
 }
 
 Effect culledLights(const ViewScene& scene, const Plan& plan) {
@@ -344,6 +365,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
                                           : "all views share one splat"));
     effects.push_back(ofDial(scene, "shading at pixels", "render.shade", plan.shadeAtPixels,
                              plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason));
+    effects.push_back(lightsOnCells(scene, plan));
     effects.push_back(culledLights(scene, plan));
     effects.push_back(culledVolumes(scene));
     effects.push_back(culledTiles(plan));

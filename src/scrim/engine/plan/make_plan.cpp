@@ -135,7 +135,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
         light = planLight(scene, corners, g.sheets, g.slant, std::move(light));
     }
     g.outputs =
-        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.transport.lights());
+        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.lightsOnCells());
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
@@ -167,7 +167,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
                 half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half),
-                                              plan.transport.lights());
+                                              plan.lightsOnCells());
                 open.push_back(std::move(*half));
             }
         }
@@ -353,13 +353,14 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     const std::vector<Vec3> corners = wsCorners(given);
     if (corners.empty()) return plan;
     checkSlides(given);
-    plan.subLights = subLights(given);
+    plan.cellLights = planCellLights(given);
+    plan.subLights = subLights(given, plan.cellLights.lights);
     plan.transport = planTransport(given);
     ViewScene plain;
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const std::vector<std::string> culled = culledLights(scene);
     plan.culledLights = reasonsByOwner(plan.subLights, culled, given.lights.size());
-    nameSkiesFromBorder(given, plan.culledLights);
+    nameLightsOnCells(given, plan.cellLights, plan.culledLights);
 
     for (EyePart& part : eyeParts(scene, corners)) {
         part.window = intersection(part.window, scene.region);
@@ -377,7 +378,7 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
         chooseBatch(scene, threads, frameBytes, plan, group);
         plan.bytes = std::max(plan.bytes, frameBytes + group.bytes);
     }
-    plan.bytes += plan.transport.bytes;
+    plan.bytes += plan.transport.bytes + plan.cellLights.bytes;
     planDeep(scene, plan);
     estimateWork(scene, plan);
     return plan;

@@ -10,9 +10,12 @@
 
 namespace scrim {
 
-/// Sets those of `reasons` (why each light of the scene is culled) that concern skies which shine through the border of
-/// the cells.
-void nameSkiesFromBorder(const ViewScene& scene, std::vector<std::string>& reasons);
+/// Sets those of `reasons` (why each light of the scene has no sweep) that concern lights on cells, and skies which shine
+/// through the border of the cells.
+void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons);
+
+/// Chooses the lights that are kept on cells, and the cells.
+CellLightPlan planCellLights(const ViewScene& scene);
 
 /// "'sky': 43 % of its light comes from spots ..." for each sky whose light the plan's directions blur, separated by ",
 /// "; empty if there is none.

@@ -85,8 +85,8 @@ struct SheetShader::Rows {
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
                          const ExtinctionSum& extinction, const LightSweep& lights, const EyeView& eye,
-                         const ScatteredLight* scattered)
-    : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye), m_scattered(scattered) {
+                         const std::vector<CellLight>& cellLight)
+    : m_plan(plan), m_group(group), m_extinction(extinction), m_lights(lights), m_eye(eye) {
     for (int c = 0; c < 3; ++c) m_ambient[c] = static_cast<Real>(group.primary * scene.ambient[c]);
     m_emitting = static_cast<Real>(group.primary);
     m_unlit.resize(scene.lights.size());
@@ -121,20 +121,18 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
     }
     if (group.outputs.layout.motion >= 0) m_motion.emplace(scene, group.sheets);
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
-    if (m_scattered && group.primary > 0) chooseScattered();
+    if (group.primary > 0) chooseScattered(cellLight);
 }
 
-// Multiply scattered light belongs to no sweep's lights; the sweeps that own alpha show it.
-void SheetShader::chooseScattered() {
-    for (std::size_t t = 0; t < m_scattered->targets(); ++t) {
+// Light on cells belongs to no sweep's lights; the sweeps that own alpha show it.
+void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
+    for (const CellLight& light : cellLight) {
         int output = 0;
-        if (const auto& wanted = m_scattered->target(t).output)
-            for (std::size_t i = 0; i < m_group.outputs.list.size(); ++i)
-                if (m_group.outputs.list[i] == *wanted) output = static_cast<int>(i) + 1;
+        for (std::size_t i = 0; light.output && i < m_group.outputs.list.size(); ++i)
+            if (m_group.outputs.list[i] == *light.output) output = static_cast<int>(i) + 1;
         for (std::size_t i = 0; i < m_media.size(); ++i) {
-            const int field =
-                m_scattered->fieldOf(static_cast<int>(m_extinction.volumes()[m_mediumVolumes[i]].sceneVolume), t);
-            if (field < 0) continue;
+            const auto& field = light.ofVolume[m_extinction.volumes()[m_mediumVolumes[i]].sceneVolume];
+            if (!field) continue;
             m_scatteredParts.push_back({static_cast<int>(i), {}, static_cast<Real>(m_group.primary), output});
             m_scatteredFields.push_back(field);
         }
@@ -147,11 +145,12 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     const Sheets& sheets = m_group.sheets;
     const double middle = sheet + 0.5;
     const Vec3 origin = sheets.wsPoint({0, 0, middle});
-    const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin};
+    const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin,
+                            sheets.wsPoint({0, 0, middle + 1}) - origin};
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
         SheetScattered& part = rows.scratch.scattered.emplace_back(m_scatteredParts[i]);
         Real* const rgb[3] = {rows.scattered(i, 0), rows.scattered(i, 1), rows.scattered(i, 2)};
-        m_scattered->lookUp(m_scatteredFields[i], plane, samples.u, samples.v, rgb);
+        m_scatteredFields[i]->lookUp(plane, samples.u, samples.v, rgb);
         std::copy(rgb, rgb + 3, part.radiance);
     }
 }

@@ -9,8 +9,9 @@
 #include <scrim/engine/shade/screen_motion.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/transport/scattered_light.h>
+#include <scrim/engine/transport/cell_field.h>
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,7 +20,7 @@ namespace scrim {
 class SheetShader {
   public:
     SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const ExtinctionSum& extinction,
-                const LightSweep& lights, const EyeView& eye, const ScatteredLight* scattered);
+                const LightSweep& lights, const EyeView& eye, const std::vector<CellLight>& cellLight);
 
     /// Shades the texels of tile (tx, ty) of plane p, which is sheet `sheet`, in the layout of the group's outputs.
     ShadeWork shadeTexels(int p, int sheet, int tx, int ty, Real* out) const;
@@ -42,7 +43,7 @@ class SheetShader {
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
     void classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
     bool shows(const Rows& rows) const;
-    void chooseScattered();
+    void chooseScattered(const std::vector<CellLight>& cellLight);
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;
     void fillMotion(int p, const SampleTile& samples, Rows& rows) const;
     ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
@@ -52,7 +53,6 @@ class SheetShader {
     const ExtinctionSum& m_extinction;
     const LightSweep& m_lights;
     const EyeView& m_eye;
-    const ScatteredLight* m_scattered;  // null: light scatters only once
     bool m_alone;                       // one medium has all of the extinction
     bool m_holdouts = false;            // some volumes are held out
     std::vector<bool> m_unlit;          // for each light, whether it lights none of the media
@@ -62,9 +62,9 @@ class SheetShader {
     std::vector<SheetMedium> m_media;
     std::vector<SheetSurface> m_surfaces;
     std::vector<int> m_mediumVolumes, m_surfaceVolumes;
-    // The parts of m_scattered that the group shows, and their fields.
+    // The light on cells that the group shows, and where it is looked up.
     std::vector<SheetScattered> m_scatteredParts;
-    std::vector<int> m_scatteredFields;
+    std::vector<std::shared_ptr<const CellField>> m_scatteredFields;
     std::vector<bool> m_held;              // for each of m_extinction's volumes, whether it is held out
     std::optional<ScreenMotion> m_motion;  // only if a layer needs it
 };

@@ -24,10 +24,13 @@ int blockOf(int cell) {
 
 }  // namespace
 
-CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes) : m_edge(edge) {
+CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& wsCorner)
+    : m_edge(edge), m_corner(wsCorner) {
     Bounds all;
     for (const Bounds& box : wsBoxes) all.include(box);
     if (wsBoxes.empty()) return;
+    all.lower -= wsCorner;
+    all.upper -= wsCorner;
     const double blockEdge = edge * kCellEdge;
     const Vec3 first = glm::floor(all.lower / blockEdge), last = glm::floor(all.upper / blockEdge);
     const Vec3 size = last - first + 1.0;
@@ -41,8 +44,8 @@ CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes) : m_edge(edg
     m_blocks = Int3(size);
     std::vector<bool> wanted(std::size_t(m_blocks.x) * std::size_t(m_blocks.y) * std::size_t(m_blocks.z), false);
     for (const Bounds& box : wsBoxes) {
-        const Int3 from = Int3(glm::floor(box.lower / blockEdge)) - origin;
-        const Int3 to = Int3(glm::floor(box.upper / blockEdge)) - origin;
+        const Int3 from = Int3(glm::floor((box.lower - wsCorner) / blockEdge)) - origin;
+        const Int3 to = Int3(glm::floor((box.upper - wsCorner) / blockEdge)) - origin;
         for (int z = from.z; z <= to.z; ++z)
             for (int y = from.y; y <= to.y; ++y)
                 for (int x = from.x; x <= to.x; ++x)
@@ -55,6 +58,7 @@ CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes) : m_edge(edg
 CellGrid CellGrid::coarser(const CellGrid& fine) {
     CellGrid out;
     out.m_edge = 2 * fine.m_edge;
+    out.m_corner = fine.m_corner;
     if (fine.m_places.empty()) return out;
     Int3 first(0), last(0);
     const Int3 fineOrigin = fine.m_origin / kCellEdge;  // exact, since both are multiples of 8

@@ -25,9 +25,9 @@ class CellGrid {
   public:
     /// An empty grid.
     CellGrid() = default;
-    /// Cubes of `edge` world units whose corners lie at multiples of it, in all blocks that meet any of `wsBoxes`.
+    /// Cubes of `edge` world units, one of which has a corner at `wsCorner`, in all blocks that meet any of `wsBoxes`.
     /// Throws Error(memory) if the box around all blocks has too many to number.
-    CellGrid(double edge, const std::vector<Bounds>& wsBoxes);
+    CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& wsCorner = Vec3(0));
     /// The same space in cells twice as large.
     static CellGrid coarser(const CellGrid& fine);
 
@@ -51,8 +51,8 @@ class CellGrid {
     Int3 place(std::size_t index) const;
 
     /// Coordinates in cells from the corner of the box.
-    Vec3 csFromWs(const Vec3& ws) const { return ws / m_edge - Vec3(m_origin); }
-    Vec3 wsFromCs(const Vec3& cs) const { return (cs + Vec3(m_origin)) * m_edge; }
+    Vec3 csFromWs(const Vec3& ws) const { return (ws - m_corner) / m_edge - Vec3(m_origin); }
+    Vec3 wsFromCs(const Vec3& cs) const { return (cs + Vec3(m_origin)) * m_edge + m_corner; }
     /// The centre of a cell.
     Vec3 wsCenter(std::size_t index) const { return wsFromCs(Vec3(place(index)) + 0.5); }
 
@@ -62,6 +62,7 @@ class CellGrid {
     void number(std::vector<bool>&& wanted);
 
     double m_edge = 1;
+    Vec3 m_corner{0};    // world
     Int3 m_origin{0};  // corner of the box, in cells: multiples of 8
     Int3 m_blocks{0};
     std::vector<std::int32_t> m_stored;  // for each block of the box, x fastest

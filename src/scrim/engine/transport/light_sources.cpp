@@ -4,7 +4,6 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/first_collisions.h>
-#include <scrim/engine/transport/mix_ordinates.h>
 
 #include <algorithm>
 #include <cmath>

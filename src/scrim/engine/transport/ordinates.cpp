@@ -4,16 +4,107 @@
 #include <scrim/base/error.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/transport/ordinates.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/simd-inl.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Four vectors of outputs for two rows stay in registers while all inputs are read.
+HWY_ATTR void multiplyRows(const Real* matrix, std::size_t count, const Real* a, const Real* b, Real* toA, Real* toB) {
+    const hn::CappedTag<Real, 8> d;
+    const std::size_t lanes = hn::Lanes(d), step = std::min(4 * lanes, count);
+    for (std::size_t m = 0; m < count; m += step) {
+        auto a0 = hn::Zero(d), a1 = a0, a2 = a0, a3 = a0, b0 = a0, b1 = a0, b2 = a0, b3 = a0;
+        const Real* column = matrix + m;
+        for (std::size_t n = 0; n < count; ++n, column += count) {
+            const auto fromA = hn::Set(d, a[n]), fromB = hn::Set(d, b[n]);
+            const auto m0 = hn::LoadU(d, column), m1 = hn::LoadU(d, column + lanes);
+            const auto m2 = hn::LoadU(d, column + 2 * lanes), m3 = hn::LoadU(d, column + 3 * lanes);
+            a0 = hn::MulAdd(m0, fromA, a0);
+            a1 = hn::MulAdd(m1, fromA, a1);
+            a2 = hn::MulAdd(m2, fromA, a2);
+            a3 = hn::MulAdd(m3, fromA, a3);
+            b0 = hn::MulAdd(m0, fromB, b0);
+            b1 = hn::MulAdd(m1, fromB, b1);
+            b2 = hn::MulAdd(m2, fromB, b2);
+            b3 = hn::MulAdd(m3, fromB, b3);
+        }
+        hn::StoreU(a0, d, toA + m);
+        hn::StoreU(a1, d, toA + m + lanes);
+        hn::StoreU(a2, d, toA + m + 2 * lanes);
+        hn::StoreU(a3, d, toA + m + 3 * lanes);
+        hn::StoreU(b0, d, toB + m);
+        hn::StoreU(b1, d, toB + m + lanes);
+        hn::StoreU(b2, d, toB + m + 2 * lanes);
+        hn::StoreU(b3, d, toB + m + 3 * lanes);
+    }
+}
+
+using D8 = hn::CappedTag<Real, 8>;
+
+// Fills a row with the phase function times 4 pi; returns the sum of the row times the weights.
+HWY_ATTR Real fillRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row) {
+    const D8 d;
+    const auto x = hn::Set(d, static_cast<Real>(travel.x)), y = hn::Set(d, static_cast<Real>(travel.y));
+    const auto z = hn::Set(d, static_cast<Real>(travel.z));
+    const Lobe lobe(phase.g), other(phase.g2);
+    const auto blend = hn::Set(d, static_cast<Real>(phase.blend)),
+               strength = hn::Set(d, static_cast<Real>(phase.strength));
+    auto sum = hn::Zero(d);
+    for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d)) {
+        const auto cosine = hn::MulAdd(x, hn::LoadU(d, ordinates.axes[0].data() + m),
+                                       hn::MulAdd(y, hn::LoadU(d, ordinates.axes[1].data() + m),
+                                                  hn::Mul(z, hn::LoadU(d, ordinates.axes[2].data() + m))));
+        auto value = hn::Set(d, Real(1));
+        if (phase.type == PhaseType::rayleigh) {
+            const auto directed = hn::MulAdd(hn::Set(d, Real(0.75)), hn::Mul(cosine, cosine), hn::Set(d, Real(-0.25)));
+            value = hn::MulAdd(strength, directed, value);
+        } else {
+            value = henyeyGreenstein(d, cosine, lobe);
+            if (phase.type == PhaseType::twoLobe)
+                value = hn::MulAdd(blend, hn::Sub(henyeyGreenstein(d, cosine, other), value), value);
+        }
+        hn::StoreU(value, d, row + m);
+        sum = hn::MulAdd(value, hn::LoadU(d, ordinates.weightRow.data() + m), sum);
+    }
+    return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
+HWY_ATTR Real weightedSum(const Ordinates& ordinates, const Real* a, const Real* b) {
+    const D8 d;
+    auto sum = hn::Zero(d);
+    for (std::size_t m = 0; m < std::size_t(ordinates.count()); m += hn::Lanes(d))
+        sum = hn::MulAdd(hn::Mul(hn::LoadU(d, a + m), hn::LoadU(d, b + m)),
+                         hn::LoadU(d, ordinates.weightRow.data() + m), sum);
+    return hn::GetLane(hn::SumOfLanes(d, sum));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(multiplyRows);
+HWY_EXPORT(fillRow);
+HWY_EXPORT(weightedSum);
+
 namespace {
 
 constexpr double kPi = std::numbers::pi;
+constexpr std::size_t kMost = 256;  // most ordinates
 
 struct Node {
     double cosine, weight;  // weights sum to 2
@@ -130,4 +221,41 @@ std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phas
     return out;
 }
 
+void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vector<std::vector<Real>>& shares,
+                  std::size_t begin, std::size_t end, std::size_t count, Real* rows, Simd simd) {
+    const auto multiply = SCRIM_ON_TARGET(simd, multiplyRows);
+    std::array<Real, kMost> a, b, sumA, sumB;
+    for (std::size_t row = begin; row < end; row += 2) {
+        Real *first = rows + row * count, *second = row + 1 < end ? first + count : first;
+        if (shares.empty()) {
+            multiply(matrices.front().data(), count, first, second, a.data(), b.data());
+            std::copy_n(a.data(), count, first);
+            if (second != first) std::copy_n(b.data(), count, second);
+            continue;
+        }
+        std::fill_n(sumA.data(), count, Real(0));
+        std::fill_n(sumB.data(), count, Real(0));
+        for (std::size_t k = 0; k < matrices.size(); ++k) {
+            multiply(matrices[k].data(), count, first, second, a.data(), b.data());
+            const Real shareA = shares[k][row], shareB = shares[k][std::min(row + 1, end - 1)];
+            for (std::size_t m = 0; m < count; ++m) {
+                sumA[m] += shareA * a[m];
+                sumB[m] += shareB * b[m];
+            }
+        }
+        std::copy_n(sumA.data(), count, first);
+        if (second != first) std::copy_n(sumB.data(), count, second);
+    }
+}
+
+void scatteringRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row, Simd simd) {
+    const Real sum = SCRIM_ON_TARGET(simd, fillRow)(ordinates, phase, travel, row);
+    for (std::size_t m = 0; m < std::size_t(ordinates.count()); ++m) row[m] /= sum;
+}
+
+Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd) {
+    return SCRIM_ON_TARGET(simd, weightedSum)(ordinates, scattering, radiance);
+}
+
 }  // namespace scrim
+#endif

@@ -4,9 +4,11 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/base/simd.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/medium.h>
 
+#include <cstddef>
 #include <vector>
 
 namespace scrim {
@@ -39,5 +41,21 @@ int nearestOrdinate(const Ordinates& ordinates, const Vec3& direction);
 /// radiance stays uniform. The mean cosine is the phase function's: a lobe narrower than the spacing of ordinates keeps
 /// its light nearly straight on.
 std::vector<Real> scatteringMatrix(const Ordinates& ordinates, const Phase& phase);
+
+// Scattering between ordinates is the most expensive part of media that are not isotropic: from all ordinates to all,
+// and from or to a direction that is not an ordinate.
+
+/// Multiplies rows [begin, end) of `rows`, `count` values each, by the matrices (see scatteringMatrix), mixed by
+/// `shares`: shares[k][row] is the weight of matrix k; empty: there is one matrix.
+void mixOrdinates(const std::vector<std::vector<Real>>& matrices, const std::vector<std::vector<Real>>& shares,
+                  std::size_t begin, std::size_t end, std::size_t count, Real* rows, Simd simd);
+
+/// The phase function for light that travels along `travel` (unit) and is scattered into each ordinate, scaled so that
+/// its sum with the ordinates' weights is one. Since p is symmetric in its two directions, these values times the
+/// weights are also what a ray along `travel` gathers from all ordinates.
+void scatteringRow(const Ordinates& ordinates, const Phase& phase, const Vec3& travel, Real* row, Simd simd);
+
+/// The weighted sum of a row of radiance along ordinates.
+Real gathered(const Ordinates& ordinates, const Real* scattering, const Real* radiance, Simd simd);
 
 }  // namespace scrim

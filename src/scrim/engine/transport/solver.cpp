@@ -2,8 +2,7 @@
 #include <scrim/engine/transport/solver.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/transport/cell_levels.h>
-#include <scrim/engine/transport/mix_ordinates.h>
+#include <scrim/engine/transport/cell_field.h>
 
 #include <algorithm>
 #include <array>
@@ -284,7 +283,7 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
         fine.x = fine.next;
     else
         std::fill(fine.x.begin(), fine.x.end(), Real(0));
-    addInterpolated({&coarse.cells().grid, &coarse.rows}, coarse.x, {&fine.cells().grid, &fine.rows}, valuesPerRow(),
+    addInterpolated(coarse.cells().grid, coarse.rows, coarse.x, fine.cells().grid, fine.rows, valuesPerRow(),
                     fine.x);
 }
 

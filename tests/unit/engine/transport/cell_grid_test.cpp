@@ -3,7 +3,7 @@
 #include <scrim/engine/transport/cell_grid.h>
 
 #include <scrim/base/error.h>
-#include <scrim/engine/transport/cell_levels.h>
+#include <scrim/engine/transport/cell_field.h>
 
 #include <gtest/gtest.h>
 
@@ -85,7 +85,7 @@ TEST(CellLevels, HandALinearFieldDownAsItIs) {
     std::vector<Real> from, to(2 * fine.cells(), Real(1));
     for (std::size_t i = 0; i < coarse.cells(); ++i)
         for (const double scale : {1.0, -2.0}) from.push_back(static_cast<Real>(scale * field(coarse.wsCenter(i))));
-    addInterpolated({&coarse, &coarseRows}, from, {&fine, &fineRows}, 2, to);
+    addInterpolated(coarse, coarseRows, from, fine, fineRows, 2, to);
     int inner = 0;
     for (std::size_t i = 0; i < fine.cells(); ++i) {
         const Vec3 ws = fine.wsCenter(i);

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/transport/cell_field.h>
+
+#include <scrim/base/parallel.h>
+#include <scrim/geometry/sheets.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+namespace scrim {
+namespace {
+
+// Coarser cells along an edge of a finer block, including one around it on each side.
+constexpr int kAround = kCellEdge / 2 + 2;
+constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
+// Of two neighbours along an axis, the nearer one has the weight three quarters.
+constexpr Real kNearer = Real(0.75), kFarther = Real(0.25);
+
+// The indices of the two coarser cells beside cell i of an edge: the nearer one, and the other.
+constexpr int nearer(int i) {
+    return i / 2 + 1;
+}
+constexpr int farther(int i) {
+    return nearer(i) + ((i & 1) != 0 ? 1 : -1);
+}
+
+using Rows = std::array<const Real*, kNear>;
+
+// Interpolates one value per row, along one axis after the other: sums of values, and how many cells they have.
+void addOne(const Rows& near, const std::int32_t* rows, Real* to) {
+    constexpr int kE = kCellEdge, kA = kAround;
+    using Pair = std::array<Real, 2>;  // value, weight
+    const auto mix = [](const Pair& a, const Pair& b) {
+        return Pair{kNearer * a[0] + kFarther * b[0], kNearer * a[1] + kFarther * b[1]};
+    };
+    std::array<Pair, kNear> cells;
+    for (std::size_t i = 0; i < kNear; ++i) cells[i] = near[i] ? Pair{*near[i], 1} : Pair{0, 0};
+    std::array<Pair, std::size_t(kE) * kA * kA> alongX;
+    for (int i = 0; i < kA * kA; ++i)
+        for (int x = 0; x < kE; ++x)
+            alongX[std::size_t(i * kE + x)] =
+                mix(cells[std::size_t(i * kA + nearer(x))], cells[std::size_t(i * kA + farther(x))]);
+    std::array<Pair, std::size_t(kE) * kE * kA> alongY;
+    for (int z = 0; z < kA; ++z)
+        for (int y = 0; y < kE; ++y)
+            for (int x = 0; x < kE; ++x)
+                alongY[std::size_t((z * kE + y) * kE + x)] = mix(alongX[std::size_t((z * kA + nearer(y)) * kE + x)],
+                                                                 alongX[std::size_t((z * kA + farther(y)) * kE + x)]);
+    for (int z = 0; z < kE; ++z)
+        for (int i = 0; i < kE * kE; ++i) {
+            const std::int32_t row = rows[z * kE * kE + i];
+            const Pair sum =
+                mix(alongY[std::size_t(nearer(z) * kE * kE + i)], alongY[std::size_t(farther(z) * kE * kE + i)]);
+            if (row >= 0 && sum[1] > 0) to[row] += sum[0] / sum[1];
+        }
+}
+
+void addMany(const Rows& near, const Int3& cell, std::size_t values, Real* to) {
+    std::array<std::pair<const Real*, Real>, 8> parts;
+    std::size_t count = 0;
+    Real sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Int3 at;
+        Real weight = 1;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool other = (corner >> axis & 1) != 0;
+            at[axis] = other ? farther(cell[axis]) : nearer(cell[axis]);
+            weight *= other ? kFarther : kNearer;
+        }
+        const Real* row = near[std::size_t((at.z * kAround + at.y) * kAround + at.x)];
+        if (!row) continue;
+        sum += weight;
+        parts[count++] = {row, weight};
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+        const Real weight = parts[i].second / sum;
+        for (std::size_t m = 0; m < values; ++m) to[m] += weight * parts[i].first[m];
+    }
+}
+
+}  // namespace
+
+void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
+                     const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
+                     std::vector<Real>& to) {
+    const Int3 shift(glm::round(coarse.csFromWs(fine.wsFromCs(Vec3(0)))));
+    parallelFor(fine.storedBlocks().size(), [&](std::size_t block) {
+        Rows near;
+        const Int3 first = shift + fine.storedBlocks()[block] * (kCellEdge / 2) - 1;
+        for (std::size_t i = 0; i < near.size(); ++i) {
+            const auto n = static_cast<int>(i);
+            const std::ptrdiff_t cell =
+                coarse.index(first + Int3(n % kAround, n / kAround % kAround, n / (kAround * kAround)));
+            const std::int32_t row = cell < 0 ? -1 : coarseRows[std::size_t(cell)];
+            near[i] = row < 0 ? nullptr : from.data() + std::size_t(row) * values;
+        }
+        const std::int32_t* rows = fineRows.data() + block * kBlockCells;
+        if (values == 1) return addOne(near, rows, to.data());
+        for (int i = 0; i < kBlockCells; ++i)
+            if (rows[i] >= 0)
+                addMany(near, {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)}, values,
+                        to.data() + std::size_t(rows[i]) * values);
+    });
+}
+
+CellField::CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint)
+    : m_grid(std::move(grid)),
+      m_colours(static_cast<std::size_t>(colours)),
+      m_values(m_grid->storedBlocks().size() * kPaddedCells * m_colours, Real(0)) {
+    for (int c = 0; c < 3; ++c) m_tint[c] = static_cast<Real>(tint[c]);
+}
+
+Real* CellField::cell(std::size_t index) {
+    const std::size_t i = index % kBlockCells;
+    const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
+    return block(index / kBlockCells) + ((z * kPadded + y) * kPadded + x) * m_colours;
+}
+
+void CellField::makeLamp(const Vec3& ws, double radius, bool decay) {
+    constexpr Real kNothing = Real(1e-30);  // no light that could be seen
+    m_lamp = true;
+    for (Real& value : m_values) value = std::log(std::max(value, kNothing));
+    if (!decay) return;
+    constexpr double kLeast = 1e-2;  // cells; a sample at the very place of the lamp must not be infinite
+    const double nearest = std::max(radius / m_grid->edge(), kLeast);
+    m_center = m_grid->csFromWs(ws) - 0.5;
+    m_nearest2 = nearest * nearest;
+    for (Real& t : m_tint) t /= static_cast<Real>(m_grid->edge() * m_grid->edge());
+}
+
+// `at` is relative to the centre of the first cell.
+void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
+    const Vec3 low = glm::floor(at);
+    const Int3 cell(glm::clamp(low, Vec3(-1e9), Vec3(1e9)));
+    const Int3 block(cell.x >> 3, cell.y >> 3, cell.z >> 3);
+    std::int32_t stored = m_grid->stored(block);
+    Int3 inside = cell - block * kCellEdge + 1;
+    // If the cell's own block is not stored, the centres of border cells may lie in the border of a stored neighbour.
+    for (int side = 1; side < 8 && stored < 0; ++side) {
+        const Int3 step(side & 1, side >> 1 & 1, side >> 2);
+        const Int3 beside((cell.x + step.x) >> 3, (cell.y + step.y) >> 3, (cell.z + step.z) >> 3);
+        inside = cell - beside * kCellEdge + 1;
+        if (glm::all(glm::greaterThanEqual(inside, Int3(0)))) stored = m_grid->stored(beside);
+    }
+    for (Real& c : rgb) c = 0;
+    if (stored < 0) return;
+    const Vec3 fraction = at - low;
+    const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
+               fz = static_cast<Real>(fraction.z);
+    const Real* corner = m_values.data() + (std::size_t(stored) * kPaddedCells +
+                                            std::size_t((inside.z * kPadded + inside.y) * kPadded + inside.x)) *
+                                               m_colours;
+    const std::size_t x = m_colours, y = kPadded * x, z = kPadded * y;
+    for (std::size_t c = 0; c < m_colours; ++c) {
+        const Real* p = corner + c;
+        const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
+        const Real near = mix(mix(p[0], p[x], fx), mix(p[y], p[y + x], fx), fy);
+        const Real far = mix(mix(p[z], p[z + x], fx), mix(p[z + y], p[z + y + x], fx), fy);
+        rgb[c] = mix(near, far, fz);
+        if (m_lamp) rgb[c] = std::exp(rgb[c]);
+    }
+    for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
+}
+
+void CellField::lookUp(const SamplePlane& plane, const Real* u, const Real* v, Real* const rgb[3]) const {
+    const Vec3 origin = m_grid->csFromWs(plane.wsOrigin) - 0.5;
+    const Vec3 perU = plane.wsPerU / m_grid->edge(), perV = plane.wsPerV / m_grid->edge();
+    for (int k = 0; k < kTileSize; ++k) {
+        Real found[3];
+        sampleAt(origin + double(u[k]) * perU + double(v[k]) * perV, found);
+        for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
+    }
+    if (m_nearest2 > 0) multiplyByDecay(origin, perU, perV, plane.wsPerSheet / m_grid->edge(), u, v, rgb);
+}
+
+// The mean of 1 / (b^2 + z^2) over a sheet from z = d - t/2 to d + t/2, with b the distance from the lamp within the
+// sheet's plane, is (atan((d + t/2) / b) - atan((d - t/2) / b)) / (b t). Its value in the middle of the sheet alone is
+// wrong by any amount in sheets close to the lamp, where much of its light is.
+void CellField::multiplyByDecay(const Vec3& origin, const Vec3& perU, const Vec3& perV, const Vec3& perSheet,
+                                const Real* u, const Real* v, Real* const rgb[3]) const {
+    const double t = glm::length(perSheet), d = glm::dot(origin - m_center, perSheet) / t;
+    for (int k = 0; k < kTileSize; ++k) {
+        const Vec3 way = origin + double(u[k]) * perU + double(v[k]) * perV - m_center;
+        const double b = std::sqrt(std::max(glm::dot(way, way) - d * d, m_nearest2));
+        const double mean = (std::atan((d + 0.5 * t) / b) - std::atan((d - 0.5 * t) / b)) / (b * t);
+        const auto factor = static_cast<Real>(std::min(mean, 1 / m_nearest2));
+        for (int c = 0; c < 3; ++c) rgb[c][k] *= factor;
+    }
+}
+
+}  // namespace scrim

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: Apache-2.0
+// Values on cells: interpolation to cells half as large, and the light that shading looks up at any point.
+#pragma once
+
+#include <scrim/base/real.h>
+#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/transport/cell_grid.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace scrim {
+
+/// Adds to the rows of the finer cells, `values` numbers each, the values of the coarser cells (CellGrid::coarser)
+/// there, interpolated linearly between their centres. `coarseRows` and `fineRows` hold the number of each cell's row
+/// in `from` and `to`; cells with the number -1 have none and do not count.
+void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
+                     const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
+                     std::vector<Real>& to);
+
+/// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet whose thickness and
+/// normal are those of `wsPerSheet`.
+struct SamplePlane {
+    Vec3 wsOrigin{0}, wsPerU{0}, wsPerV{0}, wsPerSheet{0};
+};
+
+/// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that of an equivalent
+/// uniform environment. It is interpolated linearly between the centres of cells.
+class CellField {
+  public:
+    /// Cells along an edge of a stored block, with one cell of its neighbours on either side.
+    static constexpr int kPadded = kCellEdge + 2;
+    static constexpr std::size_t kPaddedCells = std::size_t(kPadded) * kPadded * kPadded;
+
+    /// Black. With one value per cell instead of three, the light is that value times `tint`.
+    CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint = Rgb(1));
+
+    const CellGrid& grid() const { return *m_grid; }
+    std::size_t colours() const { return m_colours; }
+    /// The values of block `b`: `colours` for each of its kPaddedCells cells, x fastest.
+    Real* block(std::size_t b) { return m_values.data() + b * kPaddedCells * m_colours; }
+    /// The values of a stored cell, in its own block.
+    Real* cell(std::size_t index);
+    /// The light at a point, 0 beyond the stored cells.
+    void sample(const Vec3& ws, Real (&rgb)[3]) const { sampleAt(m_grid->csFromWs(ws) - 0.5, rgb); }
+    /// The light at a tile of samples: kTileSize values for each colour.
+    void lookUp(const SamplePlane& plane, const Real* u, const Real* v, Real* const rgb[3]) const;
+
+    /// Makes what is kept, all of it at least 0, the light of a lamp at `ws` (world) times r^2: from now on its logarithm
+    /// is interpolated, which is linear along rays as optical depth is, and what is looked up is divided by r^2, but by no
+    /// less than radius^2, or not at all if the light does not decay. Over a sheet, the mean of 1/r^2 counts.
+    void makeLamp(const Vec3& ws, double radius, bool decay);
+
+    std::size_t bytes() const { return m_values.size() * sizeof(Real); }
+
+  private:
+    void sampleAt(const Vec3& at, Real (&rgb)[3]) const;
+    void multiplyByDecay(const Vec3& origin, const Vec3& perU, const Vec3& perV, const Vec3& perSheet, const Real* u,
+                         const Real* v, Real* const rgb[3]) const;
+
+    std::shared_ptr<const CellGrid> m_grid;
+    std::size_t m_colours;
+    Real m_tint[3];
+    bool m_lamp = false;     // values are logarithms
+    Vec3 m_center{0};        // of the lamp, in cells
+    double m_nearest2 = 0;   // squared radius, in cells; 0: no decay
+    std::vector<Real> m_values;  // [block][padded cell][colour]
+};
+
+/// The light on cells that belongs to one output.
+struct CellLight {
+    std::optional<Output> output;                            ///< none: the beauty
+    std::vector<std::shared_ptr<const CellField>> ofVolume;  ///< for each volume of the scene; null: none
+};
+
+}  // namespace scrim

@@ -1,0 +1,391 @@
+// SPDX-License-Identifier: Apache-2.0
+// Internal: the sweep of light_cells.cpp through a box of cells, slice by slice along one axis.
+//
+// The rays of a source cross every slice at the same places of a raster: for parallel rays the raster is sheared with
+// their direction, for rays from a point it is the picture that the point sees of the slice, and grows with the
+// distance. Thus optical depth is added up without being interpolated from slice to slice; only extinction is, to the
+// rays, and depth once, to the cells.
+#ifndef SCRIM_LIGHT_CELLS_BOX
+#define SCRIM_LIGHT_CELLS_BOX
+
+#include <scrim/base/real.h>
+#include <scrim/geometry/spaces.h>
+#include <scrim/scene/medium.h>
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace scrim {
+
+/// Elements behind each row that vectors may read or add zeros to.
+inline constexpr int kRowSlack = 16;
+
+struct CellSpan {
+    int begin = 0, end = 0;
+    bool empty() const { return begin >= end; }
+};
+
+/// A box of cells as slices along one axis; within a slice there are rows along `i`, one beside the other along `j`.
+/// Coordinates are in cells from the corner of the box.
+struct CellSlices {
+    std::array<int, 3> axes{};  ///< the axes of the world along which i, j and the slices run
+    std::array<int, 3> size{};  ///< in cells: along i, along j, number of slices
+    std::vector<Real> extinction;   ///< per cell edge; rows and slices have a zero cell around them
+    std::vector<CellSpan> full;     ///< for each row, likewise padded: where there is extinction
+    std::vector<CellSpan> wanted;   ///< for each row, not padded: cells whose light is looked up
+    std::array<std::vector<Real>, 3> sums;  ///< the result: light in each cell, not padded but for the slack
+
+    std::size_t stride() const { return std::size_t(size[0] + 2 + kRowSlack); }
+    std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
+    /// The extinction of row j of slice k from i = 0 on; -1 is also valid, and so is i = -1.
+    const Real* row(int j, int k) const { return extinction.data() + paddedRow(j, k) * stride() + 1; }
+    std::size_t sumStride() const { return std::size_t(size[0] + kRowSlack); }
+    std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
+};
+
+/// A source of light without extent, in the axes of CellSlices and in cells.
+struct CellRays {
+    bool parallel = true;
+    Vec3 way{0, 0, 1};  ///< parallel: direction of travel, unit; otherwise the normal of an element
+    Vec3 from{0};       ///< the place of a source that is not parallel
+    double radius2 = 0, decayScale = 0;  ///< irradiance is weight / max(r2, radius2) * decayScale; 0: no decay
+    bool oneSided = false;               ///< an element: irradiance has the cosine to its normal as factor
+    Real weight[3] = {0, 0, 0};
+};
+
+/// What all sources of a sweep share.
+struct CellView {
+    Phase phase;           ///< towards the eye
+    bool parallelEye = true;
+    Vec3 eye{0};           ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
+    std::size_t colours = 1;
+};
+
+}  // namespace scrim
+#endif
+
+#if defined(SCRIM_LIGHT_CELLS_INL_H_) == defined(HWY_TARGET_TOGGLE)
+#ifdef SCRIM_LIGHT_CELLS_INL_H_
+#undef SCRIM_LIGHT_CELLS_INL_H_
+#else
+#define SCRIM_LIGHT_CELLS_INL_H_
+#endif
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/simd-inl.h>
+
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <thread>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+using DC = hn::CappedTag<Real, 8>;
+using VC = hn::Vec<DC>;
+
+HWY_ATTR HWY_INLINE VC value8(double v) {
+    return hn::Set(DC(), static_cast<Real>(v));
+}
+
+/// i, i + 1, ... of a vector that begins at `first`.
+HWY_ATTR HWY_INLINE VC counted(int first) {
+    return hn::Iota(DC(), static_cast<Real>(first));
+}
+
+HWY_ATTR HWY_INLINE VC transmittance(VC tau) {
+    return hn::Exp(DC(), hn::Neg(hn::Min(tau, value8(80))));
+}
+
+/// The phase function towards the eye, for the cells of one row.
+class TowardsEye {
+  public:
+    HWY_ATTR TowardsEye(const CellView& view) : m_view(view), m_lobe(view.phase.g, kSphere), m_other(view.phase.g2, kSphere) {}
+
+    /// True if the phase function is the same for parallel rays at all cells: its value is then `constantAt`.
+    bool constantFor(bool parallel) const { return m_view.phase.isotropic() || (parallel && m_view.parallelEye); }
+    double constantAt(const Vec3& travel) const {
+        return phaseValue(m_view.phase, m_view.phase.isotropic() ? 0 : glm::dot(travel, m_view.eye));
+    }
+    /// For light that travels along (x, y, z), unit, at the cells with these coordinates.
+    HWY_ATTR VC at(VC x, VC y, VC z, VC i, double j, double k) const {
+        const DC d;
+        VC cosine;
+        if (m_view.parallelEye) {
+            cosine = hn::MulAdd(x, value8(m_view.eye.x), hn::MulAdd(y, value8(m_view.eye.y), hn::Mul(z, value8(m_view.eye.z))));
+        } else {
+            const VC ex = hn::Sub(value8(m_view.eye.x), i), ey = value8(m_view.eye.y - j), ez = value8(m_view.eye.z - k);
+            const VC length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::MulAdd(ez, ez, value8(1e-12))));
+            cosine = hn::Div(hn::MulAdd(x, ex, hn::MulAdd(y, ey, hn::Mul(z, ez))), hn::Sqrt(length2));
+        }
+        if (m_view.phase.type == PhaseType::rayleigh) {
+            const VC directed = hn::MulAdd(value8(0.75), hn::Mul(cosine, cosine), value8(-0.25));
+            return hn::Mul(hn::MulAdd(value8(m_view.phase.strength), directed, value8(1)), hn::Set(d, kSphere));
+        }
+        VC value = henyeyGreenstein(d, cosine, m_lobe);
+        if (m_view.phase.type == PhaseType::twoLobe)
+            value = hn::MulAdd(value8(m_view.phase.blend), hn::Sub(henyeyGreenstein(d, cosine, m_other), value), value);
+        return value;
+    }
+
+  private:
+    static constexpr Real kSphere = Real(1 / (4 * std::numbers::pi));
+    const CellView& m_view;
+    Lobe m_lobe, m_other;
+};
+
+HWY_ATTR HWY_INLINE void addTo(CellSlices& box, const CellView& view, const CellRays& rays, std::size_t at, VC light) {
+    for (std::size_t c = 0; c < view.colours; ++c) {
+        Real* to = box.sums[c].data() + at;
+        hn::StoreU(hn::MulAdd(hn::Set(DC(), rays.weight[c]), light, hn::LoadU(DC(), to)), DC(), to);
+    }
+}
+
+/// Optical depths of parallel rays, in extinction per slice.
+class ParallelRaster {
+  public:
+    ParallelRaster(const CellSlices& box, const CellRays& rays) : m_box(box), m_rays(rays), m_down(rays.way.z < 0) {
+        const double along = std::abs(rays.way.z);
+        m_perSlice = 1 / along;
+        for (int a = 0; a < 2; ++a) {
+            m_slope[a] = rays.way[a] / along;
+            m_begin[a] = m_slope[a] > 0 ? -m_slope[a] * box.size[2] : 0;
+        }
+        m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + kRowSlack);
+        m_rows = box.size[1] + static_cast<int>(std::ceil(std::abs(m_slope[1]) * box.size[2])) + 4;
+        m_depth.assign(std::size_t(m_rows) * m_stride, Real(0));
+    }
+    int rows() const { return m_box.size[1] + 1; }
+    int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
+    bool reaches(int) const { return true; }
+
+    /// Adds the extinction of a slice to the rays of one row of those that cross it.
+    HWY_ATTR void attenuate(int step, int row) {
+        const DC d;
+        const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
+        const int j = row - 1, k = slice(step);
+        const CellSpan near = m_box.full[m_box.paddedRow(j, k)], far = m_box.full[m_box.paddedRow(j + 1, k)];
+        const CellSpan span = near.empty() ? far : far.empty() ? near : CellSpan{std::min(near.begin, far.begin), std::max(near.end, far.end)};
+        if (span.empty()) return;
+        const Real* a = m_box.row(j, k);
+        const Real* b = m_box.row(j + 1, k);
+        Real* to = depth(j - y.whole) - x.whole;
+        const VC fx = value8(x.fraction), fy = value8(y.fraction);
+        for (int i = span.begin - 1; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
+            const VC a0 = hn::LoadU(d, a + i), a1 = hn::LoadU(d, a + i + 1);
+            const VC b0 = hn::LoadU(d, b + i), b1 = hn::LoadU(d, b + i + 1);
+            const VC first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
+            const VC between = hn::MulAdd(fx, hn::Sub(second, first), first);
+            hn::StoreU(hn::Add(hn::LoadU(d, to + i), between), d, to + i);
+        }
+    }
+
+    /// Adds the light that arrives in the cells of row j of a slice.
+    HWY_ATTR void light(int step, int j, const CellView& view, const TowardsEye& towards, CellSlices& box) const {
+        const DC d;
+        const int k = slice(step);
+        const CellSpan span = box.wanted[box.rowIndex(j, k)];
+        const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
+        const Real* far = depth(j - y.whole) - x.whole;
+        const Real* near = depth(j - y.whole - 1) - x.whole;
+        const Real* own = box.row(j, k);
+        const VC fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice), half = value8(0.5);
+        const bool constant = towards.constantFor(true);
+        const VC phase = value8(constant ? towards.constantAt(m_rays.way) : 0);
+        const VC wx = value8(m_rays.way.x), wy = value8(m_rays.way.y), wz = value8(m_rays.way.z);
+        for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
+            const VC a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
+            const VC b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
+            const VC second = hn::MulAdd(fy, hn::Sub(b1, a1), a1), first = hn::MulAdd(fy, hn::Sub(b0, a0), a0);
+            const VC before = hn::MulAdd(fx, hn::Sub(first, second), second);
+            const VC tau = hn::Mul(perSlice, hn::MulAdd(half, hn::LoadU(d, own + i), before));
+            const VC p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
+            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i), hn::Mul(p, transmittance(tau)));
+        }
+    }
+
+  private:
+    struct Offset {
+        explicit Offset(double x) : whole(static_cast<int>(std::floor(x))), fraction(x - whole) {}
+        int whole;
+        double fraction;
+    };
+    // A row of the raster, from the ray on that crosses i = 0 where the whole offset is 0.
+    Real* depth(int row) { return m_depth.data() + std::size_t(row + 2) * m_stride + 2; }
+    const Real* depth(int row) const { return m_depth.data() + std::size_t(row + 2) * m_stride + 2; }
+
+    const CellSlices& m_box;
+    const CellRays& m_rays;
+    bool m_down;
+    double m_perSlice;
+    double m_slope[2], m_begin[2];
+    std::size_t m_stride;
+    int m_rows;
+    std::vector<Real> m_depth;
+};
+
+/// Optical depths of the rays from a point to the cells of one face of a cube around it.
+class PointRaster {
+  public:
+    PointRaster(const CellSlices& box, const CellRays& rays, bool down) : m_box(box), m_rays(rays), m_down(down) {
+        const double ahead = down ? -1 : 1;
+        for (m_first = 0; m_first < box.size[2]; ++m_first)
+            if ((slice(m_first) + 0.5 - rays.from.z) * ahead > 0) break;
+        if (m_first == box.size[2]) return;
+        const double near = distance(m_first), far = distance(box.size[2] - 1);
+        m_cell = 1 / std::max(far, 1.0);
+        int count[2];
+        for (int a = 0; a < 2; ++a) {
+            const double low = -1 - rays.from[a], high = box.size[a] + 1 - rays.from[a];
+            const double least = std::max(-1.0, low / (low < 0 ? near : far)), most = std::min(1.0, high / (high > 0 ? near : far));
+            m_begin[a] = least - 2 * m_cell;
+            count[a] = most > least ? static_cast<int>((most - least) / m_cell) + 6 : 0;
+        }
+        m_width = count[0];
+        m_rows = m_width > 0 ? count[1] : 0;
+        m_stride = std::size_t(m_width + kRowSlack);
+        m_depth.assign(std::size_t(m_rows) * m_stride, Real(0));
+    }
+    int rows() const { return m_rows; }
+    int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
+    bool reaches(int step) const { return m_rows > 0 && step >= m_first; }
+
+    HWY_ATTR void attenuate(int step, int row) {
+        const DC d;
+        const hn::RebindToSigned<DC> di;
+        const int k = slice(step);
+        const double z = distance(step), passed = z + 0.5 - std::max(0.0, z - 0.5);
+        const double y = m_rays.from.y + (m_begin[1] + row * m_cell) * z - 0.5;
+        const int j = static_cast<int>(std::floor(y));
+        if (j < -1 || j >= m_box.size[1]) return;
+        const CellSpan near = m_box.full[m_box.paddedRow(j, k)], far = m_box.full[m_box.paddedRow(j + 1, k)];
+        const CellSpan span = near.empty() ? far : far.empty() ? near : CellSpan{std::min(near.begin, far.begin), std::max(near.end, far.end)};
+        if (span.empty()) return;
+        // Ray p crosses the slice at i = x0 + p perRay.
+        const double x0 = m_rays.from.x + m_begin[0] * z - 0.5, perRay = m_cell * z;
+        const int begin = std::max(0, static_cast<int>(std::floor((span.begin - 1 - x0) / perRay)));
+        const int end = std::min(m_width, static_cast<int>(std::ceil((span.end - x0) / perRay)) + 1);
+        const Real* a = m_box.row(j, k);
+        const Real* b = m_box.row(j + 1, k);
+        Real* to = m_depth.data() + std::size_t(row) * m_stride;
+        const VC fy = value8(y - j), part = value8(passed);
+        for (int p = begin; p < end; p += static_cast<int>(hn::Lanes(d))) {
+            const VC x = hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(-1)), value8(m_box.size[0]));
+            const VC whole = hn::Floor(x), fx = hn::Sub(x, whole);
+            const auto i = hn::ConvertTo(di, whole), next = hn::Add(i, hn::Set(di, 1));
+            const VC a0 = hn::GatherIndex(d, a, i), a1 = hn::GatherIndex(d, a, next);
+            const VC b0 = hn::GatherIndex(d, b, i), b1 = hn::GatherIndex(d, b, next);
+            const VC first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
+            const VC between = hn::MulAdd(fx, hn::Sub(second, first), first);
+            hn::StoreU(hn::MulAdd(part, between, hn::LoadU(d, to + p)), d, to + p);
+        }
+    }
+
+    HWY_ATTR void light(int step, int j, const CellView& view, const TowardsEye& towards, CellSlices& box) const {
+        const DC d;
+        const hn::RebindToSigned<DC> di;
+        const int k = slice(step);
+        const double z = distance(step), own = z - std::max(0.0, z - 0.5), y = j + 0.5 - m_rays.from.y;
+        if (!owns(1, y, z)) return;
+        const CellSpan span = range(box.wanted[box.rowIndex(j, k)], z);
+        const double row = (y / z - m_begin[1]) / m_cell;
+        const int q = static_cast<int>(std::floor(row));
+        const Real* a = m_depth.data() + std::size_t(q) * m_stride;
+        const Real* b = a + m_stride;
+        const Real* extinction = box.row(j, k);
+        const VC fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z), perCell = value8(1 / (z * m_cell)),
+                 first = value8(-m_begin[0] / m_cell);
+        const bool constant = towards.constantFor(false);
+        const VC phase = value8(constant ? towards.constantAt({0, 0, 1}) : 0);
+        for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
+            const VC center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
+            const VC at = hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), whole = hn::Floor(at), fx = hn::Sub(at, whole);
+            const auto p = hn::ConvertTo(di, whole), next = hn::Add(p, hn::Set(di, 1));
+            const VC a0 = hn::GatherIndex(d, a, p), a1 = hn::GatherIndex(d, a, next);
+            const VC b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
+            const VC low = hn::MulAdd(fy, hn::Sub(b0, a0), a0), high = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
+            const VC before = hn::MulAdd(fx, hn::Sub(high, low), low);
+            const VC r2 = hn::MulAdd(x, x, value8(y * y + z * z)), r = hn::Sqrt(r2), one = hn::Div(value8(1), r);
+            const VC tau = hn::Mul(hn::Mul(r, value8(1 / z)), hn::MulAdd(value8(own), hn::LoadU(d, extinction + i), before));
+            const VC wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
+            VC light = transmittance(tau);
+            if (m_rays.decayScale > 0) light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
+            if (m_rays.oneSided) {
+                const VC facing = hn::MulAdd(wx, value8(m_rays.way.x), hn::MulAdd(wy, value8(m_rays.way.y), hn::Mul(wz, value8(m_rays.way.z))));
+                light = hn::Mul(light, hn::Max(facing, hn::Zero(d)));
+            }
+            light = hn::Mul(light, constant ? phase : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
+            // Cells beyond the face belong to another one.
+            light = hn::IfThenElseZero(hn::Lt(counted(i), value8(span.end)), light);
+            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i), light);
+        }
+    }
+
+  private:
+    double distance(int step) const { return (slice(step) + 0.5 - m_rays.from.z) * (m_down ? -1 : 1); }
+    // Whether a cell at this place beside the source, along i (0) or j (1), lies in the face. Cells on an edge belong to
+    // the face whose axis comes first in the world.
+    bool inclusive(int a) const { return m_box.axes[2] < m_box.axes[std::size_t(a)]; }
+    bool owns(int a, double beside, double z) const { return inclusive(a) ? std::abs(beside) <= z : std::abs(beside) < z; }
+    CellSpan range(const CellSpan& wanted, double z) const {
+        const double low = m_rays.from.x - z - 0.5, high = m_rays.from.x + z - 0.5;
+        const double begin = inclusive(0) ? std::ceil(low) : std::floor(low) + 1, end = inclusive(0) ? std::floor(high) + 1 : std::ceil(high);
+        return {std::max(wanted.begin, static_cast<int>(std::max(begin, -1e9))), std::min(wanted.end, static_cast<int>(std::min(end, 1e9)))};
+    }
+
+    const CellSlices& m_box;
+    const CellRays& m_rays;
+    bool m_down;
+    int m_first = 0;
+    double m_cell = 1, m_begin[2] = {0, 0};
+    int m_width = 0, m_rows = 0;
+    std::size_t m_stride = 0;
+    std::vector<Real> m_depth;
+};
+
+/// Passes the slices with one source after the other. Threads work on successive sources; each waits at every slice
+/// until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
+/// number of threads.
+template <class Raster, class Make>
+HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box) {
+    const TowardsEye towards(view);
+    std::vector<std::atomic<int>> passed(count);
+    std::atomic<std::size_t> next{0};
+    parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
+        for (std::size_t m = next++; m < count; m = next++) {
+            // Whoever waits for this source goes on even if there is no memory for it.
+            struct Finish {
+                std::atomic<int>& passed;
+                ~Finish() { passed.store(std::numeric_limits<int>::max(), std::memory_order_release); }
+            } const finish{passed[m]};
+            Raster raster = make(m);
+            for (int step = 0; step < box.size[2]; ++step) {
+                while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
+                for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
+                    if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty()) raster.light(step, j, view, towards, box);
+                passed[m].store(step + 1, std::memory_order_release);
+                for (int row = 0; raster.reaches(step) && row < raster.rows(); ++row) raster.attenuate(step, row);
+            }
+        }
+    });
+}
+
+/// Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
+/// only rays that pass the slices in descending order.
+HWY_ATTR void sweepCells(const CellRays* sources, std::size_t count, const CellView& view, bool parallel, bool down,
+                         CellSlices& box) {
+    if (parallel)
+        passSlices<ParallelRaster>(count, [&](std::size_t m) { return ParallelRaster(box, sources[m]); }, view, box);
+    else
+        passSlices<PointRaster>(count, [&](std::size_t m) { return PointRaster(box, sources[m], down); }, view, box);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target include guard

@@ -1,0 +1,292 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <scrim/engine/transport/light_cells.h>
+
+#include <scrim/engine/model/sub_lights.h>
+#include <scrim/engine/transport/cell_media.h>
+#include <scrim/scene/light_at.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+#include <glm/geometric.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/transport/light_cells.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/transport/light_cells-inl.h>
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(sweepCells);
+
+namespace {
+
+// The order of a world vector's components in slices across `axis`.
+std::array<int, 3> axesAcross(int axis) {
+    return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis};
+}
+Vec3 reordered(const Vec3& v, const std::array<int, 3>& axes) {
+    return {v[axes[0]], v[axes[1]], v[axes[2]]};
+}
+
+// Sub-lights as sources of rays, and the light that they send if it has one colour.
+struct Sources {
+    std::vector<Light> lights;
+    Rgb tint{1};
+    std::size_t colours = 1;  // 3 if the lights differ in colour
+};
+
+Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
+    ViewScene alone = scene;
+    alone.lights.clear();
+    for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
+    Sources out;
+    out.lights = subLights(alone).lights;
+    if (out.lights.empty()) out.lights = alone.lights;
+    std::erase_if(out.lights, [](const Light& light) { return light.intensity == Rgb(0); });
+    if (out.lights.empty()) return out;
+    out.tint = out.lights.front().intensity;
+    for (const Light& light : out.lights)
+        if (glm::length(glm::cross(out.tint, light.intensity)) > 1e-12 * glm::length(out.tint) * glm::length(light.intensity))
+            out.colours = 3;
+    if (out.colours == 1) out.tint /= std::max({out.tint.x, out.tint.y, out.tint.z});
+    return out;
+}
+
+// The cells of a grid as slices. The box of the cells is one larger on each side than the stored blocks, because light
+// is looked up between their centres.
+class Slices {
+  public:
+    Slices(const CellGrid& grid, int axis) : m_grid(grid) {
+        box.axes = axesAcross(axis);
+        for (std::size_t a = 0; a < 3; ++a) box.size[a] = grid.blocks()[box.axes[a]] * kCellEdge + 2;
+        const std::size_t rows = std::size_t(box.size[1] + 2) * std::size_t(box.size[2]);
+        box.extinction.assign(rows * box.stride(), Real(0));
+        box.full.assign(rows, {});
+        box.wanted.assign(std::size_t(box.size[1]) * std::size_t(box.size[2]), {});
+    }
+
+    // Takes the cells' extinction, in units of 1 / edge.
+    void fill(const CellMedia::Row& extinction) {
+        forRuns([&](std::size_t cell, std::size_t step, const std::array<int, 3>& at) {
+            const auto edge = static_cast<Real>(m_grid.edge());
+            Real* to = box.extinction.data() + box.paddedRow(at[1], at[2]) * box.stride() + 1 + at[0];
+            CellSpan& span = box.full[box.paddedRow(at[1], at[2])];
+            for (int i = 0; i < kCellEdge; ++i, cell += step) {
+                to[i] = edge * extinction[cell];
+                if (to[i] != 0) include(span, at[0] + i, at[0] + i + 1);
+            }
+            for (int j = -1; j <= 1; ++j)
+                for (int k = -1; k <= 1; ++k)
+                    include(box.wanted[box.rowIndex(at[1] + j, at[2] + k)], at[0] - 1, at[0] + kCellEdge + 1);
+        });
+    }
+    void clearSums(std::size_t colours) {
+        for (std::size_t c = 0; c < colours; ++c)
+            box.sums[c].assign(std::size_t(box.size[1]) * std::size_t(box.size[2]) * box.sumStride(), Real(0));
+    }
+    // Adds the sums to a field, from colour `to` on.
+    void keep(std::size_t colours, std::size_t to, CellField& field) const {
+        const int edge = CellField::kPadded;
+        parallelFor(m_grid.storedBlocks().size(), [&](std::size_t b) {
+            const Int3 first = m_grid.storedBlocks()[b] * kCellEdge;  // with the border of the block, and of the box
+            Real* out = field.block(b);
+            for (int z = 0; z < edge; ++z)
+                for (int y = 0; y < edge; ++y)
+                    for (int x = 0; x < edge; ++x, out += field.colours()) {
+                        const Int3 at = first + Int3(x, y, z);
+                        const std::size_t from =
+                            box.rowIndex(at[box.axes[1]], at[box.axes[2]]) * box.sumStride() + std::size_t(at[box.axes[0]]);
+                        for (std::size_t c = 0; c < colours; ++c) out[to + c] += box.sums[c][from];
+                    }
+        });
+    }
+    // The place of a world point in cells of the box.
+    Vec3 place(const Vec3& ws) const { return reordered(m_grid.csFromWs(ws) + 1.0, box.axes); }
+    std::size_t bytes() const {
+        return (box.extinction.size() + box.sums[0].size() + box.sums[1].size() + box.sums[2].size()) * sizeof(Real);
+    }
+
+    CellSlices box;
+
+  private:
+    static void include(CellSpan& span, int begin, int end) {
+        span = span.empty() ? CellSpan{begin, end} : CellSpan{std::min(span.begin, begin), std::max(span.end, end)};
+    }
+    // Calls run(first cell, step from cell to cell, place of the first cell in the box) for each row of 8 cells.
+    template <class Run>
+    void forRuns(const Run& run) {
+        constexpr std::array<std::size_t, 3> kStep{1, kCellEdge, std::size_t(kCellEdge) * kCellEdge};
+        for (std::size_t b = 0; b < m_grid.storedBlocks().size(); ++b) {
+            const Int3 first = m_grid.storedBlocks()[b] * kCellEdge + 1;
+            for (int k = 0; k < kCellEdge; ++k)
+                for (int j = 0; j < kCellEdge; ++j)
+                    run(b * kBlockCells + std::size_t(j) * kStep[std::size_t(box.axes[1])] +
+                            std::size_t(k) * kStep[std::size_t(box.axes[2])],
+                        kStep[std::size_t(box.axes[0])],
+                        {first[box.axes[0]], first[box.axes[1]] + j, first[box.axes[2]] + k});
+        }
+    }
+
+    const CellGrid& m_grid;
+};
+
+// One pass of some sources of light through the cells, for one or all colours.
+class Pass {
+  public:
+    Pass(const ViewScene& scene, const CellGrid& grid, Simd simd, const std::function<void()>& checkpoint)
+        : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
+
+    // `colour`: the only one that the slices' extinction is for; -1: all.
+    void add(const Sources& sources, const Phase& phase, int colour, Slices& slices, CellField& field) const {
+        const std::size_t colours = colour < 0 ? field.colours() : 1;
+        CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours};
+        view.eye = view.parallelEye ? reordered(-viewingAxis(m_scene.camera), slices.box.axes)
+                                    : slices.place(m_scene.camera.wsPosition);
+        slices.clearSums(colours);
+        for (const bool down : {false, true}) {
+            std::vector<CellRays> suns, points;
+            for (const Light& light : sources.lights) {
+                CellRays rays = raysOf(light, slices);
+                for (std::size_t c = 0; c < colours; ++c)
+                    rays.weight[c] = static_cast<Real>(weightOf(sources, light, colour < 0 ? static_cast<int>(c) : colour));
+                if (!rays.parallel)
+                    points.push_back(rays);
+                else if (mainAxis(light.wsDirection) == slices.box.axes[2] && (rays.way.z < 0) == down)
+                    suns.push_back(rays);
+            }
+            sweep(suns, view, true, down, slices.box);
+            sweep(points, view, false, down, slices.box);
+        }
+        slices.keep(colours, colour < 0 ? 0 : std::size_t(colour), field);
+    }
+
+  private:
+    void sweep(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down, CellSlices& box) const {
+        const std::size_t atOnce = 8 * std::size_t(threadCount());
+        for (std::size_t first = 0; first < sources.size(); first += atOnce) {
+            m_checkpoint();
+            SCRIM_ON_TARGET(m_simd, sweepCells)
+            (sources.data() + first, std::min(atOnce, sources.size() - first), view, parallel, down, box);
+        }
+    }
+    static int mainAxis(const Vec3& v) {
+        const Vec3 size = glm::abs(v);
+        return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    }
+    // Relative to the tint where there is one value for all colours.
+    static double weightOf(const Sources& sources, const Light& light, int colour) {
+        if (sources.colours == 3) return light.intensity[colour];
+        return std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+    }
+    CellRays raysOf(const Light& light, const Slices& slices) const {
+        CellRays rays;
+        rays.parallel = light.distant();
+        rays.way = reordered(light.wsDirection, slices.box.axes);
+        if (rays.parallel) return rays;
+        const double edge = m_grid.edge();
+        rays.from = slices.place(light.wsPosition);
+        rays.oneSided = light.element() != nullptr;
+        if (!rays.oneSided) return rays;  // a lamp, whose distance the field divides by
+        rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
+        rays.decayScale = light.point().decay ? 1 / (edge * edge) : 0;
+        return rays;
+    }
+
+    const ViewScene& m_scene;
+    const CellGrid& m_grid;
+    Simd m_simd;
+    const std::function<void()>& m_checkpoint;
+};
+
+// Volumes that scatter alike and are lit by the same lights.
+struct VolumeClass {
+    Phase phase;
+    std::vector<bool> lights;
+    std::vector<std::size_t> volumes;
+};
+
+std::vector<VolumeClass> classesOf(const ViewScene& scene) {
+    std::vector<VolumeClass> classes;
+    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
+        const ViewVolume& volume = scene.volumes[v];
+        if (volume.field->empty() || volume.holdout) continue;
+        const auto same = std::find_if(classes.begin(), classes.end(), [&](const VolumeClass& c) {
+            return c.phase == volume.medium.phase && c.lights == volume.lights;
+        });
+        VolumeClass& cls =
+            same != classes.end() ? *same : classes.emplace_back(VolumeClass{volume.medium.phase, volume.lights, {}});
+        cls.volumes.push_back(v);
+    }
+    return classes;
+}
+
+// A corner of a voxel, so that cells of one voxel are the voxels, and their centres are where the field's values are.
+Vec3 cornerOfVoxels(const ViewScene& scene) {
+    for (const ViewVolume& volume : scene.volumes)
+        if (!volume.field->empty()) return transformPoint(volume.wsFromIs, Vec3(-0.5));
+    return Vec3(0);
+}
+
+}  // namespace
+
+std::vector<CellLight> extendedLight(const ViewScene& scene, const CellLightPlan& plan, Simd simd,
+                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
+    const CellMedia media = cellMedia(scene, {}, plan.edge, cornerOfVoxels(scene));
+    const auto grid = std::make_shared<const CellGrid>(media.grid);
+    const bool grey = media.extinction.size() == 1;
+    // Extended lights share a field unless layers tell them apart; a lamp has one of its own.
+    std::vector<std::vector<int>> groups;
+    for (const int light : plan.lights) {
+        const bool apart = wants(scene, Layer::light) || !scene.lights[std::size_t(light)].extended();
+        if (groups.empty() || apart || !scene.lights[std::size_t(groups.back().front())].extended()) groups.emplace_back();
+        groups.back().push_back(light);
+    }
+    struct Job {
+        Sources sources;
+        Phase phase;
+        std::shared_ptr<CellField> field;
+        const Light* lamp;  // the only light, if it has no extent
+    };
+    std::vector<Job> jobs;
+    std::vector<CellLight> all;
+    for (const std::vector<int>& group : groups) {
+        CellLight& light = all.emplace_back();
+        if (wants(scene, Layer::light)) light.output = Output{Layer::light, group.front()};
+        light.ofVolume.resize(scene.volumes.size());
+        for (const VolumeClass& cls : classesOf(scene)) {
+            std::vector<int> lit;
+            for (const int i : group)
+                if (cls.lights.empty() || cls.lights[std::size_t(i)]) lit.push_back(i);
+            if (lit.empty()) continue;
+            Sources sources = sourcesOf(scene, lit);
+            if (sources.lights.empty()) continue;
+            if (!grey && sources.colours == 1) sources.colours = 3;
+            const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
+            for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
+            bytes += field->bytes();
+            const Light& first = scene.lights[std::size_t(group.front())];
+            jobs.push_back({std::move(sources), cls.phase, field, first.extended() ? nullptr : &first});
+        }
+    }
+    std::size_t most = 0;
+    const Pass pass(scene, *grid, simd, checkpoint);
+    for (int axis = 0; axis < 3; ++axis) {
+        Slices slices(*grid, axis);
+        for (std::size_t c = 0; c < media.extinction.size(); ++c) {
+            slices.fill(media.extinction[c]);
+            for (const Job& job : jobs) pass.add(job.sources, job.phase, grey ? -1 : static_cast<int>(c), slices, *job.field);
+        }
+        most = std::max(most, slices.bytes());
+    }
+    for (const Job& job : jobs)
+        if (job.lamp) job.field->makeLamp(job.lamp->wsPosition, job.lamp->point().radius, job.lamp->point().decay);
+    bytes += most + media.bytes();
+    return all;
+}
+
+}  // namespace scrim
+#endif
