@@ -157,15 +157,12 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
 
 std::string SceneInput::printedToml(const RenderOptions& options) {
     if (m_shot.isAsset() && !isUtf8(name()))
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: the name is not UTF-8, which all text of scenes is: no scene can be printed that "
-                                "names it; rename it, or make a link to it",
-                                name()));
+        throw Error(
+            ErrorKind::usage,
+            fmt::format("{}: the name is not UTF-8, so no scene can name it; rename it, or make a link to it", name()));
     if (m_options.output.empty()) return m_shot.toml({}, options);
     if (!isUtf8(m_options.output))
-        throw Error(ErrorKind::usage,
-                    "--output: the name is not UTF-8, which all text of scenes is: no scene can be "
-                    "printed that names it");
+        throw Error(ErrorKind::usage, "--output: the name is not UTF-8, so no scene can name it");
     // The generated text of an asset is kept as readable as it is.
     if (m_shot.isAsset() && overridesOf(m_options).empty())
         return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", tomlString(m_options.output));

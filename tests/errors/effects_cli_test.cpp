@@ -204,9 +204,9 @@ TEST_F(CliEffects, TellsOfTheScenesOwnTextOnceAndNotForEveryFrame) {
     write("scene.toml", kCamera + kFire + "blackbody = { grid = \"heat\" }\n");
     const ProgramResult result = run({"render", "scene.toml", "--frames", "1-3", "-o", "x.####.exr", "-q"});
     ASSERT_EQ(result.status, 0) << result.err;
-    const std::size_t first = result.err.find("'normalize' of the black body");
+    const std::size_t first = result.err.find("'normalize' of the blackbody");
     ASSERT_NE(first, std::string::npos) << result.err;
-    EXPECT_EQ(result.err.find("'normalize' of the black body", first + 1), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("'normalize' of the blackbody", first + 1), std::string::npos) << result.err;
 }
 
 // The picture is there, and says what was reached.

@@ -123,7 +123,7 @@ TEST_F(ToleranceOption, IsRefusedWhereItMakesNoSense) {
                   "--tolerance 0: expected a relative RMSE between 0 and 1, such as 0.005");
     write("both.toml", kCamera + kVolume + kLight + "[render]\ntolerance = 0.05\ntexel = 0.5\n");
     expectFailure({"render", "both.toml"}, 3,
-                  "both.toml:14:9: 'texel' cannot be given beside 'tolerance', which chooses it");
+                  "both.toml:14:9: 'texel' cannot be combined with 'tolerance', which chooses it");
 }
 
 }  // namespace

@@ -18,8 +18,8 @@ constexpr int kFailed = 1, kInput = 3;
 using WrittenFiles = ProgramTest;
 
 const std::string kDeepAndShutter =
-    " does not go with 'shutter' of [camera]: a deep pixel has one depth for each thing, and what moves has many; "
-    "expected one of them";
+    " cannot be combined with 'shutter' of [camera]: a deep sample has one depth, but a moving object has many; remove "
+    "one of the two";
 
 // ---- deep pictures
 
@@ -99,9 +99,8 @@ TEST_F(WrittenFiles, WithLinesInTheirNamesArePrintedAsAnyOther) {
         runWell({"render", "printed.toml", "--res", "16x12"});
         EXPECT_TRUE(exists(name)) << printed;
     }
-    expectFailure(
-        {"render", "scene.toml", "-o", "caf\xe9.exr", "--print-scene"}, 2,
-        "--output: the name is not UTF-8, which all text of scenes is: no scene can be printed that names it");
+    expectFailure({"render", "scene.toml", "-o", "caf\xe9.exr", "--print-scene"}, 2,
+                  "--output: the name is not UTF-8, so no scene can name it");
 }
 
 TEST_F(WrittenFiles, AreNotMergedOfWhatIsNoFile) {

@@ -325,7 +325,7 @@ TEST_F(MotionBlur, TellsWhatIsWrongAndWhere) {
                       })
                   .find("where a velocity is expected"),
               std::string::npos);
-    EXPECT_NE(errorOf(ErrorKind::input, [&] { render({"camera.shutter=[0.25,-0.25]"}); }).find("close after it opens"),
+    EXPECT_NE(errorOf(ErrorKind::input, [&] { render({"camera.shutter=[0.25,-0.25]"}); }).find("with open < close"),
               std::string::npos);
     EXPECT_NE(errorOf(ErrorKind::input,
                       [&] {
