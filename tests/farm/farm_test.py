@@ -201,8 +201,8 @@ class Folder(unittest.TestCase):
                 resource.setrlimit(resource.RLIMIT_CPU, most)
 
             self.assertEqual(self.run_frame(frame, 99, before=limit), [1])
-            self.assertEqual(self.next(job)[2][frame], "fatal: it takes more processor time than a process may; raise "
-                                                       "the limit (ulimit -t)")
+            self.assertEqual(self.next(job)[2][frame], "fatal: it exceeded the limit on CPU time; raise it "
+                                                       "(ulimit -t)")
 
     def test_a_signal_to_a_task_reaches_its_program(self):
         job = self.job()

@@ -203,7 +203,7 @@ TEST(Checks, WantOfMemoryIsAnError) {
     EXPECT_EQ(errorOf(ErrorKind::memory, [&] { bakeShot(shot, 1, {}, options); }), "out of memory");
     options.change = [](Scene&) { std::vector<double>().reserve(std::vector<double>().max_size() + 1); };
     EXPECT_EQ(errorOf(ErrorKind::memory, [&] { shot.plan(1, options); }),
-              "out of memory: more was asked for at once than any machine has");
+              "out of memory: a single allocation exceeds the address space");
 }
 
 TEST(Checks, LightBeyondFloatsIsAnError) {
