@@ -23,18 +23,18 @@ constexpr std::array<std::pair<int, const char*>, 9> kStatuses{{
     {2, "The command line is wrong."},
     {3, "An input is missing or bad."},
     {4, "The output could not be written."},
-    {5, "Written, but a tolerance was missed, or light that scatters more than once did not settle."},
+    {5, "Written, but a tolerance was missed, or multiple scattering did not converge."},
     {33, "Out of memory: farms may try again on a larger machine."},
-    {130, "Interrupted by SIGINT; nothing was written in half."},
-    {143, "The same by SIGTERM."},
+    {130, "Interrupted by SIGINT; no incomplete file was left."},
+    {143, "Interrupted by SIGTERM, in the same way."},
 }};
 
 constexpr std::array<std::pair<const char*, const char*>, 5> kVariables{{
     {"OCIO", "The OpenColorIO config, unless --ocio or the scene names one."},
     {"SCRIM_PLUGIN_PATH", "Folders of volume sources, searched before those that were installed; ':' between them."},
     {"SCRIM_PYTHON", "The Python that reads OpenUSD stages: one with the module scrim and usd-core."},
-    {"SLURM_CPUS_PER_TASK", "How many threads are used where --threads does not say."},
-    {"TMPDIR", "Where files go that live as long as the command."},
+    {"SLURM_CPUS_PER_TASK", "The number of threads, unless --threads gives it."},
+    {"TMPDIR", "The folder for temporary files."},
 }};
 
 std::string heading(const std::string& name, int section) {

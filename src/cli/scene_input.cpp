@@ -124,9 +124,8 @@ void SceneInput::checkPreview(const ScenePreview& preview) const {
     const char* const option = !m_options.view.empty() ? "--view" : m_options.exposure ? "--exposure" : nullptr;
     if (option == nullptr) return;
     if (preview.path.pattern.empty())
-        throw Error(ErrorKind::usage, fmt::format("{}: there is no preview that it could change; --preview FILE.png "
-                                                  "writes one",
-                                                  option));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: there is no preview to apply it to; --preview FILE.png writes one", option));
     if (m_options.view.empty()) return;
     const std::vector<std::string> views = m_shot.colour().views(preview.display);
     for (const std::string& view : views)
@@ -146,12 +145,12 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
     for (const SceneVolume& volume : scene.volumes)
         if (volume.source.empty() && volume.sequence.hasFrame())
             throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", name(),
+                        fmt::format("{}: '{}' is a sequence; give the frames with --frames ({})", name(),
                                     volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
     if (scene.output.path.outputHasFrame())
-        throw Error(ErrorKind::usage, fmt::format("{}: the output '{}' has a place for the frame; say which frames "
-                                                  "with --frames",
-                                                  name(), scene.output.path.pattern));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: the output '{}' has a placeholder for the frame; give the frames with --frames",
+                                name(), scene.output.path.pattern));
     return {1};
 }
 

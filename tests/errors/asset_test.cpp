@@ -141,11 +141,11 @@ TEST_F(Asset, PreviewsTakeAViewAndAnExposure) {
     EXPECT_GT(brightest("a.ppm"), 20);
     EXPECT_LE(brightest("b.ppm"), 1);
     EXPECT_NE(readBytes(file("a.ppm")), readBytes(file("c.ppm")));
-    EXPECT_EQ(readExr(file("scene.exr")).rgba, readExr(file("c.exr")).rgba) << "the picture stays as it is";
+    EXPECT_EQ(readExr(file("scene.exr")).rgba, readExr(file("c.exr")).rgba) << "the picture does not change";
     expectFailure({"render", "scene.toml", "--view", "Film", "--preview", "d.png"}, kUsage,
                   "--view 'Film': expected 'ACES 1.0 SDR', 'Un-tone-mapped' or 'Raw'");
     expectFailure({"render", "scene.toml", "--exposure", "1"}, kUsage,
-                  "--exposure: there is no preview that it could change; --preview FILE.png writes one");
+                  "--exposure: there is no preview to apply it to; --preview FILE.png writes one");
     expectFailure({"render", "scene.toml", "--exposure", "bright", "--preview", "d.png"}, kUsage,
                   "--exposure bright: expected stops from -30 to 30");
 }

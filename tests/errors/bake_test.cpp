@@ -111,11 +111,11 @@ TEST_F(Bake, RefusesWhatIsWrong) {
     expectFailure({"bake", "scene.toml", "smoke.vdb", "-o", "light.vdb"}, kUsage,
                   "bake: expected one scene, since there is one output");
     expectFailure({"bake", "scene.toml", "-o", "light.vdb", "--crop", "0,0,2,2"}, kUsage,
-                  "--crop: light is baked for all voxels, not for pixels");
+                  "--crop: light is baked at voxels, not at pixels; remove --crop");
     expectFailure({"bake", "scene.toml", "-o", "light.vdb", "--light", "kex"}, kUsage,
                   "there is no light 'kex' to bake; did you mean 'key'?; expected 'key'");
     expectFailure({"bake", "scene.toml", "-o", "smoke.vdb"}, kUsage,
-                  "--output 'smoke.vdb': that is the volume 'volume1', which is read; nothing may be written over it");
+                  "--output 'smoke.vdb' would overwrite the volume 'volume1', which is read; write to another file");
     write("dark.toml", kCamera + kVolume);
     expectFailure({"bake", "dark.toml", "-o", "light.vdb"}, kInput,
                   "dark.toml: there is no light to bake; expected a [[light]] in the scene");

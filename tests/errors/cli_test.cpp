@@ -355,7 +355,7 @@ TEST_F(CliMissingFrame, IsSkippedWhereAllowed) {
 
 TEST_F(CliMissingFrame, SequenceDemandsFrames) {
     expectFailure({"render", "seq.toml"}, kUsage,
-                  "seq.toml: 's.####.vdb' is a sequence; say which frames with --frames (files exist for 1 to 3)");
+                  "seq.toml: 's.####.vdb' is a sequence; give the frames with --frames (files exist for 1 to 3)");
 }
 
 }  // namespace

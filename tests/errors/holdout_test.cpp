@@ -195,9 +195,9 @@ TEST_F(HoldoutFiles, ThatCannotBeUsedAreLocatedErrors) {
 
 TEST_F(HoldoutFiles, AreLeftAsTheyAre) {
     writeFlat("z.exr", {"Z"}, kLeftAt30);
-    expectFailure({"render", sceneOf("z.exr"), "-o", "z.exr"}, 2,
-                  "the picture of held.toml 'z.exr': that is the holdout's picture, which is read; nothing may be "
-                  "written over it");
+    expectFailure(
+        {"render", sceneOf("z.exr"), "-o", "z.exr"}, 2,
+        "the picture of held.toml 'z.exr' would overwrite the holdout's picture, which is read; write to another file");
 }
 
 // Whatever becomes of a file, the program renders it or says where the scene names it.

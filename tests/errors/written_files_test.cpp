@@ -114,7 +114,7 @@ TEST_F(WrittenFiles, AreNotMergedOfWhatIsNoFile) {
 TEST_F(WrittenFiles, NeedNoViewer) {
     const ProgramResult result = runWell({"render", "scene.toml", "-o", "x.exr", "--display-server", "127.0.0.1:1"});
     EXPECT_NE(result.err.find("scrim: warning: --display-server 127.0.0.1:1: no viewer answers: Connection refused; "
-                              "pictures are rendered and not shown\n"),
+                              "pictures are rendered but not shown\n"),
               std::string::npos)
         << result.err;
     EXPECT_TRUE(exists("x.exr"));

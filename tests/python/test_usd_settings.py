@@ -233,7 +233,7 @@ def test_the_program_says_what_is_not_mapped(scrim_on, foggy):
 @pytest.mark.parametrize(
     "arguments, status, text",
     [
-        ([], 2, r"say which frames with --frames \(the stage has 1 to 4\)"),
+        ([], 2, r"give the frames with --frames \(the stage has 1 to 4\)"),
         (["--frames", "1", "--camera", "/eye"], 3, "'/eye' is no camera of the stage; expected /cam"),
         (["--frames", "1", "--distant", "lux"], 2, "--distant='lux': expected radiance or irradiance"),
         (["--frames", "1", "--meshes", "x"], 2, "--meshes='x': expected holdout, shadows or none"),
@@ -270,7 +270,7 @@ def scrim_path():
 
 def test_the_program_needs_room(scrim_on):
     done = scrim_on("--frames", "1", TMPDIR="/no/folder")
-    assert done.returncode == 4 and "cannot make a folder for what a stage holds: '/no/folder/scrim-usd-" in done.stderr
+    assert done.returncode == 4 and "cannot make a folder for a stage's scenes: '/no/folder/scrim-usd-" in done.stderr
 
 
 def test_other_commands_take_stages(scrim_on, foggy):
@@ -279,7 +279,7 @@ def test_other_commands_take_stages(scrim_on, foggy):
     done = scrim_on("--frames", "1", "-o", "light.vdb", command="bake")
     assert done.returncode == 0 and (foggy.folder / "light.vdb").exists(), done.stderr
     done = scrim_on("--frames", "1-2", "-o", "light.####.vdb", command="bake")
-    assert done.returncode == 2 and "the stage is another scene at each of these frames" in done.stderr
+    assert done.returncode == 2 and "the stage changes between these frames" in done.stderr
 
 
 def test_the_commands_of_the_page_work(tmp_path, python_path):

@@ -37,7 +37,7 @@ def parser():
                                   formatter_class=argparse.RawDescriptionHelpFormatter,
                                   description="Sends a shot to a render farm, and tells what is missing of it.")
     out.add_argument("scene", nargs="?", metavar="SCENE", help="a scene (.toml), or an asset alone")
-    out.add_argument("--frames", metavar="RANGE", help="frames to do: 1-48x2,60")
+    out.add_argument("--frames", metavar="RANGE", help="frames: 1-48x2,60")
     out.add_argument("--tiles", default="1x1", metavar="CxR", help="columns and rows that each picture is cut into")
     out.add_argument("--on", choices=("slurm", "openjd"), help="the farm")
     out.add_argument("--dry-run", action="store_true", help="only show what would be submitted")
