@@ -247,7 +247,7 @@ TEST_F(CliErrors, UnreadableOcioConfigOfTheEnvironmentIsNoSilentFallback) {
 
 TEST_F(CliErrors, MemoryLimitBelowTheVolumesSaysWhatTheyTake) {
     expectFailure({"render", "scene.toml", "--memory", "10K"}, kMemory,
-                  "the volumes take 16.1 KB, which leaves nothing of the limit of 10.0 KB (--memory)");
+                  "the volumes take 16.1 KB, which uses up the memory limit of 10.0 KB (--memory)");
 }
 
 TEST_F(CliErrors, MemoryLimitBelowOneSheetIsRefused) {

@@ -188,11 +188,11 @@ TEST_F(DeepOutput, IsPlannedAndWrittenBesideThePicture) {
 
 TEST_F(DeepOutput, WarnsOfColouredExtinction) {
     const std::vector<std::string> arguments{"render", "scene.toml", "-o", "x.exr", "--set", "output.deep=d.exr"};
-    EXPECT_EQ(runWell(arguments).err.find("one alpha for all colours"), std::string::npos);
+    EXPECT_EQ(runWell(arguments).err.find("one alpha for all channels"), std::string::npos);
     write("tint.toml", readBytes(file("scene.toml")) + "\n[output]\ndeep = \"d.exr\"\n");
     const ProgramResult result =
         runWell({"render", "tint.toml", "-o", "x.exr", "--set", "volume.volume1.medium.extinction_tint=[1, 0.5, 0.2]"});
-    EXPECT_NE(result.err.find("one alpha for all colours"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("one alpha for all channels"), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("tint.toml:"), std::string::npos) << result.err;
 }
 
