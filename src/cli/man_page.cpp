@@ -136,8 +136,8 @@ std::string overviewPage(const CLI::App& app) {
 std::string scenePage() {
     return heading("scrim-scene", 5) +
            ".SH NAME\nscrim-scene \\- scenes that scrim renders\n.SH DESCRIPTION\n"
-           "A scene is a TOML file. This page holds every key by its section; the same is printed by\n"
-           "\\fBscrim help\\fR \\fIsection\\fR. A star marks what may be keyed.\n" +
+           "A scene is a TOML file. This page lists every key by its section; the same is printed by\n"
+           "\\fBscrim help\\fR \\fIsection\\fR. A star marks values that may be keyed.\n" +
            scenesAsRoff() + ".SH SEE ALSO\n.BR scrim (1),\n.BR scrim-render (1)\n";
 }
 
