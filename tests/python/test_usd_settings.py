@@ -149,10 +149,10 @@ def test_working_colours_are_exact(foggy):
 
 
 def test_settings_that_are_not_there(foggy):
-    with pytest.raises(scrim.InputError, match="^'/rs' is no RenderSettings of the stage; expected none$"):
+    with pytest.raises(scrim.InputError, match="^'/rs' is not a RenderSettings of the stage; expected none$"):
         foggy.open(settings="/rs").render()
     settings(foggy)
-    with pytest.raises(scrim.InputError, match="^'rs' is no RenderSettings of the stage; expected /Render/rs$"):
+    with pytest.raises(scrim.InputError, match="^'rs' is not a RenderSettings of the stage; expected /Render/rs$"):
         foggy.open(settings="rs").render()
 
 
@@ -234,11 +234,11 @@ def test_the_program_says_what_is_not_mapped(scrim_on, foggy):
     "arguments, status, text",
     [
         ([], 2, r"give the frames with --frames \(the stage has 1 to 4\)"),
-        (["--frames", "1", "--camera", "/eye"], 3, "'/eye' is no camera of the stage; expected /cam"),
+        (["--frames", "1", "--camera", "/eye"], 3, "'/eye' is not a camera of the stage; expected /cam"),
         (["--frames", "1", "--distant", "lux"], 2, "--distant='lux': expected radiance or irradiance"),
         (["--frames", "1", "--meshes", "x"], 2, "--meshes='x': expected holdout, shadows or none"),
         (["--frames", "1", "--purpose", "a"], 2, "--purpose='a': expected default, render, proxy or guide"),
-        (["--frames", "1", "--settings", "/rs"], 3, "'/rs' is no RenderSettings of the stage; expected none"),
+        (["--frames", "1", "--settings", "/rs"], 3, "'/rs' is not a RenderSettings of the stage; expected none"),
         (["--frames", "1", "--sidecar", "no.toml"], 3, r"no.toml: .*No such file"),
         (["--frames", "1,2", "-o", "one.exr"], 2, "all 2 frames would be written to 'one.exr'; put the frame into its"),
     ],
