@@ -36,14 +36,14 @@ std::string gridsText(const std::vector<VdbGrid>& grids) {
 /// The one input, and the path of its frames.
 SceneInput inputOf(const SceneOptions& options) {
     if (options.inputs.size() > 1) throw Error(ErrorKind::usage, "bake: expected one scene, since there is one output");
-    if (options.crop) throw Error(ErrorKind::usage, "--crop: light is baked for all voxels, not for pixels");
+    if (options.crop) throw Error(ErrorKind::usage, "--crop: light is baked at voxels, not at pixels; remove --crop");
     if (options.baked.empty() && !options.printScene)
         throw Error(ErrorKind::usage, "bake: expected -o LIGHT.vdb, the file to write");
     if (!options.printScene && lowerExtension(options.baked) != ".vdb")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.vdb'", shortened(options.baked)));
     std::vector<SceneInput> inputs = openInputs(options);
     if (inputs.size() > 1)
-        throw Error(ErrorKind::usage, "bake: the stage is another scene at each of these frames; bake them one by one");
+        throw Error(ErrorKind::usage, "bake: the stage changes between these frames; bake them one by one");
     return std::move(inputs.front());
 }
 

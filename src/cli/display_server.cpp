@@ -175,7 +175,7 @@ std::string Connection::send(const std::vector<char>& bytes) const {
         } else if (n < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR) {
             return std::strerror(errno);
         } else if (!ready(m_socket, POLLOUT)) {
-            return "it takes nothing any more";
+            return "the viewer stopped reading";
         }
     }
     return "";

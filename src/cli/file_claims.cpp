@@ -16,7 +16,7 @@ void FileClaims::reads(const std::string& path, const std::string& role) {
 std::string FileClaims::writes(const std::string& path, const std::string& role) {
     const FileIdentity identity = identityOf(path);
     if (const auto read = m_read.find(identity); read != m_read.end())
-        throw Error(ErrorKind::usage, fmt::format("{} '{}': that is {}, which is read; nothing may be written over it",
+        throw Error(ErrorKind::usage, fmt::format("{} '{}' would overwrite {}, which is read; write to another file",
                                                   role, shortened(path), read->second));
     const auto [writer, isNew] = m_written.emplace(identity, role);
     if (!isNew) return writer->second;

@@ -12,9 +12,9 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 std::string verificationText(const VerificationReport& v) {
-    if (v.pixels == 0) return fmt::format("; nothing to verify: {} pixels looked at, nothing in any", v.looked);
+    if (v.pixels == 0) return fmt::format("; nothing to verify: all {} pixels that were examined are empty", v.looked);
     if (v.complete)
-        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} pixels that show something", 100 * v.error,
+        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} pixels that are not empty", 100 * v.error,
                            100 * v.alphaError, v.pixels);
     return fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}), of alpha {:.2f} %, at {} pixels", 100 * v.error,
                        100 * v.lower, 100 * v.upper, 100 * v.alphaError, v.pixels);

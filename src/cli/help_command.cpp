@@ -79,7 +79,7 @@ void helpCommand(const HelpOptions& options, const CLI::App& app) {
     if (options.topic.empty()) {
         printOut(app.help());
         return printOut(
-            fmt::format("\nMore: scrim help COMMAND, or one of these of a scene, or a key such as camera.fov:\n  {}\n",
+            fmt::format("\nMore: scrim help COMMAND, or a key such as camera.fov, or a section of a scene:\n  {}\n",
                         fmt::join(sceneTopics(), ", ")));
     }
     std::vector<std::string> topics;

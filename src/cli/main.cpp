@@ -102,21 +102,21 @@ struct CommandLine {
     void addPlan() {
         CLI::App* command = app.add_subcommand("plan", "show what a render would do");
         addSceneOptions(*command, plan);
-        addRenderOptions(*command, plan, "Accepted, so that the arguments of a render can be planned as they are");
+        addRenderOptions(*command, plan, "Options of a render (a plan writes no files)");
         command->add_flag("--json", plan.json, "print JSON");
     }
     void addStudy() {
-        CLI::App* command = app.add_subcommand("study", "measure what accuracy costs in time on a scene");
+        CLI::App* command = app.add_subcommand("study", "measure how long each accuracy takes on a scene");
         addSceneOptions(*command, study);
         addStudyOptions(*command, study);
     }
     void addBake() {
-        CLI::App* command = app.add_subcommand("bake", "save the light at voxels as grids, for other renderers");
+        CLI::App* command = app.add_subcommand("bake", "save the lighting at voxels as grids, for other renderers");
         addSceneOptions(*command, bake);
         addBakeOptions(*command, bake);
     }
     void addInfo() {
-        CLI::App* command = app.add_subcommand("info", "show what .vdb files, sequences of them, and scans hold");
+        CLI::App* command = app.add_subcommand("info", "describe .vdb files, sequences and scans");
         command->add_option("files", info.files, "files (.vdb, .nrrd, .nii) or sequences (smoke.####.vdb)")
             ->type_name("ASSET")
             ->required();
@@ -126,7 +126,7 @@ struct CommandLine {
                 "of a sequence: 1-48x2,60")
             ->type_name("RANGE");
         command->add_flag("--json", info.json, "print JSON");
-        command->add_flag("-v,--verbose", info.verbose, "show what the reading process says");
+        command->add_flag("-v,--verbose", info.verbose, "show the output of the reading process");
     }
     void addMake() {
         CLI::App* command = app.add_subcommand("make", "run a volume source and save its grids");
@@ -142,21 +142,21 @@ struct CommandLine {
         addVerbosity(*command, make.verbose, make.quiet);
     }
     void addMerge() {
-        CLI::App* command = app.add_subcommand("merge", "join crops of a picture to the whole of it");
+        CLI::App* command = app.add_subcommand("merge", "join crops of a picture");
         command->add_option("tiles", merge.tiles, "pictures that scrim render --crop wrote")
             ->type_name("TILE.exr")
             ->required();
         command->add_option("-o,--output", merge.output, "file to write")->type_name("WHOLE.exr");
         command->add_option("--compression", merge.compression, "in place of that of the tiles")
             ->type_name(fmt::format("{}", fmt::join(exrCompressions(), "|")));
-        command->add_flag("--check", merge.check, "only print which of the files are not whole pictures");
+        command->add_flag("--check", merge.check, "only print the incomplete pictures");
         command->add_flag("-q,--quiet", merge.quiet, "only warnings and errors");
     }
     void addHelp() {
         CLI::App* command = app.add_subcommand("help", "explain a command, a section of a scene, a key");
         command->add_option("topic", help.topic, "render, camera, camera.fov")->type_name("TOPIC");
         command->add_flag("--schema", help.schema, "print a JSON schema of scenes, for editors");
-        command->add_flag("--markdown", help.markdown, "print all that a scene may say as Markdown");
+        command->add_flag("--markdown", help.markdown, "print all sections and keys of a scene as Markdown");
         command->add_flag("--completion", help.completion, "print a completion script for bash");
         command->add_flag("--man", help.man, "print the man page of scrim, or of a command, or of 'scene'");
     }

@@ -23,18 +23,18 @@ constexpr std::array<std::pair<int, const char*>, 9> kStatuses{{
     {2, "The command line is wrong."},
     {3, "An input is missing or bad."},
     {4, "The output could not be written."},
-    {5, "Written, but a tolerance was missed, or light that scatters more than once did not settle."},
+    {5, "Written, but a tolerance was missed, or multiple scattering did not converge."},
     {33, "Out of memory: farms may try again on a larger machine."},
-    {130, "Interrupted by SIGINT; nothing was written in half."},
-    {143, "The same by SIGTERM."},
+    {130, "Interrupted by SIGINT; no incomplete file was left."},
+    {143, "Interrupted by SIGTERM, in the same way."},
 }};
 
 constexpr std::array<std::pair<const char*, const char*>, 5> kVariables{{
     {"OCIO", "The OpenColorIO config, unless --ocio or the scene names one."},
     {"SCRIM_PLUGIN_PATH", "Folders of volume sources, searched before those that were installed; ':' between them."},
     {"SCRIM_PYTHON", "The Python that reads OpenUSD stages: one with the module scrim and usd-core."},
-    {"SLURM_CPUS_PER_TASK", "How many threads are used where --threads does not say."},
-    {"TMPDIR", "Where files go that live as long as the command."},
+    {"SLURM_CPUS_PER_TASK", "The number of threads, unless --threads gives it."},
+    {"TMPDIR", "The folder for temporary files."},
 }};
 
 std::string heading(const std::string& name, int section) {
@@ -136,8 +136,8 @@ std::string overviewPage(const CLI::App& app) {
 std::string scenePage() {
     return heading("scrim-scene", 5) +
            ".SH NAME\nscrim-scene \\- scenes that scrim renders\n.SH DESCRIPTION\n"
-           "A scene is a TOML file. This page holds every key by its section; the same is printed by\n"
-           "\\fBscrim help\\fR \\fIsection\\fR. A star marks what may be keyed.\n" +
+           "A scene is a TOML file. This page lists every key by its section; the same is printed by\n"
+           "\\fBscrim help\\fR \\fIsection\\fR. A star marks values that may be keyed.\n" +
            scenesAsRoff() + ".SH SEE ALSO\n.BR scrim (1),\n.BR scrim-render (1)\n";
 }
 

@@ -31,7 +31,7 @@ void check(const MergeOptions& options) {
     flushOut();
     if (broken > 0)
         throw Error(ErrorKind::input,
-                    fmt::format("{} of {} pictures are missing or not whole", broken, options.tiles.size()));
+                    fmt::format("{} of {} pictures are missing or incomplete", broken, options.tiles.size()));
 }
 
 void merge(const MergeOptions& options) {
@@ -47,14 +47,14 @@ void merge(const MergeOptions& options) {
     Console console(false, options.quiet);
     if (merged.lossyTwice)
         console.warning(
-            fmt::format("{}: the tiles were compressed with loss, and are once more; render tiles with "
-                        "another compression, and merge them with --compression dwaa",
+            fmt::format("{}: the tiles have lossy compression, which is applied once more; render tiles with lossless "
+                        "compression, and merge them with --compression dwaa",
                         options.output));
     if (!merged.notFinite.empty())
-        console.warning(fmt::format("{}: holds values that are infinite or no numbers, as '{}' does", options.output,
+        console.warning(fmt::format("{}: contains infinite or NaN values, which come from '{}'", options.output,
                                     shortened(merged.notFinite)));
     if (!merged.leftOut.empty())
-        console.warning(fmt::format("{}: left out what tiles say of themselves: {}", options.output,
+        console.warning(fmt::format("{}: dropped attributes that describe single tiles: {}", options.output,
                                     fmt::join(merged.leftOut, ", ")));
     const PixelWindow& window = merged.window;
     console.line(fmt::format("{}: {} {} tiles, {} x {} pixels at {},{}", options.output, options.tiles.size(),
@@ -64,8 +64,7 @@ void merge(const MergeOptions& options) {
 }  // namespace
 
 void mergeCommand(const MergeOptions& options) {
-    if (options.check && !options.output.empty())
-        throw Error(ErrorKind::usage, "--check writes nothing: expected no -o beside it");
+    if (options.check && !options.output.empty()) throw Error(ErrorKind::usage, "--check writes nothing; remove -o");
     options.check ? check(options) : merge(options);
 }
 

@@ -105,13 +105,13 @@ void addUsdOptions(CLI::App& command, UsdOptions& o) {
     const auto text = [&](const char* name, const char* form, const char* help, std::string& value) {
         command.add_option(name, value, help)->type_name(form)->group("OpenUSD");
     };
-    text("--camera", "/CAM", "camera of a stage; else that of its settings, or its only one", o.camera);
-    text("--settings", "/RS", "RenderSettings of a stage; else those that it names", o.settings);
-    text("--purpose", "NAMES", "what of a stage is drawn: default,render,proxy,guide", o.purpose);
-    text("--sidecar", "FILE.toml", "tables keyed by prim paths: media, and all else that a stage cannot say",
+    text("--camera", "/CAM", "camera of a stage (default: that of its settings, or its only one)", o.camera);
+    text("--settings", "/RS", "RenderSettings of a stage (default: those that it names)", o.settings);
+    text("--purpose", "NAMES", "purposes of a stage that are rendered: default,render,proxy,guide", o.purpose);
+    text("--sidecar", "FILE.toml", "tables keyed by prim paths: media, and other keys that a stage cannot hold",
          o.sidecar);
-    text("--distant", "radiance|irradiance", "what the intensity of a stage's suns is: UsdLux's, or older", o.distant);
-    text("--meshes", "holdout|shadows|none", "what a stage's solids do to volumes", o.meshes);
+    text("--distant", "radiance|irradiance", "unit of the intensity of a stage's distant lights", o.distant);
+    text("--meshes", "holdout|shadows|none", "effect of a stage's meshes on volumes", o.meshes);
 }
 
 }  // namespace
@@ -162,7 +162,7 @@ Vec3 parseAxis(const std::string& text) {
 }
 
 void addVerbosity(CLI::App& command, bool& verbose, bool& quiet) {
-    CLI::Option* loud = command.add_flag("-v,--verbose", verbose, "tell about each stage");
+    CLI::Option* loud = command.add_flag("-v,--verbose", verbose, "print details of each step");
     command.add_flag("-q,--quiet", quiet, "only warnings and errors")->excludes(loud);
 }
 
@@ -173,12 +173,13 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
                     "framed and lit")
         ->type_name("SCENE|ASSET")
         ->required();
-    add(command, "--frames", "RANGE", "frames to do: 1-48x2,60",
+    add(command, "--frames", "RANGE", "frames: 1-48x2,60",
         [&o](const std::string& t) { o.frames = parseFrameRange(t); });
-    add(command, "--res", "WxH", "pixels, in place of the scene's",
+    add(command, "--res", "WxH", "resolution, in place of the scene's",
         [&o](const std::string& t) { o.resolution = parseResolution(t); });
-    add(command, "--crop", "X0,Y0,X1,Y1", "only these pixels", [&o](const std::string& t) { o.crop = parseCrop(t); });
-    add(command, "--up", "AXIS", "what is up in an asset: y, z, -z, ...; else guessed",
+    add(command, "--crop", "X0,Y0,X1,Y1", "only the pixels of this window",
+        [&o](const std::string& t) { o.crop = parseCrop(t); });
+    add(command, "--up", "AXIS", "up axis of an asset: y, z, -z, ... (default: guessed)",
         [&o](const std::string& t) { o.wsUp = parseAxis(t); });
     addChoice(command, "--quality", presetNames(), "preset of all dials, in place of the scene's",
               [&o](std::size_t i) { o.quality = presetNames()[i]; });
@@ -187,14 +188,14 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
         ->allow_extra_args(false);
     o.threads = threadsOfJob();
     add(command, "--threads", "N",
-        "threads to use; 0: all of the machine; default: all that a job of Slurm's was given",
+        "threads to use; 0: all of the machine (default: those of the Slurm job, or else all)",
         [&o](const std::string& t) { o.threads = countFrom("--threads", t, kMostThreads); });
     add(command, "--memory", "SIZE", "limit for volumes and buffers: 8G, 512M",
         [&o](const std::string& t) { o.memory = parseSize(t); });
-    addChoice(command, "--missing", {"error", "black", "skip"}, "what a missing file of a volume makes of a frame",
+    addChoice(command, "--missing", {"error", "black", "skip"}, "what to do with a frame if a volume's file is missing",
               [&o](std::size_t i) { o.missing = static_cast<MissingPolicy>(i); });
     addFile(command, "--ocio", "FILE", "OpenColorIO config, in place of $OCIO", o.ocio);
-    command.add_flag("--print-scene", o.printScene, "print the scene with all changes, and do nothing else");
+    command.add_flag("--print-scene", o.printScene, "only print the scene, with all changes");
     addVerbosity(command, o.verbose, o.quiet);
     addUsdOptions(command, o.usd);
 }
@@ -203,30 +204,28 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
     command.option_defaults()->group(group);
     addFile(command, "-o,--output", "FILE.exr", "picture to write: plume.####.exr", o.output);
     addFile(command, "--deep", "FILE.exr", "deep picture to write, in place of the scene's", o.deep);
-    addFile(command, "--preview", "FILE.png", "also write a picture for a display", o.preview);
-    command.add_option("--view", o.view, "view of the display for previews, of those of the OpenColorIO config")
-        ->type_name("NAME");
-    add(command, "--exposure", "STOPS", "make previews brighter; the picture stays as it is",
+    addFile(command, "--preview", "FILE.png", "also write a picture for viewing", o.preview);
+    command.add_option("--view", o.view, "view of the OpenColorIO config for previews")->type_name("NAME");
+    add(command, "--exposure", "STOPS", "exposure of previews; the picture does not change",
         [&o](const std::string& t) {
             o.exposure = numberFrom(
                 "--exposure", t, [](double v) { return v >= -kMostStops && v <= kMostStops; }, "stops from -30 to 30");
         });
-    add(command, "--turntable", "N", "N frames in which the camera goes once around what it looks at",
+    add(command, "--turntable", "N", "N frames in which the camera turns once around its target",
         [&o](const std::string& t) { o.turntable = turntableFrom(t); });
-    command
-        .add_option("--display-server", o.display, "show pictures while they are made in a viewer that listens: tev")
+    command.add_option("--display-server", o.display, "show pictures during the render in a viewer such as tev")
         ->type_name("HOST:PORT");
     addFile(command, "--stats", "FILE.json", "write times, work and memory", o.stats);
-    command.add_flag("--skip-existing", o.skipExisting, "leave frames alone whose picture exists");
+    command.add_flag("--skip-existing", o.skipExisting, "skip frames whose picture exists");
     add(command, "--verify", "N|all",
-        "compare N random pixels, or all, of those that may show something with the brute-force reference",
+        "compare N random pixels, or all, where a volume may be seen, with the brute-force reference",
         [&o](const std::string& t) {
             o.verify = t == "all" ? kAllPixels : countFrom("--verify", t, kAllPixels - 1, "'all' or ");
         });
-    add(command, "--verify-limit", "SECONDS", "end a verification after this time, with the pixels there are by then",
+    add(command, "--verify-limit", "SECONDS", "end the verification after this time",
         [&o](const std::string& t) { o.verifyLimit = secondsFrom("--verify-limit", t); });
     add(command, "--tolerance", "E",
-        "choose texels and sheets for an error (relative RMSE) below E, and check it; exit status 5 where it is missed",
+        "choose texels and sheets for an error (relative RMSE) below E, and measure it; exit status 5 if it is missed",
         [&o](const std::string& t) {
             o.tolerance = numberFrom(
                 "--tolerance", t, [](double e) { return e > 0 && e < 1; },
@@ -238,7 +237,7 @@ void addRenderOptions(CLI::App& command, SceneOptions& o, const std::string& gro
 
 void addStudyOptions(CLI::App& command, SceneOptions& o) {
     addFile(command, "-o,--output", "DIR", "folder for study.csv, study.json and index.html", o.output);
-    add(command, "--budget", "SECONDS", "stop in time, with what there is by then",
+    add(command, "--budget", "SECONDS", "stop after this time, and report the results so far",
         [&o](const std::string& t) { o.budget = secondsFrom("--budget", t); });
     addProgress(command, o);
 }
@@ -248,8 +247,7 @@ void addBakeOptions(CLI::App& command, SceneOptions& o) {
     command.add_option("--light", o.bakedLights, "only this light; may be given more than once")
         ->type_name("NAME")
         ->allow_extra_args(false);
-    command.add_flag("--emission", o.emission,
-                     "also what media scatter of the lights, as an emission grid, and their extinction");
+    command.add_flag("--emission", o.emission, "also save scattered light as an emission grid, and extinction");
     addProgress(command, o);
 }
 

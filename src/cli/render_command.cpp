@@ -102,7 +102,7 @@ void RenderRun::announce(int frame, double seconds) {
     const bool cut = m_options.verifyLimit > 0 && seconds > m_options.verifyLimit;
     m_console.line(
         fmt::format("frame {}: verifying it by brute force takes about {:.0f} s; --verify-limit {}", frame, seconds,
-                    cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit) : "SECONDS would end it earlier"));
+                    cut ? fmt::format("ends it after {:g} s", m_options.verifyLimit) : "SECONDS limits this time"));
 }
 
 RenderOptions RenderRun::optionsOf(const SceneInput& input, int frame) {
@@ -131,13 +131,13 @@ void RenderRun::keepMissed(const ShotReport& report) {
     };
     if (report.scattering && !report.scattering->converged)
         keep(
-            fmt::format("frame {}: written, but a further sweep would have changed the light that scatters more than "
-                        "once by {:.2g}, more than render.scatter_error = {:.2g}",
+            fmt::format("frame {}: written, but multiple scattering has not converged: a further sweep would change it "
+                        "by {:.2g}, more than render.scatter_error = {:.2g}",
                         report.frame, report.scattering->change, report.scattering->wanted));
     if (!report.tolerance || report.tolerance->met) return;
     keep(fmt::format("frame {}: written, but its error may be {:.3g}, more than the tolerance of {:.3g}{}",
                      report.frame, report.tolerance->bound, report.tolerance->wanted,
-                     report.verification->outOfTime ? " (--verify-limit left too few pixels to tell)" : ""));
+                     report.verification->outOfTime ? " (--verify-limit allowed too few pixels to tell)" : ""));
 }
 
 /// A missing viewer does not prevent rendering.
@@ -147,7 +147,7 @@ void RenderRun::openDisplay() {
         m_display.emplace(m_options.display);
     } catch (const Error& error) {
         if (error.kind() != ErrorKind::output) throw;
-        m_console.warning(fmt::format("{}; pictures are rendered and not shown", error.what()));
+        m_console.warning(fmt::format("{}; pictures are rendered but not shown", error.what()));
     }
 }
 
@@ -155,7 +155,7 @@ void RenderRun::openDisplay() {
 void RenderRun::warnOfLostDisplay() {
     const std::string problem = m_display ? m_display->problem() : "";
     if (problem.empty()) return;
-    m_console.warning(fmt::format("--display-server {}: nothing is shown any more: {}", m_options.display, problem));
+    m_console.warning(fmt::format("--display-server {}: stopped showing pictures: {}", m_options.display, problem));
     m_display.reset();
 }
 
@@ -170,7 +170,8 @@ void RenderRun::write(const SceneInput& input, ShotFrame& frame) {
         if (promised.pattern.empty()) continue;
         const std::string path = promised.outputAt(number);
         if (std::error_code ignored; !std::filesystem::exists(path, ignored))
-            throw Error(ErrorKind::output, fmt::format("frame {}: '{}' was asked for, and is not there", number, path));
+            throw Error(ErrorKind::output,
+                        fmt::format("frame {}: '{}' was requested, but was not written", number, path));
     }
 }
 
@@ -220,8 +221,8 @@ void RenderRun::renderFrame(SceneInput& input, int frame) {
     const std::string path = input.output().outputAt(frame);
     if (std::error_code ignored; m_options.skipExisting && std::filesystem::exists(path, ignored))
         m_console.line(m_whole.contains(path)
-                           ? fmt::format("frame {}: {} has no whole deep picture, and is rendered again", frame, path)
-                           : fmt::format("frame {}: {} is not whole, and is rendered again", frame, path));
+                           ? fmt::format("frame {}: {} has an incomplete deep picture; rendering it again", frame, path)
+                           : fmt::format("frame {}: {} is incomplete; rendering it again", frame, path));
 
     ShotFrame rendered = input.shot().render(frame, optionsOf(input, frame));
     if (rendered.skipped()) return;

@@ -124,9 +124,8 @@ void SceneInput::checkPreview(const ScenePreview& preview) const {
     const char* const option = !m_options.view.empty() ? "--view" : m_options.exposure ? "--exposure" : nullptr;
     if (option == nullptr) return;
     if (preview.path.pattern.empty())
-        throw Error(ErrorKind::usage, fmt::format("{}: there is no preview that it could change; --preview FILE.png "
-                                                  "writes one",
-                                                  option));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: there is no preview to apply it to; --preview FILE.png writes one", option));
     if (m_options.view.empty()) return;
     const std::vector<std::string> views = m_shot.colour().views(preview.display);
     for (const std::string& view : views)
@@ -146,26 +145,23 @@ std::vector<int> SceneInput::framesOf(const Scene& scene) const {
     for (const SceneVolume& volume : scene.volumes)
         if (volume.source.empty() && volume.sequence.hasFrame())
             throw Error(ErrorKind::usage,
-                        fmt::format("{}: '{}' is a sequence; say which frames with --frames ({})", name(),
+                        fmt::format("{}: '{}' is a sequence; give the frames with --frames ({})", name(),
                                     volume.sequence.pattern, rangeText(existingFrames(volume.sequence))));
     if (scene.output.path.outputHasFrame())
-        throw Error(ErrorKind::usage, fmt::format("{}: the output '{}' has a place for the frame; say which frames "
-                                                  "with --frames",
-                                                  name(), scene.output.path.pattern));
+        throw Error(ErrorKind::usage,
+                    fmt::format("{}: the output '{}' has a placeholder for the frame; give the frames with --frames",
+                                name(), scene.output.path.pattern));
     return {1};
 }
 
 std::string SceneInput::printedToml(const RenderOptions& options) {
     if (m_shot.isAsset() && !isUtf8(name()))
-        throw Error(ErrorKind::usage,
-                    fmt::format("{}: the name is not UTF-8, which all text of scenes is: no scene can be printed that "
-                                "names it; rename it, or make a link to it",
-                                name()));
+        throw Error(
+            ErrorKind::usage,
+            fmt::format("{}: the name is not UTF-8, so no scene can name it; rename it, or make a link to it", name()));
     if (m_options.output.empty()) return m_shot.toml({}, options);
     if (!isUtf8(m_options.output))
-        throw Error(ErrorKind::usage,
-                    "--output: the name is not UTF-8, which all text of scenes is: no scene can be "
-                    "printed that names it");
+        throw Error(ErrorKind::usage, "--output: the name is not UTF-8, so no scene can name it");
     // The generated text of an asset is kept as readable as it is.
     if (m_shot.isAsset() && overridesOf(m_options).empty())
         return m_shot.toml({}, options) + fmt::format("\n[output]\nfile = {}\n", tomlString(m_options.output));

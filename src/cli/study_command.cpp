@@ -75,7 +75,7 @@ std::string tableOf(const Study& study) {
 
 void study(const SceneOptions& options) {
     if (options.inputs.size() != 1) throw Error(ErrorKind::usage, "study: expected one scene or asset");
-    if (options.output.empty()) throw Error(ErrorKind::usage, "study: say with -o which folder the results go to");
+    if (options.output.empty()) throw Error(ErrorKind::usage, "study: expected -o DIR, the folder for the results");
     Console console(options.verbose, options.quiet);
     Progress progress(options.progress, console);
     // Here the output is a folder; the scenes keep their own outputs unused.
@@ -83,7 +83,7 @@ void study(const SceneOptions& options) {
     sceneOptions.output.clear();
     std::vector<SceneInput> inputs = openInputs(sceneOptions);
     SceneInput& input = inputs.front();
-    if (input.frames().size() != 1) throw Error(ErrorKind::usage, "study: expected one frame; say which with --frames");
+    if (input.frames().size() != 1) throw Error(ErrorKind::usage, "study: expected one frame; give it with --frames");
 
     const int frame = input.frames().front();
     RenderOptions rendering = renderOptionsOf(sceneOptions, console.sink());

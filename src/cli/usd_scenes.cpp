@@ -151,7 +151,7 @@ TemporaryFolder::TemporaryFolder() {
     m_path = std::string(named != nullptr && *named != '\0' ? named : "/tmp") + "/scrim-usd-XXXXXX";
     if (::mkdtemp(m_path.data()) == nullptr)
         throw Error(ErrorKind::output,
-                    fmt::format("cannot make a folder for what a stage holds: '{}': {}", m_path, std::strerror(errno)));
+                    fmt::format("cannot make a folder for a stage's scenes: '{}': {}", m_path, std::strerror(errno)));
 }
 
 TemporaryFolder::~TemporaryFolder() {
@@ -188,7 +188,7 @@ UsdScenes readStage(const std::string& path, const SceneOptions& options) {
                                                   status, kHowToInstall));
     if (options.frames.empty() && !options.printScene && first != last)
         throw Error(ErrorKind::usage,
-                    fmt::format("{}: say which frames with --frames (the stage has {} to {})", path, first, last));
+                    fmt::format("{}: give the frames with --frames (the stage has {} to {})", path, first, last));
     return out;
 }
 

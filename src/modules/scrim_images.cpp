@@ -48,7 +48,7 @@ Channels channelsOf(const OIIO::ImageSpec& spec) {
 
 /// The problem's text; never empty, since an empty text means that there is no problem.
 std::string problemText(const std::string& ofOpenImageIo) {
-    return ofOpenImageIo.empty() ? "OpenImageIO does not say why" : ofOpenImageIo;
+    return ofOpenImageIo.empty() ? "OpenImageIO gives no reason" : ofOpenImageIo;
 }
 
 FilePicture refused(const std::string& problem) {
@@ -83,7 +83,7 @@ FilePicture readPixels(const std::string& path) {
     const int fullWidth = spec.full_width > 0 ? spec.full_width : spec.width;
     const int fullHeight = spec.full_height > 0 ? spec.full_height : spec.height;
     if (spec.depth > 1 || spec.deep || spec.nchannels < 1 || spec.width < 1 || spec.height < 1)
-        return refused("it holds no flat picture");
+        return refused("it has no flat picture");
     const auto pixels = [](int width, int height) { return static_cast<double>(width) * height; };
     const auto most = static_cast<double>(scrim::kMostTexturePixels);
     if (std::max(pixels(spec.width, spec.height), pixels(fullWidth, fullHeight)) > most || spec.nchannels > 64)
@@ -203,8 +203,7 @@ FileDepth readDeep(OIIO::ImageInput& in, const DepthChannel& z, FileDepth out) {
     const std::string prefix = spec.channelnames[std::size_t(z.channel)];
     const std::string layer = prefix.substr(0, prefix.size() - lastPart(prefix).size());
     const int back = spec.channelindex(layer + "ZBack"), alpha = spec.channelindex(layer + "A");
-    if (alpha < 0)
-        return noDepth(fmt::format("its deep samples have no channel '{}A' that says how much they hide", layer));
+    if (alpha < 0) return noDepth(fmt::format("its deep samples have no channel '{}A' for their opacity", layer));
     OIIO::DeepData data;
     if (!in.read_native_deep_image(z.part, 0, data)) return noDepth(in.geterror());
     const auto pixels = std::int64_t{spec.width} * spec.height;
@@ -235,7 +234,7 @@ FileDepth readDepth(const std::string& path, const std::string& channel) {
         return noDepth(fmt::format("it has no channel '{}'; expected one of {}", channel, namesOf(all)));
     if (meant.empty())
         return noDepth(
-            fmt::format("none of its channels is called Z or depth; expected 'channel' to be one of {}", namesOf(all)));
+            fmt::format("no channel is called Z or depth; expected 'channel' to be one of {}", namesOf(all)));
     if (meant.size() > 1)
         return noDepth(
             fmt::format("it has several channels of depths; expected 'channel' to be one of {}", namesOf(meant)));

@@ -150,7 +150,7 @@ def test_what_lights_do_not_have_is_warned_of(world):
         "light 'Key': the radius of a spot is not rendered; its shadows are sharp",
         "light 'Key': a square spot is rendered as a round one",
         "light 'Key': an ellipse is rendered as a disk of its mean radius",
-        "light 'Key': its spread is not rendered; it shines to all of one side",
+        "light 'Key': its spread is not rendered; it emits to all of one side",
         "light 'Key': light linking is not rendered; it lights and is shadowed by all",
     ]
 
@@ -261,7 +261,7 @@ def test_volumes_that_cannot_be_are_left_out_or_fail(world):
     text = "volume 'Smoke' is not rendered: Scrim does not know no material, and no grid 'density'"
     assert world.said == [text]
     assert volume(world, shadow=False)[1]
-    assert world.said[-1] == "volume 'Smoke': throws its shadow, though it should not"
+    assert world.said[-1] == "volume 'Smoke': casts a shadow, though it should not"
     broken = Grids(("density",), "")
     broken.error_message = "cannot be read"
     with pytest.raises(Failure, match="volume 'Smoke': cannot be read"):

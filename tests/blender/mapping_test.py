@@ -144,8 +144,8 @@ def test_pictures_are_read(tmp_path):
 @pytest.mark.parametrize(
     "content, text",
     [
-        (b"PNG", "is no EXR"),
-        (picture_bytes(compression=3), "is compressed; expected none"),
+        (b"PNG", "is not an EXR"),
+        (picture_bytes(compression=3), "is compressed; expected no compression"),
         (picture_bytes(flags=0x200), "is tiled, deep, or of several parts; expected one picture of scan lines"),
     ],
 )

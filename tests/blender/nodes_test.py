@@ -254,7 +254,7 @@ def test_a_world_with_a_picture_turns_about_z():
 @pytest.mark.parametrize(
     "made, text",
     [
-        (with_picture(turn=(0.1, 0, 0)), "a turn about x or y by node 'Turn'"),
+        (with_picture(turn=(0.1, 0, 0)), "a rotation about x or y by node 'Turn'"),
         (with_picture(projection="MIRROR_BALL"), "the projection MIRROR_BALL of node 'Sky'"),
         (with_picture(output="Camera"), "node 'Where'"),
         (shaded("ShaderNodeOutputWorld", "ShaderNodeMixShader")[0], "node 'ShaderNodeMixShader'"),

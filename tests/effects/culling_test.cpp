@@ -169,7 +169,7 @@ TEST(UselessLights, AreNamedWithTheirReasons) {
     EXPECT_EQ(reasons[1], "it is black");
     EXPECT_EQ(reasons[2], "no volume is linked to it");
     EXPECT_EQ(reasons[3], "it lights nothing in view");
-    EXPECT_EQ(reasons[4], "its beam passes by all that it could light in view");
+    EXPECT_EQ(reasons[4], "its beam misses every volume in view");
     for (ViewVolume& volume : scene.volumes) volume.medium.albedo = Rgb(0);
     EXPECT_EQ(culledLights(scene)[0], "no volume scatters light");
     const std::vector<Effect> effects = effectsOf(scene, makePlan(scene, 2));
@@ -203,7 +203,7 @@ TEST(Effects, SayWhereTheSceneBroughtThemAbout) {
         {"light.key", "s.toml:4:1"}, {"light.fill.shadows", "s.toml:12:1"}, {"ambient", "s.toml:20:1"}});
     const std::vector<Effect> effects = effectsOf(scene, makePlan(scene, 2));
     EXPECT_EQ(effectOf(effects, "shadows").where, std::vector<std::string>{"s.toml:12:1"});
-    EXPECT_EQ(effectOf(effects, "shadows").reason, "of 'key'; none of 'fill': shadows = false");
+    EXPECT_EQ(effectOf(effects, "shadows").reason, "of 'key'; not of 'fill': shadows = false");
     EXPECT_EQ(effectOf(effects, "ambient light").where, std::vector<std::string>{"s.toml:20:1"});
 }
 

@@ -395,7 +395,7 @@ TEST(DeepPicture, KeepsToTheMemoryLimit) {
     s.memoryLimit = flat + 100'000;
     EXPECT_LE(makePlan(s, 1).bytes, s.memoryLimit);
     EXPECT_EQ(errorOf(ErrorKind::memory, [&] { renderScene(s); }).substr(0, 45),
-              "the deep picture's samples take more than the");
+              "the deep picture's samples need more than the");
     s.deep = ViewDeep{0.3};
     s.memoryLimit = flat + 4'000'000;
     EXPECT_GT(renderScene(s).deep->pieceCount(), 0u) << "merging makes room";

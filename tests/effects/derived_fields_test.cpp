@@ -125,7 +125,7 @@ TEST(Assemble, CountsWhatItMakesAgainstTheMemoryLimit) {
     const std::vector<VolumeFields> fields{{density, {density, density, density}, {}}};
     EXPECT_EQ(assemble(scene, fields, {}, 100'000).memoryLimit, 100'000 - 3 * density->bytes());
     const std::string message = errorOf(ErrorKind::memory, [&] { assemble(scene, fields, {}, 3 * density->bytes()); });
-    EXPECT_NE(message.find("what is made of the volumes' grids"), std::string::npos) << message;
+    EXPECT_NE(message.find("the data made from the volumes' grids"), std::string::npos) << message;
 }
 
 TEST(Assemble, LeavesOutVolumesOutOfViewAndSaysSo) {

@@ -51,22 +51,23 @@ TEST_F(Asset, SaysWhatIsUpAndWhatIsNotUsed) {
     makeVdb(file("v.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1)},
                             {.name = "fuel", .voxels = box({0, 0, 0}, {3, 3, 3}, 1)},
                             {.name = "v", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
-    EXPECT_EQ(runWell({"render", "v.vdb", "--print-scene"}).err,
-              "scrim: v.vdb also holds fuel, v (not used)\nscrim: v.vdb: y is taken for up; --up z turns it\n");
+    EXPECT_EQ(
+        runWell({"render", "v.vdb", "--print-scene"}).err,
+        "scrim: v.vdb also holds fuel, v (not used)\nscrim: v.vdb: y is taken as the up axis; --up z changes this\n");
     const ProgramResult turned = runWell({"render", "v.vdb", "--print-scene", "--up", "z"});
     EXPECT_TRUE(contains(turned.out, "up = [0, 0, 1]\n")) << turned.out;
     EXPECT_FALSE(contains(turned.err, "up")) << turned.err;
     expectFailure({"render", "v.vdb", "--up", "w"}, kUsage, "--up 'w': expected 'x', 'y', 'z', '-x', '-y' or '-z'");
     expectFailure({"render", "scene.toml", "--up", "z"}, kUsage,
-                  "scene.toml: --up is for assets; a scene says itself what is up: --set camera.up=[0,0,1]");
+                  "scene.toml: --up is for assets; for a scene use --set camera.up=[0,0,1]");
 }
 
 TEST_F(Asset, WhatASimulationLeftBehindIsNotShownInSilence) {
     makeVdb(file("rest.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1.5e-18)}});
     const ProgramResult rest = runWell({"render", "rest.vdb", "--print-scene"});
     EXPECT_TRUE(contains(rest.err,
-                         "warning: rest.vdb: grid 'density' has no value above 1.5e-18, as a simulation leaves behind "
-                         "where no smoke is; density.scale was chosen to make even that visible\n"))
+                         "warning: rest.vdb: grid 'density' has no value above 1.5e-18, which may be only the residue "
+                         "of a simulation; density.scale was chosen to make it visible\n"))
         << rest.err;
     makeVdb(file("thin.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1e-5)}});
     EXPECT_FALSE(contains(runWell({"render", "thin.vdb", "--print-scene"}).err, "simulation"));
@@ -98,7 +99,8 @@ TEST_F(Asset, SmokeRisesFromItsFire) {
     makeVdb(file("z.vdb"),
             {{.voxels = box({0, 0, 0}, {6, 6, 30}, 0.2)}, {.name = "heat", .voxels = box({0, 0, 0}, {6, 6, 9}, 1)}});
     const ProgramResult result = runWell({"render", "z.vdb", "--print-scene"});
-    EXPECT_EQ(result.err, "scrim: z.vdb: z is taken for up, where its smoke goes from its fire; --up y turns it\n");
+    EXPECT_EQ(result.err,
+              "scrim: z.vdb: z is taken as the up axis, where its smoke goes from its fire; --up y changes this\n");
     EXPECT_TRUE(contains(result.out, "up = [0, 0, 1]\n"));
 }
 
@@ -141,11 +143,11 @@ TEST_F(Asset, PreviewsTakeAViewAndAnExposure) {
     EXPECT_GT(brightest("a.ppm"), 20);
     EXPECT_LE(brightest("b.ppm"), 1);
     EXPECT_NE(readBytes(file("a.ppm")), readBytes(file("c.ppm")));
-    EXPECT_EQ(readExr(file("scene.exr")).rgba, readExr(file("c.exr")).rgba) << "the picture stays as it is";
+    EXPECT_EQ(readExr(file("scene.exr")).rgba, readExr(file("c.exr")).rgba) << "the picture does not change";
     expectFailure({"render", "scene.toml", "--view", "Film", "--preview", "d.png"}, kUsage,
                   "--view 'Film': expected 'ACES 1.0 SDR', 'Un-tone-mapped' or 'Raw'");
     expectFailure({"render", "scene.toml", "--exposure", "1"}, kUsage,
-                  "--exposure: there is no preview that it could change; --preview FILE.png writes one");
+                  "--exposure: there is no preview to apply it to; --preview FILE.png writes one");
     expectFailure({"render", "scene.toml", "--exposure", "bright", "--preview", "d.png"}, kUsage,
                   "--exposure bright: expected stops from -30 to 30");
 }

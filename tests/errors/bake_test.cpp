@@ -89,8 +89,8 @@ TEST_F(Bake, WritesSequences) {
 TEST_F(Bake, SaysOfWhichMediaEmissionIsNotAll) {
     write("scene.toml", kCamera + kVolume + "[volume.medium]\nphase = { type = \"hg\", g = 0.5 }\n" + kLight);
     const ProgramResult result = runWell({"bake", "scene.toml", "-o", "light.vdb", "--emission"});
-    EXPECT_NE(result.err.find("scrim: warning: scene.toml:9:9: volume 'volume1' does not scatter evenly; its emission "
-                              "grid is that of a medium that does\n"),
+    EXPECT_NE(result.err.find("scrim: warning: scene.toml:9:9: volume 'volume1' scatters anisotropically, but its "
+                              "emission grid is that of isotropic scattering\n"),
               std::string::npos)
         << result.err;
     write("scene.toml",
@@ -99,7 +99,7 @@ TEST_F(Bake, SaysOfWhichMediaEmissionIsNotAll) {
               "= 1, color = [1,1,1], extinction = 1.0 } ]\n" +
               kLight);
     const ProgramResult classified = runWell({"bake", "scene.toml", "-o", "light.vdb", "--emission"});
-    EXPECT_NE(classified.err.find("volume 'volume1' is classified: what it reflects depends on where the eye is, so it "
+    EXPECT_NE(classified.err.find("volume 'volume1' is classified: its reflection depends on the eye's position, so it "
                                   "has no emission grid\n"),
               std::string::npos)
         << classified.err;
@@ -111,19 +111,19 @@ TEST_F(Bake, RefusesWhatIsWrong) {
     expectFailure({"bake", "scene.toml", "smoke.vdb", "-o", "light.vdb"}, kUsage,
                   "bake: expected one scene, since there is one output");
     expectFailure({"bake", "scene.toml", "-o", "light.vdb", "--crop", "0,0,2,2"}, kUsage,
-                  "--crop: light is baked for all voxels, not for pixels");
+                  "--crop: light is baked at voxels, not at pixels; remove --crop");
     expectFailure({"bake", "scene.toml", "-o", "light.vdb", "--light", "kex"}, kUsage,
                   "there is no light 'kex' to bake; did you mean 'key'?; expected 'key'");
     expectFailure({"bake", "scene.toml", "-o", "smoke.vdb"}, kUsage,
-                  "--output 'smoke.vdb': that is the volume 'volume1', which is read; nothing may be written over it");
+                  "--output 'smoke.vdb' would overwrite the volume 'volume1', which is read; write to another file");
     write("dark.toml", kCamera + kVolume);
     expectFailure({"bake", "dark.toml", "-o", "light.vdb"}, kInput,
-                  "dark.toml: there is no light to bake; expected a [[light]] in the scene");
+                  "dark.toml: there is no light to bake; add a [[light]] to the scene");
     write("same.toml",
           kCamera + kVolume + kWarm + "[[light]]\nname = \"warm-one\"\ntype = \"distant\"\ndirection = [1, 0, 0]\n");
     expectFailure({"bake", "same.toml", "-o", "light.vdb"}, kInput,
                   "same.toml: light 'warm one' and light 'warm-one' would both be the grid 'warm_one', whose name has "
-                  "letters, digits and underscores alone; expected different names");
+                  "only letters, digits and underscores; expected different names");
     write("file", "");
     expectFailure({"bake", "scene.toml", "-o", "file/light.vdb"}, kOutput,
                   "cannot write 'file/light.vdb': 'file' is not a folder");

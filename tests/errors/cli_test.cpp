@@ -154,7 +154,7 @@ TEST_F(CliErrors, CameraAtItsOwnTargetIsLocated) {
     write("bad.toml", "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 40]\n" + kVolume);
     const ProgramResult result = run({"render", "bad.toml"});
     EXPECT_EQ(result.status, kInput);
-    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:3:10: the camera stands at its own 'target'", 0), 0u)
+    EXPECT_EQ(result.err.rfind("scrim: error: bad.toml:3:10: the camera is at the same point as its 'target'", 0), 0u)
         << result.err;
 }
 
@@ -172,13 +172,12 @@ TEST_F(CliErrors, ZeroResolutionOfTheCommandLineIsUsage) {
 
 TEST_F(CliErrors, TextThatIsNotUtf8IsLocated) {
     write("s.toml", kCamera + "[[volume]]\nname = \"caf\xe9\"\nfile = \"smoke.vdb\"\n" + kLight);
-    expectFailure({"render", "s.toml"}, kInput, "s.toml:7:12: the byte 0xe9 is not UTF-8, which all text of scenes is");
+    expectFailure({"render", "s.toml"}, kInput, "s.toml:7:12: the byte 0xe9 is not UTF-8; scenes must be UTF-8 text");
     expectFailure({"render", "scene.toml", "--set", "volume[0].file=caf\xe9.vdb"}, kInput,
-                  "--set volume[0].file: it is not UTF-8, which all text of scenes is");
+                  "--set volume[0].file: it is not UTF-8; scenes must be UTF-8 text");
     std::filesystem::copy_file(file("smoke.vdb"), file("caf\xe9.vdb"));
     expectFailure({"render", "caf\xe9.vdb", "--print-scene"}, kUsage,
-                  "caf\xe9.vdb: the name is not UTF-8, which all text of scenes is: no scene can be printed that names "
-                  "it; rename it, or make a link to it");
+                  "caf\xe9.vdb: the name is not UTF-8, so no scene can name it; rename it, or make a link to it");
 }
 
 // ---- output
@@ -248,7 +247,7 @@ TEST_F(CliErrors, UnreadableOcioConfigOfTheEnvironmentIsNoSilentFallback) {
 
 TEST_F(CliErrors, MemoryLimitBelowTheVolumesSaysWhatTheyTake) {
     expectFailure({"render", "scene.toml", "--memory", "10K"}, kMemory,
-                  "the volumes take 16.1 KB, which leaves nothing of the limit of 10.0 KB (--memory)");
+                  "the volumes take 16.1 KB, which uses up the memory limit of 10.0 KB (--memory)");
 }
 
 TEST_F(CliErrors, MemoryLimitBelowOneSheetIsRefused) {
@@ -261,9 +260,10 @@ TEST_F(CliErrors, MemoryLimitBelowOneSheetIsRefused) {
 // ---- the command line
 
 TEST_F(CliErrors, ColonInAFrameRangeIsRefused) {
-    expectFailure({"render", "scene.toml", "--frames", "1:5"}, kUsage,
-                  "frame range '1:5': ':' is refused, since farm managers disagree on its meaning; write 1-48x2 for "
-                  "every second frame");
+    expectFailure(
+        {"render", "scene.toml", "--frames", "1:5"}, kUsage,
+        "frame range '1:5': ':' is not supported, because farm managers interpret it differently; write 1-48x2 for "
+        "every second frame");
 }
 
 TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
@@ -355,7 +355,7 @@ TEST_F(CliMissingFrame, IsSkippedWhereAllowed) {
 
 TEST_F(CliMissingFrame, SequenceDemandsFrames) {
     expectFailure({"render", "seq.toml"}, kUsage,
-                  "seq.toml: 's.####.vdb' is a sequence; say which frames with --frames (files exist for 1 to 3)");
+                  "seq.toml: 's.####.vdb' is a sequence; give the frames with --frames (files exist for 1 to 3)");
 }
 
 }  // namespace

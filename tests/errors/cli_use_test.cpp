@@ -93,7 +93,7 @@ TEST_F(CliUse, PrintedSceneRendersToTheSamePixels) {
     runWell({"render", "smoke.vdb", "-o", "a.exr", "--res", "40x30", "--quality", "draft"});
     const ProgramResult printed =
         runWell({"render", "smoke.vdb", "-o", "b.exr", "--res", "40x30", "--quality", "draft", "--print-scene"});
-    EXPECT_EQ(printed.err, "scrim: smoke.vdb: y is taken for up; --up z turns it\n");
+    EXPECT_EQ(printed.err, "scrim: smoke.vdb: y is taken as the up axis; --up z changes this\n");
     EXPECT_FALSE(exists("b.exr"));
     write("printed.toml", printed.out);
     runWell({"render", "printed.toml"});  // b.exr is in it

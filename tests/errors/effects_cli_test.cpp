@@ -94,10 +94,9 @@ TEST_F(CliEffects, LightsOfAnyNameHaveChannelsThatAreRead) {
     runWell({"render", "s.toml", "-o", "x.exr"});
     EXPECT_NE(readExrAttributes(file("x.exr")).at("channels").find(" light.key_light_1.R:"), std::string::npos);
     write("s.toml", scene + "[[light]]\nname = \"key_light_1\"\ntype = \"distant\"\ndirection = [0, 0, 1]\n" + output);
-    expectFailure(
-        {"render", "s.toml", "-o", "y.exr"}, 3,
-        "s.toml:17:10: lights 'key light.1' and 'key_light_1' would both be 'light.key_light_1' in the picture, where "
-        "names have letters, digits and underscores alone; expected different ones");
+    expectFailure({"render", "s.toml", "-o", "y.exr"}, 3,
+                  "s.toml:17:10: lights 'key light.1' and 'key_light_1' would both be the layer 'light.key_light_1', "
+                  "whose name has only letters, digits and underscores; expected different names");
 }
 
 TEST_F(CliEffects, VolumesHaveChannelsOfTheirOwnAndMotionHasTwo) {
@@ -110,10 +109,9 @@ TEST_F(CliEffects, VolumesHaveChannelsOfTheirOwnAndMotionHasTwo) {
         EXPECT_NE(channels.find(channel), std::string::npos) << channel << " in " << channels;
     EXPECT_EQ(readExrChannel(file("x.exr"), "volume.my_smoke.R"), readExrChannel(file("x.exr"), "R"));
     write("s.toml", kCamera + kVolume + "name = \"my smoke\"\n" + kVolume + "name = \"my-smoke\"\n" + kLight + output);
-    expectFailure(
-        {"render", "s.toml", "-o", "y.exr"}, 3,
-        "s.toml:17:10: volumes 'my smoke' and 'my-smoke' would both be 'volume.my_smoke' in the picture, where names "
-        "have letters, digits and underscores alone; expected different ones");
+    expectFailure({"render", "s.toml", "-o", "y.exr"}, 3,
+                  "s.toml:17:10: volumes 'my smoke' and 'my-smoke' would both be the layer 'volume.my_smoke', whose "
+                  "name has only letters, digits and underscores; expected different names");
 }
 
 TEST_F(CliEffects, LayersAreInTheFileAndAddUp) {
@@ -159,7 +157,7 @@ TEST_F(CliEffects, VolumesThatThePictureHasNoUseForAreNotLoaded) {
     runWell({"render", "s.toml", "-o", "x.exr"});
     const auto effect = effectOf("s.toml", "volumes culled");
     EXPECT_EQ(effect["on"], true);
-    EXPECT_EQ(effect["reason"], "'far': it is out of view and throws no shadow into view");
+    EXPECT_EQ(effect["reason"], "'far': it is out of view and casts no shadow into view");
     EXPECT_EQ(effect["where"][0], "s.toml:8:1");
     // Light that passes it on its way to what is in view needs it.
     write("s.toml", kCamera + kVolume + far + "[[light]]\ntype = \"distant\"\ndirection = [-1, 0, 0]\n");
@@ -169,9 +167,8 @@ TEST_F(CliEffects, VolumesThatThePictureHasNoUseForAreNotLoaded) {
 TEST_F(CliEffects, PictureOfNothingSaysWhy) {
     const ProgramResult result =
         runWell({"render", "scene.toml", "-o", "x.exr", "-q", "--set", "camera.target=[0,0,90]"});
-    EXPECT_EQ(
-        result.err,
-        "scrim: warning: frame 1: volume 'volume1' is culled: it is out of view and throws no shadow into view\n");
+    EXPECT_EQ(result.err,
+              "scrim: warning: frame 1: volume 'volume1' is culled: it is out of view and casts no shadow into view\n");
 }
 
 TEST_F(CliEffects, LightsThatLightNothingAreNamedInThePlan) {
@@ -204,9 +201,9 @@ TEST_F(CliEffects, TellsOfTheScenesOwnTextOnceAndNotForEveryFrame) {
     write("scene.toml", kCamera + kFire + "blackbody = { grid = \"heat\" }\n");
     const ProgramResult result = run({"render", "scene.toml", "--frames", "1-3", "-o", "x.####.exr", "-q"});
     ASSERT_EQ(result.status, 0) << result.err;
-    const std::size_t first = result.err.find("'normalize' of the black body");
+    const std::size_t first = result.err.find("'normalize' of the blackbody");
     ASSERT_NE(first, std::string::npos) << result.err;
-    EXPECT_EQ(result.err.find("'normalize' of the black body", first + 1), std::string::npos) << result.err;
+    EXPECT_EQ(result.err.find("'normalize' of the blackbody", first + 1), std::string::npos) << result.err;
 }
 
 // The picture is there, and says what was reached.

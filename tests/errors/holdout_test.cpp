@@ -165,7 +165,7 @@ TEST_F(HoldoutFiles, ThatCannotBeUsedAreLocatedErrors) {
                   "the data window of 'z.exr' is 64 x 48; expected 32 x 24, the resolution of the picture");
     writeFlat("rgb.exr", {"R", "G", "B"}, kLeftAt30);
     expectRefusal(sceneOf("rgb.exr"),
-                  "cannot read 'rgb.exr': none of its channels is called Z or depth; expected 'channel' to be one of "
+                  "cannot read 'rgb.exr': no channel is called Z or depth; expected 'channel' to be one of "
                   "'R', 'G', 'B'");
     expectRefusal(sceneOf("rgb.exr", ", channel = \"Z\""),
                   "cannot read 'rgb.exr': it has no channel 'Z'; expected one of 'R', 'G', 'B'");
@@ -178,7 +178,7 @@ TEST_F(HoldoutFiles, ThatCannotBeUsedAreLocatedErrors) {
                   "cannot read 'z.png': its channel 'Y' holds whole numbers; expected depths as floats");
     writeDeep("deep.exr", {"Z", "ZBack"}, {30, 31});
     expectRefusal(sceneOf("deep.exr"),
-                  "cannot read 'deep.exr': its deep samples have no channel 'A' that says how much they hide");
+                  "cannot read 'deep.exr': its deep samples have no channel 'A' for their opacity");
     write("text.exr", "no picture");
     const ProgramResult damaged = run({"render", sceneOf("text.exr"), "-o", "x.exr"});
     EXPECT_EQ(damaged.status, 3);
@@ -195,9 +195,9 @@ TEST_F(HoldoutFiles, ThatCannotBeUsedAreLocatedErrors) {
 
 TEST_F(HoldoutFiles, AreLeftAsTheyAre) {
     writeFlat("z.exr", {"Z"}, kLeftAt30);
-    expectFailure({"render", sceneOf("z.exr"), "-o", "z.exr"}, 2,
-                  "the picture of held.toml 'z.exr': that is the holdout's picture, which is read; nothing may be "
-                  "written over it");
+    expectFailure(
+        {"render", sceneOf("z.exr"), "-o", "z.exr"}, 2,
+        "the picture of held.toml 'z.exr' would overwrite the holdout's picture, which is read; write to another file");
 }
 
 // Whatever becomes of a file, the program renders it or says where the scene names it.

@@ -58,8 +58,8 @@ class Limits : public ProgramTest {
 
 TEST_F(Limits, OfFilesAreToldWhereAVolumeIsHandedOver) {
     expectFailure({"render", "scene.toml"}, kOutput,
-                  "smoke.vdb: cannot hand over what was read: it is larger than files may be (ulimit -f), or than "
-                  "memory allows (--memory)",
+                  "smoke.vdb: cannot hand over what was read: it exceeds the limit on file sizes (ulimit -f) or on "
+                  "memory (--memory)",
                   shell("ulimit -f 4"));
 }
 
@@ -119,17 +119,15 @@ TEST_F(Limits, OfTimeAreToldWhoseverTheyAre) {
                                  "\" }\n");
     };
     source("have had its time");
-    expectFailure(
-        {"render", "source.toml", "--threads", "1"}, kInput,
-        "source.toml:11:10: source 'readsfile': in: reading it did not come to an end in 0 seconds of processor time",
-        given);
+    expectFailure({"render", "source.toml", "--threads", "1"}, kInput,
+                  "source.toml:11:10: source 'readsfile': in: reading it did not finish within 0 seconds of CPU time",
+                  given);
     source("loop");
     given.shell = "ulimit -t 1; exec \"$0\" \"$@\"";
-    expectFailure({"render", "source.toml", "--threads", "1"}, kRender,
-                  "source.toml:11:10: source 'readsfile': in: reading it takes more processor time than a process may; "
-                  "raise the limit "
-                  "(ulimit -t)",
-                  given);
+    expectFailure(
+        {"render", "source.toml", "--threads", "1"}, kRender,
+        "source.toml:11:10: source 'readsfile': in: reading it exceeded the limit on CPU time; raise it (ulimit -t)",
+        given);
 }
 
 TEST_F(Limits, OfMemoryAreNotTheFaultOfAMesh) {

@@ -104,7 +104,7 @@ TEST_F(Merge, RefusesWhatIsNoPicture) {
     expectFailure({"merge", "tile0.exr"}, kUsage, "merge: expected -o WHOLE.exr, the file to write");
     expectFailure(mergeOf(tiles, "whole.png"), kUsage, "the output 'whole.png' does not end in '.exr'");
     expectFailure(mergeOf(tiles, "tile2.exr"), kUsage,
-                  "--output 'tile2.exr': that is the tile, which is read; nothing may be written over it");
+                  "--output 'tile2.exr' would overwrite the tile, which is read; write to another file");
     expectFailure(mergeOf({"tile0.exr", "tile1.exr", "tile2.exr"}, "whole.exr"), kInput,
                   "a tile is missing: none holds the pixels 16,16,32,24 of the picture 0,0,32,24");
     write("other.toml", kCamera + kVolume + kLight + "intensity = 2\n");
@@ -113,7 +113,7 @@ TEST_F(Merge, RefusesWhatIsNoPicture) {
                   "cannot merge 'other.exr': it is not of the same render as 'tile0.exr': the attribute 'scrim:scene' "
                   "differs");
     expectFailure({"merge", "scene.toml", "-o", "whole.exr"}, kInput,
-                  "cannot merge 'scene.toml': it is no OpenEXR file, or not all of one: it was broken off");
+                  "cannot merge 'scene.toml': it is not an OpenEXR file, or it is truncated");
     expectFailure({"render", "scene.toml", "--deep", "deep.tif"}, kUsage,
                   "--deep: the deep picture 'deep.tif' does not end in '.exr'");
 }
@@ -125,9 +125,8 @@ TEST_F(Merge, SaysWhichPicturesAreNotWhole) {
     const ProgramResult result = run({"merge", "--check", "tile0.exr", "tile1.exr", "none.exr"});
     EXPECT_EQ(result.status, kInput);
     EXPECT_EQ(result.out, "tile1.exr\nnone.exr\n");
-    EXPECT_EQ(result.err, "scrim: error: 2 of 3 pictures are missing or not whole\n");
-    expectFailure({"merge", "--check", "tile0.exr", "-o", "a.exr"}, kUsage,
-                  "--check writes nothing: expected no -o beside it");
+    EXPECT_EQ(result.err, "scrim: error: 2 of 3 pictures are missing or incomplete\n");
+    expectFailure({"merge", "--check", "tile0.exr", "-o", "a.exr"}, kUsage, "--check writes nothing; remove -o");
 }
 
 TEST_F(Merge, WarnsOfWhatIsLost) {
@@ -135,11 +134,11 @@ TEST_F(Merge, WarnsOfWhatIsLost) {
     for (const std::size_t i : {0, 1, 2, 3})
         runWell({"render", "scene.toml", "--crop", kCrops[i], "-o", "t" + std::to_string(i) + ".exr", "--verify", "4"});
     const ProgramResult result = runWell({"merge", "t0.exr", "t1.exr", "t2.exr", "t3.exr", "-o", "whole.exr", "-q"});
-    EXPECT_NE(result.err.find("whole.exr: the tiles were compressed with loss, and are once more; render tiles with "
-                              "another compression, and merge them with --compression dwaa\n"),
+    EXPECT_NE(result.err.find("whole.exr: the tiles have lossy compression, which is applied once more; render tiles "
+                              "with lossless compression, and merge them with --compression dwaa\n"),
               std::string::npos)
         << result.err;
-    EXPECT_NE(result.err.find("whole.exr: left out what tiles say of themselves: scrim:verify:alpha, "),
+    EXPECT_NE(result.err.find("whole.exr: dropped attributes that describe single tiles: scrim:verify:alpha, "),
               std::string::npos)
         << result.err;
 }

@@ -20,7 +20,7 @@ namespace {
 constexpr int kUsage = 2;
 
 std::string overwrites(const std::string& what, const std::string& file, const std::string& role) {
-    return what + " '" + file + "': that is " + role + ", which is read; nothing may be written over it";
+    return what + " '" + file + "' would overwrite " + role + ", which is read; write to another file";
 }
 
 class Outputs : public ProgramTest {
@@ -188,11 +188,11 @@ TEST_F(DeepOutput, IsPlannedAndWrittenBesideThePicture) {
 
 TEST_F(DeepOutput, WarnsOfColouredExtinction) {
     const std::vector<std::string> arguments{"render", "scene.toml", "-o", "x.exr", "--set", "output.deep=d.exr"};
-    EXPECT_EQ(runWell(arguments).err.find("one alpha for all colours"), std::string::npos);
+    EXPECT_EQ(runWell(arguments).err.find("one alpha for all channels"), std::string::npos);
     write("tint.toml", readBytes(file("scene.toml")) + "\n[output]\ndeep = \"d.exr\"\n");
     const ProgramResult result =
         runWell({"render", "tint.toml", "-o", "x.exr", "--set", "volume.volume1.medium.extinction_tint=[1, 0.5, 0.2]"});
-    EXPECT_NE(result.err.find("one alpha for all colours"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("one alpha for all channels"), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("tint.toml:"), std::string::npos) << result.err;
 }
 
@@ -231,8 +231,8 @@ TEST_F(SkipExisting, RendersPicturesAgainThatAreNotWhole) {
     write("o.0001.exr", "");
     std::filesystem::resize_file(file("o.0002.exr"), whole.size() / 2);
     const ProgramResult result = runWell(m_arguments);
-    expectLine(result, "frame 1: o.0001.exr is not whole, and is rendered again\n");
-    expectLine(result, "frame 2: o.0002.exr is not whole, and is rendered again\n");
+    expectLine(result, "frame 1: o.0001.exr is incomplete; rendering it again\n");
+    expectLine(result, "frame 2: o.0002.exr is incomplete; rendering it again\n");
     expectLine(result, "frame 3: o.0003.exr exists already\n");
     EXPECT_TRUE(readBytes(file("o.0001.exr")) == whole);
     EXPECT_EQ(readBytes(file("o.0002.exr")).size(), readBytes(file("o.0003.exr")).size());
@@ -264,8 +264,8 @@ TEST_F(SkipExisting, RendersAgainWhatHasNoWholeDeepPicture) {
     std::filesystem::resize_file(file("o.deep.0002.exr"), whole.size() / 2);
     const auto before = std::filesystem::last_write_time(file("o.0003.exr"));
     const ProgramResult result = runWell(arguments);
-    expectLine(result, "frame 1: o.0001.exr has no whole deep picture, and is rendered again\n");
-    expectLine(result, "frame 2: o.0002.exr has no whole deep picture, and is rendered again\n");
+    expectLine(result, "frame 1: o.0001.exr has an incomplete deep picture; rendering it again\n");
+    expectLine(result, "frame 2: o.0002.exr has an incomplete deep picture; rendering it again\n");
     expectLine(result, "frame 3: o.0003.exr exists already\n");
     EXPECT_TRUE(readBytes(file("o.deep.0001.exr")) == whole);
     EXPECT_EQ(std::filesystem::last_write_time(file("o.0003.exr")), before);

@@ -332,7 +332,7 @@ class StuckChild : public SourceLoader {
             const std::string text = errorOf(ErrorKind::input, [&] { job.wait({}); });
             // Which of the two limits is reached first is chance.
             EXPECT_TRUE(text == request.path + ": reading it took more than 1 second" ||
-                        text == request.path + ": reading it did not come to an end in 1 second of processor time")
+                        text == request.path + ": reading it did not finish within 1 second of CPU time")
                 << text;
         }
         while (grandchildren() > 0 && std::chrono::steady_clock::now() - start < std::chrono::seconds(30))

@@ -24,10 +24,10 @@ TEST_F(StudyCommand, WritesATableDataAndAPage) {
 }
 
 TEST_F(StudyCommand, RefusesWhatItCannotStudy) {
-    expectFailure({"study", "scene.toml"}, 2, "study: say with -o which folder the results go to");
+    expectFailure({"study", "scene.toml"}, 2, "study: expected -o DIR, the folder for the results");
     expectFailure({"study", "scene.toml", "smoke.vdb", "-o", "out"}, 2, "study: expected one scene or asset");
     expectFailure({"study", "scene.toml", "-o", "out", "--frames", "1-2"}, 2,
-                  "study: expected one frame; say which with --frames");
+                  "study: expected one frame; give it with --frames");
     expectFailure({"study", "scene.toml", "-o", "out", "--budget", "0"}, 2,
                   "--budget 0: expected seconds, more than 0");
     expectFailure({"study", "scene.toml", "-o", "smoke.vdb"}, 4, "cannot make the folder 'smoke.vdb': Not a directory");
@@ -87,7 +87,7 @@ TEST_F(VerifyOption, OfAllKnowsTheErrorExactly) {
     const auto v = nlohmann::json::parse(readBytes(file("stats.json"))).at(0).at("verification");
     EXPECT_TRUE(v.at("complete").get<bool>());
     EXPECT_EQ(v.at("lower"), v.at("upper"));
-    EXPECT_NE(result.err.find("pixels that show something"), std::string::npos) << result.err;
+    EXPECT_NE(result.err.find("pixels that are not empty"), std::string::npos) << result.err;
 }
 
 TEST_F(VerifyOption, OfAnEmptyPictureSaysThatItIsEmpty) {
@@ -123,7 +123,7 @@ TEST_F(ToleranceOption, IsRefusedWhereItMakesNoSense) {
                   "--tolerance 0: expected a relative RMSE between 0 and 1, such as 0.005");
     write("both.toml", kCamera + kVolume + kLight + "[render]\ntolerance = 0.05\ntexel = 0.5\n");
     expectFailure({"render", "both.toml"}, 3,
-                  "both.toml:14:9: 'texel' cannot be given beside 'tolerance', which chooses it");
+                  "both.toml:14:9: 'texel' cannot be combined with 'tolerance', which chooses it");
 }
 
 }  // namespace

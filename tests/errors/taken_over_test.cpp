@@ -116,7 +116,7 @@ TEST_F(TakenOver, PicturesThatCannotBeAreRefused) {
     EXPECT_EQ(refusedPicture(with(good, kHeight, 1 << 20)), "it is shorter than it says");
     EXPECT_EQ(refusedPicture(with(good, kWidth, 2)), "it is longer than its header says");
     for (const double aspect : {0.0, -1.0, 1e300, std::nan(""), std::numeric_limits<double>::infinity()})
-        EXPECT_EQ(refusedPicture(with(good, kAspect, aspect)), "its pixels have no shape");
+        EXPECT_EQ(refusedPicture(with(good, kAspect, aspect)), "its pixel aspect ratio is invalid");
     for (const std::uint64_t size : {std::uint64_t{1} << 20, std::uint64_t{1} << 63, ~std::uint64_t{0}})
         EXPECT_EQ(refusedPicture(with(good, kProblemSize, size)), "it is shorter than it says");
     EXPECT_EQ(refusedPicture(""), "the process that read it stopped before it was done");
@@ -206,7 +206,7 @@ TEST_F(TakenOver, AnyDamagedBitOfASourcesFieldIsRefusedOrHarmless) {
 TEST_F(TakenOver, OnlyFilesOfTheSameFolderCanBeAskedFor) {
     for (const std::string& name : {std::string("../x"), std::string("/etc/passwd"), std::string("sub/x"),
                                     std::string("."), std::string(".."), std::string("a\0b", 3), std::string(256, 'x')})
-        EXPECT_EQ(refusedFields(asksFor(name)), "it asks for a file elsewhere") << name;
+        EXPECT_EQ(refusedFields(asksFor(name)), "it names a file in another folder") << name;
     // It is run again with that file, and asks again: that is the end.
     write("other", "1");
     for (const std::string& name : {std::string("other"), std::string("none")})

@@ -18,8 +18,8 @@ constexpr int kFailed = 1, kInput = 3;
 using WrittenFiles = ProgramTest;
 
 const std::string kDeepAndShutter =
-    " does not go with 'shutter' of [camera]: a deep pixel has one depth for each thing, and what moves has many; "
-    "expected one of them";
+    " cannot be combined with 'shutter' of [camera]: a deep sample has one depth, but a moving object has many; remove "
+    "one of the two";
 
 // ---- deep pictures
 
@@ -44,15 +44,15 @@ TEST_F(WrittenFiles, AreFinite) {
                                       "--set", "light.key.intensity=1e30", "--set", "light.key.exposure=64"});
     EXPECT_EQ(result.status, kFailed) << result.err;
     EXPECT_NE(result.err.find("scrim: error: frame 1: 'R' is "), std::string::npos) << result.err;
-    EXPECT_NE(result.err.find("; nothing is written. Light that is brighter than floats reach makes such values"),
+    EXPECT_NE(result.err.find("; nothing is written. A light that is too bright for floats can cause this"),
               std::string::npos)
         << result.err;
     for (const char* name : {"x.exr", "x.png", "d.exr"}) EXPECT_FALSE(exists(name)) << name;
     expectFailure({"bake", "scene.toml", "-o", "light.vdb", "--set", "light.key.intensity=1e30", "--set",
                    "light.key.exposure=64"},
                   kFailed,
-                  "frame 1: the grid 'key' is infinite, or no number, in places; nothing is written. Light that is "
-                  "brighter than floats reach makes such values");
+                  "frame 1: the grid 'key' contains infinite or NaN values, so nothing is written; is a light brighter "
+                  "than floats can hold?");
 }
 
 TEST_F(WrittenFiles, OfHalvesAreClampedAndToldSo) {
@@ -99,9 +99,8 @@ TEST_F(WrittenFiles, WithLinesInTheirNamesArePrintedAsAnyOther) {
         runWell({"render", "printed.toml", "--res", "16x12"});
         EXPECT_TRUE(exists(name)) << printed;
     }
-    expectFailure(
-        {"render", "scene.toml", "-o", "caf\xe9.exr", "--print-scene"}, 2,
-        "--output: the name is not UTF-8, which all text of scenes is: no scene can be printed that names it");
+    expectFailure({"render", "scene.toml", "-o", "caf\xe9.exr", "--print-scene"}, 2,
+                  "--output: the name is not UTF-8, so no scene can name it");
 }
 
 TEST_F(WrittenFiles, AreNotMergedOfWhatIsNoFile) {
@@ -115,7 +114,7 @@ TEST_F(WrittenFiles, AreNotMergedOfWhatIsNoFile) {
 TEST_F(WrittenFiles, NeedNoViewer) {
     const ProgramResult result = runWell({"render", "scene.toml", "-o", "x.exr", "--display-server", "127.0.0.1:1"});
     EXPECT_NE(result.err.find("scrim: warning: --display-server 127.0.0.1:1: no viewer answers: Connection refused; "
-                              "pictures are rendered and not shown\n"),
+                              "pictures are rendered but not shown\n"),
               std::string::npos)
         << result.err;
     EXPECT_TRUE(exists("x.exr"));

@@ -178,7 +178,7 @@ class Folder(unittest.TestCase):
         self.assertEqual(self.next(job), ({3: 1}, [], {4: "fatal: scrim: error: reason 3"}))
         code, text = self.status()
         self.assertEqual(code, 1)
-        self.assertIn("2 of 4 frames are there", text)
+        self.assertIn("2 of 4 frames are complete", text)
         self.assertIn("missing: frames 3, picture: retry, attempt 1: scrim: error: reason 4", text)
         self.assertIn("missing: frames 4, picture: fatal, attempt 1: scrim: error: reason 3", text)
         self.assertIn("warning: frames 2: scrim: error: reason 5", text)
@@ -201,8 +201,8 @@ class Folder(unittest.TestCase):
                 resource.setrlimit(resource.RLIMIT_CPU, most)
 
             self.assertEqual(self.run_frame(frame, 99, before=limit), [1])
-            self.assertEqual(self.next(job)[2][frame], "fatal: it takes more processor time than a process may; raise "
-                                                       "the limit (ulimit -t)")
+            self.assertEqual(self.next(job)[2][frame], "fatal: it exceeded the limit on CPU time; raise it "
+                                                       "(ulimit -t)")
 
     def test_a_signal_to_a_task_reaches_its_program(self):
         job = self.job()
@@ -299,7 +299,7 @@ class Command(unittest.TestCase):
                      "--tiles 2: expected COLUMNSxROWS, such as 2x2")
         self.refuses(["b.toml", "--frames", "1", *on], 3, "there is no scene b.toml")
         self.refuses(["a.toml", "--frames", "1", "--on", "slurm", "--scrim", "scram"], 2, "there is no program 'scram'")
-        self.refuses(["--status", "."], 2, ". is no folder of a job: ")
+        self.refuses(["--status", "."], 2, ". is not the folder of a job: ")
         self.refuses(["bad.toml", "--frames", "1", *on], 3, "bad.toml:2:8: 'type' is 3; expected '")
         self.refuses(["a.toml", "--frames", "1-2", "-o", "a.exr", *on], 2, "put #### into its name")
         self.refuses(["a.toml", "--frames", "1", "--tiles", "40x1", *on], 2,
@@ -345,7 +345,7 @@ class Submitted(unittest.TestCase):
                                   'preview = "${NAME}.%03d.png"\n[variables]\nNAME = "small"\n')
             self.submit(place, "shot.toml", "--frames=-2--1", "--tiles", "2x1", "--chunk", "2", "--quality", "draft")
             said = self.run_tasks(os.path.join(place, "shot.farm"), "-2--1")
-            self.assertIn("2 of 2 frames are there", said)
+            self.assertIn("2 of 2 frames are complete", said)
             self.assertEqual(os.listdir(folder), ["a##b %04d do$lar"])
             self.assertEqual(sorted(os.listdir(place)), [
                 "deep.-001.exr", "deep.-002.exr", "out$-1", "out$-2", "shot.farm", "shot.toml", "small.-01.png",
@@ -360,9 +360,9 @@ class Submitted(unittest.TestCase):
                 subprocess.run([SCRIM, "make", "noise", "resolution=16", "-q", "-o", f"s#.{frame}.vdb"], check=True,
                                cwd=place, timeout=60)
             self.submit(place, "s#.1.vdb", "--frames", "1", "--res", "32x24")
-            self.assertIn("1 of 1 frames are there", self.run_tasks(os.path.join(place, "s#.1.farm"), "1"))
+            self.assertIn("1 of 1 frames are complete", self.run_tasks(os.path.join(place, "s#.1.farm"), "1"))
             self.submit(place, "s$#.#.vdb", "--frames", "1-2", "--chunk", "2", "--res", "32x24")
-            self.assertIn("2 of 2 frames are there", self.run_tasks(os.path.join(place, "s#.farm"), "1-2"))
+            self.assertIn("2 of 2 frames are complete", self.run_tasks(os.path.join(place, "s#.farm"), "1-2"))
             self.assertEqual(os.listdir(folder), ["do$lar##"])
             self.assertEqual(sorted(os.listdir(place)), [
                 "s#.0001.exr", "s#.0002.exr", "s#.1.0001.exr", "s#.1.farm", "s#.1.vdb", "s#.2.vdb", "s#.farm"])

@@ -178,7 +178,7 @@ status=0
 timeout 60 "$submit" --status "$job" >status.txt || status=$?
 cat status.txt
 [ "$status" -eq 1 ] || fail "a task was cancelled, and --status says $status"
-grep -q '11 of 12 frames are there' status.txt || fail "not all other frames are there"
+grep -q '11 of 12 frames are complete' status.txt || fail "not all other frames are complete"
 grep -Eq "missing: frames $(cut -d- -f2 <<<"$cancelled"), tile ${cancelled: -1}: cancelled, attempt 1: " status.txt || fail "it does not say why"
 grep -q 'status 33, memory' "$job/log/farm.log" || fail "no task lacked memory"
 grep -q 'status 137, lost: killed by SIGKILL' "$job/log/farm.log" || fail "no task was killed"

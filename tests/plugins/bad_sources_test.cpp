@@ -26,12 +26,12 @@ TEST_F(BadSource, DescriptionIsRefusedWithTheReason) {
     EXPECT_EQ(described("nothing"), "its scrim_source_v1 returns no description");
     EXPECT_EQ(described("no_generate"), "its description lacks 'generate'");
     const std::string size = std::to_string(sizeof(scrim_parameter) + 24);
-    EXPECT_EQ(described("no_parameters"), "its 2 parameters of " + size + " bytes make no sense");
-    EXPECT_EQ(described("many_parameters"), "its 1000000 parameters of " + size + " bytes make no sense");
+    EXPECT_EQ(described("no_parameters"), "its 2 parameters of " + size + " bytes are invalid");
+    EXPECT_EQ(described("many_parameters"), "its 1000000 parameters of " + size + " bytes are invalid");
     EXPECT_EQ(described("small_parameters"),
-              "its 2 parameters of " + std::to_string(sizeof(scrim_parameter) - 8) + " bytes make no sense");
+              "its 2 parameters of " + std::to_string(sizeof(scrim_parameter) - 8) + " bytes are invalid");
     EXPECT_EQ(described("odd_parameters"),
-              "its 2 parameters of " + std::to_string(sizeof(scrim_parameter) + 25) + " bytes make no sense");
+              "its 2 parameters of " + std::to_string(sizeof(scrim_parameter) + 25) + " bytes are invalid");
     EXPECT_EQ(described("unnamed_parameter"), "one of its parameters has no name");
     EXPECT_EQ(described("unknown_type"), "its parameter 'first' has the unknown type 17");
     EXPECT_EQ(described("no_default"), "its parameter 'first' has no default");
@@ -47,15 +47,15 @@ TEST_F(BadSource, LargerStructuresOfLaterVersionsAreWelcome) {
 }
 
 TEST_F(BadSource, ExceptionsAreCaughtAtTheBoundary) {
-    const std::string expected = "source 'badcalls': it threw an exception, which sources must not";
+    const std::string expected = "source 'badcalls': it threw an exception; a source must not throw";
     EXPECT_EQ(acted("throws"), expected);
     EXPECT_EQ(acted("throws a number"), expected);
 }
 
 TEST_F(BadSource, CallsThatBreakTheRulesAreRefused) {
     const std::string it = "source 'badcalls': it ", grid = "source 'badcalls': grid 'density': ";
-    EXPECT_EQ(acted("no grid"), it + "used grid number 0, and has added 0 grids");
-    EXPECT_EQ(acted("negative grid"), it + "used grid number -1, and has added 1 grids");
+    EXPECT_EQ(acted("no grid"), it + "used grid number 0, but has added 0 grids");
+    EXPECT_EQ(acted("negative grid"), it + "used grid number -1, but has added 1 grids");
     EXPECT_EQ(acted("nameless grid"), it + "added a grid without a name");
     EXPECT_EQ(acted("null name"), it + "added a grid without a name");
     EXPECT_EQ(acted("null transform"), it + "added a grid without a transform");
@@ -69,13 +69,13 @@ TEST_F(BadSource, CallsThatBreakTheRulesAreRefused) {
     EXPECT_EQ(acted("tile of less"), grid + "a tile of edge -8 at 0, 0, 0" + rule);
     EXPECT_EQ(acted("tile off grid"), grid + "a tile of edge 16 at 8, 0, 0" + rule);
     EXPECT_TRUE(acted("tiles overlap").starts_with(grid)) << acted("tiles overlap");
-    EXPECT_EQ(acted("other thread"), it + "called the host from a thread of its own");
+    EXPECT_EQ(acted("other thread"), it + "called the host from another thread");
 }
 
 TEST_F(BadSource, FailuresAreNotLostWhereItReturnsZero) {
-    EXPECT_EQ(acted("goes on"), "source 'badcalls': it used grid number 9, and has added 1 grids");
+    EXPECT_EQ(acted("goes on"), "source 'badcalls': it used grid number 9, but has added 1 grids");
     EXPECT_EQ(acted("fails late"), "source 'badcalls': on second thoughts");
-    EXPECT_EQ(acted("null texts"), "source 'badcalls': it failed with code 4 and without a reason");
+    EXPECT_EQ(acted("null texts"), "source 'badcalls': it failed with code 4 and gave no reason");
 }
 
 TEST_F(BadSource, EndlessReasonsAreCut) {

@@ -51,8 +51,8 @@ TEST_F(ScanHeader, UnitsOfTheScanAreKeptInAWindow) {
     EXPECT_EQ(valueAt(f, Int3(1, 2, 0)), 6);
     EXPECT_EQ(valueAt(f, Int3(1, 2, 3)), 20);
     EXPECT_EQ(refused(path, {{"units", "scan"}, {"window", "-5, 20"}}),
-              "'window' begins at -5, and units=scan leaves values as they are, of which those below 0 are empty; "
-              "without it a window makes 0 to 1 of them");
+              "'window' begins at -5, but units=scan keeps values as they are, and values below 0 are empty; without "
+              "it a window maps them to 0 to 1");
 }
 
 TEST_F(ScanHeader, DescribesItself) {
@@ -128,12 +128,11 @@ TEST_F(ScanHeader, BadNrrdIsRefused) {
     EXPECT_EQ(refused(flat), flat + ": has 2 dimensions, expected 3");
     const std::string huge = write(
         "huge.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2000000 2000000 2000000\nencoding: raw\n\nabcd");
-    EXPECT_EQ(refused(huge),
-              huge + ": 2000000 x 2000000 x 2000000 samples are more than 2147483648, the most that is taken");
+    EXPECT_EQ(refused(huge), huge + ": 2000000 x 2000000 x 2000000 samples are too many, expected at most 2147483648");
     const std::string large =
         write("large.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 1000 1000 1000\nencoding: gzip\n\nabcd");
     const std::string text = refused(large);
-    EXPECT_TRUE(text.starts_with(large + ": declares 1000000000 bytes of samples, and its ")) << text;
+    EXPECT_TRUE(text.starts_with(large + ": declares 1000000000 bytes of samples, more than its ")) << text;
     const std::string blocks =
         write("blocks.nrrd",
               "NRRD0004\ntype: block\nblocksize: 4\nendian: little\ndimension: 3\nsizes: 1 1 1\nencoding: raw\n\nabcd");
@@ -184,14 +183,15 @@ TEST_F(ScanHeader, BadNiftiIsRefused) {
     NiftiHeader large;
     for (int k = 1; k <= 3; ++k) large.dims[k] = 32000;
     const std::string huge = write("huge.nii", large.bytes() + counting());
-    EXPECT_EQ(refused(huge), huge + ": 32000 x 32000 x 32000 samples are more than 2147483648, the most that is taken");
+    EXPECT_EQ(refused(huge), huge + ": 32000 x 32000 x 32000 samples are too many, expected at most 2147483648");
 }
 
 TEST_F(ScanHeader, WhatTheHeaderSaysMustNotBeGiven) {
     const std::string path = nrrd("a.nrrd", "encoding: raw\n", counting());
     for (const auto& [key, value] :
          Parameters{{"size", "2,3,4"}, {"type", "uint8"}, {"endian", "little"}, {"header", "3"}})
-        EXPECT_EQ(refused(path, {{key, value}}), path + ": says its '" + key + "' itself; that is for raw files only");
+        EXPECT_EQ(refused(path, {{key, value}}),
+                  path + ": has its own '" + key + "'; that parameter is for raw files only");
 }
 
 TEST_F(ScanHeader, ReadsRealScans) {

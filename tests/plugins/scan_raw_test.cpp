@@ -151,10 +151,10 @@ TEST_F(ScanRaw, FilesOfAnotherSizeAreRefusedWithBothNumbers) {
     EXPECT_EQ(countedReason({{"type", "float"}, {"header", "10"}}),
               path + ": has 60 bytes, expected 250 bytes (3 x 4 x 5 of float after 10 bytes of header)");
     EXPECT_EQ(size("1000000,1000000,1000000"),
-              path + ": 1000000 x 1000000 x 1000000 samples are more than 2147483648, the most that is taken");
+              path + ": 1000000 x 1000000 x 1000000 samples are too many, expected at most 2147483648");
     EXPECT_EQ(size("3,0,5"), path + ": 3 x 0 x 5 samples, expected at least 1 along each axis");
     EXPECT_EQ(size("3,4,5.5"), "'size' is 3, 4, 5.5, expected whole numbers");
-    EXPECT_EQ(size("0,0,0"), path + ": a raw file does not say its size: give 'size', such as 128,128,64");
+    EXPECT_EQ(size("0,0,0"), path + ": a raw file has no header with its size: give 'size', such as 128,128,64");
 }
 
 TEST_F(ScanRaw, DamagedCompressionIsRefused) {
@@ -181,14 +181,15 @@ TEST_F(ScanRaw, DamagedCompressionIsRefused) {
     const std::string damaged = reason("scan", parameters);
     EXPECT_TRUE(damaged.starts_with(path + ": its compressed data is damaged: ")) << damaged;
     writeGz(path, bytes + "x");
-    EXPECT_EQ(reason("scan", parameters), path + ": goes on after " + expected);
+    EXPECT_EQ(reason("scan", parameters), path + ": has data after " + expected);
 }
 
 TEST_F(ScanRaw, CompressionThatCannotHoldSoMuchIsRefusedBeforeReading) {
     writeGz(file("bomb.raw.gz"), std::string(1000, '\0'));
     const std::string text = reason("scan", {{"file", file("bomb.raw.gz")}, {"size", "1000,1000,1000"}});
-    EXPECT_TRUE(text.starts_with(file("bomb.raw.gz") + ": declares 1000000000 bytes of samples, and its ")) << text;
-    EXPECT_TRUE(text.ends_with(" compressed ones cannot hold that many")) << text;
+    EXPECT_TRUE(text.starts_with(file("bomb.raw.gz") + ": declares 1000000000 bytes of samples, more than its "))
+        << text;
+    EXPECT_TRUE(text.ends_with(" compressed bytes can hold")) << text;
 }
 
 TEST_F(ScanRaw, WhatIsNoFileIsRefused) {
@@ -204,8 +205,9 @@ TEST_F(ScanRaw, EditsThatMakeNoSenseAreRefused) {
     EXPECT_EQ(countedReason({{"halve", "w"}}), "'halve' is 'w', expected some of x, y and z, each once");
     EXPECT_EQ(countedReason({{"halve", "zz"}}), "'halve' is 'zz', expected some of x, y and z, each once");
     EXPECT_EQ(countedReason({{"crop_from", "0,0,2"}, {"crop_to", "3,4,2"}}),
-              "a crop from 0, 0, 2 to 3, 4, 2 is no part of 3 x 4 x 5 samples");
-    EXPECT_EQ(countedReason({{"crop_to", "3,4,6"}}), "a crop from 0, 0, 0 to 3, 4, 6 is no part of 3 x 4 x 5 samples");
+              "a crop from 0, 0, 2 to 3, 4, 2 is empty or outside of the 3 x 4 x 5 samples");
+    EXPECT_EQ(countedReason({{"crop_to", "3,4,6"}}),
+              "a crop from 0, 0, 0 to 3, 4, 6 is empty or outside of the 3 x 4 x 5 samples");
     for (const char* window : {"5", "5, 5", "9, 5", "a, b", "1, 2, 3", "0, inf"})
         EXPECT_EQ(countedReason({{"window", window}}), "'window' is '" + std::string(window) +
                                                            "', expected two ascending numbers such as 0, 255, or "
@@ -213,7 +215,7 @@ TEST_F(ScanRaw, EditsThatMakeNoSenseAreRefused) {
     EXPECT_EQ(countedReason({{"spacing", "1, 0, 1"}}), "'spacing' has a 0, expected three numbers above 0");
     const std::string even = write("even.raw", "aaaa");
     EXPECT_EQ(reason("scan", {{"file", even}, {"size", "4,1,1"}, {"window", "full"}}),
-              "'window' is 'full', and all samples are equal");
+              "'window' is 'full', but all samples are equal");
 }
 
 TEST_F(ScanRaw, ReadsRealScans) {

@@ -174,7 +174,7 @@ def test_a_viewer_that_hangs_up_costs_no_picture(render, tmp_path):
     result = render("--res", "1024x768", "--frames", "1-2", "-o", "smoke.####.exr", "--display-server", viewer.address)
     viewer.close()
     assert result.returncode == 0, result.stderr
-    assert result.stderr.count(f"--display-server {viewer.address}: nothing is shown any more: ") == 1
+    assert result.stderr.count(f"--display-server {viewer.address}: stopped showing pictures: ") == 1
     assert read_exr(tmp_path / "smoke.0002.exr")[..., 3].max() > 0.3
 
 
@@ -192,7 +192,7 @@ def test_without_a_viewer_pictures_are_rendered_all_the_same(render, tmp_path):
     result = render("--display-server", address)
     assert result.returncode == 0
     assert result.stderr.startswith(
-        f"scrim: warning: --display-server {address}: no viewer answers: Connection refused; pictures are rendered and"
+        f"scrim: warning: --display-server {address}: no viewer answers: Connection refused; pictures are rendered but"
         " not shown\n"
     )
     (tmp_path / "smoke.exr").unlink()

@@ -71,7 +71,7 @@ def test_progress_and_warnings_are_the_programs(shot, tmp_path):
     assert ended.returncode == 0, ended.told
     assert parts == sorted(parts) and parts[0] < 0.5 and parts[-1] == 1 and len(parts) > 4
     [text] = ended.warnings
-    assert text.endswith("pictures are rendered and not shown") and f"scrim: warning: {text}" in ended.told
+    assert text.endswith("pictures are rendered but not shown") and f"scrim: warning: {text}" in ended.told
 
 
 def test_answers_are_the_programs(shot):

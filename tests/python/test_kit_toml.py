@@ -154,7 +154,7 @@ def test_arrays_of_numpy_are_lists():
         (b"bytes", r"^'it' is of type bytes; expected"),
         ({1}, r"^'it' is of type set; expected"),
         ({3: 4}, r"^a key of a scene is 3, expected a string$"),
-        (os.fsdecode(b"a\xff"), r"^'it' is no UTF-8: 'a\\udcff'$"),
+        (os.fsdecode(b"a\xff"), r"^'it' is not UTF-8: 'a\\udcff'$"),
     ],
 )
 def test_what_toml_does_not_have_is_named(it, text):
@@ -163,5 +163,5 @@ def test_what_toml_does_not_have_is_named(it, text):
 
 
 def test_names_of_files_that_are_no_utf8_are_named():
-    with pytest.raises(Failure, match="^'volume.file' is no UTF-8"):
+    with pytest.raises(Failure, match="^'volume.file' is not UTF-8"):
         toml_text.document({"volume": [{"file": os.fsdecode(b"smoke\xfe.vdb")}]})

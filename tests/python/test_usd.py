@@ -314,7 +314,7 @@ def test_media_are_said_by_attributes_or_a_side_car(foggy):
     assert made["volume"][0]["density"]["scale"] == 0.1 and made["volume"][0]["medium"]["phase"]["g"] == -0.5
     assert made["render"] == {"quality": "draft"} and made["light"][0]["samples"] == 4
     side.write_text('["/smog"]\ng = 0.5\n')
-    with pytest.raises(scrim.InputError, match="side.toml: '/smog' is no prim of the stage$"):
+    with pytest.raises(scrim.InputError, match="side.toml: '/smog' is not a prim of the stage$"):
         foggy.open(sidecar=side)
     side.write_text('["/fog"]\ndensty.scale = 3\n')
     with pytest.raises(scrim.InputError, match=r"shot.usda:\d+:\d+: .*'densty'"):
@@ -340,7 +340,7 @@ def test_fields_that_cannot_be_mapped_are_named(foggy):
     shot = foggy.open()
     assert shot.scene(1)["volume"][1]["medium"]["blackbody"] == {"grid": "heat"}
     assert "/two: field 'heat' stands elsewhere than the density, and is read where that is" in shot.warnings
-    assert "/two: field 'lost' is /nowhere, nothing and no OpenVDBAsset, and not read" in shot.warnings
+    assert "/two: field 'lost' is /nowhere, nothing and not an OpenVDBAsset, and is not read" in shot.warnings
 
 
 def test_an_asset_is_the_file_of_that_very_name(foggy):
@@ -379,7 +379,7 @@ def test_errors_say_what_there_is(foggy, tmp_path):
     (tmp_path / "bad.usda").write_text("#usda 1.0\ndef {")
     with pytest.raises(scrim.InputError, match=r"bad.usda: OpenUSD cannot read it: "):
         scrim.usd.open(tmp_path / "bad.usda")
-    with pytest.raises(scrim.InputError, match=r"^'/eye' is no camera of the stage; expected /cam$"):
+    with pytest.raises(scrim.InputError, match=r"^'/eye' is not a camera of the stage; expected /cam$"):
         foggy.open(camera="/eye").render()
     foggy.stage.GetPrimAtPath("/cam").SetActive(False)
     with pytest.raises(scrim.InputError, match=r"^the stage has no camera$"):

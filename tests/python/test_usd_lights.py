@@ -285,7 +285,7 @@ def test_what_a_dome_has_that_is_not_rendered_is_named(dusty):
     shot.scene(1)
     for text in (
         "/key: it turns while the shutter is open, and is rendered as it stands at the frame",
-        "/key: it is mirrored, and rendered as it is without that",
+        "/key: it is mirrored, but rendered without mirroring",
         "/key: its picture of format 'angular' is read as latlong",
         "/key: portals are not needed, and not read",
         "/key: its cone is not rendered",

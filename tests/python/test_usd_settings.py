@@ -149,10 +149,10 @@ def test_working_colours_are_exact(foggy):
 
 
 def test_settings_that_are_not_there(foggy):
-    with pytest.raises(scrim.InputError, match="^'/rs' is no RenderSettings of the stage; expected none$"):
+    with pytest.raises(scrim.InputError, match="^'/rs' is not a RenderSettings of the stage; expected none$"):
         foggy.open(settings="/rs").render()
     settings(foggy)
-    with pytest.raises(scrim.InputError, match="^'rs' is no RenderSettings of the stage; expected /Render/rs$"):
+    with pytest.raises(scrim.InputError, match="^'rs' is not a RenderSettings of the stage; expected /Render/rs$"):
         foggy.open(settings="rs").render()
 
 
@@ -233,12 +233,12 @@ def test_the_program_says_what_is_not_mapped(scrim_on, foggy):
 @pytest.mark.parametrize(
     "arguments, status, text",
     [
-        ([], 2, r"say which frames with --frames \(the stage has 1 to 4\)"),
-        (["--frames", "1", "--camera", "/eye"], 3, "'/eye' is no camera of the stage; expected /cam"),
+        ([], 2, r"give the frames with --frames \(the stage has 1 to 4\)"),
+        (["--frames", "1", "--camera", "/eye"], 3, "'/eye' is not a camera of the stage; expected /cam"),
         (["--frames", "1", "--distant", "lux"], 2, "--distant='lux': expected radiance or irradiance"),
         (["--frames", "1", "--meshes", "x"], 2, "--meshes='x': expected holdout, shadows or none"),
         (["--frames", "1", "--purpose", "a"], 2, "--purpose='a': expected default, render, proxy or guide"),
-        (["--frames", "1", "--settings", "/rs"], 3, "'/rs' is no RenderSettings of the stage; expected none"),
+        (["--frames", "1", "--settings", "/rs"], 3, "'/rs' is not a RenderSettings of the stage; expected none"),
         (["--frames", "1", "--sidecar", "no.toml"], 3, r"no.toml: .*No such file"),
         (["--frames", "1,2", "-o", "one.exr"], 2, "all 2 frames would be written to 'one.exr'; put the frame into its"),
     ],
@@ -270,7 +270,7 @@ def scrim_path():
 
 def test_the_program_needs_room(scrim_on):
     done = scrim_on("--frames", "1", TMPDIR="/no/folder")
-    assert done.returncode == 4 and "cannot make a folder for what a stage holds: '/no/folder/scrim-usd-" in done.stderr
+    assert done.returncode == 4 and "cannot make a folder for a stage's scenes: '/no/folder/scrim-usd-" in done.stderr
 
 
 def test_other_commands_take_stages(scrim_on, foggy):
@@ -279,7 +279,7 @@ def test_other_commands_take_stages(scrim_on, foggy):
     done = scrim_on("--frames", "1", "-o", "light.vdb", command="bake")
     assert done.returncode == 0 and (foggy.folder / "light.vdb").exists(), done.stderr
     done = scrim_on("--frames", "1-2", "-o", "light.####.vdb", command="bake")
-    assert done.returncode == 2 and "the stage is another scene at each of these frames" in done.stderr
+    assert done.returncode == 2 and "the stage changes between these frames" in done.stderr
 
 
 def test_the_commands_of_the_page_work(tmp_path, python_path):

@@ -48,7 +48,7 @@ def test_shapes_of_lights(foggy):
     foggy.light("DistantLight", "/wide", angle=200.0)
     found = warnings_of(foggy)
     assert "/disk: its scale differs along axes: an ellipse is rendered as a disk of the same area" in found
-    assert "/flat: it is sheared, and rendered with right angles" in found
+    assert "/flat: it is sheared, but rendered with right angles" in found
     assert "/nothing: a sphere without a size gives no light unless it is normalized" in found
     assert "/wide: its angle of 200 degrees is rendered as 180" in found
     tables = {light["name"]: light for light in foggy.open().scene(1)["light"]}
@@ -100,7 +100,7 @@ def test_motion_with_shear(foggy):
     move.Set(sheared * Gf.Matrix4d(1).SetTranslate(Gf.Vec3d(3, 0, 0)), 2)
     shot = foggy.open()
     assert list(shot.scene(1)["volume"][0]["transform"]) == ["matrix"]
-    assert "/fog: it is sheared, so that its motion is not blurred" in shot.warnings
+    assert "/fog: it is sheared, so its motion is not blurred" in shot.warnings
 
 
 def test_instances(foggy):
@@ -128,7 +128,7 @@ def test_volumes(foggy):
     assert "/flat: its transform makes it flat, and it is not rendered" in found
     assert "/nowhere/density: it has no file at frame 1, and is not read" in found
     assert "/two: field 'heat' has another file than the density, and is not read" in found
-    assert "/fog: scrim:lights is no attribute, and not read" in found
+    assert "/fog: scrim:lights is not an attribute, and is not read" in found
 
 
 def test_products(foggy):
@@ -137,8 +137,8 @@ def test_products(foggy):
     made = UsdRender.Product.Define(foggy.stage, "/main")
     made.GetOrderedVarsRel().SetTargets(["/nowhere"])
     found = warnings_of(foggy, settings="/rs")
-    assert "/rs: product /fog is none, and not read" in found
-    assert "/main: render var /nowhere is none, and not read" in found
+    assert "/rs: product /fog is not a RenderProduct, and is not read" in found
+    assert "/main: render var /nowhere is not a RenderVar, and is not read" in found
 
 
 def test_archives_and_side_cars_that_are_bad(foggy):

@@ -30,7 +30,7 @@ class ScrimSettings(bpy.types.PropertyGroup):
     )
     verify: IntProperty(
         name="Verify Pixels",
-        description="Compare so many pixels with brute force, and tell the error. 0: none",
+        description="Compare this many pixels with the brute-force reference, and report the error. 0: none",
         min=0,
         soft_max=1000,
     )
@@ -45,7 +45,7 @@ class ScrimSettings(bpy.types.PropertyGroup):
     )
     solids: EnumProperty(
         name="Solids",
-        description="What meshes do to volumes; another engine draws them",
+        description="Effect of meshes on volumes; another engine renders them",
         items=[
             ("HOLDOUT", "Hide and Shadow", "Hide what is behind them, and throw shadows into volumes"),
             ("SHADOW", "Shadow", "Throw shadows into volumes"),
@@ -54,10 +54,10 @@ class ScrimSettings(bpy.types.PropertyGroup):
     )
     overrides: StringProperty(
         name="Overrides",
-        description="More of the scene, as the program's --set takes it: render.texel=0.5 render.antialias=2",
+        description="More values of the scene, in the form of --set: render.texel=0.5 render.antialias=2",
     )
     pass_lights: BoolProperty(name="Lights", description="A pass for each light")
-    pass_transmittance: BoolProperty(name="Transmittance", description="What part of what is behind is seen")
+    pass_transmittance: BoolProperty(name="Transmittance", description="Fraction of the background that is visible")
     pass_albedo: BoolProperty(name="Albedo", description="A pass of the media's albedo")
 
 
@@ -65,7 +65,7 @@ class ScrimPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
     program: StringProperty(
-        name="Program", description="The program scrim; else $SCRIM, else what PATH holds", subtype="FILE_PATH"
+        name="Program", description="The program scrim (default: $SCRIM, or else the one in PATH)", subtype="FILE_PATH"
     )
 
     def draw(self, context):

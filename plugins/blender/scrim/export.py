@@ -130,7 +130,7 @@ class Exporter:
         if thing.is_holdout or thing.holdout_get(view_layer=depsgraph.view_layer_eval):
             out["holdout"] = True
         if not thing.visible_shadow:
-            self.warn(f"{name}: throws its shadow, though it should not")
+            self.warn(f"{name}: casts a shadow, though it should not")
         return [out]
 
     def velocity(self, data, grids, name):
@@ -181,7 +181,7 @@ class Exporter:
         try:
             emitted = nodes.light_emission(data)
         except nodes.NotMapped as what:
-            self.warn(f"{name}: Scrim does not know {what} (taken for white of strength 1)")
+            self.warn(f"{name}: Scrim does not know {what} (rendered as white of strength 1)")
             emitted = nodes.WHITE
         warmth = data.temperature_color if getattr(data, "use_temperature", False) else (1, 1, 1)
         strength = light_laws.cycles_strength(data.color, data.energy, getattr(data, "exposure", 0.0), warmth)
@@ -233,7 +233,7 @@ class Exporter:
         if ellipse and abs(width - height) > 1e-3 * max(width, height):
             self.warn(f"{name}: an ellipse is rendered as a disk of its mean radius")
         if data.spread < 3.1415:
-            self.warn(f"{name}: its spread is not rendered; it shines to all of one side")
+            self.warn(f"{name}: its spread is not rendered; it emits to all of one side")
         normalize = getattr(data, "normalize", True)
         return light_laws.cycles_area(strength, width, height, ellipse, normalize, self.before_4)
 

@@ -54,7 +54,7 @@ def _channels(content):
         kind, _, x, y = struct.unpack_from("<iiii", content, at)
         at += 16
         if kind not in _TYPES or (x, y) != (1, 1):
-            raise ValueError(f"channel '{name}' is neither half nor float, or not of all pixels")
+            raise ValueError(f"channel '{name}' is neither half nor float, or is subsampled")
         out.append((name, _TYPES[kind]))
     return out
 
@@ -63,12 +63,12 @@ def read(path):
     with open(path, "rb") as file:
         data = file.read()
     if len(data) < 8 or data[:4] != b"\x76\x2f\x31\x01":
-        raise ValueError(f"'{path}' is no EXR")
+        raise ValueError(f"'{path}' is not an EXR")
     if struct.unpack_from("<i", data, 4)[0] & 0x1A00:
         raise ValueError(f"'{path}' is tiled, deep, or of several parts; expected one picture of scan lines")
     attributes, at = _header(data, 8)
     if attributes["compression"][0] != 0:
-        raise ValueError(f"'{path}' is compressed; expected none")
+        raise ValueError(f"'{path}' is compressed; expected no compression")
     window = struct.unpack("<iiii", attributes["dataWindow"])
     display = struct.unpack("<iiii", attributes["displayWindow"])
     width, height = window[2] - window[0] + 1, window[3] - window[1] + 1

@@ -49,7 +49,7 @@ class Moves:
         places = [(time, *matrix.decompose()) for time, matrix in seen]
         for (_, place, turn, scale), (_, matrix) in zip(places, seen):
             if not _near(type(matrix).LocRotScale(place, turn, scale), matrix):
-                warn(f"{name}: is sheared, so that its motion is not blurred")
+                warn(f"{name}: is sheared, so its motion is not blurred")
                 return {"matrix": rows}
         angles, before = [], None
         for _, _, turn, _ in places:

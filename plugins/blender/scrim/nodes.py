@@ -379,6 +379,6 @@ def _turn(texture):
         raise NotMapped(f"node '{source.name}'")
     x, y, z = (float(v) for v in mapping.inputs["Rotation"].default_value)
     if max(abs(x), abs(y)) > 1e-6:
-        raise NotMapped(f"a turn about x or y by node '{mapping.name}'")
+        raise NotMapped(f"a rotation about x or y by node '{mapping.name}'")
     # A point is turned before it is looked up, so the picture turns the other way.
     return math.degrees(z) * (1 if mapping.vector_type == "TEXTURE" else -1)

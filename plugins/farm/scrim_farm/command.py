@@ -35,34 +35,35 @@ def count(text):
 def parser():
     out = argparse.ArgumentParser(prog="scrim-submit", epilog=EPILOG, allow_abbrev=False,
                                   formatter_class=argparse.RawDescriptionHelpFormatter,
-                                  description="Sends a shot to a render farm, and tells what is missing of it.")
+                                  description="Submits a shot to a render farm, and reports what is missing.")
     out.add_argument("scene", nargs="?", metavar="SCENE", help="a scene (.toml), or an asset alone")
-    out.add_argument("--frames", metavar="RANGE", help="frames to do: 1-48x2,60")
+    out.add_argument("--frames", metavar="RANGE", help="frames: 1-48x2,60")
     out.add_argument("--tiles", default="1x1", metavar="CxR", help="columns and rows that each picture is cut into")
     out.add_argument("--on", choices=("slurm", "openjd"), help="the farm")
     out.add_argument("--dry-run", action="store_true", help="only show what would be submitted")
-    out.add_argument("--folder", help="of the job, which all machines must see (default: SCENE.farm, here)")
+    out.add_argument("--folder", help="folder of the job, which all machines share (default: SCENE.farm, here)")
     out.add_argument("-o", "--output", metavar="FILE.exr", help="pictures to write, in place of the scene's")
-    out.add_argument("--deep", metavar="FILE.exr", help="the same of deep pictures")
+    out.add_argument("--deep", metavar="FILE.exr", help="deep pictures to write, in place of the scene's")
     out.add_argument("--chunk", type=positive, default=1, metavar="N", help="frames of a task")
-    out.add_argument("--memory", metavar="SIZE", help="of a task: 8G (default: what the first frame needs)")
-    out.add_argument("--most-memory", metavar="SIZE", help="at most, for tasks that lacked it (default: 16 times that)")
+    out.add_argument("--memory", metavar="SIZE", help="memory of a task: 8G (default: what the first frame needs)")
+    out.add_argument("--most-memory", metavar="SIZE",
+                     help="largest memory of a task that ran out of it (default: 16 times --memory)")
     out.add_argument("--cpus", type=positive, default=4, metavar="N", help="processors of a task (default: 4)")
-    out.add_argument("--retries", type=count, default=3, metavar="N", help="of a task that failed (default: 3)")
+    out.add_argument("--retries", type=count, default=3, metavar="N", help="retries of a task that failed (default: 3)")
     out.add_argument("--pause", type=count, default=60, metavar="SECONDS",
-                     help="before what could not be written is tried again")
+                     help="pause before a failed write is tried again")
     out.add_argument("--at-once", type=count, default=0, metavar="N", help="tasks of an array that may run at once")
-    out.add_argument("--time", default="", metavar="LIMIT", help="of a task, as Slurm has it: 2:00:00")
+    out.add_argument("--time", default="", metavar="LIMIT", help="time limit of a task, in the form of Slurm: 2:00:00")
     out.add_argument("--sbatch", default="", metavar="OPTIONS", help="more options for sbatch: '--partition=render'")
     out.add_argument("--keep-tiles", action="store_true", help="do not remove tiles that were merged")
     out.add_argument("--simd", choices=("sse4", "avx2", "avx512"),
                      help="instruction set of all machines (default: avx2)")
     out.add_argument("--scrim", default="scrim", metavar="PATH", help="the program")
     for name, text in (("quality", "preset"), ("res", "WxH"), ("ocio", "config"), ("missing", "error, black or skip"),
-                       ("up", "axis that is up in an asset")):
-        out.add_argument(f"--{name}", metavar="X", help=f"as scrim render has it: {text}")
-    out.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as scrim render has it")
-    out.add_argument("--status", metavar="FOLDER", help="tell what of a job is missing, and why")
+                       ("up", "up axis of an asset")):
+        out.add_argument(f"--{name}", metavar="X", help=f"as in scrim render: {text}")
+    out.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="as in scrim render")
+    out.add_argument("--status", metavar="FOLDER", help="report what is missing of a job, and why")
     out.add_argument("--resume", metavar="FOLDER", help="submit what is missing of a job on Slurm")
     out.add_argument("--man", action="store_true", help=argparse.SUPPRESS)
     # What the farm calls.

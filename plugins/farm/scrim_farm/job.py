@@ -81,7 +81,7 @@ class Job:
             with open(path, encoding="utf-8") as text:
                 self.data = json.load(text)
         except (OSError, ValueError) as error:
-            raise Failure(f"{folder} is no folder of a job: {path}: {error}") from None
+            raise Failure(f"{folder} is not the folder of a job: {path}: {error}") from None
 
     def __getitem__(self, key):
         return self.data[key]

@@ -68,7 +68,7 @@ def check_options(options):
     frames = sorted(parse_range(options.frames, "--frames"))
     folder = os.path.abspath(options.folder or stem_of(options.scene) + ".farm")
     if os.path.exists(os.path.join(folder, "job.json")):
-        raise Failure(f"{folder} holds a job already; --resume {folder} goes on with it, --folder names another one")
+        raise Failure(f"{folder} already holds a job; --resume {folder} continues it, --folder names another one")
     return os.path.abspath(scrim), (int(tiles[1]), int(tiles[2])), frames, folder
 
 

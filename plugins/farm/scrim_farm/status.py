@@ -39,11 +39,11 @@ def warnings_of(job, attempts):
 
 
 def print_status(job):
-    """0 where all frames are there and whole."""
+    """0 where all frames are complete."""
     broken = broken_files(job)
     attempts = job.attempts()
     there = [f for f in job["frames"] if all(os.path.isfile(p) and p not in broken for p in job.outputs(f))]
-    print(f"{job['name']}: {len(there)} of {len(job['frames'])} frames are there")
+    print(f"{job['name']}: {len(there)} of {len(job['frames'])} frames are complete")
     reasons = {}
     renders, merges = job.missing()
     for task in renders + merges:
@@ -56,7 +56,7 @@ def print_status(job):
     for (what, text), frames in sorted(reasons.items()):
         print(f"  missing: frames {range_text(frames)}, {what}: {text}")
     for path in broken:
-        print(f"  not whole: {path}; remove it, and --resume")
+        print(f"  incomplete: {path}; remove it, and --resume")
     for text, frames in sorted(warnings_of(job, attempts).items()):
         print(f"  warning: frames {range_text(frames)}: {text}")
     if len(there) < len(job["frames"]):

@@ -115,7 +115,7 @@ class Runner:
             self.child.signal(self.stopped)
         ended = self.child.wait(told=self._told)
         if was_out_of_time(ended.returncode, seconds_of_children() - before):
-            self.last = "it takes more processor time than a process may; raise the limit (ulimit -t)"
+            self.last = "it exceeded the limit on CPU time; raise it (ulimit -t)"
             return Status.RENDER  # neither memory nor another attempt would help
         if ended.returncode < 0:
             self.last = f"killed by {signal.Signals(-ended.returncode).name}"

@@ -62,7 +62,7 @@ def _string(text: str, where: str) -> str:
     try:
         text.encode()
     except UnicodeEncodeError:  # names of files may be any bytes, scenes are UTF-8
-        raise Failure(f"'{where}' is no UTF-8: {text!a}") from None
+        raise Failure(f"'{where}' is not UTF-8: {text!a}") from None
     return '"' + "".join(_ESCAPES.get(c) or (f"\\u{ord(c):04x}" if c < " " or c == "\x7f" else c) for c in text) + '"'
 
 

@@ -34,7 +34,7 @@ constexpr scrim_parameter kParameters[kCount] = {
     {"resolution", SCRIM_INTEGER, "128", 8, 8192, nullptr, "voxels along the longest extent, where voxel is 0"},
     {"density", SCRIM_NUMBER, "1", 0, 1e6, nullptr, "value inside"},
     {"soft", SCRIM_NUMBER, "0", 0, 1e9, nullptr, "width of the edge, in world units; 0: one voxel"},
-    {"fill", SCRIM_BOOL, "true", 0, 0, nullptr, "whether closed surfaces are filled; false: the surfaces alone"},
+    {"fill", SCRIM_BOOL, "true", 0, 0, nullptr, "fill closed surfaces; false: only the surfaces"},
 };
 
 double longestExtent(const Mesh& mesh) {

@@ -53,8 +53,7 @@ std::string bytesOf(const std::string& path) {
     if (status.type() != std::filesystem::file_type::regular) refuse(path, "is not a file");  // a pipe would never end
     const std::uintmax_t size = std::filesystem::file_size(path, error);
     if (error) refuse(path, error.message());
-    if (size > kMostBytes)
-        refuse(path, fmt::format("has {} bytes, more than {}, the most that is taken", size, kMostBytes));
+    if (size > kMostBytes) refuse(path, fmt::format("has {} bytes, expected at most {}", size, kMostBytes));
     if (size == 0) refuse(path, "is empty");
     std::string bytes(size, '\0');
     std::ifstream in(path, std::ios::binary);
@@ -118,7 +117,7 @@ void keepReader(Assimp::Importer& importer, const std::string& ending) {
 void append(const aiMesh& part, Mesh& mesh) {
     const auto first = static_cast<std::uint32_t>(mesh.points.size());
     if (mesh.points.size() + part.mNumVertices > std::numeric_limits<std::uint32_t>::max())
-        throw std::runtime_error("has more vertices than can be counted");
+        throw std::runtime_error("has too many vertices");
     for (unsigned i = 0; i < part.mNumVertices; ++i) {
         const aiVector3D& v = part.mVertices[i];
         if (!std::isfinite(v.x) || !std::isfinite(v.y) || !std::isfinite(v.z))

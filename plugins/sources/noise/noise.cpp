@@ -30,7 +30,7 @@
 //   warp        how far positions are displaced, in bulges
 //   coverage    0.5: as described; 1 fills the envelope, 0 leaves only the strongest bulges (not for hypertextures)
 //   softness    depth over which density grows, in parts of the radius (of a box: of half its least edge)
-//   seed        another number, another smoke
+//   seed        seed of the random numbers
 //   proportions of a box: its edges, the longest of which is `size`
 //
 // Every voxel is a pure function of its place and the parameters (smoke.h), so the bytes are the same on each run and
@@ -117,8 +117,8 @@ int emit(const scrim_host* host, const Settings& s) {
 constexpr scrim_parameter kParameters[] = {
     {"resolution", SCRIM_INTEGER, "128", 8, 4096, nullptr, "voxels along the longest axis"},
     {"size", SCRIM_NUMBER, "2", 1e-6, 1e9, nullptr, "length of the longest axis, in world units"},
-    {"shape", SCRIM_STRING, "plume", 0, 0, "plume|ball|slab|box|hypertexture", "what the smoke fills"},
-    {"frequency", SCRIM_NUMBER, "5", 0.1, 1000, nullptr, "bulges of the coarsest octave along the size"},
+    {"shape", SCRIM_STRING, "plume", 0, 0, "plume|ball|slab|box|hypertexture", "shape that the smoke fills"},
+    {"frequency", SCRIM_NUMBER, "5", 0.1, 1000, nullptr, "number of bulges of the coarsest octave along the size"},
     {"octaves", SCRIM_INTEGER, "5", 1, 16, nullptr, "octaves of turbulence"},
     {"lacunarity", SCRIM_NUMBER, "2.1", 1, 10, nullptr, "how much finer each octave is than the last"},
     {"gain", SCRIM_NUMBER, "0.5", 0, 1, nullptr, "how much weaker each octave is than the last"},
@@ -127,7 +127,7 @@ constexpr scrim_parameter kParameters[] = {
     {"coverage", SCRIM_NUMBER, "0.5", 0, 1, nullptr, "1 fills the envelope, 0 leaves the strongest bulges"},
     {"softness", SCRIM_NUMBER, "0.35", 1e-3, 10, nullptr, "depth over which density grows, in parts of the radius"},
     {"density", SCRIM_NUMBER, "1", 0, 1e6, nullptr, "largest value"},
-    {"seed", SCRIM_INTEGER, "1", 0, 1e9, nullptr, "another number, another smoke"},
+    {"seed", SCRIM_INTEGER, "1", 0, 1e9, nullptr, "seed of the random numbers"},
     {"proportions", SCRIM_VEC3, "1, 1, 1", 1e-3, 1e3, nullptr, "of a box: its edges, the longest of which is size"},
 };
 

@@ -58,7 +58,7 @@ constexpr scrim_parameter kParameters[kCount] = {
     {"voxel", SCRIM_NUMBER, "0", 0, 1e9, nullptr, "edge of a voxel, in world units; 0: from resolution"},
     {"resolution", SCRIM_INTEGER, "128", 8, 8192, nullptr, "voxels along the longest extent, where voxel is 0"},
     {"soft", SCRIM_NUMBER, "0", 0, 1e9, nullptr, "width of soft edges, in world units; 0: one voxel"},
-    {"combine", SCRIM_STRING, "max", 0, 0, "max|sum", "what overlapping shapes give"},
+    {"combine", SCRIM_STRING, "max", 0, 0, "max|sum", "value where shapes overlap"},
 };
 
 struct Box {

@@ -77,7 +77,7 @@ Scan readNifti(const std::string& path) {
     layout.bigEndian = swapped == (std::endian::native == std::endian::little);
     layout.header = image->iname_offset;
     layout.exact = false;
-    if (layout.header < 0) refuse(path, "its samples begin before the file does");
+    if (layout.header < 0) refuse(path, "the offset of its samples is negative");
     place(*image, scan);
     scan.values = readRaw(image->iname, layout);
     if (image->scl_slope != 0 && std::isfinite(image->scl_slope) && std::isfinite(image->scl_inter))

@@ -69,7 +69,7 @@ std::string mended(const std::string& path) {
 bool loaded(Nrrd* nrrd, NrrdIoState* state, const std::string& path, std::string& mendedText) {
     if (mendedText.empty()) return nrrdLoad(nrrd, path.c_str(), state) == 0;
     std::FILE* const file = fmemopen(mendedText.data(), mendedText.size(), "rb");
-    if (file == nullptr) refuse(path, "there is no memory to read it");
+    if (file == nullptr) refuse(path, "not enough memory to read it");
     const bool done = nrrdRead(nrrd, file, state) == 0;
     std::fclose(file);
     return done;

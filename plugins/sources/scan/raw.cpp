@@ -117,8 +117,7 @@ std::int64_t sampleCount(const Size& size, const std::string& path) {
     for (const std::int64_t n : size) {
         if (n < 1) refuse(path, fmt::format("{} samples, expected at least 1 along each axis", textOf(size)));
         if (n > kMostSamples / count)
-            refuse(path,
-                   fmt::format("{} samples are more than {}, the most that is taken", textOf(size), kMostSamples));
+            refuse(path, fmt::format("{} samples are too many, expected at most {}", textOf(size), kMostSamples));
         count *= n;
     }
     return count;
@@ -137,8 +136,8 @@ std::int64_t fileBytes(const std::string& path) {
 
 void checkRatio(std::int64_t compressed, std::int64_t bytes, const std::string& path) {
     if (bytes > compressed * kMostRatio + kSlack)
-        refuse(path, fmt::format("declares {} bytes of samples, and its {} compressed ones cannot hold that many",
-                                 bytes, compressed));
+        refuse(path, fmt::format("declares {} bytes of samples, more than its {} compressed bytes can hold", bytes,
+                                 compressed));
 }
 
 std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
@@ -172,7 +171,7 @@ std::vector<float> readRaw(const std::string& path, const RawLayout& layout) {
             values[static_cast<std::size_t>(i)] = sample(layout.type, chunk.data() + k * width, swap);
     }
     if (compressed && layout.exact && in.read(chunk.data(), 1) != 0)
-        refuse(path, fmt::format("goes on after {}", declared));
+        refuse(path, fmt::format("has data after {}", declared));
     return values;
 }
 

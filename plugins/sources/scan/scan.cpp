@@ -84,15 +84,17 @@ constexpr scrim_parameter kParameters[kCount] = {
     {"endian", SCRIM_STRING, "auto", 0, 0, "auto|little|big", "raw: order of bytes; auto: little"},
     {"header", SCRIM_INTEGER, "0", 0, 1e12, nullptr, "raw: bytes before the first sample"},
     {"spacing", SCRIM_VEC3, "0, 0, 0", 0, 1e9, nullptr, "between samples, in world units; 0, 0, 0: the file's, or 1"},
-    {"orientation", SCRIM_BOOL, "true", 0, 0, nullptr, "whether the file turns and places the volume"},
-    {"center", SCRIM_BOOL, "false", 0, 0, nullptr, "whether the middle comes to the origin"},
+    {"orientation", SCRIM_BOOL, "true", 0, 0, nullptr, "use the file's rotation and position"},
+    {"center", SCRIM_BOOL, "false", 0, 0, nullptr, "move the centre to the origin"},
     {"crop_from", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "first sample that is kept"},
-    {"crop_to", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "first sample after those kept; 0, 0, 0: up to the end"},
+    {"crop_to", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr,
+     "end of the samples that are kept, exclusive; 0, 0, 0: up to the end"},
     {"halve", SCRIM_STRING, "", 0, 0, nullptr, "axes along which each two samples become one: z, xy, xyz, ..."},
-    {"threshold", SCRIM_NUMBER, "0", 0, 0, nullptr, "samples up to this are empty"},
+    {"threshold", SCRIM_NUMBER, "0", 0, 0, nullptr, "samples up to this value are empty"},
     {"window", SCRIM_STRING, "", 0, 0, nullptr, "'lo, hi' that become 0 and 1, or 'full'; empty: values as they are"},
-    {"scale", SCRIM_NUMBER, "1", 0, 1e30, nullptr, "multiplied onto values"},
-    {"units", SCRIM_STRING, "window", 0, 0, "window|scan", "whether a window makes 0 to 1 of values, or leaves them"},
+    {"scale", SCRIM_NUMBER, "1", 0, 1e30, nullptr, "factor on values"},
+    {"units", SCRIM_STRING, "window", 0, 0, "window|scan",
+     "window: values become 0 to 1; scan: values stay as they are"},
     {"describe", SCRIM_BOOL, "false", 0, 0, nullptr, "a histogram and the lattice's ends in place of the samples"},
 };
 
@@ -121,7 +123,7 @@ Size wholeNumbers(const scrim_value& value, const char* name) {
 }
 
 Scan readRawFile(const std::string& path, const scrim_value* values) {
-    if (isZero(values[kSize])) refuse(path, "a raw file does not say its size: give 'size', such as 128,128,64");
+    if (isZero(values[kSize])) refuse(path, "a raw file has no header with its size: give 'size', such as 128,128,64");
     RawLayout layout;
     layout.size = wholeNumbers(values[kSize], "size");
     const std::string type = values[kType].text;
@@ -148,7 +150,7 @@ Scan readFile(const scrim_value* values) {
                         : values[kEndian].text != automatic ? "endian"
                         : values[kHeader].integer != 0      ? "header"
                                                             : nullptr;
-    if (given != nullptr) refuse(path, fmt::format("says its '{}' itself; that is for raw files only", given));
+    if (given != nullptr) refuse(path, fmt::format("has its own '{}'; that parameter is for raw files only", given));
     return nrrd ? readNrrd(path) : readNifti(path);
 }
 
@@ -174,8 +176,9 @@ Scan edited(Scan scan, const scrim_value* values) {
     const Size to = isZero(values[kCropTo]) ? scan.size : wholeNumbers(values[kCropTo], "crop_to");
     for (std::size_t k = 0; k < 3; ++k)
         if (from[k] >= to[k] || to[k] > scan.size[k])
-            throw std::runtime_error(fmt::format("a crop from {}, {}, {} to {}, {}, {} is no part of {} samples",
-                                                 from[0], from[1], from[2], to[0], to[1], to[2], textOf(scan.size)));
+            throw std::runtime_error(
+                fmt::format("a crop from {}, {}, {} to {}, {}, {} is empty or outside of the {} samples", from[0],
+                            from[1], from[2], to[0], to[1], to[2], textOf(scan.size)));
     if (from != Size{} || to != scan.size) scan = cropped(scan, from, to);
 
     const std::string_view axes = values[kHalve].text;
@@ -196,7 +199,7 @@ Mapping mappingOf(const Scan& scan, const scrim_value* values) {
     std::array<double, 2> window{};
     if (text == "full") {
         window = range(scan);
-        if (!(window[0] < window[1])) throw std::runtime_error("'window' is 'full', and all samples are equal");
+        if (!(window[0] < window[1])) throw std::runtime_error("'window' is 'full', but all samples are equal");
     } else {
         std::erase(text, ' ');
         const char *end = text.data() + text.size(), *at = text.data();
@@ -211,8 +214,8 @@ Mapping mappingOf(const Scan& scan, const scrim_value* values) {
     }
     if (mapping.keepsUnits && window[0] < 0)
         throw std::runtime_error(
-            fmt::format("'window' begins at {}, and units=scan leaves values as they are, of which those below 0 are "
-                        "empty; without it a window makes 0 to 1 of them",
+            fmt::format("'window' begins at {}, but units=scan keeps values as they are, and values below 0 are empty; "
+                        "without it a window maps them to 0 to 1",
                         window[0]));
     mapping.window = window;
     return mapping;

@@ -39,10 +39,10 @@ void throwAsError() {
     } catch (const std::bad_alloc&) {
         throw Error(ErrorKind::memory, "out of memory");
     } catch (const std::length_error&) {
-        throw Error(ErrorKind::memory, "out of memory: more was asked for at once than any machine has");
+        throw Error(ErrorKind::memory, "out of memory: a single allocation exceeds the address space");
     } catch (const std::system_error& error) {
         if (error.code() == std::errc::resource_unavailable_try_again)
-            throw Error(ErrorKind::memory, "out of memory, or of threads (ulimit -v, ulimit -u)");
+            throw Error(ErrorKind::memory, "out of memory or threads; raise the limit (ulimit -v, ulimit -u)");
         throw Error(kindOfSystemError(error.code().value(), ErrorKind::render), error.what());
     }
 }

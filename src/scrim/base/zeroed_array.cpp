@@ -20,7 +20,7 @@ std::size_t pagesOf(std::size_t bytes) {
 
 char* mapped(std::size_t bytes) {
     void* memory = ::mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (memory == MAP_FAILED) throw Error(ErrorKind::memory, "no memory for the buffers of a render");
+    if (memory == MAP_FAILED) throw Error(ErrorKind::memory, "not enough memory for the buffers of a render");
     return static_cast<char*>(memory);
 }
 

@@ -16,9 +16,8 @@ std::size_t rasterArea(int width, int height, std::string_view what) {
     constexpr std::size_t kMost = std::numeric_limits<std::int32_t>::max();
     const std::size_t area = std::size_t(width) * std::size_t(height);
     if (area <= kMost) return area;
-    throw Error(ErrorKind::render, fmt::format("a raster of {} x {} {} is asked for, at most {} of them can be "
-                                               "addressed",
-                                               width, height, what, kMost));
+    throw Error(ErrorKind::render, fmt::format("a raster of {} x {} {} is too large; expected at most {} in all", width,
+                                               height, what, kMost));
 }
 
 Vec3 Sheets::wsPoint(const Vec3& ts) const {

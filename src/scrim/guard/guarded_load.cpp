@@ -107,9 +107,7 @@ auto received(const std::string& path, const Receive& receive) {
             throw Error(error.kind(), fmt::format("{}: damaged: {}", path, text));
         if (text.ends_with(kClaimsMemory) && limitsMemory(kLeastGivenMemory))
             throw Error(ErrorKind::memory,
-                        fmt::format("{}: not enough memory to read it, of which there may be less than it needs "
-                                    "(ulimit -v)",
-                                    path));
+                        fmt::format("{}: not enough memory to read it; raise the limit (ulimit -v)", path));
         if (text.starts_with("cannot hand over")) throw Error(error.kind(), fmt::format("{}: {}", path, text));
         throw;
     }

@@ -152,7 +152,7 @@ class Servers {
         const bool limited = limitsMemory(kLoaderBytes);
         throw Error(
             limited ? ErrorKind::memory : ErrorKind::render,
-            fmt::format("'{}', which reads {}, ends at once{}", shortened(program.first), readsText(program.second),
+            fmt::format("'{}', which reads {}, exits at once{}", shortened(program.first), readsText(program.second),
                         limited ? "; raise the limit of memory (ulimit -v, ulimit -d)" : ""));
     }
 
@@ -195,8 +195,8 @@ std::string secondsText(long long seconds) {
     const auto seconds = patience.count();
     throw Error(ErrorKind::input,
                 fmt::format("{}: reading it took more than {}", path,
-                            seconds < 120 ? secondsText(seconds)
-                                          : fmt::format("{:.0f} minutes", static_cast<double>(seconds) / 60)));
+                            seconds < 120 || seconds % 60 != 0 ? secondsText(seconds)
+                                                               : fmt::format("{} minutes", seconds / 60)));
 }
 
 void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLimits& limits) {
@@ -216,22 +216,21 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
     // A child that used up its time ends by SIGXCPU, or by SIGKILL where no time is left after that.
     const std::chrono::microseconds used(answer.microseconds);
     if ((WTERMSIG(status) == SIGXCPU || WTERMSIG(status) == SIGKILL) && limitsTime(used))
-        throw Error(ErrorKind::render, fmt::format("{}: reading it takes more processor time than a process may; raise "
-                                                   "the limit (ulimit -t)",
-                                                   path));
+        throw Error(ErrorKind::render,
+                    fmt::format("{}: reading it exceeded the limit on CPU time; raise it (ulimit -t)", path));
     if (WTERMSIG(status) == SIGXCPU)
         throw Error(ErrorKind::input,
-                    fmt::format("{}: reading it did not come to an end in {} of processor time", path,
+                    fmt::format("{}: reading it did not finish within {} of CPU time", path,
                                 secondsText(std::llround(std::chrono::duration<double>(used).count()))));
     // Only the system's out-of-memory killer ends a child like this.
     if (WTERMSIG(status) == SIGKILL)
         throw Error(ErrorKind::memory,
-                    fmt::format("{}: reading it was killed (signal SIGKILL), probably for want of memory", path));
+                    fmt::format("{}: reading it was killed (signal SIGKILL), probably because memory ran out", path));
     if (limitsMemory(limits.memory))
-        throw Error(ErrorKind::memory,
-                    fmt::format("{}: reading it crashed ({}), probably for want of memory, of which there may be "
-                                "less than it needs (ulimit -v)",
-                                path, signalName(WTERMSIG(status))));
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("{}: reading it crashed ({}), probably because memory ran out; raise the limit (ulimit -v)",
+                        path, signalName(WTERMSIG(status))));
     throw Error(ErrorKind::input,
                 fmt::format("{}: damaged: reading it crashed ({})", path, signalName(WTERMSIG(status))));
 }
@@ -290,11 +289,11 @@ void LoadJob::wait(const Checkpoint& checkpoint) {
     // Processes in the same terminal receive this process's signals, which are not the file's fault.
     if (checkpoint) checkpoint();
     if (!answered && limitsMemory(m_limits.memory))
-        throw LoaderLost(ErrorKind::memory,
-                         fmt::format("{}: lost the process that reads it, probably for want of memory, of which there "
-                                     "may be less than it needs (ulimit -v)",
-                                     m_path));
-    if (!answered) throw LoaderLost(ErrorKind::render, fmt::format("{}: lost the process that reads it", m_path));
+        throw LoaderLost(ErrorKind::memory, fmt::format("{}: the process that reads it ended unexpectedly, probably "
+                                                        "because memory ran out; raise the limit (ulimit -v)",
+                                                        m_path));
+    if (!answered)
+        throw LoaderLost(ErrorKind::render, fmt::format("{}: the process that reads it ended unexpectedly", m_path));
     if (answer.problem != 0)
         throw Error(kindOfSystemError(answer.problem, ErrorKind::render),
                     fmt::format("{}: cannot start a process to read it: {}", m_path, systemErrorText(answer.problem)));

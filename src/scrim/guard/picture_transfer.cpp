@@ -24,7 +24,7 @@ void takeSize(const Pixels& pixels, Picture& out) {
     out.pixelAspect = pixels.pixelAspect;
     if (out.width < 1 || out.height < 1) incompleteTransfer("its picture has no pixels");
     if (!(out.pixelAspect >= kLeastAspect && out.pixelAspect <= kMostAspect))
-        incompleteTransfer("its pixels have no shape");
+        incompleteTransfer("its pixel aspect ratio is invalid");
 }
 
 struct DepthWindows {
@@ -92,7 +92,7 @@ PictureHeader receivePictureHeader(int fd) {
     out.camera = reader.text();
     for (std::vector<float>* matrix : {&out.worldToCamera, &out.worldToNdc}) {
         const auto count = reader.value<std::uint32_t>();
-        if (count != 0 && count != 16) incompleteTransfer("a matrix has not 16 numbers");
+        if (count != 0 && count != 16) incompleteTransfer("a matrix does not have 16 numbers");
         matrix->resize(count);
         const char* numbers = reader.take(count, sizeof(float));
         if (count > 0) std::memcpy(matrix->data(), numbers, count * sizeof(float));

@@ -27,9 +27,9 @@ std::uint64_t alignedUp(std::uint64_t at) {
 [[noreturn]] void failedToWrite() {
     const int error = errno;
     if (error == EFBIG)
-        throw Error(ErrorKind::output,
-                    "cannot hand over what was read: it is larger than files may be (ulimit -f), or than memory allows "
-                    "(--memory)");
+        throw Error(
+            ErrorKind::output,
+            "cannot hand over what was read: it exceeds the limit on file sizes (ulimit -f) or on memory (--memory)");
     const bool space = error == ENOSPC || error == ENOMEM || error == EDQUOT;
     throw Error(space ? ErrorKind::memory : ErrorKind::render,
                 std::string("cannot hand over what was read: ") + std::strerror(error));
@@ -64,7 +64,7 @@ GridRequest requestFrom(const std::string& text) {
     if (header.fields != 0) throw GridError(problem, requestFrom(reader.text()));
     if (header.messages == 0) throw Error(kind, problem);
     const std::string name = reader.text();
-    if (!isPlainName(name)) incompleteTransfer("it asks for a file elsewhere");
+    if (!isPlainName(name)) incompleteTransfer("it names a file in another folder");
     throw BesideError(Error(kind, problem), name);
 }
 

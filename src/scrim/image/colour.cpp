@@ -124,8 +124,8 @@ ColourConfig ColourConfig::open(const std::string& ocioFile) {
 
     const OCIO::ConstColorSpaceRcPtr working = opened->config->getColorSpace(OCIO::ROLE_SCENE_LINEAR);
     if (!working)
-        throw Error(ErrorKind::input, fmt::format("{} has no role 'scene_linear', which says what space to render in",
-                                                  opened->described()));
+        throw Error(ErrorKind::input,
+                    fmt::format("{} has no role 'scene_linear', which names the working space", opened->described()));
     opened->workingSpace = working->getName();
     return ColourConfig(std::move(opened));
 }

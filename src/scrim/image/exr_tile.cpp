@@ -135,7 +135,7 @@ ExrTile readExrTile(const std::string& path) {
     const std::filesystem::file_status status = std::filesystem::status(path, ignored);
     if (!std::filesystem::exists(status)) refuse(path, "there is no such file");
     if (!std::filesystem::is_regular_file(status)) refuse(path, "it is not a regular file");
-    if (!isWholeExr(path)) refuse(path, "it is no OpenEXR file, or not all of one: it was broken off");
+    if (!isWholeExr(path)) refuse(path, "it is not an OpenEXR file, or it is truncated");
     ExrTile tile;
     tile.path = path;
     try {
@@ -153,7 +153,7 @@ ExrTile readExrTile(const std::string& path) {
                fmt::format("it is of type '{}'; expected {}", type, choices({Imf::SCANLINEIMAGE, Imf::DEEPSCANLINE})));
     for (auto it = tile.header.channels().begin(); it != tile.header.channels().end(); ++it)
         if (it.channel().xSampling != 1 || it.channel().ySampling != 1)
-            refuse(path, fmt::format("its channel '{}' does not have all pixels", it.name()));
+            refuse(path, fmt::format("its channel '{}' is subsampled; expected all pixels", it.name()));
     tile.deep = type == Imf::DEEPSCANLINE;
     tile.data = halfOpen(tile.header.dataWindow());
     readCrop(tile);

@@ -7,7 +7,7 @@ namespace scrim {
 namespace {
 
 constexpr const char* kFile = "scrim_images.so";
-constexpr const char* kWhat = "reads slides and writes previews (of Debian's packages scrim-pictures)";
+constexpr const char* kWhat = "reads slides and writes previews (Debian package scrim-pictures)";
 
 }  // namespace
 

@@ -67,7 +67,7 @@ class Check {
     /// sum must not be negative: no light takes light away.
     void light(const Key& key, const Rgb& rgb) const {
         if (!isFinite(rgb) || rgb.x + rgb.y + rgb.z < 0)
-            refuse(key.name, textOf(rgb), "light: finite numbers, of a sum of at least 0");
+            refuse(key.name, textOf(rgb), "finite numbers with a sum of at least 0");
     }
     void colour(const Key& key, const Rgb& rgb, double most) const {
         for (int c = 0; c < 3; ++c)
@@ -77,7 +77,7 @@ class Check {
     void transform(const Key& key, const Mat4& m) const {
         for (int column = 0; column < 4; ++column) numbers(key, {m[column][0], m[column][1], m[column][2]});
         if (m[0][3] != 0 || m[1][3] != 0 || m[2][3] != 0 || m[3][3] != 1 || !isInvertible(m))
-            refuse(key.name, "none that can be inverted", "an affine one that keeps volume");
+            refuse(key.name, "not an invertible affine matrix", "a matrix with an inverse and the last row 0, 0, 0, 1");
     }
     /// Checks that the points of a ramp ascend, that their values are from 0 to `most`, and that the ramp is 0 at 0.
     /// `ends` gives the smallest and the largest component of a point's value.
@@ -93,7 +93,7 @@ class Check {
                        fmt::format("numbers from 0 to {:g}", most));
         }
         if (points.size() < 2) refuse(key.name, "a list of one point", "at least two");
-        if (!keepsZero(points)) refuse(key.name, "more than 0 at 0", "0, since empty space is never looked at");
+        if (!keepsZero(points)) refuse(key.name, "above 0 at grid value 0", "0 there, because empty space is skipped");
     }
 
   private:
@@ -107,7 +107,7 @@ void checkCamera(const Check& check, const Scene& scene) {
     const Mat3 product = glm::transpose(camera.wsFromCamera) * camera.wsFromCamera;
     for (int i = 0; i < 3; ++i)
         if (!(glm::length(product[i] - Mat3(1.0)[i]) <= kRounding))
-            check.refuse(k.matrix.name, "no frame of axes", "three of length 1, at right angles");
+            check.refuse(k.matrix.name, "not orthonormal", "three perpendicular axes of length 1");
     if (!(glm::determinant(camera.wsFromCamera) > 0)) check.refuse(k.matrix.name, "mirrored", "a right-handed frame");
     if (camera.type == CameraType::perspective)
         check.number(k.fov, camera.fov);
@@ -122,7 +122,7 @@ void checkCamera(const Check& check, const Scene& scene) {
     check.numbers(k.shutter, {scene.shutter->open, scene.shutter->close});
     if (!(scene.shutter->close > scene.shutter->open))
         check.refuse(k.shutter.name, fmt::format("[{}, {}]", scene.shutter->open, scene.shutter->close),
-                     "it to close after it opens");
+                     "[open, close] with open < close");
 }
 
 void checkKind(const Check& check, const Light& light) {
@@ -210,9 +210,9 @@ void checkClassified(const Check& check, const Classified& classified) {
                          "ascending values");
     }
     if (points.size() < 2) check.refuse(k.transfer.name, fmt::format("{} points", points.size()), "at least two");
-    if (points.back().value <= 0) check.refuse(k.transfer.name, "nothing above 0", "its last point above 0");
+    if (points.back().value <= 0) check.refuse(k.transfer.name, "without a value above 0", "a last value above 0");
     if (classify(classified, 0).extinction > 0)
-        check.refuse(k.transfer.name, "more than 0 at 0", "no extinction there: empty space is never looked at");
+        check.refuse(k.transfer.name, "above 0 at grid value 0", "extinction 0 there, because empty space is skipped");
     check.number(k.ambient, classified.ambient);
     check.number(k.diffuse, classified.diffuse);
     check.number(k.specular, classified.specular);
@@ -240,10 +240,9 @@ void checkOutput(const Check& check, const Scene& scene) {
     if (!scene.shutter || output.deep.file.empty()) return;
     const std::string line = scene.lines ? scene.lines->of("output.deep") : "";
     const std::string& where = line.empty() ? scene.file : line;
-    throw Error(ErrorKind::input,
-                fmt::format("{}{} does not go with {} of [camera]: a deep pixel has one depth for each thing, and what "
-                            "moves has many; expected one of them",
-                            where.empty() ? "" : where + ": ", k.deep, keysOf<CameraKeys>().shutter));
+    throw Error(ErrorKind::input, fmt::format("{}{} cannot be combined with {} of [camera]: a deep sample has one "
+                                              "depth, but a moving object has many; remove one of the two",
+                                              where.empty() ? "" : where + ": ", k.deep, keysOf<CameraKeys>().shutter));
 }
 
 }  // namespace

@@ -159,7 +159,7 @@ std::string expandVariables(const std::string& pattern, const VariableLookup& lo
         } else if (next == 'F' && (i + 2 >= pattern.size() || !isNameCharacter(pattern[i + 2], true))) {
             out += '$';
         } else {
-            refuse(where, pattern, "has a '$' that begins none of ${NAME}, $F, $F4, $$ (a dollar sign), $# and $%");
+            refuse(where, pattern, "has an invalid '$'; expected ${NAME}, $F, $F4, $$ (a dollar sign), $# or $%");
         }
     }
     return out;

@@ -58,10 +58,9 @@ std::string_view trimmed(std::string_view text) {
 
 std::vector<int> parseFrameRange(const std::string& text) {
     if (text.find(':') != std::string::npos)
-        throw Error(ErrorKind::usage,
-                    fmt::format("frame range '{}': ':' is refused, since farm managers disagree on its meaning; "
-                                "write 1-48x2 for every second frame",
-                                shortened(text, 80)));
+        throw Error(ErrorKind::usage, fmt::format("frame range '{}': ':' is not supported, because farm managers "
+                                                  "interpret it differently; write 1-48x2 for every second frame",
+                                                  shortened(text, 80)));
     std::vector<int> frames;
     std::unordered_set<int> seen;
     std::string_view rest = text;
@@ -77,7 +76,7 @@ std::vector<int> parseFrameRange(const std::string& text) {
             last = part.number("the last frame");
             if (part.skip('x')) step = part.number("the step");
         }
-        if (!part.atEnd()) part.fail("there is something after the frames");
+        if (!part.atEnd()) part.fail("there is unexpected text after the frames");
         if (step < 1) part.fail("the step is not at least 1");
         if (last < first) part.fail("the last frame comes before the first");
         for (int frame = first; frame <= last; frame += step) {

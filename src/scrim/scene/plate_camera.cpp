@@ -50,18 +50,19 @@ Projection projectionOf(const Mat4& ndcFromCamera, double front) {
     double w = out.parallel ? constant : perDepth;
     const double size = std::abs(w);
     for (const double other : {at(3, 0), at(3, 1), out.parallel ? perDepth : constant})
-        if (!(std::abs(other) <= kTolerance * size)) refuse("worldToNDC does not belong to its worldToCamera");
+        if (!(std::abs(other) <= kTolerance * size)) refuse("worldToNDC does not match its worldToCamera");
     for (int k = 0; k < 2; ++k) {
         const double across = at(k, 1 - k), elsewhere = out.parallel ? at(k, 2) : at(k, 3);
         out.slope[k] = at(k, k) / w;
         out.middle[k] = (out.parallel ? at(k, 3) : at(k, 2) * front) / w;
         if (!(std::abs(across) <= kTolerance * std::abs(at(k, k))) || !(std::abs(elsewhere) <= kTolerance * size))
-            refuse("worldToNDC does not belong to its worldToCamera");
+            refuse("worldToNDC does not match its worldToCamera");
     }
     if (!out.parallel && w < 0) {
         if (glm::length(out.middle) > kTolerance)
             refuse(
-                "worldToNDC is negative in front of the camera, and its middle is shifted; which way cannot be told");
+                "worldToNDC has w < 0 in front of the camera and an off-center lens, so the direction of the lens "
+                "shift is ambiguous; give the camera in the scene");
         out.slope = -out.slope;
         out.middle = Vec2(0);
     }
@@ -79,8 +80,8 @@ void makeSymmetric(Projection& p, NdcRange ndc) {
         unit = far(0.5) < kNearMiddle;
         if ((!unit && far(0) >= kNearMiddle) || (!unit && down))
             refuse(
-                fmt::format("it cannot be told whether its worldToNDC is -1..1 or 0..1 over the picture (its middle is "
-                            "{:.3g}, {:.3g}); say so with {} in the scene",
+                fmt::format("its worldToNDC has its center at {:.3g}, {:.3g}, so its range may be -1..1 or 0..1; set "
+                            "{} in the scene",
                             p.middle.x, p.middle.y, keysOf<CameraKeys>().ndc));
     }
     if (unit) {
@@ -97,10 +98,10 @@ void makeSymmetric(Projection& p, NdcRange ndc) {
 void checkShape(double lens, const PictureHeader& header) {
     const double picture = header.pixelAspect * header.width / header.height;
     if (!(std::abs(lens / picture - 1) <= kTolerance))
-        refuse(fmt::format(
-            "its lens is {:.4g} times as wide as high, and the picture ({} x {}) {:.4g} times; was it cropped "
-            "or reformatted?",
-            lens, header.width, header.height, picture));
+        refuse(
+            fmt::format("its camera has the aspect ratio {:.4g}, but the picture ({} x {}) has {:.4g}; was it cropped "
+                        "or reformatted?",
+                        lens, header.width, header.height, picture));
 }
 
 /// The camera from Scrim's own attribute.
@@ -128,7 +129,7 @@ Camera cameraOf(const PictureHeader& header, NdcRange ndc, const ColourConfig& c
     if (!(scale > 0) || !(std::abs(glm::dot(rows[0], rows[1])) <= kTolerance * scale * scale) ||
         !(std::abs(glm::length(rows[1]) / scale - 1) <= kTolerance) ||
         !(std::abs(glm::length(rows[2]) / scale - 1) <= kTolerance))
-        refuse("its worldToCamera is no rotation");
+        refuse("its worldToCamera is sheared or scaled unevenly");
     const double front = glm::determinant(rows) < 0 ? 1 : -1;
     const Mat4 wsFromCamera = glm::inverse(cameraFromWs);
     Projection p = projectionOf(ndcFromWs * wsFromCamera, front);

@@ -72,9 +72,9 @@ bool isFootprintSteps(double v) {
 Dial simd() {
     Dial d;
     d.words = {"auto", "sse4", "avx2", "avx512"};
-    d.info = {"simd", "", "", choices(d.words),
-              "instruction set: the best there is, or the most one may use, for equal pictures on unequal "
-              "machines"};
+    d.info = {
+        "simd", "", "", choices(d.words),
+        "instruction set: the machine's best, or the largest one allowed, for equal pictures on different machines"};
     d.setWord = [known = d.words](Dials& dials, std::size_t i) { dials.simd = known[i]; };
     d.get = [](const Dials& dials) { return dials.simd; };
     return d;
@@ -84,8 +84,8 @@ Dial crossFade() {
     Dial d;
     d.words = {"auto", "always"};
     d.info = {"cross_fade", "degrees", "", choices(d.words) + ", or a number from 0 to 20",
-              fmt::format("lights this near to perpendicular to the eye are swept from both sides, so that nothing "
-                          "pops when they cross; always: {0}; auto: {0} where the scene has keys, or else 0",
+              fmt::format("lights within this angle of perpendicular to the eye are swept from both sides, which "
+                          "avoids pops when they cross; always: {0}; auto: {0} where the scene has keys, or else 0",
                           kCrossFade)};
     d.allows = [](double v) { return v >= 0 && v <= 20; };
     d.setNumber = [](Dials& dials, double v) { dials.crossFade = v; };
@@ -103,8 +103,8 @@ Dial shutterSamples() {
     Dial d;
     d.words = {"auto"};
     d.info = {"shutter_samples", "renders", "", "'auto', or a whole number from 1 to 1024",
-              "renders that motion blur is the mean of; auto: by the longest way that anything moves in the picture "
-              "and by the preset's error, or 1 where nothing moves; error of second order"};
+              "renders averaged for motion blur; auto: by the longest motion in the picture and the preset's error, or "
+              "1 if nothing moves; error of second order"};
     d.allows = [](double v) { return v == std::floor(v) && v >= 1 && v <= 1024; };
     d.setNumber = [](Dials& dials, double v) { dials.shutterSamples = static_cast<int>(v); };
     d.setWord = [](Dials& dials, std::size_t) { dials.shutterSamples.reset(); };
@@ -130,10 +130,9 @@ Dial lightCell() {
 Dial scatterDirections() {
     Dial d;
     d.words = {"auto"};
-    d.info = {
-        "scatter_directions", "directions", "", "'auto', 64, 128 or 256",
-        "that such light is carried along; auto: 64, or 128 where a phase function is narrower than g = 0.75, or 256 "
-        "above 0.85"};
+    d.info = {"scatter_directions", "directions", "", "'auto', 64, 128 or 256",
+              "discrete directions of multiple scattering; auto: 64, or 128 where a phase function is narrower than g "
+              "= 0.75, or 256 above 0.85"};
     d.allows = [](double v) { return v == 64 || v == 128 || v == 256; };
     d.setNumber = [](Dials& dials, double v) { dials.scatterDirections = static_cast<int>(v); };
     d.setWord = [](Dials& dials, std::size_t) { dials.scatterDirections.reset(); };
@@ -148,32 +147,33 @@ std::vector<Dial> makeDials() {
     all.push_back(number("sheet_thickness", "voxels", 0.01, 64, &Dials::sheetThickness,
                          "thickness of a sheet, before the cosine of the worst slant; error of second order"));
     all.push_back(number("texel", "voxels", 0.05, 64, &Dials::texel, "edge of a sheet's texel; error of second order"));
-    all.push_back(choice<SplatMode>("splat", {"shared", "per-view"}, &Dials::splat,
-                                    "what footprints go into: one raster that all views share, or one for each view, "
-                                    "as in the paper"));
+    all.push_back(choice<SplatMode>(
+        "splat", {"shared", "per-view"}, &Dials::splat,
+        "rasters that receive footprints: one that all views share, or one for each view, as in the paper"));
     all.push_back(choice<ShadeMode>("shade", {"auto", "texel", "pixel"}, &Dials::shade,
-                                    "where light is added up: at texels (many lights are cheap) or at pixels"));
+                                    "where lighting is computed: at texels (many lights are cheap) or at pixels"));
     all.push_back(choice<Kernel>("kernel", {"linear", "gaussian", "bspline"}, &Dials::kernel,
-                                 "reconstruction kernel: what the field is between its voxels"));
+                                 "reconstruction kernel that interpolates between voxels"));
     all.push_back(integer("footprint_steps", "steps a voxel", "a power of two from 2 to 128", isFootprintSteps,
                           &Dials::footprintSteps,
                           "positions a footprint is tabulated at, with slopes in between; error of second order"));
     all.push_back(number("shadow_texel", "texels", 0.1, 64, &Dials::shadowTexel,
                          "edge of a shadow buffer's cell; error of second order"));
     all.push_back(choice<ShadowFilter>("shadow_filter", {"bilinear", "nearest"}, &Dials::shadowFilter,
-                                       "look-up in shadow buffers"));
+                                       "interpolation in shadow buffers"));
     all.push_back(choice<ShadowPlane>("shadow_plane", {"light", "image"}, &Dials::shadowPlane,
-                                      "what a light's buffer is aligned with in per-view splatting"));
+                                      "plane that a light's buffer is aligned with in per-view splatting"));
     all.push_back(choice<SheetAxis>("sheets", {"half-way", "image-aligned"}, &Dials::sheets,
                                     "axis of the sheets: between eye and lights, or along the view"));
     all.push_back(number("max_slant", "degrees", 10, 85, &Dials::maxSlant,
-                         "largest angle of a ray to the axis of its sweep; less is more accurate and more sweeps"));
+                         "largest angle between a ray and the axis of its sweep; a smaller angle is more accurate and "
+                         "needs more sweeps"));
     all.push_back(crossFade());
     all.push_back(number("opacity_cutoff", "transmittance", 0, 0.5, &Dials::opacityCutoff,
                          "transmittance below which a pixel counts as opaque; bounds the error"));
     all.push_back(number("light_error", "relative RMSE", 1e-4, 0.5, &Dials::lightError,
-                         "error that is left to the sub-lights of area lights, domes and suns with an angle: how many "
-                         "there are, where a light gives no samples"));
+                         "error allowed to the sub-lights of area lights, domes and suns with an angle; sets their "
+                         "number if a light gives no samples"));
     all.push_back(lightCell());
     all.push_back(number("lod", "pixels", 0, 64, &Dials::lod,
                          "size below which voxels are splatted from a coarser level of the grid; 0: never"));
@@ -181,11 +181,11 @@ std::vector<Dial> makeDials() {
         "antialias", "rays a pixel's edge", "a whole number from 1 to 16", [](double v) { return v >= 1 && v <= 16; },
         &Dials::antialias, "n x n rays a pixel"));
     all.push_back(number("scatter_cell", "voxels", 0.25, 64, &Dials::scatterCell,
-                         "edge of the cells that light is carried through where scattering = 'full'; error of first "
-                         "order, time and memory of third"));
+                         "edge of the cells for multiple scattering (scattering = 'full'); error of first order, time "
+                         "and memory of third"));
     all.push_back(scatterDirections());
     all.push_back(number("scatter_error", "relative change", 1e-6, 0.1, &Dials::scatterError,
-                         "what a further sweep may still change of such light"));
+                         "largest change by a further sweep at which multiple scattering counts as converged"));
     all.push_back(shutterSamples());
     all.push_back(simd());
     for (Dial& dial : all) {

@@ -68,10 +68,10 @@ Mat3 rigidAxes(const TomlValue& value, const Mat4& m) {
     const bool square = std::abs(glm::dot(axes[0], axes[1])) < kSquare &&
                         std::abs(glm::dot(axes[1], axes[2])) < kSquare &&
                         std::abs(glm::dot(axes[2], axes[0])) < kSquare;
-    if (!square) value.fail(fmt::format("{} is sheared; expected a camera's frame at right angles", k.matrix));
+    if (!square) value.fail(fmt::format("{} is sheared; expected perpendicular axes", k.matrix));
     if (glm::dot(glm::cross(axes[0], axes[1]), axes[2]) < 0)
-        value.fail(fmt::format("{} mirrors; expected a right-handed frame, that of a camera which looks along its -z",
-                               k.matrix));
+        value.fail(
+            fmt::format("{} is mirrored; expected a right-handed frame of a camera that looks along -z", k.matrix));
     // Axes that are orthonormal up to rounding are kept unchanged.
     const Mat3 given(m);
     const Mat3 product = glm::transpose(given) * given;
@@ -118,8 +118,9 @@ void readView(TomlTable& table, const ReadContext& context, Camera& camera) {
     }
     const auto target = orbit ? table.find(k.target) : table.require(k.target);
     if (target) wsTarget = target->vec3At(context.frame);
-    const Vec3 forward = directionBetween(camera.wsPosition, wsTarget, target ? *target : *orbit,
-                                          fmt::format("the camera stands at its own {}", k.target), context.frame);
+    const Vec3 forward =
+        directionBetween(camera.wsPosition, wsTarget, target ? *target : *orbit,
+                         fmt::format("the camera is at the same point as its {}", k.target), context.frame);
     camera.wsFromCamera = lookAt(-forward, Vec3(0), up);
 }
 
@@ -127,8 +128,8 @@ Shutter readShutter(const TomlValue& value) {
     const auto ends = value.items(2);
     const Shutter shutter{ends[0].number(), ends[1].number()};
     if (!(shutter.close > shutter.open))
-        value.fail(
-            fmt::format("{} is [{}, {}]; expected it to close after it opens", k.shutter, shutter.open, shutter.close));
+        value.fail(fmt::format("{} is [{}, {}]; expected [open, close] with open < close", k.shutter, shutter.open,
+                               shutter.close));
     return shutter;
 }
 

@@ -26,14 +26,14 @@ std::vector<TransferPoint> readTransfer(const TomlValue& value, const ReadContex
     }
     if (points.size() < 2) value.failExpecting("at least two points { value, color, extinction }");
     if (points.back().value <= 0)
-        value.fail(
-            fmt::format("'{}' ends at a value that is not above 0; the field has no others than such", value.name()));
+        value.fail(fmt::format(
+            "'{}' ends at a value of 0 or less; expected a last value above 0, because those values are empty space",
+            value.name()));
     Classified probe;
     probe.transfer = points;
     if (classify(probe, 0).extinction > 0)
         value.fail(fmt::format(
-            "'{}' maps 0 to more extinction than 0; expected 0, since empty space, which is 0, is never looked at",
-            value.name()));
+            "'{}' has extinction above 0 at value 0; expected 0 there, because empty space is skipped", value.name()));
     return points;
 }
 

@@ -36,7 +36,7 @@ Vec3 readAxis(TomlTable& table, const Light& light, const ReadContext& context) 
     if (direction) return readDirection(*direction, context.frame);
     if (!target) table.require(k.direction, fmt::format("{}, or {}, {}", k.direction.form, k.target, k.target.form));
     return directionBetween(light.wsPosition, target->vec3At(context.frame), *target,
-                            fmt::format("the light stands at its own {}", k.target), context.frame);
+                            fmt::format("the light is at the same point as its {}", k.target), context.frame);
 }
 
 /// Reads the size of the slide's picture: an angle, or the width and height of a distant light's slide.
@@ -135,7 +135,7 @@ void readFacing(TomlTable& table, const std::optional<TomlValue>& orbit, const s
                 const ReadContext& context, Light& light) {
     const bool aimed = table.find(k.direction).has_value() || table.find(k.target).has_value();
     light.wsDirection = orbit && !aimed ? directionBetween(light.wsPosition, *wsCenter, *orbit,
-                                                           "the light stands in the middle of its orbit", context.frame)
+                                                           "the light is at the center of its orbit", context.frame)
                                         : readAxis(table, light, context);
 }
 
@@ -175,8 +175,7 @@ void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const Rea
         area.height = readLength(table, k.height, context);
     } else {
         area.radius = readLength(table, k.radius, context);
-        if (slide)
-            slide->fail(fmt::format("{} has a {}; expected one of a rectangle alone", table.description(), k.slide));
+        if (slide) slide->fail(fmt::format("{} has a {}; only a rectangle can have one", table.description(), k.slide));
     }
     if (area.shape != AreaShape::sphere) readFacing(table, orbit, wsCenter, context, light);
     light.kind = area;

@@ -114,7 +114,7 @@ Emission readEmission(TomlTable table, const ReadContext& context) {
                                       [&](const TomlValue& y) { return readBounded(y, context, kMostLight); });
         if (!keepsZero(emission.ramp))
             ramp->fail(fmt::format(
-                "{} maps 0 to light; expected black, since empty space, which is 0, is never looked at", k.ramp));
+                "{} is not black at grid value 0; expected black there, because empty space is skipped", k.ramp));
     }
     table.finish();
     return emission;
@@ -149,8 +149,8 @@ Emission readBlackbody(const TomlValue& value, const std::string& of, const Read
     table.finish();
     if (!normalize && context.version < 2)
         context.warnings->push_back(
-            fmt::format("{}: {} of the black body is false unless it is given; it was true once, where all "
-                        "temperatures were equally bright. Say which is meant, or set {} = {}",
+            fmt::format("{}: {} of the blackbody now defaults to false; before scene_version 2 it was true, which "
+                        "makes all temperatures equally bright. Set it, or set {} = {}",
                         value.where(), k.normalize, keysOf<SceneKeys>().sceneVersion.name, kSceneVersion));
     emission.ramp = located(
         value, [&] { return Blackbody(context.colour).ramp(emission.kelvinScale, emission.kelvinOffset, normalized); });

@@ -32,14 +32,14 @@ std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output,
     for (const TomlValue& item : value.items(0)) {
         const auto layer = static_cast<Layer>(item.choice(names));
         if (std::find(layers.begin(), layers.end(), layer) != layers.end())
-            item.fail(fmt::format("'{}' is '{}' again; expected each layer once", item.name(), item.string()));
+            item.fail(fmt::format("'{}' repeats '{}'; expected each layer once", item.name(), item.string()));
         layers.push_back(layer);
     }
     std::sort(layers.begin(), layers.end());
     if (!layers.empty() && output.half && colour.isAces2065(output.colorspace))
         value.fail(
-            fmt::format("'{}' do not fit into an ACES container, which half floats in ACES2065-1 make; expected "
-                        "another {}, or {} = \"float\"",
+            fmt::format("'{}' cannot be written to an ACES container (half floats in ACES2065-1); expected another {}, "
+                        "or {} = \"float\"",
                         value.name(), keysOf<OutputKeys>().colorspace, keysOf<OutputKeys>().type.name));
     return layers;
 }
@@ -70,7 +70,7 @@ void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output)
     output.deep.half = table.choice(k.deepType) == 0;
     for (const Key* key : {&k.deepTolerance, &k.deepType})
         if (const auto value = table.find(*key); value && !path)
-            value->fail(fmt::format("{} without {}: no deep picture is written; expected its path, too", *key, k.deep));
+            value->fail(fmt::format("{} is set without {}; expected the path of the deep picture, too", *key, k.deep));
     if (!path) return;
     output.deep.path = context.path(*path);
     output.deep.file = output.deep.path.at(context.fileFrame());
@@ -132,7 +132,7 @@ RenderSection readRender(TomlTable table) {
         if (!value) continue;
         if (dial.chosen) out.keepsPromise = false;
         if (out.tolerance > 0 && dial.chosen)
-            value->fail(fmt::format("'{}' cannot be given beside {}, which chooses it", dial.name, k.tolerance));
+            value->fail(fmt::format("'{}' cannot be combined with {}, which chooses it", dial.name, k.tolerance));
         if (value->isString())
             setDial(out.dials, dial.name, value->string(), value->where());
         else if (value->isNumber())

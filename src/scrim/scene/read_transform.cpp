@@ -61,8 +61,7 @@ Mat4 readMatrix(const TomlValue& value) {
             fmt::format("the last row of '{}' is not 0, 0, 0, 1; expected an affine matrix that acts on column "
                         "vectors, with the translation in its last column",
                         value.name()));
-    if (!isInvertible(m))
-        value.fail(fmt::format("'{}' cannot be inverted; expected one that keeps volume", value.name()));
+    if (!isInvertible(m)) value.fail(fmt::format("'{}' is singular; expected an invertible matrix", value.name()));
     return m;
 }
 

@@ -63,8 +63,8 @@ void readDensity(TomlTable table, SceneVolume& volume) {
     if (const auto ramp = table.find(d.ramp)) {
         volume.ramp = readRamp<double>(*ramp, "[grid value, value]", [](const TomlValue& y) { return y.number(); });
         if (!keepsZero(volume.ramp))
-            ramp->fail(fmt::format(
-                "{} maps 0 to more than 0; expected 0, since empty space, which is 0, is never looked at", d.ramp));
+            ramp->fail(
+                fmt::format("{} is above 0 at grid value 0; expected 0 there, because empty space is skipped", d.ramp));
     }
     table.finish();
 }

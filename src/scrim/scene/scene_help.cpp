@@ -220,11 +220,11 @@ std::string sceneHelp(const std::string& topic) {
 
 std::string scenesAsMarkdown() {
     std::string text =
-        "# Scenes\n\nWhat a scene may say. Printed by `scrim help --markdown`; `scrim help camera` prints a section, "
-        "`scrim help camera.fov` a key, and `scrim help --schema` a JSON schema for editors.\n";
+        "# Scenes\n\nAll sections and keys of a scene. Printed by `scrim help --markdown`; `scrim help camera` prints "
+        "a section, `scrim help camera.fov` a key, and `scrim help --schema` a JSON schema for editors.\n";
     for (const Section* section : sceneSections()) {
         text += fmt::format("\n## {}\n\n{}\n",
-                            section == sceneSections().front() ? "All of it" : "`" + section->title() + "`",
+                            section == sceneSections().front() ? "Top level" : "`" + section->title() + "`",
                             section->meaning());
         text += "\n| key | what | without it | meaning |\n| --- | --- | --- | --- |\n";
         for (const Key& key : section->keys()) {
@@ -261,7 +261,7 @@ std::string scenesAsRoff() {
     std::string text;
     for (const Section* section : sceneSections()) {
         text += fmt::format(".SH \"{}\"\n{}\n",
-                            section == sceneSections().front() ? "ALL OF IT" : roffText(section->title()),
+                            section == sceneSections().front() ? "TOP LEVEL" : roffText(section->title()),
                             roffText(section->meaning()));
         for (const Key& key : section->keys()) {
             text += fmt::format(".TP\n\\fB{}\\fR{}\n{}", roffText(key.name), key.isKeyed ? " *" : "",

@@ -38,16 +38,17 @@ struct CameraKeys : Section {
     CameraKeys()
         : Section(
               "camera", "[camera]",
-              "The place and lens that the picture is taken with. A camera looks along -z of its own frame, with y up. "
-              "'position' and 'target' give its place, or 'matrix', or 'orbit', or the header of a picture ('exr').") {
+              "The position and lens of the camera. A camera looks along -z of its own frame, with y up. 'position' "
+              "and 'target' give its place, or 'matrix', or 'orbit', or the header of a picture ('exr').") {
         exclude({&matrix}, {&position, &target, &up, &orbit, &exr});
         exclude({&exr}, {&type, &position, &target, &up, &orbit, &fov, &fovAxis, &focalLength, &aperture, &fit, &height,
                          &shift, &pixelAspect});
         exclude({&orbit}, {&position});
         exclude({&fov, &fovAxis}, {&focalLength, &aperture, &fit});
     }
-    const Key& type = choice("type", {"perspective", "orthographic"}, "How rays leave the camera.");
-    const Key& position = vector("position", "a point [x, y, z]", Range::coordinate(), "Where the eye is.").keyed();
+    const Key& type = choice("type", {"perspective", "orthographic"}, "The projection of the camera.");
+    const Key& position =
+        vector("position", "a point [x, y, z]", Range::coordinate(), "The position of the eye.").keyed();
     const Key& target =
         vector("target", "a point [x, y, z]", Range::coordinate(), "A point in the middle of the picture.").keyed();
     const Key& up =
@@ -81,8 +82,8 @@ struct CameraKeys : Section {
                               .onlyFor("perspective")
                               .keyed();
     const Key& fit = choice("fit", {"horizontal", "vertical", "fill", "overscan"},
-                            "How the picture fits the film back if their shapes differ: it keeps the film's width, "
-                            "keeps its height, shows no more than the film ('fill'), or shows all of the film "
+                            "How the picture fits the film back if their aspect ratios differ: it keeps the film's "
+                            "width, keeps its height, shows no more than the film ('fill'), or shows all of the film "
                             "('overscan'). Needs 'aperture' = [width, height].")
                          .onlyFor("perspective");
     const Key& height = number("height", Range::positiveLength(), {}, "Height of the picture in the world; needed.")
@@ -90,12 +91,11 @@ struct CameraKeys : Section {
                             .keyed();
     const Key& shift =
         other("shift", "two numbers [x, y], in widths of the picture", kTwoNumbers, Range::fromTo(-100, 100),
-              "Moves the picture's window to the right and up, in widths of the picture, as a shift lens does. It "
-              "equals Blender's shift if the picture is wider than high, and USD's aperture offset / aperture.")
+              "Lens shift to the right and up, in widths of the picture. It equals Blender's shift if the picture is "
+              "wider than high, and USD's aperture offset / aperture.")
             .unless("[0, 0]")
             .keyed();
-    const Key& near =
-        number("near", Range::length(), 0, "Nothing nearer than this along the viewing axis is seen.").keyed();
+    const Key& near = number("near", Range::length(), 0, "The near clipping distance along the viewing axis.").keyed();
     const Key& shutter =
         other("shutter", "two times [opens, closes], in frames about the frame", kTwoNumbers,
               Range::fromTo(-1000, 1000, "frames"),
@@ -139,7 +139,7 @@ struct SlideKeys : Section {
                           .keyed();
     const Key& outside =
         choice("outside", {"black", "clamp", "repeat"},
-               "What the slide lets through beyond the picture's border; a projector's lets nothing through.");
+               "What the slide transmits beyond the picture's border; a projector's slide transmits nothing.");
 };
 
 struct TextureKeys : Section {
@@ -172,8 +172,8 @@ struct LightKeys : Section {
     const Key& name = text("name", "a name", "Names its layer, and the light in --set light.NAME.intensity=3.")
                           .unless("\"light1\", ...");
     const Key& type = choice("type", {"distant", "point", "spot", "projector", "area", "dome"},
-                             "Where its rays come from: parallel rays (a sun with 'angle'); a point to all sides; a "
-                             "point within a cone; a point through a slide; a surface; the whole sky.")
+                             "The emitter: parallel rays (a sun with 'angle'); a point; a point with a cone; a point "
+                             "with a slide; a surface; the whole sky.")
                           .required();
     const Key& direction = vector("direction", "a direction [x, y, z]", {},
                                   "The direction in which the light travels, the axis of its cone or slide, or the "
@@ -204,13 +204,12 @@ struct LightKeys : Section {
         number("temperature", Range::fromTo(800, 40000, "Kelvin"), {},
                "Multiplies 'color' by the colour of a blackbody with luminance 1 (CIE Y), as in UsdLux.")
             .keyed();
-    const Key& angle =
-        number("angle", Range::fromTo(0, 180, "degrees"), 0,
-               "Angle under which the sun's disk is seen; its irradiance stays the same. The real sun has 0.53.")
-            .onlyFor("distant")
-            .keyed();
+    const Key& angle = number("angle", Range::fromTo(0, 180, "degrees"), 0,
+                              "Angular diameter of the sun; its irradiance stays the same. The real sun has 0.53.")
+                           .onlyFor("distant")
+                           .keyed();
     const Key& shape = choice("shape", {"rectangle", "disk", "sphere"},
-                              "Shape of the surface that shines; rectangles and disks shine to one side. Cylinders, "
+                              "Shape of the surface that emits; rectangles and disks emit to one side. Cylinders, "
                               "meshes and IES profiles are not supported.")
                            .onlyFor("area")
                            .required();
@@ -301,15 +300,16 @@ struct HoldoutKeys : Section {
                            .required();
     const Key& channel =
         text("channel", "the name of a channel", "The channel of depths; \"PART.NAME\" in files with several parts.")
-            .unless("Z, else the one that is called so");
-    const Key& kind = choice(
-        "kind", {"z", "distance"},
-        "How depths are measured, in world units: along the viewing axis, or from the camera along each pixel's ray.");
+            .unless("Z, or else the only one named Z or depth");
+    const Key& kind =
+        choice("kind", {"z", "distance"},
+               "How depths are measured, in world units: along the viewing axis, or along each pixel's ray.");
     const Key& background = number("background", Range::above(0), 1e9,
                                    "Depths from this one on mean that nothing is there: Blender writes 1e10, Arnold "
                                    "1e30, Karma infinity. So do depths of 0 and below, and NaN.");
-    const Key& window = choice("window", {"display", "data"},
-                               "The window of the file that is the picture. The other one may be larger or smaller.");
+    const Key& window =
+        choice("window", {"display", "data"},
+               "The window of the file that has the picture's resolution. The other one may be larger or smaller.");
 };
 
 struct OutputKeys : Section {
@@ -343,8 +343,8 @@ struct KeyedKeys : Section {
                             Range::fromTo(-kLastFrame, kLastFrame, "frames"), "The keys, in ascending order of frames.")
                           .required();
     const Key& interpolation = choice("interpolation", {"linear", "smooth"},
-                                      "How values between keys are found: by straight lines, or by curves that come to "
-                                      "rest at the first and last key and never go beyond the keys around them.");
+                                      "Interpolation between keys: linear, or smooth curves that come to rest at the "
+                                      "first and last key and never overshoot the keys around them.");
 };
 
 struct ColourKeys : Section {
@@ -370,18 +370,17 @@ struct SceneKeys : Section {
               "environment, and $$, $# and $% for $, # and % themselves. Values marked * may be keyed. An unknown key "
               "is an error that says where it is and which keys are known. --set camera.fov=20 sets any value, and "
               "removes keys that would contradict it.") {}
-    const Key& sceneVersion =
-        integer("scene_version", 1, kSceneVersion, "", 1,
-                "The version of the defaults that its author knew. If a default has changed since, a warning says so.");
+    const Key& sceneVersion = integer("scene_version", 1, kSceneVersion, "", 1,
+                                      "The version of the defaults that the scene was written for. A warning names "
+                                      "every default that has changed since.");
     const Key& variables =
         other("variables", "a table of strings and numbers", kAnyTable, {}, "Values of ${NAME} in paths.");
-    const Key& camera =
-        table(keysOf<CameraKeys>(), "camera", "The place and lens that the picture is taken with.").required();
+    const Key& camera = table(keysOf<CameraKeys>(), "camera", "The position and lens of the camera.").required();
     const Key& volume = tables(keysOf<VolumeKeys>(), "volume", "The volumes to render; at least one.").required();
     const Key& mesh = tables(keysOf<MeshKeys>(), "mesh", "Solids that hide and shadow the volumes.");
     const Key& light = tables(keysOf<LightKeys>(), "light", "The lights of the scene.");
     const Key& ambient = table(keysOf<AmbientKeys>(), "ambient", "Unshadowed light from all sides.");
-    const Key& render = table(keysOf<RenderKeys>(), "render", "The accuracy of the picture, and every dial behind it.");
+    const Key& render = table(keysOf<RenderKeys>(), "render", "The accuracy of the picture, and all dials.");
     const Key& output = table(keysOf<OutputKeys>(), "output", "The files that are written.");
 };
 

@@ -96,7 +96,7 @@ class Override {
             if (assignment[equals] == '"') quoted = !quoted;
         m_path = trimmed(assignment.substr(0, equals));
         m_where = std::string(kOverride) + shortened(m_path, 120);
-        if (!isUtf8(assignment)) fail("it is not UTF-8, which all text of scenes is");
+        if (!isUtf8(assignment)) fail("it is not UTF-8; scenes must be UTF-8 text");
         if (equals == assignment.size()) fail("there is no '='; expected key.path=value");
         m_value = trimmed(assignment.substr(equals + 1));
         splitPath();
@@ -163,7 +163,7 @@ class Override {
                            (c >= 'a' && c <= 'z');
                 });
                 if (part.key.empty() || !bare)
-                    fail(fmt::format("'{}' is no key; expected letters, digits, '-' and '_', or anything in quotes",
+                    fail(fmt::format("'{}' is not a key; expected letters, digits, '-' and '_', or anything in quotes",
                                      part.key));
             }
             while (i < m_path.size() && m_path[i] == '[') {
@@ -171,7 +171,7 @@ class Override {
                 const char* const end = m_path.data() + m_path.size();
                 const auto [stop, error] = std::from_chars(m_path.data() + i + 1, end, index);
                 if (error != std::errc() || stop == end || *stop != ']')
-                    fail("'[' is not followed by a place (from 0) and ']'");
+                    fail("'[' is not followed by an index (from 0) and ']'");
                 part.indices.push_back(index);
                 i = std::size_t(stop - m_path.data()) + 1;
             }
@@ -280,7 +280,7 @@ toml::table parseToml(const std::string& text, const std::string& file) {
         const std::size_t line =
             text.rfind('\n', good) == std::string::npos || good == 0 ? 0 : text.rfind('\n', good) + 1;
         throw Error(ErrorKind::input,
-                    fmt::format("{}:{}:{}: the byte 0x{:02x} is not UTF-8, which all text of scenes is", file,
+                    fmt::format("{}:{}:{}: the byte 0x{:02x} is not UTF-8; scenes must be UTF-8 text", file,
                                 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(good), '\n'),
                                 1 + good - line, static_cast<unsigned char>(text[good])));
     }

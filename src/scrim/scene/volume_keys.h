@@ -33,19 +33,18 @@ struct TransformKeys : Section {
 struct FrameKeys : Section {
     FrameKeys()
         : Section("frame", "frame = { ... } of a [[volume]] with a file",
-                  "The file of its sequence that a volume shows: number = (the value of 'keys', or else frame * "
+                  "The file of the sequence that a volume shows: number = (the value of 'keys', or else frame * "
                   "'speed') + 'offset', rounded to the nearest whole number.") {
         exclude({&keys}, {&speed});
     }
-    const Key& offset =
-        number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"), 0, "Is added to the number.");
+    const Key& offset = number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"), 0, "Offset of the number.");
     const Key& speed = number("speed", Range::fromTo(-1e6, 1e6), 1, "Files per frame; 0.5 shows each file twice.");
     const Key& keys =
         other("keys", "a list of [frame, file number]", kPoints, Range::fromTo(-kLastFrame, kLastFrame, "frames"),
               "Retimes freely, in place of 'speed': linear between keys, constant outside of them.");
     const Key& outside =
         choice("outside", {"error", "hold", "black"},
-               "What is shown before the first and after the last file: an error, that file, or no volume.");
+               "What happens before the first and after the last file: an error, that file is shown, or no volume.");
 };
 
 struct DensityKeys : Section {
@@ -80,8 +79,7 @@ struct VelocityKeys : Section {
 };
 
 struct AlbedoGridKeys : Section {
-    AlbedoGridKeys()
-        : Section("albedo", "albedo = { grid = ... } of [volume.medium]", "An albedo that a grid gives.") {}
+    AlbedoGridKeys() : Section("albedo", "albedo = { grid = ... } of [volume.medium]", "An albedo from a grid.") {}
     const Key& grid =
         text("grid", "the name of a grid of colours", "A vec3 grid, or NAME for three floats NAME.r, NAME.g, NAME.b.")
             .required();
@@ -95,7 +93,7 @@ struct PhaseKeys : Section {
         : Section("phase", "phase = { ... } of [volume.medium]",
                   "The distribution of scattered light over directions.") {}
     const Key& type = choice("type", {"isotropic", "hg", "two-lobe", "rayleigh"},
-                             "The same to all sides; Henyey-Greenstein; two such lobes; air.")
+                             "Isotropic; Henyey-Greenstein; two such lobes; Rayleigh, as in air.")
                           .required();
     const Key& g =
         number("g", Range::between(-1, 1), {},
@@ -168,13 +166,13 @@ struct MediumKeys : Section {
     const Key& albedo =
         colour("albedo", "[0.9, 0.9, 0.9]", "Scattered fraction of extinction, 0 to 1; or a grid of colours.")
             .orTable(keysOf<AlbedoGridKeys>());
-    const Key& extinctionTint = colour("extinction_tint", "[1, 1, 1]", "Multiplies extinction in each channel.");
+    const Key& extinctionTint = colour("extinction_tint", "[1, 1, 1]", "Factor on extinction in each channel.");
     const Key& phase =
         table(keysOf<PhaseKeys>(), "phase", "The distribution of scattered light over directions.").unless("isotropic");
     const Key& scattering =
         choice("scattering", {"single", "octaves", "full"},
-               "How often light scatters on its way: once; once, with an approximation of more by 'octaves'; or any "
-               "number of times, which also lets emission, [ambient] and domes light the volume, with shadows.")
+               "How often light scatters: once; once, with more approximated by 'octaves'; or any number of times, "
+               "which also lets emission, [ambient] and domes light the volume, with shadows.")
             .unless("\"single\", or \"octaves\" where these are given");
     const Key& octaves =
         table(keysOf<OctavesKeys>(), "octaves", "An approximation of multiple scattering.").unless("single scattering");
@@ -209,7 +207,7 @@ struct ClassifiedKeys : Section {
     const Key& specular = number("specular", Range::fromTo(0, 1e6), 0.3, "Factor on the highlight.");
     const Key& exponent =
         number("exponent", Range::fromTo(0, 1e4), 20, "Phong's exponent: the larger, the smaller the highlight.");
-    const Key& twoSided = boolean("two_sided", false, "Light from behind a surface counts, too.");
+    const Key& twoSided = boolean("two_sided", false, "Surfaces are also lit from behind.");
 };
 
 struct MeshKeys : Section {
@@ -220,8 +218,9 @@ struct MeshKeys : Section {
     const Key& name = text("name", "a name", "Names the mesh in messages, and in --set mesh.NAME.shadows=false.")
                           .unless("\"mesh1\", ...");
     const Key& file = path("file", "an .obj or .ply file", "\"actor.####.obj\" is a sequence.").required();
-    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its place in the scene.");
-    const Key& holdout = boolean("holdout", true, "Hides what is behind it, and adds neither colour nor alpha.");
+    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
+    const Key& holdout =
+        boolean("holdout", true, "The mesh hides what is behind it, and adds neither colour nor alpha.");
     const Key& shadows = boolean("shadows", true, "Casts shadows into volumes.");
     const Key& catches = boolean("catch", false,
                                  "Shows the shadows of volumes. The picture then has layers 'shadow.LIGHT': the "
@@ -248,16 +247,17 @@ struct VolumeKeys : Section {
             "parameters", "a table", kAnyTable, {},
             "Parameters of the source; `scrim make SOURCE --help-source` lists them. 'file' is a path like all others.")
             .onlyFor("'source'");
-    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its place in the scene.");
+    const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
     const Key& density = table(keysOf<DensityKeys>(), "density", "The grid of densities, and their scale.");
     const Key& velocity =
-        table(keysOf<VelocityKeys>(), "velocity", "The volume's motion while the shutter is open.").onlyFor("'file'");
+        table(keysOf<VelocityKeys>(), "velocity", "The motion of the volume while the shutter is open.")
+            .onlyFor("'file'");
     const Key& lights = other("lights", "a list of names of lights", kStrings, {},
                               "The lights that light it. It casts shadows in all other lights, too.")
                             .unless("all");
-    const Key& holdout =
-        boolean("holdout", false,
-                "Hides and shadows, and adds neither colour nor alpha, because another picture shows the volume.");
+    const Key& holdout = boolean(
+        "holdout", false,
+        "The volume hides and shadows others, but adds neither colour nor alpha, because another picture shows it.");
     const Key& medium = table(keysOf<MediumKeys>(), "medium", "Smoke, clouds, fire.");
     const Key& classified = table(keysOf<ClassifiedKeys>(), "classified", "Scans and surfaces, in place of 'medium'.");
 };

@@ -66,7 +66,7 @@ std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vecto
     if (bytes >= limit)
         throw Error(
             ErrorKind::memory,
-            fmt::format("what is made of the volumes' grids takes {}, more than the {} that the memory limit leaves",
+            fmt::format("the data made from the volumes' grids needs {}, more than the {} that the memory limit leaves",
                         bytesText(bytes), bytesText(limit)));
     return limit - bytes;
 }

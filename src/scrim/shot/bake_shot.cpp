@@ -36,7 +36,7 @@ std::string placed(const Scene& scene, const std::string& key) {
 std::vector<bool> wantedLights(const Scene& scene, const BakeRequest& request) {
     if (scene.lights.empty())
         throw Error(ErrorKind::input,
-                    fmt::format("{}: there is no light to bake; expected a [[light]] in the scene", scene.file));
+                    fmt::format("{}: there is no light to bake; add a [[light]] to the scene", scene.file));
     std::vector<std::string> names;
     for (const Light& light : scene.lights) names.push_back(light.name);
     std::vector<bool> wanted(names.size(), request.lights.empty());
@@ -91,10 +91,9 @@ VdbGrid& GridMaker::add(std::size_t volume, const std::string& name, const std::
     grid.name = prefix + channelName(name);
     const auto [known, isNew] = m_names.emplace(grid.name, of);
     if (!isNew)
-        throw Error(ErrorKind::input,
-                    fmt::format("{}: {} and {} would both be the grid '{}', whose name has letters, digits and "
-                                "underscores alone; expected different names",
-                                m_scene.file, known->second, of, grid.name));
+        throw Error(ErrorKind::input, fmt::format("{}: {} and {} would both be the grid '{}', whose name has only "
+                                                  "letters, digits and underscores; expected different names",
+                                                  m_scene.file, known->second, of, grid.name));
     grid.wsFromIs = own.wsFromAsset;
     if (!baked) return grid;
     grid.blockOrigins = baked->blockOrigins;
@@ -178,13 +177,14 @@ void warnOfLooks(const Scene& scene, const MessageSink& messages) {
         const std::string key = "volume." + volume.name;
         if (volume.classified)
             notify(messages, Severity::warning,
-                   fmt::format("{}volume '{}' is classified: what it reflects depends on where the eye is, so it has "
+                   fmt::format("{}volume '{}' is classified: its reflection depends on the eye's position, so it has "
                                "no emission grid",
                                placed(scene, key), volume.name));
         else if (!volume.medium.phase.isotropic())
             notify(messages, Severity::warning,
-                   fmt::format("{}volume '{}' does not scatter evenly; its emission grid is that of a medium that does",
-                               placed(scene, key + ".medium.phase"), volume.name));
+                   fmt::format(
+                       "{}volume '{}' scatters anisotropically, but its emission grid is that of isotropic scattering",
+                       placed(scene, key + ".medium.phase"), volume.name));
     }
 }
 
@@ -222,8 +222,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         for (const VdbGrid& grid : out.grids)
             if (!allFinite(grid.values))
                 throw Error(ErrorKind::render,
-                            fmt::format("frame {}: the grid '{}' is infinite, or no number, in places; nothing is "
-                                        "written. Light that is brighter than floats reach makes such values",
+                            fmt::format("frame {}: the grid '{}' contains infinite or NaN values, so nothing is "
+                                        "written; is a light brighter than floats can hold?",
                                         frame, grid.name));
         out.metadata = {{"scrim:version", scrimVersion()},
                         {"scrim:frame", fmt::format("{}", frame)},

@@ -122,7 +122,7 @@ std::optional<FramedFire> fireOf(FieldStore& store, const std::vector<std::strin
 void sayUp(const std::string& path, const std::string& why, const char* up, const char* other,
            const MessageSink& messages) {
     notify(messages, Severity::info,
-           fmt::format("{}: {} is taken for up{}; --up {} turns it", shortened(path), up, why, other));
+           fmt::format("{}: {} is taken as the up axis{}; --up {} changes this", shortened(path), up, why, other));
 }
 
 /// The centre of mass of a field.
@@ -154,11 +154,10 @@ bool rises(const SparseField& smoke, const SparseField& fire) {
 void warnOfResidue(const std::string& path, const SparseField& density, const MessageSink& messages) {
     constexpr float kLittle = 1e-6f;  // caches hold smoke of 0.01 to 100, also in kg / m^3
     if (density.empty() || density.maxValue >= kLittle) return;
-    notify(
-        messages, Severity::warning,
-        shortened(fmt::format("{}: grid '{}' has no value above {:.2g}, as a simulation leaves behind where no smoke "
-                              "is; density.scale was chosen to make even that visible",
-                              shortened(path), shortened(density.name, 80), density.maxValue)));
+    notify(messages, Severity::warning,
+           shortened(fmt::format("{}: grid '{}' has no value above {:.2g}, which may be only the residue of a "
+                                 "simulation; density.scale was chosen to make it visible",
+                                 shortened(path), shortened(density.name, 80), density.maxValue)));
 }
 
 std::string framedVolume(FieldStore& store, const std::string& path, const std::string& pattern,

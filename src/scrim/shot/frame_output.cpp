@@ -100,11 +100,10 @@ ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
 }
 
 [[noreturn]] void refuseValue(int frame, float value, const std::string& channel, int x, int y) {
-    throw Error(
-        ErrorKind::render,
-        fmt::format("frame {}: '{}' is {} at pixel {},{}; nothing is written. Light that is brighter than floats "
-                    "reach makes such values; if there is none in the scene, please report it",
-                    frame, channel, std::isnan(value) ? "no number" : "infinite", x, y));
+    throw Error(ErrorKind::render,
+                fmt::format("frame {}: '{}' is {} at pixel {},{}; nothing is written. A light that is too bright for "
+                            "floats can cause this; if no light is, please report a bug",
+                            frame, channel, std::isnan(value) ? "NaN" : "infinite", x, y));
 }
 
 /// `values` holds one value per channel for each pixel of `window`, interleaved.

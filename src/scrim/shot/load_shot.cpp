@@ -24,7 +24,7 @@ std::size_t memoryLeft(std::size_t limit, const Fields& fields, std::size_t slid
     if (taken >= limit)
         throw Error(
             ErrorKind::memory,
-            fmt::format("the volumes{} take {}, which leaves nothing of the limit of {} (--memory)",
+            fmt::format("the volumes{} take {}, which uses up the memory limit of {} (--memory)",
                         slideBytes > 0 ? ", slides, meshes and depths" : "", bytesText(taken), bytesText(limit)));
     return limit - taken;
 }
@@ -70,9 +70,8 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
     if (scene.volumes.empty()) throw Error(ErrorKind::usage, "the scene has no volume");
     for (const SceneVolume& volume : scene.volumes)
         if (volume.file.empty() && volume.source.empty() && !store.hasGrids(volume.name))
-            throw Error(ErrorKind::usage,
-                        fmt::format("{}volume '{}' has no file, no source, and no grids that were set",
-                                    volume.where.empty() ? "" : volume.where + ": ", volume.name));
+            throw Error(ErrorKind::usage, fmt::format("{}volume '{}' has no file, no source and no grids",
+                                                      volume.where.empty() ? "" : volume.where + ": ", volume.name));
 }
 
 /// Throws where a layer has one picture for each light or volume and two of these would share a channel name.
@@ -85,11 +84,10 @@ void checkChannels(const Scene& scene, Layer layer, const std::vector<Named>& al
         const auto [known, isNew] = names.emplace(channelName(one.name), one.name);
         if (isNew) continue;
         const std::string where = scene.lines ? scene.lines->of("output.layers") : "";
-        throw Error(ErrorKind::input,
-                    fmt::format("{}{}s '{}' and '{}' would both be '{}.{}' in the picture, where names have "
-                                "letters, digits and underscores alone; expected different ones",
-                                where.empty() ? "" : where + ": ", nameOf(layer), known->second, one.name,
-                                nameOf(layer), known->first));
+        throw Error(ErrorKind::input, fmt::format("{}{}s '{}' and '{}' would both be the layer '{}.{}', whose name has "
+                                                  "only letters, digits and underscores; expected different names",
+                                                  where.empty() ? "" : where + ": ", nameOf(layer), known->second,
+                                                  one.name, nameOf(layer), known->first));
     }
 }
 
@@ -104,8 +102,8 @@ void warnOfColdFire(const Scene& scene, const Fields& fields, const MessageSink&
             const double hottest = field->maxValue * emission.kelvinScale + emission.kelvinOffset;
             if (hottest < kGlow)
                 notify(messages, Severity::warning,
-                       fmt::format("{}: '{}' reaches {:.4g} K in frame {:g}, and nothing glows below {:g} K; kelvin = "
-                                   "[A, B] says what temperatures its values 0 and 1 are",
+                       fmt::format("{}: '{}' reaches {:.4g} K in frame {:g}, but nothing glows below {:g} K; set "
+                                   "kelvin = [A, B], the temperatures of its values 0 and 1",
                                    emission.where, emission.grid, hottest, scene.frame, kGlow));
         }
 }

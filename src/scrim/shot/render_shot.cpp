@@ -69,8 +69,8 @@ void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
     for (const Light& light : view.lights)
         if (light.extended() && light.samples == 0 && subLightCount(view, light) == kMostSubLights)
             notify(messages, Severity::warning,
-                   fmt::format("light '{}' is rendered as {} lights, the most there may be: light_error = {:.2g} calls "
-                               "for more; samples = N takes as many as you say",
+                   fmt::format("light '{}' is rendered as {} lights, the maximum, but light_error = {:.2g} needs more; "
+                               "samples = N sets another number",
                                light.name, kMostSubLights, view.dials.lightError));
 }
 
@@ -79,17 +79,16 @@ void warnOfCappedLights(const ViewScene& view, const MessageSink& messages) {
 void warnOfBlurredSkies(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
     if (const std::string skies = blurredSkies(view, plan.transport); !skies.empty())
         notify(messages, Severity::warning,
-               "light " + skies + "; a distant light with an angle in place of such a spot keeps its shadows sharp");
+               "light " + skies + "; replace such a spot by a distant light with an angle to keep its shadows sharp");
 }
 
 /// Warns that a deep picture has one alpha, while the extinction of three channels differs.
 void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
     if (view.deep && extinctionChannels(view).coloured)
-        notify(
-            messages, Severity::warning,
-            fmt::format("{}extinction is coloured, and deep samples have one alpha for all colours: the deep picture "
-                        "flattens to the flat one, but what is merged or put between its samples is approximate",
-                        placeOf(view, "output.deep")));
+        notify(messages, Severity::warning,
+               fmt::format("{}extinction is coloured, but deep samples have one alpha for all channels: the deep "
+                           "picture flattens to the flat one, but merging or inserting samples is approximate",
+                           placeOf(view, "output.deep")));
 }
 
 /// Renders one frame, from its views to a picture.

@@ -82,7 +82,7 @@ ScanInfo loadScanInfo(const std::string& path, const LoadOptions& options, const
     const std::vector<SparseField> fields =
         sourceFields("scan", {{"file", path}, {"describe", "true"}}, options, {}, checkpoint);
     if (fields.size() != 2 || fields[0].empty() || fields[1].empty() || !fields[1].name.starts_with(kSamples))
-        throw Error(ErrorKind::input, fmt::format("{}: damaged: it has no samples that are numbers", path));
+        throw Error(ErrorKind::input, fmt::format("{}: damaged: none of its samples is finite", path));
     const SparseField &histogram = fields[0], &ends = fields[1];
     info.counts = countsOf(histogram);
     info.binWidth = histogram.wsFromIs[0][0];

@@ -97,7 +97,7 @@ void ShotFrame::writeDeep(const std::string& path, const MessageSink& messages) 
     ShotReport& report = m_content->report;
     const std::string file = pathOf(path, m_content->scene.output.deep.file, "deep picture");
     checkExr(file, "deep picture");
-    if (!hasDeep()) throw Error(ErrorKind::usage, "the frame has no deep picture: the scene did not ask for one");
+    if (!hasDeep()) throw Error(ErrorKind::usage, "the frame has no deep picture: the scene does not request one");
     withThreads(report.threads, [&] {
         const std::size_t clamped = timed(report.seconds.write, [&] { return writeFrameDeep(*m_content, file); });
         warnOfClamped(clamped, file, "deep_type", messages);

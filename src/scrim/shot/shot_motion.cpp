@@ -262,11 +262,10 @@ double ShotMotion::longestPath() {
     constexpr double kFinest = 0.7;
     m_voxelPixels = std::max(voxelUnit(base) / pixel, kFinest);
     if (outlier.second > 0)
-        notify(
-            m_options.messages, Severity::warning,
-            fmt::format("motion blur: fewer than one in 5,000 voxels of a velocity go up to {:.3g} pixels, all others "
-                        "at most {:.3g}; those few do not count for how many renders are made",
-                        outlier.second / pixel, outlier.first / pixel));
+        notify(m_options.messages, Severity::warning,
+               fmt::format("motion blur: fewer than one in 5,000 voxels of a velocity move up to {:.3g} pixels, all "
+                           "others at most {:.3g}; the number of renders ignores these few",
+                           outlier.second / pixel, outlier.first / pixel));
     const double most = 2.0 * (camera.resolution.x + camera.resolution.y);  // anything beyond this has left the picture
     return std::min(*std::max_element(paths.begin(), paths.end()) + (wsWay + lights) / pixel, most);
 }
@@ -283,8 +282,8 @@ int ShotMotion::samplesFor(double path) const {
     if (m_shot.solids) wanted = std::max(wanted, kOfHardSteps / error);
     if (wanted > kMostSamples)
         notify(m_options.messages, Severity::warning,
-               fmt::format("motion blur: the longest way is {:.0f} pixels, for which {} renders of the frame would be "
-                           "right; {} are made. shutter_samples says how many",
+               fmt::format("motion blur: the longest motion is {:.0f} pixels, which needs {} renders of the frame, but "
+                           "{} are made; shutter_samples sets another number",
                            path, std::ceil(wanted), kMostSamples));
     return static_cast<int>(std::ceil(std::min(wanted, double(kMostSamples))));
 }

@@ -57,9 +57,8 @@ ShotText::ShotText(SceneText text, const std::vector<std::string>& overrides, co
 void ShotText::give(const std::vector<std::string>& overrides, const OpenOptions& options) {
     if (!m_asset) {
         if (options.wsUp)
-            throw Error(ErrorKind::usage,
-                        fmt::format("{}: --up is for assets; a scene says itself what is up: --set camera.up=[0,0,1]",
-                                    shortened(m_path)));
+            throw Error(ErrorKind::usage, fmt::format("{}: --up is for assets; for a scene use --set camera.up=[0,0,1]",
+                                                      shortened(m_path)));
         m_text.gridsFromCode = options.gridsFromCode;
         if (const auto& resolution = options.resolution)
             m_given.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));

@@ -61,7 +61,7 @@ struct Solids::Traced {
     void append(const Solid& solid) {
         const auto first = static_cast<std::uint32_t>(wsPoints.size());
         if (wsPoints.size() + solid.mesh->points.size() > std::numeric_limits<std::uint32_t>::max())
-            throw Error(ErrorKind::memory, "the meshes have more points than can be counted");
+            throw Error(ErrorKind::memory, "the meshes have too many points");
         for (const Vec3& p : solid.mesh->points) {
             wsPoints.push_back(transformPoint(solid.wsFromMesh, p));
             wsBounds.include(wsPoints.back());
@@ -80,7 +80,7 @@ struct Solids::Traced {
             geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(std::uint32_t), triangles.size()));
         if (points == nullptr || corners == nullptr) {
             rtcReleaseGeometry(geometry);
-            throw Error(ErrorKind::memory, "there is not enough memory to trace rays to the meshes");
+            throw Error(ErrorKind::memory, "not enough memory to trace rays to the meshes");
         }
         for (std::size_t i = 0; i < wsPoints.size(); ++i)
             for (int axis = 0; axis < 3; ++axis)

@@ -267,7 +267,7 @@ void reportCleaning(const SparseField& field, const std::string& where, const Me
     const std::uint64_t all = field.activeVoxels + field.nonFinite + field.negative;
     std::string what;
     if (field.negative > 0) what = fmt::format("{} are below 0", field.negative);
-    if (field.nonFinite > 0) what += fmt::format("{}{} are no numbers", what.empty() ? "" : " and ", field.nonFinite);
+    if (field.nonFinite > 0) what += fmt::format("{}{} are not finite", what.empty() ? "" : " and ", field.nonFinite);
     // Scans have units that begin below 0, such as Hounsfield's; their source has parameters to deal with that.
     const bool scan = field.negative > 0 && where.starts_with("source 'scan'");
     notify(messages, Severity::warning,

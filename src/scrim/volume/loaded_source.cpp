@@ -52,8 +52,8 @@ std::vector<ParameterDescription> describeAll(const scrim_source& source, const 
     if (source.parameter_count == 0) return out;
     if (source.parameters == nullptr || source.parameter_count > kMaxParameters ||
         source.parameter_size < sizeof(scrim_parameter) || source.parameter_size % alignof(scrim_parameter) != 0)
-        refuse(path, fmt::format("its {} parameters of {} bytes make no sense", source.parameter_count,
-                                 source.parameter_size));
+        refuse(path,
+               fmt::format("its {} parameters of {} bytes are invalid", source.parameter_count, source.parameter_size));
     const auto* bytes = reinterpret_cast<const unsigned char*>(source.parameters);
     for (std::uint32_t i = 0; i < source.parameter_count; ++i) {
         const void* at = bytes + std::size_t{i} * source.parameter_size;
@@ -116,7 +116,7 @@ std::vector<SparseField> LoadedSource::run(const SourceParameters& parameters, c
     } catch (...) {
         // The interface leaves this undefined, but where the run-time can carry the exception, a reason is better than
         // an abort.
-        throw Error(ErrorKind::input, where + ": it threw an exception, which sources must not");
+        throw Error(ErrorKind::input, where + ": it threw an exception; a source must not throw");
     }
     return host.finish(code);
 }

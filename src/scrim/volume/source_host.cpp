@@ -28,7 +28,7 @@ int SourceHost::guarded(const Task& task) noexcept {
     // Recording this error from another thread is a race. It is the lesser evil in an error path that ends the run:
     // calling sinks from a thread that their owner does not expect would be worse.
     try {
-        if (std::this_thread::get_id() != m_thread) refuse("it called the host from a thread of its own");
+        if (std::this_thread::get_id() != m_thread) refuse("it called the host from another thread");
         if (m_problem) return -1;
         return task();
     } catch (...) {
@@ -43,7 +43,7 @@ void SourceHost::refuse(const std::string& reason) const {
 
 FieldBuilder& SourceHost::grid(int number) {
     if (number < 0 || std::size_t(number) >= m_grids.size())
-        refuse(fmt::format("it used grid number {}, and has added {} grids", number, m_grids.size()));
+        refuse(fmt::format("it used grid number {}, but has added {} grids", number, m_grids.size()));
     return m_grids[number];
 }
 
@@ -116,7 +116,7 @@ std::vector<SparseField> SourceHost::finish(int code) {
         throw Error(ErrorKind::memory, m_where + ": not enough memory for its grids");
     }
     if (code != 0 || !m_failure.empty())
-        refuse(m_failure.empty() ? fmt::format("it failed with code {} and without a reason", code) : m_failure);
+        refuse(m_failure.empty() ? fmt::format("it failed with code {} and gave no reason", code) : m_failure);
     if (m_grids.empty()) refuse("it made no grid");
     std::vector<SparseField> fields;
     for (FieldBuilder& builder : m_grids) {

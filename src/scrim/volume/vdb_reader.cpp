@@ -158,7 +158,7 @@ openvdb::GridPtrVec parse(ParsedVdb& content, std::span<char> bytes) {
     } catch (const Error&) {
         throw;
     } catch (const std::ios_base::failure&) {
-        fail(content.path, damaged + "its data end too early");
+        fail(content.path, damaged + "its data ends too early");
     } catch (const std::bad_alloc&) {
         if (bytes.size() < kSmallFile) fail(content.path, damaged + kClaimsMemory);
         throw Error(ErrorKind::memory, shortened(content.path + ": not enough memory to read it", kMessageLimit));
@@ -282,7 +282,7 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     };
     if (!choice) refuse(whyNoGrid(offers, request));
     const openvdb::GridBase::Ptr& grid = grids[choice->grid];
-    if (!grid) refuse(fmt::format("grid '{}' was not asked for when the file was opened", shortened(request.grid, 80)));
+    if (!grid) refuse(fmt::format("grid '{}' was not requested when the file was opened", shortened(request.grid, 80)));
     if (layout.isNewer)
         notify(messages, Severity::warning,
                fmt::format("{}: file version {} is newer than OpenVDB {} knows; it may have been read wrongly", path,

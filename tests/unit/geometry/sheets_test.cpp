@@ -136,8 +136,8 @@ TEST(RasterArea, IsCountedInSixtyFourBitsAndRefusedBeyondThirtyTwo) {
     const std::string error =
         errorOf(ErrorKind::render, [] { rasterArea(47824, 48224, "texels (a larger 'texel' needs fewer)"); });
     EXPECT_EQ(error,
-              "a raster of 47824 x 48224 texels (a larger 'texel' needs fewer) is asked for, at most 2147483647 of "
-              "them can be addressed");
+              "a raster of 47824 x 48224 texels (a larger 'texel' needs fewer) is too large; expected at most "
+              "2147483647 in all");
 }
 
 }  // namespace

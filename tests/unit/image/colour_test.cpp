@@ -302,7 +302,7 @@ TEST(ColourConfig, ConfigWithoutSceneLinearIsAnError) {
            "displays: {d: [!<View> {name: v, colorspace: a}]}\ncolorspaces: [!<ColorSpace> {name: a}]\n";
     EXPECT_EQ(errorOf([&] { ColourConfig::open(folder.file("norole.ocio")); }),
               "the OpenColorIO config '" + folder.file("norole.ocio") +
-                  "' has no role 'scene_linear', which says what space to render in");
+                  "' has no role 'scene_linear', which names the working space");
 }
 
 TEST(ColourConfig, MissingLookUpFileIsAnError) {

@@ -202,8 +202,7 @@ TEST_F(ExrMerge, TellsOfTilesThatAreMissing) {
     EXPECT_EQ(errorOfMerging({paths[0], file("none.exr")}),
               "cannot merge '" + file("none.exr") + "': there is no such file");
     std::filesystem::resize_file(paths[1], std::filesystem::file_size(paths[1]) - 100);
-    EXPECT_EQ(errorOfMerging(paths),
-              "cannot merge '" + paths[1] + "': it is no OpenEXR file, or not all of one: it was broken off");
+    EXPECT_EQ(errorOfMerging(paths), "cannot merge '" + paths[1] + "': it is not an OpenEXR file, or it is truncated");
 }
 
 TEST_F(ExrMerge, TellsOfTilesThatOverlapAndDiffer) {

@@ -98,8 +98,8 @@ TEST(FramePath, RefusesVariablesItDoesNotKnow) {
               "scene.toml:3:8: the path '${a b}.vdb' has '${a b}'; a variable's name is "
               "letters, digits and '_'");
     EXPECT_EQ(variableError("$HOME/a.vdb"),
-              "scene.toml:3:8: the path '$HOME/a.vdb' has a '$' that begins none of "
-              "${NAME}, $F, $F4, $$ (a dollar sign), $# and $%");
+              "scene.toml:3:8: the path '$HOME/a.vdb' has an invalid '$'; expected ${NAME}, $F, $F4, $$ (a dollar "
+              "sign), $# or $%");
 }
 
 TEST(FramePath, SearchesOnlyThePatternForFrames) {

@@ -39,8 +39,8 @@ TEST(FrameRange, KeepsAFrameOnce) {
 
 TEST(FrameRange, RefusesColonsWithTheReason) {
     EXPECT_EQ(errorOf("1:10"),
-              "frame range '1:10': ':' is refused, since farm managers disagree on its meaning; "
-              "write 1-48x2 for every second frame");
+              "frame range '1:10': ':' is not supported, because farm managers interpret it differently; write 1-48x2 "
+              "for every second frame");
 }
 
 TEST(FrameRange, SaysWhatIsWrong) {
@@ -50,8 +50,9 @@ TEST(FrameRange, SaysWhatIsWrong) {
     EXPECT_EQ(errorOf("1-x"), "frame range '1-x': in '1-x' the last frame is not a whole number" + expected);
     EXPECT_EQ(errorOf("1-9x0"), "frame range '1-9x0': in '1-9x0' the step is not at least 1" + expected);
     EXPECT_EQ(errorOf("9-1"), "frame range '9-1': in '9-1' the last frame comes before the first" + expected);
-    EXPECT_EQ(errorOf("1-9x2x"), "frame range '1-9x2x': in '1-9x2x' there is something after the frames" + expected);
-    EXPECT_EQ(errorOf("1.5"), "frame range '1.5': in '1.5' there is something after the frames" + expected);
+    EXPECT_EQ(errorOf("1-9x2x"),
+              "frame range '1-9x2x': in '1-9x2x' there is unexpected text after the frames" + expected);
+    EXPECT_EQ(errorOf("1.5"), "frame range '1.5': in '1.5' there is unexpected text after the frames" + expected);
     EXPECT_EQ(errorOf("1-9999999999"),
               "frame range '1-9999999999': in '1-9999999999' the last frame is beyond 1000000000" + expected);
     EXPECT_EQ(errorOf("1-2000000"),

@@ -165,13 +165,13 @@ TEST(PlateCamera, RefusesWhatItCannotTell) {
     EXPECT_NE(refused(cropped).find("was it cropped or reformatted?"), std::string::npos);
     PictureHeader strange = headerOf(camera);
     strange.worldToNdc = headerOf(someCameras()[5]).worldToNdc;
-    EXPECT_EQ(refused(strange), "worldToNDC does not belong to its worldToCamera");
+    EXPECT_EQ(refused(strange), "worldToNDC does not match its worldToCamera");
     PictureHeader nan = headerOf(camera);
     nan.worldToCamera[3] = std::nanf("");
     EXPECT_EQ(refused(nan), "worldToCamera of its header is not finite");
     PictureHeader zero = headerOf(camera);
     zero.worldToCamera.assign(16, 0);
-    EXPECT_EQ(refused(zero), "its worldToCamera is no rotation");
+    EXPECT_EQ(refused(zero), "its worldToCamera is sheared or scaled unevenly");
     PictureHeader words = headerOf(camera);
     words.camera = "fov = ";
     EXPECT_NE(refused(words).find("scrim:camera:1:"), std::string::npos) << refused(words);
@@ -179,10 +179,10 @@ TEST(PlateCamera, RefusesWhatItCannotTell) {
     // A lens shifted by a quarter of the picture: -1..1 and 0..1 look alike, and 'ndc' says which.
     Camera shifted = camera;
     shifted.shift = {-0.15, 0.1};
-    EXPECT_NE(refused(headerOf(shifted)).find("say so with 'ndc' in the scene"), std::string::npos);
+    EXPECT_NE(refused(headerOf(shifted)).find("set 'ndc' in the scene"), std::string::npos);
     EXPECT_LT(worst(from(headerOf(shifted), NdcRange::symmetric), shifted), 1e-2);
     const PictureHeader behind = changed(shifted, [](Mat4&, Mat4& ndc) { ndc = Mat4(-1.0) * ndc; });
-    EXPECT_NE(refused(behind).find("which way cannot be told"), std::string::npos) << refused(behind);
+    EXPECT_NE(refused(behind).find("the lens shift is ambiguous"), std::string::npos) << refused(behind);
 }
 
 }  // namespace

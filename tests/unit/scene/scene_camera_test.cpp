@@ -99,7 +99,7 @@ TEST(SceneCamera, KeysAreChecked) {
 
 TEST(SceneCamera, MustNotStandAtItsTarget) {
     EXPECT_EQ(errorOf("[camera]\nposition = [1, 2, 3]\ntarget = [1, 2, 3]\n" + kVolume),
-              "scene.toml:3:10: the camera stands at its own 'target' at frame 1 (1, 2, 3)");
+              "scene.toml:3:10: the camera is at the same point as its 'target' at frame 1 (1, 2, 3)");
     EXPECT_EQ(cameraError("up = [0, 0, 0]\n"), "scene.toml:4:6: 'up' is 0, 0, 0 at frame 1; expected a direction");
 }
 

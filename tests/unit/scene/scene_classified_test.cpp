@@ -59,10 +59,10 @@ TEST(SceneClassified, ErrorsAreLocated) {
     EXPECT_NE(order.find("scene.toml:7:"), std::string::npos) << order;
     EXPECT_NE(order.find("1 comes after 2; expected ascending values"), std::string::npos) << order;
     EXPECT_NE(errorOf(sceneWith("transfer = [{value = 1, extinction = 2}, {value = 2, extinction = 3}]\n"))
-                  .find("'transfer' maps 0 to more extinction than 0"),
+                  .find("'transfer' has extinction above 0 at value 0"),
               std::string::npos);
     EXPECT_NE(errorOf(sceneWith("transfer = [{value = -2, extinction = 0}, {value = -1, extinction = 0}]\n"))
-                  .find("ends at a value that is not above 0"),
+                  .find("ends at a value of 0 or less"),
               std::string::npos);
     EXPECT_NE(errorOf(sceneWith("transfer = [{value = 1, extinction = -1}, {value = 2, extinction = 3}]\n"))
                   .find("'extinction' is -1"),

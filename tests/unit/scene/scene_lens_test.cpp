@@ -98,11 +98,10 @@ TEST(SceneLens, MatrixIsTheCamerasFrame) {
     const Camera keyed = cameraOf("matrix = { keys = [[7, [" + rows + "[0, 0, 0, 1]]]] }\n");
     EXPECT_EQ(keyed.wsPosition, placed.wsPosition);
     EXPECT_EQ(keyed.wsFromCamera, placed.wsFromCamera);
-    EXPECT_EQ(
-        errorIn("matrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"),
-        "scene.toml:2:10: 'matrix' mirrors; expected a right-handed frame, that of a camera which looks along its -z");
+    EXPECT_EQ(errorIn("matrix = [[-1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"),
+              "scene.toml:2:10: 'matrix' is mirrored; expected a right-handed frame of a camera that looks along -z");
     EXPECT_EQ(errorIn("matrix = [[1, 0.1, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n"),
-              "scene.toml:2:10: 'matrix' is sheared; expected a camera's frame at right angles");
+              "scene.toml:2:10: 'matrix' is sheared; expected perpendicular axes");
     EXPECT_EQ(
         errorIn("matrix = [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [1, 2, 3, 1]]\n"),
         "scene.toml:2:53: the last row of 'matrix' is not 0, 0, 0, 1; expected an affine matrix that acts on column "

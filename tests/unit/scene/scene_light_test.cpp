@@ -114,7 +114,7 @@ TEST(SceneLight, NeedsWhatItsTypeNeeds) {
     EXPECT_EQ(lightError("type = \"spot\"\nposition = [0, 0, 0]\ndirection = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
               "scene.toml:10:10: [[light]] has both 'direction' and 'target'; expected one of them");
     EXPECT_EQ(lightError("type = \"spot\"\nposition = [1, 0, 0]\ntarget = [1, 0, 0]\n"),
-              "scene.toml:9:10: the light stands at its own 'target' at frame 1 (1, 0, 0)");
+              "scene.toml:9:10: the light is at the same point as its 'target' at frame 1 (1, 0, 0)");
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, 0]\n"),
               "scene.toml:8:13: 'direction' is 0, 0, 0 at frame 1; expected a direction");
 }
@@ -234,7 +234,7 @@ TEST(SceneLight, SaysWhatAnAreaLightOrDomeLacks) {
     EXPECT_NE(lightError(kBox + "shape = \"rectangle\"\nwidth = 1\n").find("'height'"), std::string::npos);
     EXPECT_NE(lightError(kBox + "shape = \"disk\"\nradius = 0\n").find("expected a length above 0"), std::string::npos);
     EXPECT_NE(lightError(kBox + "shape = \"disk\"\nradius = 1\nslide = { file = \"a.png\" }\n")
-                  .find("expected one of a rectangle alone"),
+                  .find("only a rectangle can have one"),
               std::string::npos);
     EXPECT_NE(
         lightError("type = \"distant\"\ndirection = [0, -1, 0]\nposition = [0, 0, 0]\nangle = 3\nslide = { file = "

@@ -208,7 +208,7 @@ TEST(SceneEmission, RampsKeepEmptySpaceBlack) {
         return errorIn("emission = { grid = \"flame\", ramp = " + ramp + " }");
     };
     const std::string zero =
-        "scene.toml:7:37: 'ramp' maps 0 to light; expected black, since empty space, which is 0, is never looked at";
+        "scene.toml:7:37: 'ramp' is not black at grid value 0; expected black there, because empty space is skipped";
     EXPECT_EQ(rampError("[[0, [0, 0, 0.1]], [1, [1, 1, 1]]]"), zero);
     EXPECT_EQ(rampError("[[-1, [0, 0, 0]], [1, [1, 1, 1]]]"), zero);
     EXPECT_EQ(rampError("[[0.5, [1, 0, 0]], [1, [0, 0, 0]]]"), zero);
@@ -272,8 +272,8 @@ TEST(SceneBlackbody, WarnsScenesThatRelyOnTheOldDefault) {
     const std::string bare = "grid = \"heat\"";
     ASSERT_EQ(warnings(bare, "").size(), 1u);
     EXPECT_EQ(warnings(bare, "")[0],
-              "scene.toml:7:13: 'normalize' of the black body is false unless it is given; it was true once, where all "
-              "temperatures were equally bright. Say which is meant, or set scene_version = 2");
+              "scene.toml:7:13: 'normalize' of the blackbody now defaults to false; before scene_version 2 it was "
+              "true, which makes all temperatures equally bright. Set it, or set scene_version = 2");
     EXPECT_TRUE(warnings(bare, "scene_version = 2\n").empty());
     EXPECT_TRUE(warnings(bare + ", normalize = false", "").empty());
     EXPECT_EQ(test::errorOf("scene_version = 3\n" + test::kCamera + test::kVolume),

@@ -105,7 +105,7 @@ TEST(SceneOutput, DeepPicturesAreReadAndChecked) {
     EXPECT_EQ(outputError("deep = \"d.exr\"\ndeep_type = \"double\"\n"),
               "scene.toml:8:13: 'deep_type' is the string \"double\"; expected 'half' or 'float'");
     EXPECT_EQ(outputError("deep_tolerance = 0.1\n"),
-              "scene.toml:7:18: 'deep_tolerance' without 'deep': no deep picture is written; expected its path, too");
+              "scene.toml:7:18: 'deep_tolerance' is set without 'deep'; expected the path of the deep picture, too");
 }
 
 TEST(SceneOutput, LayersAreInTheOrderOfTheEnumeration) {
@@ -127,7 +127,7 @@ TEST(SceneOutput, LayersAreChecked) {
         "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'ambient', 'emission', 'albedo', "
         "'depth', 'transmittance', 'shadow', 'volume' or 'motion'");
     EXPECT_EQ(layersError("layers = [\"depth\", \"depth\"]\n"),
-              "scene.toml:7:20: 'layers[1]' is 'depth' again; expected each layer once");
+              "scene.toml:7:20: 'layers[1]' repeats 'depth'; expected each layer once");
     EXPECT_EQ(layersError("layers = \"depth\"\n"),
               "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'ambient', "
               "'emission', 'albedo', 'depth', 'transmittance', 'shadow', 'volume' or 'motion'");
@@ -138,8 +138,8 @@ TEST(SceneOutput, AcesContainersTakeNoLayers) {
         return errorOf(kCamera + kVolume + "[output]\ncolorspace = \"lin_ap0\"\n" + lines);
     };
     EXPECT_EQ(containerError("layers = [\"depth\"]\n"),
-              "scene.toml:8:10: 'layers' do not fit into an ACES container, which half floats in ACES2065-1 make; "
-              "expected another 'colorspace', or type = \"float\"");
+              "scene.toml:8:10: 'layers' cannot be written to an ACES container (half floats in ACES2065-1); expected "
+              "another 'colorspace', or type = \"float\"");
     EXPECT_EQ(containerError("layers = []\n"), "no error");
     EXPECT_EQ(containerError("type = \"float\"\nlayers = [\"depth\"]\n"), "no error");
 }
@@ -167,7 +167,7 @@ TEST(SceneRender, IsChecked) {
     EXPECT_EQ(renderError("tolerance = -0.005\n"),
               "scene.toml:7:13: 'tolerance' is -0.005; expected a number from 0 to 1 as relative RMSE; 0 for none");
     EXPECT_EQ(renderError("tolerance = 0.005\nsheet_thickness = 1\n"),
-              "scene.toml:8:19: 'sheet_thickness' cannot be given beside 'tolerance', which chooses it");
+              "scene.toml:8:19: 'sheet_thickness' cannot be combined with 'tolerance', which chooses it");
     EXPECT_EQ(renderError("tolerance = 0.005\nmax_slant = 30\n"), "no error");
 }
 
@@ -266,19 +266,19 @@ TEST(SceneOverride, ErrorsNameTheOverride) {
 TEST(SceneOverride, PathsAreChecked) {
     EXPECT_EQ(overrideError("camera.fov"), "--set camera.fov: there is no '='; expected key.path=value");
     EXPECT_EQ(overrideError("=3"),
-              "--set : '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+              "--set : '' is not a key; expected letters, digits, '-' and '_', or anything in quotes");
     EXPECT_EQ(overrideError("camera..fov=3"),
-              "--set camera..fov: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+              "--set camera..fov: '' is not a key; expected letters, digits, '-' and '_', or anything in quotes");
     EXPECT_EQ(overrideError("camera.=3"),
-              "--set camera.: '' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+              "--set camera.: '' is not a key; expected letters, digits, '-' and '_', or anything in quotes");
     EXPECT_EQ(overrideError("camera.f v=3"),
-              "--set camera.f v: 'f v' is no key; expected letters, digits, '-' and '_', or anything in quotes");
+              "--set camera.f v: 'f v' is not a key; expected letters, digits, '-' and '_', or anything in quotes");
     EXPECT_EQ(overrideError("light[2].intensity=3"),
               "--set light[2].intensity: 'light' has 2 elements, counted from 0");
     EXPECT_EQ(overrideError("light[x].intensity=3"),
-              "--set light[x].intensity: '[' is not followed by a place (from 0) and ']'");
+              "--set light[x].intensity: '[' is not followed by an index (from 0) and ']'");
     EXPECT_EQ(overrideError("light[0.intensity=3"),
-              "--set light[0.intensity: '[' is not followed by a place (from 0) and ']'");
+              "--set light[0.intensity: '[' is not followed by an index (from 0) and ']'");
     EXPECT_EQ(overrideError("light[0]x=3"), "--set light[0]x: a part of the path is not followed by '.' or '['");
     EXPECT_EQ(overrideError("light.kee.intensity=3"),
               "--set light.kee.intensity: there is no light 'kee'; expected 'key' or "

@@ -185,7 +185,7 @@ TEST(SceneVolume, TransformsAreChecked) {
               "scene.toml:6:55: the last row of 'matrix' is not 0, 0, 0, 1; expected an affine matrix that acts on "
               "column vectors, with the translation in its last column");
     EXPECT_EQ(volumeError("transform = { matrix = [[1,0,0,0],[1,0,0,0],[0,0,1,0],[0,0,0,1]] }\n"),
-              "scene.toml:6:24: 'matrix' cannot be inverted; expected one that keeps volume");
+              "scene.toml:6:24: 'matrix' is singular; expected an invertible matrix");
     EXPECT_EQ(volumeError("transform = { matrix = [1,0,0,0] }\n"),
               "scene.toml:6:25: 'matrix[0]' is 1; expected four rows of four numbers");
     EXPECT_EQ(
@@ -235,8 +235,7 @@ TEST(SceneVolume, DensityAndMediumAreChecked) {
 TEST(SceneVolume, RampsKeepEmptySpaceEmpty) {
     const auto rampError = [](const std::string& ramp) { return volumeError("density = { ramp = " + ramp + " }\n"); };
     const std::string zero =
-        "scene.toml:6:20: 'ramp' maps 0 to more than 0; expected 0, since empty space, which is 0, "
-        "is never looked at";
+        "scene.toml:6:20: 'ramp' is above 0 at grid value 0; expected 0 there, because empty space is skipped";
     EXPECT_EQ(rampError("[[0, 0.1], [1, 1]]"), zero);
     EXPECT_EQ(rampError("[[-1, 0], [1, 1]]"), zero);
     EXPECT_EQ(rampError("[[0.5, 1], [1, 0]]"), zero);

@@ -99,7 +99,7 @@ TEST(Checks, CamerasAreHeldToTheirKeys) {
         [](Scene& s) {
             s.camera.wsPosition = {0, kNan, 0};
         });
-    expectRefused("[camera]: 'matrix' is no frame of axes; expected three of length 1, at right angles",
+    expectRefused("[camera]: 'matrix' is not orthonormal; expected three perpendicular axes of length 1",
                   [](Scene& s) { s.camera.wsFromCamera[0] *= 2.0; });
     expectRefused("[camera]: 'matrix' is mirrored; expected a right-handed frame",
                   [](Scene& s) { s.camera.wsFromCamera[0] *= -1.0; });
@@ -107,7 +107,7 @@ TEST(Checks, CamerasAreHeldToTheirKeys) {
                   [](Scene& s) { s.camera.resolution.y = 0; });
     expectRefused("[camera]: 'overscan' is -20; expected a number from 0 to 65536 pixels",
                   [](Scene& s) { s.overscan = -20; });
-    expectRefused("[camera]: 'shutter' is [0.5, 0]; expected it to close after it opens", [](Scene& s) {
+    expectRefused("[camera]: 'shutter' is [0.5, 0]; expected [open, close] with open < close", [](Scene& s) {
         s.shutter = Shutter{0.5, 0};
     });
     expectRefused("[camera]: 'height' is 0; expected a number greater than 0 and of at most 1e+15 world units",
@@ -124,10 +124,10 @@ TEST(Checks, LightsAreHeldToTheirKeys) {
                       l.wsUp = {kNan, 0, 0};
                   }));
     for (const double value : {kNan, kInfinity})
-        expectRefused(fmt::format("light 'key': 'intensity' is 1, {}, 1; expected light: finite numbers, of a sum of "
-                                  "at least 0",
-                                  value),
-                      light([=](Light& l) { l.intensity.y = value; }));
+        expectRefused(
+            fmt::format("light 'key': 'intensity' is 1, {}, 1; expected finite numbers with a sum of at least 0",
+                        value),
+            light([=](Light& l) { l.intensity.y = value; }));
     expectRefused("light 'key': 'angle' is 200; expected a number from 0 to 180 degrees",
                   light([](Light& l) { l.kind = Light::Distant(200); }));
     expectRefused("light 'key': 'cone' is 0; expected a number greater than 0 and of at most 180 degrees",
@@ -138,7 +138,7 @@ TEST(Checks, LightsAreHeldToTheirKeys) {
                   }));
     expectRefused("light 'key': 'samples' is -3; expected a number from 1 to 4096",
                   light([](Light& l) { l.samples = -3; }));
-    expectRefused("[ambient]: 'color' is -1, -1, -1; expected light: finite numbers, of a sum of at least 0",
+    expectRefused("[ambient]: 'color' is -1, -1, -1; expected finite numbers with a sum of at least 0",
                   [](Scene& s) { s.ambient = Rgb(-1); });
 }
 
@@ -150,9 +150,11 @@ TEST(Checks, VolumesAreHeldToTheirKeys) {
                   }));
     expectRefused("volume 'fog': 'g' is 1; expected a number greater than -1 and less than 1",
                   volume([](SceneVolume& v) { v.medium.phase.g = 1; }));
-    expectRefused("volume 'fog': 'matrix' is none that can be inverted; expected an affine one that keeps volume",
-                  volume([](SceneVolume& v) { v.wsFromAsset[1] = glm::dvec4(0); }));
-    expectRefused("volume 'fog': 'ramp' is more than 0 at 0; expected 0, since empty space is never looked at",
+    expectRefused(
+        "volume 'fog': 'matrix' is not an invertible affine matrix; expected a matrix with an inverse and the last row "
+        "0, 0, 0, 1",
+        volume([](SceneVolume& v) { v.wsFromAsset[1] = glm::dvec4(0); }));
+    expectRefused("volume 'fog': 'ramp' is above 0 at grid value 0; expected 0 there, because empty space is skipped",
                   volume([](SceneVolume& v) {
                       v.ramp = {{0, 1}, {1, 2}};
                   }));
@@ -167,8 +169,8 @@ TEST(Checks, VolumesAreHeldToTheirKeys) {
 
 TEST(Checks, WhatGoesTogetherInNoFileDoesNotInCode) {
     expectRefused(
-        "'deep' does not go with 'shutter' of [camera]: a deep pixel has one depth for each thing, and what moves has "
-        "many; expected one of them",
+        "'deep' cannot be combined with 'shutter' of [camera]: a deep sample has one depth, but a moving object has "
+        "many; remove one of the two",
         [](Scene& s) {
             s.shutter = Shutter{-0.25, 0.25};
             s.output.deep.file = "deep.exr";
@@ -201,7 +203,7 @@ TEST(Checks, WantOfMemoryIsAnError) {
     EXPECT_EQ(errorOf(ErrorKind::memory, [&] { bakeShot(shot, 1, {}, options); }), "out of memory");
     options.change = [](Scene&) { std::vector<double>().reserve(std::vector<double>().max_size() + 1); };
     EXPECT_EQ(errorOf(ErrorKind::memory, [&] { shot.plan(1, options); }),
-              "out of memory: more was asked for at once than any machine has");
+              "out of memory: a single allocation exceeds the address space");
 }
 
 TEST(Checks, LightBeyondFloatsIsAnError) {

@@ -276,7 +276,7 @@ TEST_F(MotionBlur, ChoosesMoreRendersForMoreMotionAndTellsThem) {
         return Shot::open(file("shot.toml"), {kShutter, kMoves, key}).plan(1).table;
     };
     // 8 world units in pixels of a half.
-    EXPECT_NE(plan("render.simd=\"auto\"").find("the longest way is 16 pixels"), std::string::npos);
+    EXPECT_NE(plan("render.simd=\"auto\"").find("the longest motion is 16 pixels"), std::string::npos);
     EXPECT_NE(plan(samples(5)).find("5 renders"), std::string::npos);
     const auto count = [&](const std::string& quality) {
         const std::string table = plan("render={quality=\"" + quality + "\"}");
@@ -304,7 +304,7 @@ TEST_F(MotionBlur, OfOneVoxelOfAnySpeedIsThatOfAllOthers) {
     for (const double speed : {1e3, 1e5, 1e10, 3e38}) {
         const ShotFrame frame = rendered(speed);
         ASSERT_EQ(messages.size(), 1u);
-        EXPECT_NE(messages[0].find("fewer than one in 5,000 voxels of a velocity go up to"), std::string::npos)
+        EXPECT_NE(messages[0].find("fewer than one in 5,000 voxels of a velocity move up to"), std::string::npos)
             << messages[0];
         // One voxel goes another way, and no faster than four times what is usual: a trace of one in 27,588.
         EXPECT_LT(farthest(frame, plain), 5e-3) << speed;
@@ -325,7 +325,7 @@ TEST_F(MotionBlur, TellsWhatIsWrongAndWhere) {
                       })
                   .find("where a velocity is expected"),
               std::string::npos);
-    EXPECT_NE(errorOf(ErrorKind::input, [&] { render({"camera.shutter=[0.25,-0.25]"}); }).find("close after it opens"),
+    EXPECT_NE(errorOf(ErrorKind::input, [&] { render({"camera.shutter=[0.25,-0.25]"}); }).find("with open < close"),
               std::string::npos);
     EXPECT_NE(errorOf(ErrorKind::input,
                       [&] {

@@ -265,7 +265,7 @@ TEST_F(ShotTest, ReadsASceneInMemoryWhoseVolumeIsMadeInCode) {
     EXPECT_EQ(shot.path(), "mine");
     EXPECT_EQ(shot.frames(), std::vector<int>{1});
     EXPECT_EQ(errorOf(ErrorKind::usage, [&] { shot.render(1); }),
-              "mine:5:1: volume 'fog' has no file, no source, and no grids that were set");
+              "mine:5:1: volume 'fog' has no file, no source and no grids");
     FieldBuilder builder("density", Mat4(1.0));
     builder.addBlock(Int3(0), std::vector<float>(kBlockVoxels, 1.0f).data());
     shot.setVolume("fog", {builder.finish()});
@@ -287,8 +287,7 @@ TEST_F(ShotTest, RendersGridsThatAreMadeInCode) {
     scene.volumes[0].densityScale = 0.1;
     scene.lights.resize(1);
     Shot shot = Shot::make(scene);
-    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { shot.render(1); }),
-              "volume 'fog' has no file, no source, and no grids that were set");
+    EXPECT_EQ(errorOf(ErrorKind::usage, [&] { shot.render(1); }), "volume 'fog' has no file, no source and no grids");
     shot.setVolume("fog", {builder.finish()});
     const ShotFrame frame = shot.render(1);
     // Straight through the middle: 16 voxels of extinction 0.1, lit from the front.
@@ -325,7 +324,7 @@ TEST_F(ShotTest, KeepsToTolerancesAndLimits) {
     EXPECT_LE(report.tolerance->bound, 0.2);
     options = {};
     options.memory = 1000;
-    EXPECT_NE(errorOf(ErrorKind::memory, [&] { shot.render(1, options); }).find("leaves nothing of the limit"),
+    EXPECT_NE(errorOf(ErrorKind::memory, [&] { shot.render(1, options); }).find("uses up the memory limit"),
               std::string::npos);
     options = {};
     options.crop = PixelWindow{8, 8, 20, 16};

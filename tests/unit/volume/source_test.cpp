@@ -81,7 +81,7 @@ TEST_F(Source, RefusesValuesOfTheWrongTypeOrRange) {
 
 TEST_F(Source, PassesOnWhatTheSourceSays) {
     EXPECT_EQ(reason("test", {{"act", "fail"}}), "source 'test': the weather is bad");
-    EXPECT_EQ(reason("test", {{"act", "silent"}}), "source 'test': it failed with code 6 and without a reason");
+    EXPECT_EQ(reason("test", {{"act", "silent"}}), "source 'test': it failed with code 6 and gave no reason");
     std::vector<std::string> heard;
     generate("test", {{"act", "warn"}}, [&](Severity, const std::string& text) { heard.push_back(text); });
     EXPECT_EQ(heard, std::vector<std::string>{"source 'test': it may rain"});
@@ -95,7 +95,7 @@ TEST_F(Source, RefusesGridsThatBreakTheRules) {
               "source 'test': grid 'density': a block at -8, 4, 8: origins must be multiples of 8");
     EXPECT_EQ(act("block twice"), "source 'test': grid 'density': two blocks at -8, 0, 8");
     EXPECT_EQ(act("overlap"), "source 'test': grid 'density': values at 0, 0, 8 lie inside the tile at 0, 0, 8");
-    EXPECT_EQ(act("wrong grid"), "source 'test': it used grid number 7, and has added 1 grids");
+    EXPECT_EQ(act("wrong grid"), "source 'test': it used grid number 7, but has added 1 grids");
     EXPECT_EQ(act("grid twice"), "source 'test': it added two grids called 'density'");
     EXPECT_EQ(act("odd tile"),
               "source 'test': grid 'density': a tile of edge 24 at 0, 0, 8: the edge must be 8 times a power of two "
@@ -109,7 +109,7 @@ TEST_F(Source, ReportsValuesThatCountAsZero) {
     EXPECT_EQ(fields[0].nonFinite, 1u);
     ASSERT_EQ(heard.size(), 1u);
     EXPECT_EQ(heard[0],
-              "source 'test': grid 'density': of 520 voxels with a value 1 are below 0 and 1 are no numbers, and count "
+              "source 'test': grid 'density': of 520 voxels with a value 1 are below 0 and 1 are not finite, and count "
               "as empty");
 }
 

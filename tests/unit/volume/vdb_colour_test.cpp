@@ -92,7 +92,7 @@ TEST(VdbColour, CountsBadComponentsAsNothingAndSaysWhichComponent) {
         folder, {{.name = "Cd", .type = "vec3s", .colours = {{{0, 0, 0}, {kNaN, -1, 1}}, {{0, 0, 1}, {1, 1, 1}}}}});
     const std::string start = folder.file("a.vdb") + ": grid 'Cd";
     EXPECT_EQ(warningsOf(file, {"Cd", 0}),
-              (std::vector{start + ".r': of 2 voxels with a value 1 are no numbers, and count as empty"}));
+              (std::vector{start + ".r': of 2 voxels with a value 1 are not finite, and count as empty"}));
     EXPECT_EQ(warningsOf(file, {"Cd", 1}),
               (std::vector{start + ".g': of 2 voxels with a value 1 are below 0, and count as empty"}));
     EXPECT_EQ(warningsOf(file, {"Cd", 2}).size(), 0u);

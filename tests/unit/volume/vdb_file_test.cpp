@@ -76,9 +76,9 @@ TEST(VdbFile, ReportsNonFiniteVoxelsOnceWithTheirNumber) {
     EXPECT_EQ(field.negative, 1u);
     EXPECT_EQ(field.activeVoxels, 1u);
     ASSERT_EQ(heard.warnings.size(), 1u);
-    EXPECT_EQ(heard.warnings[0], folder.file("a.vdb") +
-                                     ": grid 'density': of 4 voxels with a value 1 are below 0 and 2 are no "
-                                     "numbers, and count as empty");
+    EXPECT_EQ(heard.warnings[0],
+              folder.file("a.vdb") +
+                  ": grid 'density': of 4 voxels with a value 1 are below 0 and 2 are not finite, and count as empty");
     EXPECT_TRUE(heard.infos.empty());
 }
 

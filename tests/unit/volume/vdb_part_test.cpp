@@ -65,7 +65,7 @@ TEST(VdbPart, IsReadWithoutTheGridsThatNobodyAsksFor) {
     EXPECT_EQ(part.info().grids.size(), 2u);
     EXPECT_EQ(part.info().grids.at(1).codec, "blosc + active values");
     EXPECT_EQ(errorOf(ErrorKind::input, [&] { part.field("density", {}); }),
-              path + ": grid 'density' was not asked for when the file was opened");
+              path + ": grid 'density' was not requested when the file was opened");
 }
 
 TEST(VdbPart, ListsAllGridsOfTheFileWhereOneIsMissing) {

@@ -28,7 +28,7 @@ def prim_of(reading: Reading, settings: Settings) -> Usd.Prim:
         )
     named = [p for p in cameras if str(p.GetPath()) == wanted or p.GetName() == wanted]
     if len(named) != 1:
-        raise InputError(f"'{wanted}' is no camera of the stage; expected {there or 'one, but it has none'}")
+        raise InputError(f"'{wanted}' is not a camera of the stage; expected {there or 'one, but it has none'}")
     return named[0]
 
 
@@ -133,6 +133,6 @@ def read(reading: Reading, prim: Usd.Prim, settings: Settings) -> tuple[dict, tu
             # Scrim's overscan is the same on all sides; the crop takes away what is too much.
             out["overscan"] = int(beyond)
         if not (crop[0] < crop[2] and crop[1] < crop[3]):
-            raise InputError(f"dataWindowNDC {settings.window} holds no pixel of {width} x {height}")
+            raise InputError(f"dataWindowNDC {settings.window} contains no pixel of {width} x {height}")
     _own.merge(out, _own.attributes(reading, prim))
     return out, crop

@@ -163,7 +163,7 @@ class Light:
             self.warn(f"its cone of {cone[0]:g} degrees to each side is not rendered; it shines to all of one side")
         x, y, _ = _axes(self.reading.world(self.item, self.reading.frame))
         if abs(Gf.Dot(x.GetNormalized(), y.GetNormalized())) > _EVEN:
-            self.warn("it is sheared, and rendered with right angles")
+            self.warn("it is sheared, but rendered with right angles")
         out = {"type": "area", "shape": shape, "direction": self.moving(_facing)}
         out["up"] = self.moving(lambda matrix: numbers(_axes(matrix)[1].GetNormalized()))
         return self.surface(out)
@@ -204,7 +204,7 @@ class Light:
         if any(not Gf.IsClose(self.reading.world(self.item, t), matrix, 1e-9) for t in self.reading.times):
             self.warn("it turns while the shutter is open, and is rendered as it stands at the frame")
         if matrix.GetDeterminant() < 0:
-            self.warn("it is mirrored, and rendered as it is without that")
+            self.warn("it is mirrored, but rendered without mirroring")
         up, turn = dome_frame(self.pole() * matrix.RemoveScaleShear())
         out = {"type": "dome", "up": up, "rotation": turn, "intensity": self.by(lambda strength, time: strength)}
         picture = self.texture()

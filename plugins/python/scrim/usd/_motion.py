@@ -49,7 +49,7 @@ def transform(reading: Reading, item: Item, matrix_at: object) -> dict:
     for time, matrix in zip(reading.times, matrices):
         parts = _parts(matrix, before)
         if parts is None:
-            reading.warn(item.prim, "it is sheared, so that its motion is not blurred")
+            reading.warn(item.prim, "it is sheared, so its motion is not blurred")
             return {"matrix": rows(now)}
         before = parts[1]
         for to, value in zip(keys, parts):

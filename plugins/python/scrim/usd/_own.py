@@ -49,7 +49,7 @@ def attributes(reading: Reading, prim: Usd.Prim, of_volume: bool = False) -> dic
     out: dict = {}
     for attribute in prim.GetAuthoredPropertiesInNamespace("scrim"):
         if not isinstance(attribute, Usd.Attribute):
-            reading.warn(prim, f"{attribute.GetName()} is no attribute, and not read")
+            reading.warn(prim, f"{attribute.GetName()} is not an attribute, and is not read")
             continue
         value = reading.get(attribute)
         if value is None:
@@ -88,7 +88,7 @@ class Sidecar:
     def check(self, stage: Usd.Stage) -> None:
         for path in self.prims:
             if not re.fullmatch(r"(/\w+)+", path) or not stage.GetPrimAtPath(path):
-                raise InputError(f"{self.path}: '{path}' is no prim of the stage")
+                raise InputError(f"{self.path}: '{path}' is not a prim of the stage")
 
     def of(self, prim: Usd.Prim, of_volume: bool = False) -> dict:
         out: dict = {}

@@ -32,7 +32,7 @@ def _link(reading: Reading, light: _lights.Light, name: str, lit: list[tuple[Ite
             volume["lights"].append(name)
     casting = [item.included(by_shadow) for item in [i for i, _ in lit] + solids]
     if any(casting) and not all(casting):
-        reading.warn(light.prim, "its shadowLink leaves out some solids or volumes; all of them throw shadows")
+        reading.warn(light.prim, "its shadowLink leaves out some solids or volumes; all of them cast shadows")
     return any(casting)
 
 

@@ -36,7 +36,7 @@ def prim_of(reading: Reading) -> Usd.Prim | None:
     prim = reading.stage.GetPrimAtPath(wanted) if Sdf.Path.IsValidPathString(wanted) else None
     if not prim or not prim.IsA(UsdRender.Settings):
         there = [str(p.GetPath()) for p in reading.stage.Traverse() if p.IsA(UsdRender.Settings)]
-        raise InputError(f"'{wanted}' is no RenderSettings of the stage; expected {' or '.join(there) or 'none'}")
+        raise InputError(f"'{wanted}' is not a RenderSettings of the stage; expected {' or '.join(there) or 'none'}")
     return prim
 
 
@@ -46,7 +46,7 @@ def _products(reading: Reading, prim: Usd.Prim) -> tuple[Usd.Prim | None, Usd.Pr
     for path in UsdRender.Settings(prim).GetProductsRel().GetForwardedTargets():
         product = reading.stage.GetPrimAtPath(path)
         if not product or not product.IsA(UsdRender.Product):
-            reading.warn(prim, f"product {path} is none, and not read")
+            reading.warn(prim, f"product {path} is not a RenderProduct, and is not read")
             continue
         kind = reading.get(UsdRender.Product(product).GetProductTypeAttr(), otherwise="raster")
         if kind not in ("raster", "deepRaster"):
@@ -80,7 +80,7 @@ def _vars(reading: Reading, product: Usd.Prim, output: dict) -> None:
     for path in UsdRender.Product(product).GetOrderedVarsRel().GetForwardedTargets():
         prim = reading.stage.GetPrimAtPath(path)
         if not prim or not prim.IsA(UsdRender.Var):
-            reading.warn(product, f"render var {path} is none, and not read")
+            reading.warn(product, f"render var {path} is not a RenderVar, and is not read")
             continue
         var = UsdRender.Var(prim)
         source = reading.get(var.GetSourceNameAttr(), otherwise="") or prim.GetName()

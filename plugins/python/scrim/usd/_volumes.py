@@ -49,7 +49,7 @@ def _field(reading: Reading, item: Item, channel: str, path: Sdf.Path) -> Field 
     prim = reading.stage.GetPrimAtPath(path)
     if not prim or not prim.IsA(UsdVol.OpenVDBAsset):
         kind = prim.GetTypeName() if prim else "nothing"
-        reading.warn(item.prim, f"field '{channel}' is {path}, {kind} and no OpenVDBAsset, and not read")
+        reading.warn(item.prim, f"field '{channel}' is {path}, {kind} and not an OpenVDBAsset, and is not read")
         return None
     asset = UsdVol.OpenVDBAsset(prim)
     file = reading.file(asset.GetFilePathAttr())

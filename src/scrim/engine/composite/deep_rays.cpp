@@ -48,8 +48,8 @@ void DeepRays::count(std::size_t before, std::size_t after) {
     const std::size_t bytes = m_bytes += (after - before) * sizeof(Sample);
     if (m_mostBytes > 0 && bytes > m_mostBytes)
         throw Error(ErrorKind::memory,
-                    fmt::format("the deep picture's samples take more than the {} that the memory limit leaves; a "
-                                "larger deep_tolerance, a crop or a smaller picture needs fewer",
+                    fmt::format("the deep picture's samples need more than the {} that the memory limit leaves; raise "
+                                "deep_tolerance, or render a crop or a smaller picture",
                                 bytesText(m_mostBytes)));
 }
 

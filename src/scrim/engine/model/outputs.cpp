@@ -52,7 +52,7 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     layout.beauty = layout.beautyParts == 1 || ambientLeft || emissionLeft || lightsLeft;
     constexpr int kMostOutputs = 250;
     if (layout.outputs > kMostOutputs)
-        throw Error(ErrorKind::usage, fmt::format("{} layers are asked for; at most {} can be rendered at once",
+        throw Error(ErrorKind::usage, fmt::format("{} layers are requested; at most {} can be rendered at once",
                                                   layout.outputs - 1, kMostOutputs - 1));
     return outputs;
 }

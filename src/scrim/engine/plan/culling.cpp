@@ -174,7 +174,7 @@ std::vector<std::string> culledLights(const ViewScene& scene) {
         else if (!sees)
             reason = "it lights nothing in view";
         else if (!reaches)
-            reason = "its beam passes by all that it could light in view";
+            reason = "its beam misses every volume in view";
     }
     return reasons;
 }
@@ -203,7 +203,7 @@ std::vector<std::string> culledVolumes(const Camera& camera, const PixelWindow& 
     for (std::size_t v = 0; v < volumes.size(); ++v) {
         if (!volumes[v].wsCorners || !visible[v].empty()) continue;
         if (!volumes[v].wsCorners->empty() && (mayShade || shades(v))) continue;
-        reasons[v] = "it is out of view and throws no shadow into view";
+        reasons[v] = "it is out of view and casts no shadow into view";
     }
     return reasons;
 }

@@ -14,7 +14,7 @@
 namespace scrim {
 namespace {
 
-// Collects the lights or volumes that have or lack a property, and the places where the scene says so.
+// Collects the lights or volumes that have or lack a property, and the places where the scene sets it.
 class Finder {
   public:
     explicit Finder(const ViewScene& scene) : m_scene(scene) {}
@@ -81,7 +81,7 @@ Effect shadows(const ViewScene& scene, const Plan& plan) {
     Effect effect =
         with.effect("shadows", "of ", without.any() ? "every light has shadows = false" : "no light is used");
     if (without.any()) {
-        if (effect.on) effect.reason += fmt::format("; none of {}: shadows = false", without.texts());
+        if (effect.on) effect.reason += fmt::format("; not of {}: shadows = false", without.texts());
         effect.where = without.where();
     }
     return effect;
@@ -111,7 +111,8 @@ Effect heldVolumes(const ViewScene& scene) {
 Effect depthPicture(const ViewScene& scene) {
     Finder found(scene);
     if (scene.depths)
-        found.add(scene.depths->thin ? "it is deep, and hides by parts" : "rays end there", "output.holdout");
+        found.add(scene.depths->thin ? "it is deep: samples hide by their alpha" : "rays end at its depths",
+                  "output.holdout");
     return found.effect("depths of a picture", "", "[output] has no holdout");
 }
 
@@ -169,7 +170,7 @@ Effect culledVolumes(const ViewScene& scene) {
     Finder found(scene);
     for (const auto& [name, reason] : scene.culled)
         found.add(fmt::format("{}: {}", quoted(name), reason), "volume." + name);
-    return found.effect("volumes culled", "", "every volume is in view or throws a shadow into it");
+    return found.effect("volumes culled", "", "every volume is in view or casts a shadow into it");
 }
 
 Effect surfaces(const ViewScene& scene) {
@@ -226,7 +227,7 @@ void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effe
     Effect coloured = ofMedia(
         scene, ".medium.extinction_tint",
         [](const ViewVolume& v) { return v.medium.relativeTint() == Rgb(1) ? "" : quoted(v.name); },
-        "coloured extinction", "of ", "every extinction_tint is grey: one tau for all channels");
+        "coloured extinction", "of ", "every extinction_tint is grey: one optical depth for all channels");
     if (coloured.on)
         coloured.reason +=
             fmt::format("; {} extinction channel{}", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");
@@ -281,7 +282,7 @@ Effect crossFade(const ViewScene& scene, const Plan& plan) {
 Effect layers(const ViewScene& scene) {
     Finder found(scene);
     for (const Layer layer : scene.layers) found.add(nameOf(layer), "output.layers");
-    Effect effect = found.effect("layers", "", "no layers are asked for");
+    Effect effect = found.effect("layers", "", "no layers are requested");
     if (effect.where.size() > 1) effect.where.resize(1);
     return effect;
 }
@@ -292,7 +293,7 @@ Effect deepPicture(const ViewScene& scene) {
         found.add(scene.deep->tolerance > 0 ? fmt::format("samples merged within {:g}", scene.deep->tolerance)
                                             : "a sample for every sheet",
                   "output.deep");
-    return found.effect("deep picture", "", "none is asked for");
+    return found.effect("deep picture", "", "none is requested");
 }
 
 Effect motionBlur(const ViewScene& scene) {
@@ -302,8 +303,8 @@ Effect motionBlur(const ViewScene& scene) {
     const ViewShutter& s = *scene.shutter;
     if (!s.moves) return {"motion blur", false, "nothing moves while the shutter is open", found.where()};
     return {"motion blur", true,
-            fmt::format("{} render{} of the frame while the shutter is open, from {:g} to {:g} frames; the longest way "
-                        "is {:.3g} pixels",
+            fmt::format("{} render{} of the frame while the shutter is open, from {:g} to {:g} frames; the longest "
+                        "motion is {:.3g} pixels",
                         s.samples, s.samples == 1 ? "" : "s", s.open, s.close, s.path),
             found.where()};
 }
@@ -344,7 +345,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
     effects.push_back(solids(scene, SolidRole::holdout, "holdouts", "", "no mesh hides volumes"));
     effects.push_back(depthPicture(scene));
     effects.push_back(heldVolumes(scene));
-    effects.push_back(solids(scene, SolidRole::shadow, "shadows of solids", "", "no mesh throws shadows"));
+    effects.push_back(solids(scene, SolidRole::shadow, "shadows of solids", "", "no mesh casts shadows"));
     effects.push_back(solids(scene, SolidRole::catcher, "caught shadows", ".catch", "no mesh catches shadows"));
     effects.push_back(layers(scene));
     effects.push_back(deepPicture(scene));
@@ -361,7 +362,7 @@ std::vector<Effect> effectsOf(const ViewScene& scene, const Plan& plan) {
                                                 : "one sweep holds all of its rays",
                        {}});
     effects.push_back(ofDial(scene, "per-view splatting", "render.splat", plan.perView,
-                             plan.perView ? "the scene says so: a splat for the eye and one for every shadow"
+                             plan.perView ? "the scene sets it: a splat for the eye and one for every shadow"
                                           : "all views share one splat"));
     effects.push_back(ofDial(scene, "shading at pixels", "render.shade", plan.shadeAtPixels,
                              plan.groups.empty() ? "there is nothing to shade" : plan.shadeReason));

@@ -121,7 +121,7 @@ void checkPlanFits(const ViewScene& scene, const Plan& plan, int sheets) {
     const std::size_t bytes = count * sizeof(Box2<int>);
     if (scene.memoryLimit != 0 && bytes > scene.memoryLimit)
         throw Error(ErrorKind::memory,
-                    fmt::format("planning {} sheets takes {}, more than the {} that the memory limit leaves", count,
+                    fmt::format("planning {} sheets needs {}, more than the {} that the memory limit leaves", count,
                                 bytesText(bytes), bytesText(scene.memoryLimit)));
 }
 
@@ -251,7 +251,7 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
             if (!light.ssWindows.empty())
                 return fmt::format("light {} is so near that its light changes between texels",
                                    scene.lights[light.light].name);
-    if (eyeAmong(scene, texel)) return "the eye stands so near that what it sees of a sheet changes between texels";
+    if (eyeAmong(scene, texel)) return "the eye is so near that its view of a sheet changes between texels";
     if (const std::string reason = fineSlide(scene, culled, texel); !reason.empty()) return reason;
     return denseMedium(scene, plan);
 }
@@ -260,8 +260,8 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
 std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& plan,
                                           const std::vector<std::string>& culled) {
     if (plan.groups.empty()) return {false, ""};
-    if (plan.perView) return {true, "per-view splatting knows no other place"};
-    if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene says so"};
+    if (plan.perView) return {true, "per-view splatting always shades at pixels"};
+    if (scene.dials.shade != ShadeMode::automatic) return {scene.dials.shade == ShadeMode::pixel, "the scene sets it"};
     if (const std::string need = needOfPixels(scene, plan, culled); !need.empty()) return {true, need};
 
     // For a thin medium both are equally exact. At texels, every texel is shaded, and every pixel reads the texels; at
@@ -274,8 +274,7 @@ std::pair<bool, std::string> shadingPlace(const ViewScene& scene, const Plan& pl
     const double lights = double(scene.lights.size());
     const double atTexels = 5 + 4 * lights + 7 * pixels, atPixels = (6 + 4 * lights) * pixels;
     return {atPixels < atTexels,
-            fmt::format("a texel is {:.2g} pixels wide and has {} light{}; a thin medium looks the "
-                        "same either way",
+            fmt::format("a texel is {:.2g} pixels wide and has {} light{}; a thin medium looks the same both ways",
                         across, scene.lights.size(), scene.lights.size() == 1 ? "" : "s")};
 }
 

@@ -73,11 +73,10 @@ constexpr double kSteepestSlant = 1.0472;  // 60 degrees
 // `count`, rounded up. `what` names the counted things in the error.
 int addressable(double count, const std::string& what) {
     if (std::isfinite(count) && count <= kMostAddressed) return static_cast<int>(std::ceil(count));
-    throw Error(
-        ErrorKind::render,
-        fmt::format("a sweep would have {:.3g} {}, at most {} can be addressed; texel and sheet_thickness are in units "
-                    "of the smallest voxel edge: raise them, or stretch the volumes less",
-                    count, what, kMostAddressed));
+    throw Error(ErrorKind::render,
+                fmt::format("a sweep would have {:.3g} {}; expected at most {}. texel and sheet_thickness are in units "
+                            "of the smallest voxel edge: raise them, or stretch the volumes less",
+                            count, what, kMostAddressed));
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::
         if (cells.has(i))
             reasons[i].clear();
         else if (border && light.dome())
-            reasons[i] = "no sweep, since it shines through the border of the cells that scatter its light";
+            reasons[i] = "no sweep, because its light enters at the border of the cells that scatter it";
     }
 }
 
@@ -205,11 +205,10 @@ TransportPlan planTransport(const ViewScene& scene) {
     const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     if (scene.memoryLimit > 0 && plan.bytes > scene.memoryLimit)
-        throw Error(
-            ErrorKind::memory,
-            fmt::format("light that scatters more than once takes about {} with cells of {:.4g} voxels, and the "
-                        "memory limit is {}; a larger scatter_cell takes less",
-                        bytesText(plan.bytes), scene.dials.scatterCell, bytesText(scene.memoryLimit)));
+        throw Error(ErrorKind::memory,
+                    fmt::format("multiple scattering needs about {} with cells of {:.4g} voxels, more than the memory "
+                                "limit of {}; raise scatter_cell",
+                                bytesText(plan.bytes), scene.dials.scatterCell, bytesText(scene.memoryLimit)));
     return plan;
 }
 

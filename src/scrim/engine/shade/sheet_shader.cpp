@@ -146,11 +146,11 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     const double middle = sheet + 0.5;
     const Vec3 origin = sheets.wsPoint({0, 0, middle});
     const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin,
-                            sheets.wsPoint({0, 0, middle + 1}) - origin};
+                            sheets.wsPoint({0, 0, middle + 1}) - origin, sheets.thickness / sheets.texel};
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
         SheetScattered& part = rows.scratch.scattered.emplace_back(m_scatteredParts[i]);
         Real* const rgb[3] = {rows.scattered(i, 0), rows.scattered(i, 1), rows.scattered(i, 2)};
-        m_scatteredFields[i]->lookUp(plane, samples.u, samples.v, rgb);
+        m_scatteredFields[i]->lookUp(plane, samples, rgb);
         std::copy(rgb, rgb + 3, part.radiance);
     }
 }

@@ -127,10 +127,9 @@ void CellField::makeLamp(const Vec3& ws, double radius, bool decay) {
     for (Real& value : m_values) value = std::log(std::max(value, kNothing));
     if (!decay) return;
     constexpr double kLeast = 1e-2;  // cells; a sample at the very place of the lamp must not be infinite
-    const double nearest = std::max(radius / m_grid->edge(), kLeast);
-    m_center = m_grid->csFromWs(ws) - 0.5;
+    const double nearest = std::max(radius, kLeast * m_grid->edge());
+    m_wsCenter = ws;
     m_nearest2 = nearest * nearest;
-    for (Real& t : m_tint) t /= static_cast<Real>(m_grid->edge() * m_grid->edge());
 }
 
 // `at` is relative to the centre of the first cell.
@@ -167,25 +166,27 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
 }
 
-void CellField::lookUp(const SamplePlane& plane, const Real* u, const Real* v, Real* const rgb[3]) const {
+void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const {
     const Vec3 origin = m_grid->csFromWs(plane.wsOrigin) - 0.5;
     const Vec3 perU = plane.wsPerU / m_grid->edge(), perV = plane.wsPerV / m_grid->edge();
     for (int k = 0; k < kTileSize; ++k) {
         Real found[3];
-        sampleAt(origin + double(u[k]) * perU + double(v[k]) * perV, found);
+        sampleAt(origin + double(samples.u[k]) * perU + double(samples.v[k]) * perV, found);
         for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
     }
-    if (m_nearest2 > 0) multiplyByDecay(origin, perU, perV, plane.wsPerSheet / m_grid->edge(), u, v, rgb);
+    if (m_nearest2 > 0) multiplyByDecay(plane, samples, rgb);
 }
 
-// The mean of 1 / (b^2 + z^2) over a sheet from z = d - t/2 to d + t/2, with b the distance from the lamp within the
-// sheet's plane, is (atan((d + t/2) / b) - atan((d - t/2) / b)) / (b t). Its value in the middle of the sheet alone is
-// wrong by any amount in sheets close to the lamp, where much of its light is.
-void CellField::multiplyByDecay(const Vec3& origin, const Vec3& perU, const Vec3& perV, const Vec3& perSheet,
-                                const Real* u, const Real* v, Real* const rgb[3]) const {
-    const double t = glm::length(perSheet), d = glm::dot(origin - m_center, perSheet) / t;
+// The mean of 1 / (b^2 + z^2) over a path from z = d - t/2 to d + t/2, with b the distance of the eye's ray from the
+// lamp, is (atan((d + t/2) / b) - atan((d - t/2) / b)) / (b t). Its value in the middle of the sheet alone is wrong by
+// any amount in sheets close to the lamp, where much of its light is.
+void CellField::multiplyByDecay(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const {
     for (int k = 0; k < kTileSize; ++k) {
-        const Vec3 way = origin + double(u[k]) * perU + double(v[k]) * perV - m_center;
+        const Vec3 way =
+            plane.wsOrigin + double(samples.u[k]) * plane.wsPerU + double(samples.v[k]) * plane.wsPerV - m_wsCenter;
+        const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
+                                                               double(samples.eyeB[k]) * plane.wsPerV);
+        const double t = glm::length(path), d = glm::dot(way, path) / t;
         const double b = std::sqrt(std::max(glm::dot(way, way) - d * d, m_nearest2));
         const double mean = (std::atan((d + 0.5 * t) / b) - std::atan((d - 0.5 * t) / b)) / (b * t);
         const auto factor = static_cast<Real>(std::min(mean, 1 / m_nearest2));

@@ -4,6 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/samples.h>
 #include <scrim/engine/transport/cell_grid.h>
 
 #include <cstddef>
@@ -21,10 +22,11 @@ void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& co
                      const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
                      std::vector<Real>& to);
 
-/// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet whose thickness and
-/// normal are those of `wsPerSheet`.
+/// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet. `wsPerSheet` leads to the
+/// next sheet along its normal, and a slope du/dw of 1 by `toTexels` along perU.
 struct SamplePlane {
     Vec3 wsOrigin{0}, wsPerU{0}, wsPerV{0}, wsPerSheet{0};
+    double toTexels = 1;
 };
 
 /// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that of an equivalent
@@ -47,26 +49,26 @@ class CellField {
     /// The light at a point, 0 beyond the stored cells.
     void sample(const Vec3& ws, Real (&rgb)[3]) const { sampleAt(m_grid->csFromWs(ws) - 0.5, rgb); }
     /// The light at a tile of samples: kTileSize values for each colour.
-    void lookUp(const SamplePlane& plane, const Real* u, const Real* v, Real* const rgb[3]) const;
+    void lookUp(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const;
 
     /// Makes what is kept, all of it at least 0, the light of a lamp at `ws` (world) times r^2: from now on its logarithm
     /// is interpolated, which is linear along rays as optical depth is, and what is looked up is divided by r^2, but by no
-    /// less than radius^2, or not at all if the light does not decay. Over a sheet, the mean of 1/r^2 counts.
+    /// less than radius^2, or not at all if the light does not decay. The mean of 1/r^2 over the eye's path through
+    /// the sheet counts.
     void makeLamp(const Vec3& ws, double radius, bool decay);
 
     std::size_t bytes() const { return m_values.size() * sizeof(Real); }
 
   private:
     void sampleAt(const Vec3& at, Real (&rgb)[3]) const;
-    void multiplyByDecay(const Vec3& origin, const Vec3& perU, const Vec3& perV, const Vec3& perSheet, const Real* u,
-                         const Real* v, Real* const rgb[3]) const;
+    void multiplyByDecay(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const;
 
     std::shared_ptr<const CellGrid> m_grid;
     std::size_t m_colours;
     Real m_tint[3];
     bool m_lamp = false;     // values are logarithms
-    Vec3 m_center{0};        // of the lamp, in cells
-    double m_nearest2 = 0;   // squared radius, in cells; 0: no decay
+    Vec3 m_wsCenter{0};      // of the lamp
+    double m_nearest2 = 0;   // squared radius, world units; 0: no decay
     std::vector<Real> m_values;  // [block][padded cell][colour]
 };
 

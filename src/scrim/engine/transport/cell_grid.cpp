@@ -36,9 +36,9 @@ CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& 
     const Vec3 size = last - first + 1.0;
     const Vec3 farthest = glm::max(glm::abs(first), glm::abs(last));
     if (!(size.x * size.y * size.z <= kMostBlocks) || std::max({farthest.x, farthest.y, farthest.z}) > kFarthestBlock)
-        throw Error(ErrorKind::memory,
-                    fmt::format("cells of {:.4g} world units for scattered light are {:.3g} x {:.3g} x {:.3g} blocks",
-                                edge, size.x, size.y, size.z));
+        throw Error(ErrorKind::memory, fmt::format("cells of {:.4g} world units for scattered light make {:.3g} x "
+                                                   "{:.3g} x {:.3g} blocks, which is too many; raise scatter_cell",
+                                                   edge, size.x, size.y, size.z));
     const Int3 origin(first);
     m_origin = origin * kCellEdge;
     m_blocks = Int3(size);
