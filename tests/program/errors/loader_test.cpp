@@ -10,13 +10,12 @@
 #include <scrim/volume/vdb_info_text.h>
 
 #include "support/expect_error.h"
+#include "support/loader_processes.h"
 
 #include <algorithm>
-#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -41,13 +40,8 @@ std::string outputOf(const std::string& command) {
 // Running programs scrim-load that this process started.
 std::vector<int> loaders() {
     std::vector<int> found;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-        std::ifstream in(entry.path() / "stat");
-        std::string pid, name, state, parent;
-        if (in >> pid >> name >> state >> parent && name == "(scrim-load)" && state != "Z" &&
-            parent == std::to_string(::getpid()))
-            found.push_back(std::stoi(pid));
-    }
+    for (const LoaderProcess& process : loaderProcesses())
+        if (process.parent == ::getpid()) found.push_back(process.id);
     return found;
 }
 
@@ -135,30 +129,31 @@ TEST_F(Loader, IsStartedAgainAfterItWasKilled) {
     const std::vector<int> before = loaders();
     ASSERT_EQ(before.size(), 1u);
     ::kill(before.front(), SIGKILL);
-    while (!loaders().empty()) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    ASSERT_TRUE(comesTrue([] { return loaders().empty(); }));
     EXPECT_EQ(activeVoxels(), voxels);
     ASSERT_EQ(loaders().size(), 1u);
     EXPECT_NE(loaders(), before);
 }
 
-// Programs scrim-load whose parent has ended.
-int orphans() {
+// Running programs scrim-load of a process group: they stay in that of whoever started them, also when that has ended.
+int loadersOfGroup(int group) {
     int count = 0;
-    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
-        std::ifstream in(entry.path() / "stat");
-        std::string pid, name, state, parent;
-        if (in >> pid >> name >> state >> parent && name == "(scrim-load)" && state != "Z") count += parent == "1";
-    }
+    for (const LoaderProcess& process : loaderProcesses()) count += process.group == group;
     return count;
 }
 
 TEST_F(Loader, EndsWithTheProcessThatStartedIt) {
-    EXPECT_EQ(run({"info", "good.vdb"}).status, 0);
-    // Those of other tests may just be about to end.
-    const auto start = std::chrono::steady_clock::now();
-    while (orphans() > 0 && std::chrono::steady_clock::now() - start < std::chrono::seconds(20))
-        std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    EXPECT_EQ(orphans(), 0);
+    ProgramOptions options;
+    options.ownGroup = true;
+    const ProgramResult done = runWell({"info", "good.vdb"}, options);
+    EXPECT_TRUE(comesTrue([&] { return loadersOfGroup(done.pid) == 0; }));
+    // And with one that is killed, so that it can tell nobody. It would run for half a minute.
+    RunningProgram killed(m_folder.path(), {"render", "good.vdb", "--res", "1024x1024", "--verify", "1000000"},
+                          options);
+    EXPECT_TRUE(comesTrue([&] { return loadersOfGroup(killed.pid()) > 0; }));
+    killed.sendSignal(SIGKILL);
+    EXPECT_EQ(killed.wait().signal, SIGKILL);
+    EXPECT_TRUE(comesTrue([&] { return loadersOfGroup(killed.pid()) == 0; }));
 }
 
 // What must start fast may not bring OpenImageIO and its 260 libraries, and the program not OpenVDB either.
