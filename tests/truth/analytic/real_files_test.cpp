@@ -97,7 +97,7 @@ TEST_P(RealFile, AgreesWithTheReference) {
     EXPECT_LT(depth, 6);
 
     RecordProperty("medianDepth", fmt::format("{:.2f}", depth));
-    expectConvergence(scene, kPixels, 1);
+    expectConvergence(scene, kPixels, 1, 0.01);
 }
 
 // The same light as the reference sees it, but from elsewhere, must be found out: the test above can fail.

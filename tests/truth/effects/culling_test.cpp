@@ -57,7 +57,7 @@ TEST(Sheets, BehindTheLastThingSeenAreNotSplatted) {
     EXPECT_LT(group.needed.last - group.needed.first, 0.8 * group.sheets.count);
     EXPECT_LT(group.needed.share(group.sheets), 0.5);
     EXPECT_GT(group.needed.first + group.sheets.count - group.needed.last, 0);
-    expectConvergence(scene, 40, 1);
+    expectConvergence(scene, 40, 1, 0.008);
 }
 
 // A part of a slab in the middle of a long row of them: sheets begin in the middle of what would be a batch.
@@ -71,7 +71,7 @@ TEST(Sheets, BeforeTheFirstThingSeenAreNotSplatted) {
     scene.ambient = Rgb(1);
     const Plan plan = makePlan(scene, 2);
     ASSERT_GT(plan.groups.front().needed.first, 8);
-    expectConvergence(scene, 40, 1);
+    expectConvergence(scene, 40, 1, 0.005);
 }
 
 TEST(ViewFrustums, HoldEveryPointThatAPixelSees) {

@@ -240,7 +240,7 @@ TEST(DeepHoldout, ConvergesToTheReference) {
             scene.dials.shade = shade;
             // Cloud of the other renderer across the smoke, and a veil in front of a part of it.
             scene.depths = pictureOf(deepSamplesEverywhere(scene, {30, 50, 0.8f, 36, 36, 0.3f, 52, 52, 1}));
-            expectConvergence(scene, 60, 0.7, effect);
+            expectConvergence(scene, 60, 0.7, 0.008, effect);
         }
 }
 
@@ -398,7 +398,7 @@ TEST(VolumeHoldout, ConvergesToTheReference) {
             scene.volumes.back().holdout = true;
             scene.volumes.back().emission.clear();
             scene.volumes.back().scatter.clear();
-            expectConvergence(scene, 24, 0.7, effect);
+            expectConvergence(scene, 24, 0.7, 0.006, effect);
         }
 }
 
@@ -408,10 +408,10 @@ TEST(VolumeHoldout, OfSurfacesBesideSmokeConvergesToTheReference) {
     look.transfer = {{0.1, {1, 0.8, 0.6}, 0.0}, {0.4, {1, 0.8, 0.6}, 0.3}, {0.9, {0.2, 0.8, 0.6}, 0.5}};
     scene.volumes.back().classified = std::make_shared<const Classified>(look);
     scene.volumes.back().holdout = true;
-    expectConvergence(scene, 24, 0.7, "surface held out");
+    expectConvergence(scene, 24, 0.7, 0.008, "surface held out");
     scene.volumes.back().holdout = false;
     scene.volumes.front().holdout = true;
-    expectConvergence(scene, 24, 0.7, "smoke held out");
+    expectConvergence(scene, 24, 0.7, 0.1, "smoke held out");  // what is seen is the surface alone
 }
 
 // Instances of which some are held out do not share planes with those that are not.

@@ -50,7 +50,7 @@ TEST_P(Effects, AgreeWithBruteForce) {
         scene.camera.fov = 30;
     }
     // Per view only the sheets get finer, not the raster.
-    expectConvergence(scene, 40, GetParam().way == Way::perView ? 0.25 : 1);
+    expectConvergence(scene, 40, GetParam().way == Way::perView ? 0.25 : 1, 0.004);
 }
 
 std::vector<Case> allCases() {

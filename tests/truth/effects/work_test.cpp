@@ -263,7 +263,7 @@ TEST(Instances, ShareTheirPlanes) {
         sum += std::pow(double(a.image.rgba[i]), 2);
     }
     EXPECT_LT(std::sqrt(difference / sum), 2e-3);
-    expectConvergence(alike, 40, 1);
+    expectConvergence(alike, 40, 1, 0.003);
 }
 
 }  // namespace

@@ -63,9 +63,9 @@ void expectShadowsOnlyDarken(const PaperPicture& with, const PaperPicture& witho
 }
 
 /// Renders a scene at texels and sheets of `size` voxels, and of half of that, each against brute force at the same
-/// pixels, and expects the error to fall with `order` at least. The finer picture.
+/// pixels, and expects the error to fall with `order` at least, and to `most` (verified.h). The finer picture.
 PaperPicture expectPaperConverges(const std::string& name, const Settings& settings, double size, int pixels,
-                                  double order) {
+                                  double order, double most) {
     const auto at = [&](double dial) {
         return renderPaper(name,
                            settings + Settings{"render.texel=" + std::to_string(dial),
@@ -77,6 +77,7 @@ PaperPicture expectPaperConverges(const std::string& name, const Settings& setti
     testing::Test::RecordProperty("errors", fmt::format("{} {}", coarse.error(), fine.error()));
     EXPECT_LE(fine.error(), std::max(std::exp2(-order) * coarse.error(), kFloor))
         << name << ", coarse: " << coarse.error();
+    EXPECT_LE(fine.error(), most) << name << ", coarse: " << coarse.error();
     return fine;
 }
 
@@ -316,7 +317,8 @@ TEST(RoomHaze, SunFallsThroughTheWindow) {
 }
 
 TEST(RoomHaze, SamePictureAsBruteForce) {
-    expectPaperConverges("room_haze", kCoarseRoom, 1.5, 16, 0.5);  // hard edges: a band as wide as a texel is off
+    // Hard edges: a band as wide as a texel is off, and the room has them everywhere.
+    expectPaperConverges("room_haze", kCoarseRoom, 1.5, 16, 0.5, 0.13);
 }
 
 // ---- Fig. 13 and 20: two lights
@@ -561,7 +563,7 @@ TEST(Perpendicular, SheetsLieHalfWay) {
 }
 
 TEST(Perpendicular, HalfWaySheetsMatchBruteForce) {
-    expectPaperConverges("perpendicular", kCoarseCube, 1, 100, 1);
+    expectPaperConverges("perpendicular", kCoarseCube, 1, 100, 1, 0.005);
 }
 
 TEST(Perpendicular, ImageAlignedSheetsShowThePapersError) {
@@ -593,6 +595,7 @@ struct Beyond {
     std::string name;
     Settings settings;
     std::size_t leastSweeps;
+    double most;  // a few of sixteen pixels cross the edge of a ring, a cage or a shadow
 };
 void PrintTo(const Beyond& b, std::ostream* out) {
     *out << b.name;
@@ -601,7 +604,8 @@ void PrintTo(const Beyond& b, std::ostream* out) {
 class BeyondThePaper : public testing::TestWithParam<Beyond> {};
 
 TEST_P(BeyondThePaper, AgreesWithBruteForce) {
-    EXPECT_GE(expectPaperConverges(GetParam().name, GetParam().settings, 1, 16, 1).sweeps(), GetParam().leastSweeps);
+    const Beyond& b = GetParam();
+    EXPECT_GE(expectPaperConverges(b.name, b.settings, 1, 16, 1, b.most).sweeps(), b.leastSweeps);
 }
 
 // Coarse voxels, so that brute force ends.
@@ -610,13 +614,14 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(Beyond{"lights_around",
                            Settings{"volume.smoke.parameters.resolution=60", "volume.ring.parameters.voxel=1.5",
                                     "volume.ring.parameters.soft=4"},
-                           2},
+                           2, 0.1},
                     Beyond{"light_inside",
                            Settings{"volume.smoke.parameters.resolution=48", "volume.cage.parameters.voxel=1.5",
                                     "volume.cage.parameters.soft=3"},
-                           3},
+                           3, 0.03},
                     Beyond{"nine_lights",
-                           Settings{"volume.mushroom.parameters.voxel=2", "volume.mushroom.parameters.soft=5"}, 1}),
+                           Settings{"volume.mushroom.parameters.voxel=2", "volume.mushroom.parameters.soft=5"}, 1,
+                           0.015}),
     [](const auto& test) { return test.param.name; });
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST_P(GridThatIs, AgreesWithBruteForceOnEveryWay) {
         const ViewScene s = scene(way);
         const Frame frame = renderScene(s);
         ASSERT_TRUE(sane(frame.image)) << way.name;
-        expectConvergence(s, 30, 1, way.name);
+        expectConvergence(s, 30, 1, 0.005, way.name);
     }
 }
 
