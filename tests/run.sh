@@ -11,7 +11,7 @@ root="$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)"
 case "${1:-}" in
     "") preset=release build="$root/build" ;;
     --sanitize) preset=asan build="$root/build-asan" ;;
-    --threads) exec bash "$root/tests/threads/run.sh" ;;
+    --threads) exec bash "$root/tests/program/threads/run.sh" ;;
     *) echo "run.sh: unknown argument '$1'; expected --sanitize or --threads" >&2; exit 2 ;;
 esac
 started=$SECONDS
@@ -56,7 +56,7 @@ stage building
 # shellcheck disable=SC2086
 cmake --build "$build" $targets -- --quiet
 stage testing
-[ "$preset" != "release" ] || tests/house/count.sh
+[ "$preset" != "release" ] || tests/tools/house/count.sh
 logs="$(mktemp -d)"
 trap 'rm -rf "$logs"' EXIT
 failed=0
@@ -79,10 +79,10 @@ if [ "$skipped" -gt 0 ]; then
 fi
 if [ "$preset" = "release" ] && [ "$failed" -eq 0 ]; then
     stage "the installed package"
-    tests/install/check.sh "$build" || failed=1
+    tests/program/install/check.sh "$build" || failed=1
     if [ "$python" = yes ]; then
         stage python
-        tests/python/run.sh "$build" | tee "$logs/python" || failed=1
+        tests/plugins/python/run.sh "$build" | tee "$logs/python" || failed=1
         counted() { # WORD: how many pytest's last line says
             tail -n 1 "$logs/python" | grep -oE "[0-9]+ $1" | cut -d' ' -f1 || echo 0
         }

@@ -69,10 +69,16 @@ RunningProgram::RunningProgram(const std::string& folder, const std::vector<std:
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", 0, 0);
     posix_spawn_file_actions_adddup2(&actions, m_out, 1);
     posix_spawn_file_actions_adddup2(&actions, m_err, 2);
-    const int error = ::posix_spawn(&m_pid, argv.front().c_str(), &actions, nullptr, pointersTo(argv).data(),
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setpgroup(&attributes, 0);  // its own, where the flag says that there is one
+    if (options.ownGroup) posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    const int error = ::posix_spawn(&m_pid, argv.front().c_str(), &actions, &attributes, pointersTo(argv).data(),
                                     pointersTo(environment).data());
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) throw std::runtime_error("cannot start " SCRIM_PROGRAM);
+    m_id = m_pid;
 }
 
 RunningProgram::~RunningProgram() {
@@ -105,6 +111,7 @@ bool RunningProgram::waitForOutput(const std::string& text) {
 
 ProgramResult RunningProgram::wait() {
     ProgramResult result;
+    result.pid = m_id;
     while (!ended()) {
         if (!result.timedOut && std::chrono::steady_clock::now() > m_deadline) {
             result.timedOut = true;

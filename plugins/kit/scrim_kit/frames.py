@@ -4,7 +4,7 @@
 A range is "1-48x2,60": frames, first and last ones, and steps. In a pattern of file names `####`, `%04d` and `$F4`
 stand for the frame with at least four digits, `%d` and `$F` for the bare number, and `$$`, `$#` and `$%` for the second
 of these characters. src/scrim/scene/frame_range.h and frame_path.h say the same for the program, and
-tests/python/test_kit_frames.py compares the two.
+tests/plugins/python/test_kit_frames.py compares the two.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The number type of the engine, from footprints to pixels: float. The CMake option SCRIM_DOUBLE makes it double, for a
-// build that measures how much of a picture is rounding (tests/precision/run.sh) and is not meant for rendering. Inputs
-// of a render (voxels, pixels of slides) and its results are float either way.
+// build that measures how much of a picture is rounding (tests/truth/precision/run.sh) and is not meant for rendering.
+// Inputs of a render (voxels, pixels of slides) and its results are float either way.
 #pragma once
 
 #include <cstdint>

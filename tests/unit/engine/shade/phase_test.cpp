@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Closed-form properties of Henyey-Greenstein. (That it integrates to one is in analytic/light_test.cpp.)
+// Closed-form properties of Henyey-Greenstein. (That it integrates to one is in truth/analytic/light_test.cpp.)
 #include <scrim/scene/medium.h>
 
 #include <gtest/gtest.h>

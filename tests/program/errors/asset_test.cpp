@@ -1,0 +1,277 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the program makes of assets and scans without a scene.
+#include "support/program_test.h"
+
+#include "support/data.h"
+
+#include <scrim/image/exr_read.h>
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace scrim::test {
+namespace {
+
+constexpr int kUsage = 2, kInput = 3;
+
+class Asset : public ProgramTest {
+  protected:
+    std::string printed(const std::vector<std::string>& arguments) const {
+        std::vector<std::string> all{"render", "--print-scene", "-q"};
+        all.insert(all.end(), arguments.begin(), arguments.end());
+        return runWell(all).out;
+    }
+    /// 16^3 samples: air 0, a ball of tissue 100 with a core of 200.
+    void makeScan(const std::string& name, int offset = 0, const std::string& fields = "") const {
+        std::string bytes;
+        for (int z = 0; z < 16; ++z)
+            for (int y = 0; y < 16; ++y)
+                for (int x = 0; x < 16; ++x) {
+                    const double r = std::hypot(x - 7.5, y - 7.5, z - 7.5);
+                    const auto v = static_cast<std::int16_t>((r < 3 ? 200 : r < 6 ? 100 : (x + y + z) % 3) + offset);
+                    bytes += static_cast<char>(v & 0xff);
+                    bytes += static_cast<char>(v >> 8 & 0xff);
+                }
+        write(name, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 16 16 16\nendian: little\nencoding: raw\n" + fields +
+                        "\n" + bytes);
+    }
+    static bool contains(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
+};
+
+TEST_F(Asset, TheVolumeIsNamedAfterItsFile) {
+    makeVdb(file("a b$1.0007.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1)}});
+    EXPECT_TRUE(contains(printed({"smoke.vdb"}), "name = \"smoke\"\n"));
+    EXPECT_TRUE(contains(printed({"a b$$1.####.vdb"}), "name = \"a_b_1\"\n")) << printed({"a b$$1.####.vdb"});
+    const std::string changed = printed({"smoke.vdb", "--set", "volume.smoke.medium.albedo=[1, 0, 0]"});
+    EXPECT_TRUE(contains(changed, "albedo = [ 1, 0, 0 ]")) << changed;
+}
+
+TEST_F(Asset, SaysWhatIsUpAndWhatIsNotUsed) {
+    makeVdb(file("v.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1)},
+                            {.name = "fuel", .voxels = box({0, 0, 0}, {3, 3, 3}, 1)},
+                            {.name = "v", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
+    EXPECT_EQ(
+        runWell({"render", "v.vdb", "--print-scene"}).err,
+        "scrim: v.vdb also holds fuel, v (not used)\nscrim: v.vdb: y is taken as the up axis; --up z changes this\n");
+    const ProgramResult turned = runWell({"render", "v.vdb", "--print-scene", "--up", "z"});
+    EXPECT_TRUE(contains(turned.out, "up = [0, 0, 1]\n")) << turned.out;
+    EXPECT_FALSE(contains(turned.err, "up")) << turned.err;
+    expectFailure({"render", "v.vdb", "--up", "w"}, kUsage, "--up 'w': expected 'x', 'y', 'z', '-x', '-y' or '-z'");
+    expectFailure({"render", "scene.toml", "--up", "z"}, kUsage,
+                  "scene.toml: --up is for assets; for a scene use --set camera.up=[0,0,1]");
+}
+
+TEST_F(Asset, WhatASimulationLeftBehindIsNotShownInSilence) {
+    makeVdb(file("rest.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1.5e-18)}});
+    const ProgramResult rest = runWell({"render", "rest.vdb", "--print-scene"});
+    EXPECT_TRUE(contains(rest.err,
+                         "warning: rest.vdb: grid 'density' has no value above 1.5e-18, which may be only the residue "
+                         "of a simulation; density.scale was chosen to make it visible\n"))
+        << rest.err;
+    makeVdb(file("thin.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1e-5)}});
+    EXPECT_FALSE(contains(runWell({"render", "thin.vdb", "--print-scene"}).err, "simulation"));
+}
+
+TEST_F(Asset, FireGlowsAndOutshinesTheLights) {
+    const auto ball = box({-6, -6, -6}, {6, 6, 6}, 0.2), core = box({-3, -3, -3}, {3, 3, 3}, 4.0);
+    makeVdb(file("fire.vdb"), {{.voxels = ball}, {.name = "Temperature", .voxels = core}});
+    const std::string scene = printed({"fire.vdb"});
+    EXPECT_TRUE(contains(scene, "blackbody = { grid = \"Temperature\", kelvin = [500, 850], intensity = ")) << scene;
+    runWell({"render", "fire.vdb", "-o", "fire.exr", "--res", "48x48", "--quality", "draft"});
+    const Image image = readExr(file("fire.exr"));
+    double red = 0, blue = 0;
+    for (std::size_t i = 0; i < image.rgba.size(); i += 4) {
+        red = std::max<double>(red, image.rgba[i]);
+        blue = std::max<double>(blue, image.rgba[i + 2]);
+    }
+    EXPECT_GT(red, 1);
+    EXPECT_LT(blue, 0.5 * red);
+    // Kelvin are left as they are, and flames are as good as temperatures.
+    makeVdb(file("k.vdb"), {{.voxels = ball}, {.name = "flame", .voxels = box({-3, -3, -3}, {3, 3, 3}, 1500)}});
+    EXPECT_TRUE(contains(printed({"k.vdb"}), "blackbody = { grid = \"flame\", scale = 1, intensity = "));
+    // Fire alone is a volume, too.
+    makeVdb(file("f.vdb"), {{.name = "flame", .voxels = core}});
+    runWell({"render", "f.vdb", "-o", "f.exr", "--res", "24x24", "--quality", "draft"});
+}
+
+TEST_F(Asset, SmokeRisesFromItsFire) {
+    makeVdb(file("z.vdb"),
+            {{.voxels = box({0, 0, 0}, {6, 6, 30}, 0.2)}, {.name = "heat", .voxels = box({0, 0, 0}, {6, 6, 9}, 1)}});
+    const ProgramResult result = runWell({"render", "z.vdb", "--print-scene"});
+    EXPECT_EQ(result.err,
+              "scrim: z.vdb: z is taken as the up axis, where its smoke goes from its fire; --up y changes this\n");
+    EXPECT_TRUE(contains(result.out, "up = [0, 0, 1]\n"));
+}
+
+TEST_F(Asset, FireThatComesAndGoesIsNotUsed) {
+    const auto ball = box({-6, -6, -6}, {6, 6, 6}, 0.2);
+    makeVdb(file("s.1.vdb"), {{.voxels = ball}});
+    makeVdb(file("s.2.vdb"), {{.voxels = ball}, {.name = "heat", .voxels = ball}});
+    const ProgramResult result = runWell({"render", "s.#.vdb", "--frames", "1-2", "--print-scene"});
+    EXPECT_FALSE(contains(result.out, "blackbody")) << result.out;
+}
+
+TEST_F(Asset, AColourGridIsTheAlbedo) {
+    makeVdb(file("c.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1)},
+                            {.name = "Cd", .type = "vec3s", .colours = {{{0, 0, 0}, {1, 0, 0}}}}});
+    EXPECT_TRUE(contains(printed({"c.vdb"}), "albedo = { grid = \"Cd\" }\n"));
+}
+
+TEST_F(Asset, ATurntableGoesOnceAround) {
+    runWell({"render", "smoke.vdb", "--turntable", "4", "--res", "24x24", "--quality", "draft"});
+    for (const char* name : {"smoke.0001.exr", "smoke.0002.exr", "smoke.0003.exr", "smoke.0004.exr"})
+        EXPECT_TRUE(exists(name)) << name;
+    EXPECT_NE(readExr(file("smoke.0001.exr")).rgba, readExr(file("smoke.0003.exr")).rgba);
+    runWell({"render", "scene.toml", "--turntable", "3", "--frames", "2", "-o", "t.exr"});
+    EXPECT_TRUE(exists("t.exr"));
+    expectFailure({"render", "scene.toml", "--turntable", "3", "-o", "x.exr"}, kUsage,
+                  "all 3 frames would be written to 'x.exr'; put the frame into its name: x.####.exr");
+    expectFailure({"render", "scene.toml", "--turntable", "1"}, kUsage,
+                  "--turntable 1: expected a whole number of frames from 2 to 10000");
+}
+
+TEST_F(Asset, PreviewsTakeAViewAndAnExposure) {
+    runWell({"render", "scene.toml", "--preview", "a.ppm"});
+    runWell({"render", "scene.toml", "--preview", "b.ppm", "--exposure", "-20"});
+    runWell({"render", "scene.toml", "--preview", "c.ppm", "--view", "raw", "-o", "c.exr"});
+    const auto brightest = [&](const std::string& name) {
+        const std::string bytes = readBytes(file(name)).substr(20);
+        return static_cast<unsigned char>(
+            *std::max_element(bytes.begin(), bytes.end(), [](unsigned char x, unsigned char y) { return x < y; }));
+    };
+    EXPECT_GT(brightest("a.ppm"), 20);
+    EXPECT_LE(brightest("b.ppm"), 1);
+    EXPECT_NE(readBytes(file("a.ppm")), readBytes(file("c.ppm")));
+    EXPECT_EQ(readExr(file("scene.exr")).rgba, readExr(file("c.exr")).rgba) << "the picture does not change";
+    expectFailure({"render", "scene.toml", "--view", "Film", "--preview", "d.png"}, kUsage,
+                  "--view 'Film': expected 'ACES 1.0 SDR', 'Un-tone-mapped' or 'Raw'");
+    expectFailure({"render", "scene.toml", "--exposure", "1"}, kUsage,
+                  "--exposure: there is no preview to apply it to; --preview FILE.png writes one");
+    expectFailure({"render", "scene.toml", "--exposure", "bright", "--preview", "d.png"}, kUsage,
+                  "--exposure bright: expected stops from -30 to 30");
+}
+
+TEST_F(Asset, AScanIsFramedAndLit) {
+    makeScan("head.nrrd", 0, "spacings: 1 1 2\n");
+    const std::string scene = printed({"head.nrrd"});
+    for (const char* part : {"name = \"head\"\n", "source = \"scan\"\n", "file = \"head.nrrd\"\n", "units = \"scan\"\n",
+                             "up = [0, 0, 1]\n", "value = "})
+        EXPECT_TRUE(contains(scene, part)) << part << "\n" << scene;
+    runWell({"render", "head.nrrd", "-o", "head.exr", "--res", "32x32", "--quality", "draft"});
+    const Image image = readExr(file("head.exr"));
+    double most = 0;
+    for (std::size_t i = 3; i < image.rgba.size(); i += 4) most = std::max<double>(most, image.rgba[i]);
+    EXPECT_GT(most, 0.95) << "the core is a surface";
+    // Where materials begin below 0 a window makes them visible.
+    makeScan("low.nrrd", -300, "spacings: 1 1 2\n");
+    EXPECT_TRUE(contains(printed({"low.nrrd"}), "window = \"")) << printed({"low.nrrd"});
+    runWell({"render", "low.nrrd", "-o", "low.exr", "--res", "32x32", "--quality", "draft"});
+    const Image low = readExr(file("low.exr"));
+    most = 0;
+    for (std::size_t i = 3; i < low.rgba.size(); i += 4) most = std::max<double>(most, low.rgba[i]);
+    EXPECT_GT(most, 0.95);
+    // Framed by values that begin at another place, and so not quite alike.
+    EXPECT_NEAR(low.window.width(), image.window.width(), 3);
+    EXPECT_NEAR(low.window.height(), image.window.height(), 3);
+}
+
+TEST_F(Asset, AScanOfOneValueIsNoError) {
+    for (const char* value : {"0", "7"}) {
+        std::string samples;
+        for (int i = 0; i < 64; ++i) samples += std::string(value) + " ";
+        write("flat.nrrd", "NRRD0004\ntype: float\ndimension: 3\nsizes: 4 4 4\nencoding: ascii\n\n" + samples);
+        runWell({"render", "flat.nrrd", "-o", "flat.exr", "--res", "16x16", "--quality", "draft"});
+        runWell({"info", "flat.nrrd"});
+    }
+}
+
+TEST_F(Asset, HounsfieldUnitsAreKnown) {
+    makeScan("ct.nrrd", -1000);
+    std::string bytes = readBytes(file("ct.nrrd"));
+    bytes[bytes.size() - 2] = static_cast<char>(0xd0);  // 2000
+    bytes[bytes.size() - 1] = 7;
+    write("ct.nrrd", bytes);
+    const std::string scene = printed({"ct.nrrd"});
+    EXPECT_TRUE(contains(scene, "# In Hounsfield units")) << scene;
+    EXPECT_TRUE(contains(runWell({"info", "ct.nrrd"}).out, "-1000 to 2000, probably Hounsfield units"));
+}
+
+TEST_F(Asset, InfoShowsAScan) {
+    makeScan("head.nrrd", 0, "spacings: 1 1 2\n");
+    const std::string text = runWell({"info", "head.nrrd"}).out;
+    for (const char* part : {"16 x 16 x 16 of int16", "[1, 1, 2]", "0 to 200", "█", "veil from", "surface from",
+                             "scrim render head.nrrd -o picture.exr"})
+        EXPECT_TRUE(contains(text, part)) << part << "\n" << text;
+    const auto json = nlohmann::json::parse(runWell({"info", "head.nrrd", "--json"}).out);
+    EXPECT_EQ(json.at("size"), (std::vector{16, 16, 16}));
+    // Core, shell, and three values of air; each a bin of its own.
+    const auto counts = json.at("histogram").at("counts").get<std::vector<double>>();
+    ASSERT_EQ(counts.size(), 201u);
+    double all = 0;
+    for (const double count : counts) all += count;
+    EXPECT_EQ(all, 16 * 16 * 16);
+    EXPECT_GT(counts[100], counts[200]);
+    EXPECT_GT(counts[200], 0);
+    // Between air, shell and core.
+    EXPECT_NEAR(json.at("soft").get<double>(), 51, 2);
+    EXPECT_NEAR(json.at("solid").get<double>(), 150, 2);
+}
+
+TEST_F(Asset, FormatsThatAreNotReadAreNamed) {
+    write("x.vti", "<VTKFile type=\"ImageData\">");
+    const std::string reason =
+        "x.vti: is VTK ImageData (.vti), which is not read; convert it to NRRD or NIfTI (3D Slicer, ITK and ParaView "
+        "do)";
+    expectFailure({"render", "x.vti"}, kInput, reason);
+    expectFailure({"info", "x.vti"}, kInput, reason);
+    expectFailure({"make", "scan", "file=x.vti", "-o", "x.vdb"}, kInput, "source 'scan': " + reason);
+    expectFailure({"info", "nowhere.DCM"}, kInput,
+                  "nowhere.DCM: is DICOM (.dcm), which is not read; put its slices together as NRRD or NIfTI (3D "
+                  "Slicer and dcm2niix do)");
+}
+
+TEST_F(Asset, InfoSumsUpASequence) {
+    makeVdb(file("s.01.vdb"), {{.voxels = box({0, 0, 0}, {1, 1, 1}, 0.5), .voxelSize = 2, .translate = {10, 0, 0}}});
+    makeVdb(file("s.02.vdb"), {{.voxels = box({0, 0, 0}, {3, 1, 1}, 1.5), .voxelSize = 2, .translate = {10, 0, 0}},
+                               {.name = "heat", .voxels = {{{0, 0, 0}, 9}}}});
+    const std::string both = runWell({"info", "s.##.vdb"}).out;
+    for (const char* part :
+         {"s.##.vdb\n  files            2, frames 1 to 2\n", "active voxels  8 to 16\n",
+          "values         0.5 (frame 1) to 1.5 (frame 2)\n", "world bounds   [9, -1, -1] to [17, 3, 3] (8 x 4 x 4)\n",
+          "grid 'heat'\n    type           float\n    in             1 of 2 files\n"})
+        EXPECT_TRUE(contains(both, part)) << part << "\n" << both;
+    const std::string one = runWell({"info", "s.##.vdb", "--frames", "2"}).out;
+    for (const char* part : {"world bounds   [9, -1, -1] to [17, 3, 3] (8 x 4 x 4)\n", "translation    [10, 0, 0]\n"})
+        EXPECT_TRUE(contains(one, part)) << part << "\n" << one;
+    EXPECT_EQ(nlohmann::json::parse(runWell({"info", "s.##.vdb", "--json"}).out).size(), 2u);
+    expectFailure({"info", "none.##.vdb"}, kInput, "none.##.vdb: the sequence has no files");
+}
+
+TEST_F(Asset, PointsWithAForeignCodecAreNotDamage) {
+    makeVdb(file("p.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1)},
+                            {.name = "points", .type = "points", .voxels = {{{0, 0, 0}, 1}}}});
+    std::string bytes = readBytes(file("p.vdb"));
+    const std::string codec("\4\0\0\0null", 8);
+    std::size_t found = 0;
+    for (std::size_t at = bytes.find(codec); at != std::string::npos; at = bytes.find(codec, at + 1), ++found)
+        bytes.replace(at, codec.size(), std::string("\4\0\0\0mine", 8));
+    ASSERT_GT(found, 0u);
+    write("p.vdb", bytes);
+    const std::string text = runWell({"info", "p.vdb"}).out;
+    EXPECT_TRUE(contains(text, "grid 'density'\n    type           float\n")) << text;
+    EXPECT_TRUE(contains(text, "not read       its points have an attribute of the type and codec 'vec3s_mine'"))
+        << text;
+    EXPECT_FALSE(contains(text, "damaged")) << text;
+    runWell({"render", "p.vdb", "-o", "p.exr", "--res", "16x16", "--quality", "draft"});
+}
+
+TEST_F(Asset, RealScansAreShown) {
+    SCRIM_NEEDS_DATA("scan/bonsai_256.nrrd");
+    const std::string scan = dataFile("scan/bonsai_256.nrrd");
+    EXPECT_TRUE(contains(runWell({"info", scan}).out, "256 x 256 x 256 of uint8"));
+    runWell({"render", scan, "-o", "b.exr", "--res", "32x32", "--quality", "draft", "--up", "y"});
+}
+
+}  // namespace
+}  // namespace scrim::test

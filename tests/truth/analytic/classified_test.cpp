@@ -1,0 +1,267 @@
+// SPDX-License-Identifier: Apache-2.0
+// Classified shading (ZC02 section 3.1) against closed forms, against itself in the other order, and against brute
+// force.
+#include "support/verified.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+const double kPi = std::acos(-1.0);
+
+Classified transferOf(std::vector<TransferPoint> points) {
+    Classified c;
+    c.transfer = std::move(points);
+    return c;
+}
+
+// Opaque from a value of 1/2 on, as a sharp step.
+Classified stepAtHalf(double extinction) {
+    return transferOf({{0.5, Rgb(1), 0}, {0.5, Rgb(1), extinction}, {1, Rgb(1), extinction}});
+}
+
+ViewScene classifiedScene(std::shared_ptr<const SparseField> field, const Classified& look, double height,
+                          int resolution) {
+    ViewScene scene = orthographicScene(std::move(field), {}, height, resolution);
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    return scene;
+}
+
+// Optical depth along z of a field that is linear between `values` at whole z and 0 beyond them.
+double depthThrough(const Classified& look, const std::vector<double>& values) {
+    double depth = 0, before = 0;
+    for (std::size_t i = 0; i <= values.size(); ++i) {
+        const double after = i < values.size() ? values[i] : 0;
+        constexpr int kSteps = 20000;
+        for (int k = 0; k < kSteps; ++k)
+            depth += classify(look, before + (after - before) * (k + 0.5) / kSteps).extinction / kSteps;
+        before = after;
+    }
+    return depth;
+}
+
+TEST(Classified, RampHasTheOpticalDepthOfItsTransferFunctionAtAnyThickness) {
+    // Values 0.05, 0.1 ... along z; a band of the transfer function, a step and a slope.
+    std::vector<double> values;
+    for (int z = 1; z <= 20; ++z) values.push_back(0.05 * z);
+    const auto field = makeField({-12, -12, 0}, {12, 12, 19}, 1, [](const Vec3& is) { return 0.05 * (is.z + 1); });
+    for (const Classified& look :
+         {transferOf({{0.4, Rgb(1), 0}, {0.8, Rgb(1), 0.5}}),
+          transferOf({{0.3, Rgb(1), 0}, {0.35, Rgb(1), 2}, {0.4, Rgb(1), 0}}), stepAtHalf(0.2)}) {
+        const double expected = -std::expm1(-depthThrough(look, values));
+        for (const double thickness : {0.25, 1.0, 2.0}) {
+            ViewScene scene = classifiedScene(field, look, 10, 8);
+            scene.dials.sheetThickness = thickness;
+            const double alpha = pixelOf(renderScene(scene), 4, 4)[3];
+            // Values on planes are means over sheets: where the ramp ends they are rounded off.
+            EXPECT_NEAR(alpha, expected, (thickness > 1 ? 2e-2 : 5e-3) * expected) << "thickness " << thickness;
+        }
+    }
+}
+
+TEST(Classified, WhiteSurfaceThatFacesTheLightReflectsEOverPi) {
+    // Extinct enough to be opaque: half of the light is lost on its way in and out within the surface itself,
+    // integral of sigma e^(-2 sigma t) dt = 1/2.
+    Classified look = stepAtHalf(20);
+    look.ambient = look.specular = 0;
+    look.diffuse = 1;
+    ViewScene scene = classifiedScene(boxField({-12, -12, -6}, {12, 12, 6}), look, 10, 8);
+    scene.lights.push_back(distantLight({0, 0, -1}, 2));
+    EXPECT_NEAR(pixelOf(renderScene(scene), 4, 4)[0], 2 / kPi / 2, 0.01);
+}
+
+TEST(Classified, DiffuseFollowsTheCosineOfTheLight) {
+    Classified look = stepAtHalf(1);
+    look.ambient = look.specular = 0;
+    look.diffuse = 1;
+    for (const double degrees : {0.0, 30.0, 50.0}) {
+        const double angle = degrees * kPi / 180;
+        ViewScene scene = classifiedScene(boxField({-24, -24, -6}, {24, 24, 6}), look, 10, 8);
+        scene.dials.sheetThickness = scene.dials.texel = 0.5;
+        scene.lights.push_back(distantLight({std::sin(angle), 0, -std::cos(angle)}, kPi));
+        // Within the surface: integral of sigma e^(-sigma t (1 + 1 / cos)) dt.
+        const double expected = std::cos(angle) / (1 + 1 / std::cos(angle));
+        // Sheets and texels of half a voxel resolve a surface that leans against them to a few per cent.
+        EXPECT_NEAR(pixelOf(renderScene(scene), 4, 4)[0], expected, 0.08 * expected) << degrees;
+    }
+}
+
+TEST(Classified, LightFromBehindASurfaceCountsOnlyWhereItIsTwoSided) {
+    Classified look = stepAtHalf(0.02);  // so thin that light from behind arrives
+    look.ambient = look.specular = 0;
+    ViewScene scene = classifiedScene(
+        makeField({-12, -12, -6}, {12, 12, 6}, 1, [](const Vec3& is) { return 0.3 + 0.03 * (is.z + 16); }), look, 10,
+        8);
+    scene.lights.push_back(distantLight({0, 0, 1}, 1));
+    scene.lights[0].shadows = false;
+    // Density grows towards the eye, so normals point away from it: the far light is in front of the surfaces.
+    const double front = pixelOf(renderScene(scene), 4, 4)[0];
+    scene.lights[0] = distantLight({0, 0, -1}, 1);
+    scene.lights[0].shadows = false;
+    const double behind = pixelOf(renderScene(scene), 4, 4)[0];
+    look.twoSided = true;
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    const double twoSided = pixelOf(renderScene(scene), 4, 4)[0];
+    EXPECT_LT(behind, 0.3 * front);  // what is left is the box's own face towards the eye
+    EXPECT_GT(twoSided, 0.9 * front);
+}
+
+TEST(Classified, InteriorsWithoutAGradientAreNotBlack) {
+    Classified look = stepAtHalf(0.005);
+    look.ambient = look.specular = 0;
+    look.diffuse = 1;
+    ViewScene scene = classifiedScene(boxField({-12, -12, -48}, {12, 12, 48}), look, 10, 8);
+    scene.lights.push_back(distantLight({1, 0, 0}, kPi));
+    scene.lights[0].shadows = false;
+    // Along z nearly all is interior: radiance = E/pi times opacity, whatever the way to the light.
+    const auto pixel = pixelOf(renderScene(scene), 4, 4);
+    // The faces at either end have normals, to a depth of about five voxels in all 98.
+    EXPECT_NEAR(pixel[0], pixel[3], 0.16 * pixel[3]);
+}
+
+TEST(Classified, HighlightIsWhereTheMirrorDirectionMeetsTheEye) {
+    Classified look = stepAtHalf(20);
+    look.ambient = look.diffuse = 0;
+    look.specular = 1;
+    look.exponent = 50;
+    const auto ball = makeField(Int3(-22), Int3(22), 1,
+                                [](const Vec3& is) { return std::clamp(0.5 + (16 - glm::length(is)) / 6, 0.0, 1.0); });
+    ViewScene scene = classifiedScene(ball, look, 44, 88);
+    // Light and eye 60 degrees apart: the normal half-way leans by 30, at sin(30) of the radius.
+    scene.lights.push_back(distantLight({-std::sin(kPi / 3), 0, -std::cos(kPi / 3)}, kPi));
+    const Frame frame = renderScene(scene);
+    double best = 0;
+    int bestX = 0, bestY = 0;
+    for (int y = 0; y < 88; ++y)
+        for (int x = 0; x < 88; ++x)
+            if (pixelOf(frame, x, y)[0] > best) {
+                best = pixelOf(frame, x, y)[0];
+                bestX = x;
+                bestY = y;
+            }
+    EXPECT_NEAR((bestX + 0.5 - 44) / 2, 16 * 0.5, 1.5);
+    EXPECT_NEAR((bestY + 0.5 - 44) / 2, 0, 1.5);
+}
+
+// A plan whose sheets are the same ones, swept from the other end.
+Plan turnedRound(Plan plan) {
+    for (GroupPlan& group : plan.groups) {
+        Sheets& s = group.sheets;
+        const Vec3 far(s.ssOrigin.x, s.ssOrigin.y + (s.height - 1) * s.texel, s.ssOrigin.z + s.count * s.thickness);
+        s.ssFromWs = Mat3(1, 0, 0, 0, -1, 0, 0, 0, -1) * s.ssFromWs;  // u, -v, -w
+        s.ssOrigin = {far.x, -far.y, -far.z};
+        group.sameSide = !group.sameSide;
+    }
+    return plan;
+}
+
+TEST(Compositing, FrontToBackAndBackToFrontGiveTheSamePicture) {
+    // ZC02 eq. 1 and 2, without lights' shadows, which have an order of their own.
+    Classified look = transferOf({{0.1, Rgb(0.2, 0.3, 1), 0}, {0.3, Rgb(0.2, 0.3, 1), 0.3}, {0.8, Rgb(1, 0.5, 0), 4}});
+    ViewScene scene = classifiedScene(smokeField(20), look, 50, 64);
+    scene.ambient = Rgb(1);
+    const Plan plan = makePlan(scene, 1);
+    const Frame there = render(scene, plan), back = render(scene, turnedRound(plan));
+    double most = 0, largest = 0;
+    for (std::size_t i = 0; i < there.image.rgba.size(); ++i) {
+        most = std::max(most, double(there.image.rgba[i]));
+        largest = std::max(largest, std::abs(double(there.image.rgba[i]) - double(back.image.rgba[i])));
+    }
+    EXPECT_GT(most, 0.1);
+    // Rounding, and the cut-off of what lies behind opaque pixels, of which only one order knows.
+    EXPECT_LT(largest, 2 * scene.dials.opacityCutoff * most);
+    scene.dials.opacityCutoff = 0;
+    const Frame exact = render(scene, makePlan(scene, 1)), exactBack = render(scene, turnedRound(makePlan(scene, 1)));
+    for (std::size_t i = 0; i < exact.image.rgba.size(); ++i)
+        ASSERT_NEAR(exact.image.rgba[i], exactBack.image.rgba[i], 2e-4 * most);
+}
+
+// Brightness of a plane that leans against the sheets, where a sharp step of the transfer function cuts a ramp:
+// relative deviation from its mean. Slices would show as stripes.
+double stripes(double thickness) {
+    Classified look = stepAtHalf(4);
+    look.ambient = 1;
+    look.diffuse = look.specular = 0;
+    const Vec3 normal = glm::normalize(Vec3(0.35, 0.2, 1));
+    const auto ramp = makeField({-30, -30, -20}, {30, 30, 20}, 1,
+                                [&](const Vec3& is) { return std::clamp(0.5 - glm::dot(is, normal) / 8, 0.0, 1.0); });
+    ViewScene scene = classifiedScene(ramp, look, 20, 40);
+    // So thin a cover that its depth shows: only 40 % opaque.
+    Classified thin = look;
+    thin.transfer = {{0.5, Rgb(1), 0}, {0.5, Rgb(1), 1.0}, {0.6, Rgb(1), 1.0}, {0.6, Rgb(1), 0}, {1, Rgb(1), 0}};
+    scene.volumes[0].classified = std::make_shared<const Classified>(thin);
+    scene.ambient = Rgb(1);
+    scene.dials.sheetThickness = thickness;
+    const Frame frame = renderScene(scene);
+    double sum = 0, squares = 0;
+    int count = 0;
+    for (int y = 10; y < 30; ++y)
+        for (int x = 10; x < 30; ++x) {
+            const double value = pixelOf(frame, x, y)[0];
+            sum += value;
+            squares += value * value;
+            ++count;
+        }
+    const double mean = sum / count;
+    return std::sqrt(std::max(0.0, squares / count - mean * mean)) / mean;
+}
+
+TEST(Classified, SharpStepsShowNoSlicesAtTheDefaultThickness) {
+    for (const double thickness : {0.5, 1.0, 2.0, 4.0, 8.0})
+        RecordProperty("stripesAt" + std::to_string(thickness), std::to_string(stripes(thickness)));
+    EXPECT_LT(stripes(0.5), 0.01);
+    EXPECT_LT(stripes(1), 0.01);
+    EXPECT_LT(stripes(2), 0.02);
+}
+
+TEST(Classified, ShadowsFollowTheTransferFunction) {
+    // A block that the transfer function makes transparent casts none; the same block, made extinct, dims what lies
+    // below it by e^-tau.
+    const auto block = boxField({-20, 10, -20}, {20, 17, 20});
+    const auto below = boxField({-16, -8, -16}, {16, -1, 16});
+    Medium medium;
+    medium.densityScale = 1e-4;
+    medium.albedo = Rgb(1);
+    const auto brightness = [&](double extinction) {
+        ViewScene scene = orthographicScene(below, medium, 16, 16);
+        Classified look = transferOf({{0.2, Rgb(0), 0}, {0.3, Rgb(0), extinction}, {1, Rgb(0), extinction}});
+        scene.volumes.push_back({"block", block, block->wsFromIs, {}});
+        scene.volumes[1].classified = std::make_shared<const Classified>(look);
+        scene.lights.push_back(distantLight({0, -1, 0}));
+        scene.dials.crossFade = 0;
+        return pixelOf(renderScene(scene), 8, 10)[0];
+    };
+    // From 0.2 / 0.3 on: the tents at top and bottom add 0.7 + 0.8 voxels to the seven between the centres, a little
+    // more than half of the tenth in between them.
+    const double expected = std::exp(-0.1 * (7 + 0.7 + 0.75));
+    EXPECT_NEAR(brightness(0.1) / brightness(0), expected, 0.02 * expected);
+}
+
+TEST(Classified, GradientsWhoseSquareNoFloatHoldsAreGradients) {
+    ViewScene scene = classifiedScene(makeField({-6, -6, -6}, {6, 6, 6}, 1, [](const Vec3&) { return 1e25; }),
+                                      stepAtHalf(20), 20, 16);
+    scene.lights.push_back(distantLight({0, 0, -1}, 2));
+    for (const float value : renderScene(scene).image.rgba) {
+        ASSERT_TRUE(std::isfinite(value)) << value;
+        EXPECT_LE(value, 2);
+    }
+}
+
+TEST(Classified, AgreesWithBruteForce) {
+    Classified look =
+        transferOf({{0.15, Rgb(0.3, 0.5, 1), 0}, {0.3, Rgb(0.3, 0.5, 1), 0.2}, {0.6, Rgb(1, 0.6, 0.3), 2}});
+    look.specular = 0.3;
+    ViewScene scene = classifiedScene(smokeField(24), look, 60, 96);
+    scene.ambient = Rgb(0.3);
+    scene.lights.push_back(distantLight({1, -1, -0.6}, 3));
+    expectConvergence(scene, 40, 1, 0.04);  // surfaces, and their highlights
+}
+
+}  // namespace
+}  // namespace scrim::test
