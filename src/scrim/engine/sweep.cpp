@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <memory>
 #include <optional>
 
@@ -169,8 +170,8 @@ std::size_t deepBytesLeft(const Plan& plan, const std::vector<DeepImage>& swept)
 }
 
 // The light that the sweeps look up on cells, computed before them.
-std::vector<CellLight> lightOnCells(const ViewScene& scene, const Plan& plan, Frame& frame,
-                                    const std::function<void()>& checkpoint) {
+std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan, Frame& frame,
+                                       const std::function<void()>& checkpoint) {
     std::vector<CellLight> all;
     if (plan.groups.empty()) return all;
     Stopwatch watch;
@@ -184,9 +185,12 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const Plan& plan, Fr
         frame.work.scatterDirections = solved.cellDirections;
         frame.work.bytes.scattered = scattered.bytes();
     }
-    if (!plan.cellLights.lights.empty())
-        for (CellLight& light :
-             extendedLight(scene, plan.cellLights, plan.simd, checkpoint, frame.work.bytes.scattered))
+    // Lights whose cells have the same size are kept together.
+    std::map<double, std::vector<int>> byEdge;
+    for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i)
+        byEdge[plan.cellLights.edges[i]].push_back(plan.cellLights.lights[i]);
+    for (const auto& [edge, lights] : byEdge)
+        for (CellLight& light : lightOnCells(scene, lights, edge, plan.simd, checkpoint, frame.work.bytes.scattered))
             all.push_back(std::move(light));
     frame.times.scatter = watch.lap();
     return all;
@@ -207,7 +211,7 @@ Frame renderHere(const ViewScene& given, const Plan& plan, const ProgressSink& p
         };
         if (shown) shown(soFar);
     };
-    const std::vector<CellLight> cellLight = lightOnCells(given, plan, frame, [&] { goOn(0); });
+    const std::vector<CellLight> cellLight = allLightOnCells(given, plan, frame, [&] { goOn(0); });
     std::vector<DeepImage> deep;
     std::unique_ptr<EyeEnds> ends;  // shared by all sweeps of a part of the eye, which follow one another
     for (std::size_t g = 0; g < plan.groups.size(); ++g) {

@@ -235,7 +235,7 @@ struct LightKeys : Section {
     const Key& samples =
         other("samples", "\"auto\" or a whole number from 1 to 4096",
               R"({"oneOf":[{"const":"auto"},{"type":"integer","minimum":1,"maximum":4096}]})", Range::fromTo(1, 4096),
-              "Number of point-like lights that represent it. Each costs about as much as any other light.")
+              "Number of point-like lights that represent it. With shadow buffers each costs as much as a sun.")
             .onlyFor("area, dome and distant with an angle")
             .unless("\"auto\": as render.light_error needs");
     const Key& decay = choice("decay", {"inverse-square", "none"},

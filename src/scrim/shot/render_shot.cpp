@@ -82,6 +82,20 @@ void warnOfBlurredSkies(const ViewScene& view, const Plan& plan, const MessageSi
                "light " + skies + "; replace such a spot by a distant light with an angle to keep its shadows sharp");
 }
 
+/// Warns of lights that ask for cells and cannot have them.
+void warnOfBuffers(const ViewScene& view, const Plan& plan, const MessageSink& messages) {
+    for (std::size_t i = 0; i < view.lights.size(); ++i) {
+        const Light& light = view.lights[i];
+        if (light.shadow != ShadowMethod::cells || plan.cellLights.has(i) || !light.shadows) continue;
+        notify(messages, Severity::warning,
+               fmt::format("{}light '{}' uses shadow buffers instead of cells: {}",
+                           placeOf(view, "light." + light.name + ".shadow"), light.name,
+                           !plan.cellLights.unfit.empty() ? plan.cellLights.unfit
+                                                          : "cells are for area lights, domes, suns with an angle and "
+                                                            "points without a slide"));
+    }
+}
+
 /// Warns that a deep picture has one alpha, while the extinction of three channels differs.
 void warnOfColouredDeep(const ViewScene& view, const MessageSink& messages) {
     if (view.deep && extinctionChannels(view).coloured)
@@ -146,6 +160,7 @@ Frame FrameRender::renderOnce(const ViewScene& view, const ViewScene& truth) {
     const Plan plan = timed(seconds.plan, [&] { return makePlan(view, threadCount(), partOf(progress, 0, 0)); });
     keepPlan(view, plan);
     warnOfBlurredSkies(view, plan, m_options.messages);
+    warnOfBuffers(view, plan, m_options.messages);
     Frame frame = timed(seconds.render, [&] { return renderPlanned(view, plan, partOf(progress, 0, rendered)); });
     if (m_options.verify > 0) {
         SampleOptions sampling;

@@ -294,16 +294,17 @@ TEST(MultipleScattering, TakesFewSweepsHoweverOftenLightScatters) {
 
 TEST(MultipleScattering, IsNowhereBelowZero) {
     ViewScene scene = smoke(3, 0.9, 0.6, {1, 0, 0});
-    const ScatteredLight light(scene, planTransport(scene), {}, {});
-    std::array<Real, kTileSize> u{}, v{}, rows[3];
+    const std::vector<CellLight> light = ScatteredLight(scene, planTransport(scene), {}, {}).lights();
+    SampleTile samples{};
+    std::array<Real, kTileSize> rows[3];
     Real* const rgb[3] = {rows[0].data(), rows[1].data(), rows[2].data()};
     for (int i = 0; i < kTileSize; ++i) {
-        u[std::size_t(i)] = static_cast<Real>(i % 16 * 3 - 24);
-        v[std::size_t(i)] = static_cast<Real>(i / 16 * 3 - 24);
+        samples.u[i] = static_cast<Real>(i % 16 * 3 - 24);
+        samples.v[i] = static_cast<Real>(i / 16 * 3 - 24);
     }
     double most = 0;
     for (double z = -22; z < 22; z += 0.7) {
-        light.lookUp(0, {{0, 0, z}, {1, 0, 0}, {0, 1, 0}}, u.data(), v.data(), rgb);
+        light.front().ofVolume.front()->lookUp({{0, 0, z}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, samples, rgb);
         for (const Real value : rows[0]) {
             EXPECT_GE(value, 0);
             most = std::max(most, double(value));

@@ -89,11 +89,11 @@ TEST(SceneLight, KeysBelongToTypes) {
     EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
               "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
               "'type', 'direction', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'angle', 'samples', "
-              "'slide' or 'shadows'");
+              "'slide', 'shadows' or 'shadow'");
     EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
               "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: 'name', 'type', "
-              "'position', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'radius', 'decay', 'slide' or "
-              "'shadows'");
+              "'position', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'radius', 'decay', 'slide', "
+              "'shadows' or 'shadow'");
     EXPECT_EQ(lightError("type = \"cylinder\"\n"),
               "scene.toml:7:8: 'type' is the string \"cylinder\"; expected 'distant', 'point', 'spot', 'projector', "
               "'area' or 'dome'");

@@ -60,10 +60,11 @@ struct TransportPlan {
 
 /// Lights that are kept on cells (transport/light_cells.h) instead of being sums of shadow buffers.
 struct CellLightPlan {
-    std::vector<int> lights;  ///< indices into ViewScene::lights
-    double edge = 0;          ///< edge of the cells, world units
-    std::size_t bytes = 0;    ///< approximately
-    std::string unfit;        ///< the reason why no light can be kept on cells; empty: there is none
+    std::vector<int> lights;    ///< indices into ViewScene::lights
+    std::vector<double> edges;  ///< for each of them the edge of its cells, world units
+    std::size_t bytes = 0;      ///< approximately
+    std::string lamp;           ///< name of the first of them that shines from one point
+    std::string unfit;          ///< the reason why no light can be kept on cells; empty: there is none
 
     bool has(std::size_t light) const;
 };

@@ -145,6 +145,14 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     return static_cast<int>(std::clamp(std::ceil(count), 1.0, double(kMostSubLights)));
 }
 
+int pointsOnCells(const ViewScene& scene, const Light& light) {
+    const int count = subLightCount(scene, light);
+    if (light.samples > 0 || !light.extended()) return count;
+    // Measured on a plume of noise: a dome of 128 directions instead of 200 has the same error, as have 16 points of a
+    // soft box instead of 35.
+    return std::max(static_cast<int>(std::ceil(count * (light.dome() ? 0.65 : 0.5))), std::min(count, 8));
+}
+
 int SubLights::countOf(int owner) const {
     if (owners.empty()) return 1;
     const auto [first, last] = std::equal_range(owners.begin(), owners.end(), owner);
@@ -153,7 +161,8 @@ int SubLights::countOf(int owner) const {
 
 SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
     SubLights all;
-    const bool extended = std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); });
+    const bool extended =
+        std::any_of(scene.lights.begin(), scene.lights.end(), [](const Light& l) { return l.extended(); });
     if (!extended && onCells.empty()) return all;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];

@@ -29,9 +29,12 @@ inline constexpr int kMostSubLights = 1024;
 /// The number of sub-lights for the scene's `light`: its `samples`, or as many as the dial light_error needs.
 int subLightCount(const ViewScene& scene, const Light& light);
 
+/// The number of points or directions that represent `light` on cells, which blur the steps between them: fewer.
+int pointsOnCells(const ViewScene& scene, const Light& light);
+
 /// All lights of the scene, with the extended ones replaced by their sub-lights; those of `onCells`, indices into the
-/// lights of the scene, become black. Slides must be loaded. The result depends only on the lights, the dial light_error
-/// and the volumes' bounds.
+/// lights of the scene, become black. Slides must be loaded. The result depends only on the lights, the dial
+/// light_error and the volumes' bounds.
 SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells = {});
 
 /// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be

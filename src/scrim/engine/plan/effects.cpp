@@ -129,7 +129,7 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
         const Light& light = scene.lights[i];
         if (!light.extended() || (i < plan.culledLights.size() && !plan.culledLights[i].empty())) continue;
         const bool cells = plan.cellLights.has(i);
-        const int count = cells ? subLightCount(scene, light) : plan.subLights.countOf(static_cast<int>(i));
+        const int count = cells ? pointsOnCells(scene, light) : plan.subLights.countOf(static_cast<int>(i));
         const std::string what = fmt::format("{} ({}): {}", quoted(light.name), extent(light), count);
         found.add(cells ? fmt::format("{} {} on cells", what, light.area() ? "points" : "directions")
                         : fmt::format("{} sub-light{}", what, count == 1 ? "" : "s"),
@@ -143,17 +143,17 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
 
 Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
-    for (const int i : plan.cellLights.lights) {
-        const Light& light = scene.lights[std::size_t(i)];
-        const char* why = light.shadow == ShadowMethod::cells ? "the scene says so"
+    for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i) {
+        const Light& light = scene.lights[std::size_t(plan.cellLights.lights[i])];
+        const char* why = light.shadow == ShadowMethod::cells ? "the scene sets it"
                           : light.extended()                  ? "it shines from many places"
                                                               : "it is among the volumes";
-        found.add(fmt::format("{}: {}", quoted(light.name), why), "light." + light.name);
+        found.add(fmt::format("{}: {}, cells of {:.3g} voxels", quoted(light.name), why,
+                              plan.cellLights.edges[i] / plan.voxel),
+                  "light." + light.name);
     }
     Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
-    if (effect.on)
-        effect.reason += fmt::format("; cells of {:.3g} voxels, about {}", plan.cellLights.edge / plan.voxel,
-                                     bytesText(plan.cellLights.bytes));
+    if (effect.on) effect.reason += fmt::format("; about {}", bytesText(plan.cellLights.bytes));
     return effect;
 }
 

@@ -134,8 +134,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
         checkpoint();
         light = planLight(scene, corners, g.sheets, g.slant, std::move(light));
     }
-    g.outputs =
-        chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.lightsOnCells());
+    g.outputs = chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.lightsOnCells());
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
@@ -246,11 +245,11 @@ std::string needOfPixels(const ViewScene& scene, const Plan& plan, const std::ve
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified)
             return fmt::format("volume {} is classified: surfaces are sharper than texels", volume.name);
+    std::string near = plan.cellLights.lamp;
     for (const GroupPlan& group : plan.groups)
         for (const PlannedLight& light : group.lights)
-            if (!light.ssWindows.empty())
-                return fmt::format("light {} is so near that its light changes between texels",
-                                   scene.lights[light.light].name);
+            if (near.empty() && !light.ssWindows.empty()) near = scene.lights[light.light].name;
+    if (!near.empty()) return fmt::format("light {} is so near that its light changes between texels", near);
     if (eyeAmong(scene, texel)) return "the eye is so near that its view of a sheet changes between texels";
     if (const std::string reason = fineSlide(scene, culled, texel); !reason.empty()) return reason;
     return denseMedium(scene, plan);

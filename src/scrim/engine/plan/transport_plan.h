@@ -10,8 +10,8 @@
 
 namespace scrim {
 
-/// Sets those of `reasons` (why each light of the scene has no sweep) that concern lights on cells, and skies which shine
-/// through the border of the cells.
+/// Sets those of `reasons` (why each light of the scene has no sweep) that concern lights on cells, and skies which
+/// shine through the border of the cells.
 void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::vector<std::string>& reasons);
 
 /// Chooses the lights that are kept on cells, and the cells.

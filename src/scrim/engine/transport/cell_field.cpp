@@ -2,6 +2,7 @@
 #include <scrim/engine/transport/cell_field.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/transport/light_sources.h>
 #include <scrim/geometry/sheets.h>
 
 #include <algorithm>
@@ -121,15 +122,48 @@ Real* CellField::cell(std::size_t index) {
     return block(index / kBlockCells) + ((z * kPadded + y) * kPadded + x) * m_colours;
 }
 
-void CellField::makeLamp(const Vec3& ws, double radius, bool decay) {
+void CellField::makeLamp(const Light& lamp, const Phase& phase, const Camera& camera) {
     constexpr Real kNothing = Real(1e-30);  // no light that could be seen
-    m_lamp = true;
-    for (Real& value : m_values) value = std::log(std::max(value, kNothing));
-    if (!decay) return;
-    constexpr double kLeast = 1e-2;  // cells; a sample at the very place of the lamp must not be infinite
-    const double nearest = std::max(radius, kLeast * m_grid->edge());
-    m_wsCenter = ws;
-    m_nearest2 = nearest * nearest;
+    m_lamp = lamp;
+    m_phase = phase;
+    m_camera = camera;
+    const double least = 1e-3 * m_grid->edge();
+    parallelFor(m_grid->storedBlocks().size(), [&](std::size_t b) {
+        const Int3 first = m_grid->storedBlocks()[b] * kCellEdge - 1;
+        Real* values = block(b);
+        for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours) {
+            const Int3 place = first + Int3(i % kPadded, i / kPadded % kPadded, i / (kPadded * kPadded));
+            const double r = glm::distance(m_grid->wsFromCs(Vec3(place) + 0.5), lamp.wsPosition);
+            for (std::size_t c = 0; c < m_colours; ++c)
+                values[c] = -std::log(std::max(values[c], kNothing)) / static_cast<Real>(std::max(r, least));
+        }
+    });
+}
+
+// Turns the mean extinction on the way from the lamp to `ws` into light times r^2.
+void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
+    const Vec3 way = ws - m_lamp->wsPosition;
+    const double r = glm::length(way);
+    const Vec3 travel = r > 0 ? way / r : Vec3(0, 0, 1);
+    const double phase = phaseValue(m_phase, m_phase.isotropic() ? 0 : glm::dot(travel, travelToEye(m_camera, ws)));
+    for (int c = 0; c < 3; ++c)
+        rgb[c] = static_cast<Real>(m_lamp->intensity[c] * phase) * std::exp(-rgb[c] * static_cast<Real>(r));
+}
+
+// The mean of 1 / (b^2 + z^2) over a path from z = d - t/2 to d + t/2, with b the distance of the eye's ray from the
+// lamp, is (atan((d + t/2) / b) - atan((d - t/2) / b)) / (b t). Its value in the middle of the sheet alone is wrong by
+// any amount in sheets close to the lamp, where much of its light is.
+double CellField::meanDecay(const Vec3& way, const Vec3& path) const {
+    const double least = 1e-2 * m_grid->edge();  // a sample at the very place of the lamp must not be infinite
+    const double nearest = std::max(m_lamp->point().radius, least), nearest2 = nearest * nearest;
+    const double t = glm::length(path), d = glm::dot(way, path) / t;
+    const double b = std::sqrt(std::max(glm::dot(way, way) - d * d, nearest2));
+    return std::min((std::atan((d + 0.5 * t) / b) - std::atan((d - 0.5 * t) / b)) / (b * t), 1 / nearest2);
+}
+
+void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
+    sampleAt(m_grid->csFromWs(ws) - 0.5, rgb);
+    if (m_lamp) lampAt(ws, rgb);
 }
 
 // `at` is relative to the centre of the first cell.
@@ -161,7 +195,6 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
         const Real near = mix(mix(p[0], p[x], fx), mix(p[y], p[y + x], fx), fy);
         const Real far = mix(mix(p[z], p[z + x], fx), mix(p[z + y], p[z + y + x], fx), fy);
         rgb[c] = mix(near, far, fz);
-        if (m_lamp) rgb[c] = std::exp(rgb[c]);
     }
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
 }
@@ -171,26 +204,17 @@ void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, Real
     const Vec3 perU = plane.wsPerU / m_grid->edge(), perV = plane.wsPerV / m_grid->edge();
     for (int k = 0; k < kTileSize; ++k) {
         Real found[3];
-        sampleAt(origin + double(samples.u[k]) * perU + double(samples.v[k]) * perV, found);
-        for (int c = 0; c < 3; ++c) rgb[c][k] = found[c];
-    }
-    if (m_nearest2 > 0) multiplyByDecay(plane, samples, rgb);
-}
-
-// The mean of 1 / (b^2 + z^2) over a path from z = d - t/2 to d + t/2, with b the distance of the eye's ray from the
-// lamp, is (atan((d + t/2) / b) - atan((d - t/2) / b)) / (b t). Its value in the middle of the sheet alone is wrong by
-// any amount in sheets close to the lamp, where much of its light is.
-void CellField::multiplyByDecay(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const {
-    for (int k = 0; k < kTileSize; ++k) {
-        const Vec3 way =
-            plane.wsOrigin + double(samples.u[k]) * plane.wsPerU + double(samples.v[k]) * plane.wsPerV - m_wsCenter;
-        const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
-                                                               double(samples.eyeB[k]) * plane.wsPerV);
-        const double t = glm::length(path), d = glm::dot(way, path) / t;
-        const double b = std::sqrt(std::max(glm::dot(way, way) - d * d, m_nearest2));
-        const double mean = (std::atan((d + 0.5 * t) / b) - std::atan((d - 0.5 * t) / b)) / (b * t);
-        const auto factor = static_cast<Real>(std::min(mean, 1 / m_nearest2));
-        for (int c = 0; c < 3; ++c) rgb[c][k] *= factor;
+        const double u = double(samples.u[k]), v = double(samples.v[k]);
+        sampleAt(origin + u * perU + v * perV, found);
+        Real factor = 1;
+        if (m_lamp) {
+            const Vec3 ws = plane.wsOrigin + u * plane.wsPerU + v * plane.wsPerV;
+            lampAt(ws, found);
+            const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
+                                                                   double(samples.eyeB[k]) * plane.wsPerV);
+            if (m_lamp->point().decay) factor = static_cast<Real>(meanDecay(ws - m_lamp->wsPosition, path));
+        }
+        for (int c = 0; c < 3; ++c) rgb[c][k] = factor * found[c];
     }
 }
 

@@ -6,6 +6,9 @@
 #include <scrim/engine/model/outputs.h>
 #include <scrim/engine/model/samples.h>
 #include <scrim/engine/transport/cell_grid.h>
+#include <scrim/geometry/camera.h>
+#include <scrim/scene/light.h>
+#include <scrim/scene/medium.h>
 
 #include <cstddef>
 #include <cstdint>
@@ -22,8 +25,8 @@ void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& co
                      const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
                      std::vector<Real>& to);
 
-/// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet. `wsPerSheet` leads to the
-/// next sheet along its normal, and a slope du/dw of 1 by `toTexels` along perU.
+/// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet. `wsPerSheet` leads to
+/// the next sheet along its normal, and a slope du/dw of 1 by `toTexels` along perU.
 struct SamplePlane {
     Vec3 wsOrigin{0}, wsPerU{0}, wsPerV{0}, wsPerSheet{0};
     double toTexels = 1;
@@ -46,29 +49,30 @@ class CellField {
     Real* block(std::size_t b) { return m_values.data() + b * kPaddedCells * m_colours; }
     /// The values of a stored cell, in its own block.
     Real* cell(std::size_t index);
-    /// The light at a point, 0 beyond the stored cells.
-    void sample(const Vec3& ws, Real (&rgb)[3]) const { sampleAt(m_grid->csFromWs(ws) - 0.5, rgb); }
+    /// The light at a point, 0 beyond the stored cells; of a lamp, times r^2.
+    void sample(const Vec3& ws, Real (&rgb)[3]) const;
     /// The light at a tile of samples: kTileSize values for each colour.
     void lookUp(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const;
 
-    /// Makes what is kept, all of it at least 0, the light of a lamp at `ws` (world) times r^2: from now on its logarithm
-    /// is interpolated, which is linear along rays as optical depth is, and what is looked up is divided by r^2, but by no
-    /// less than radius^2, or not at all if the light does not decay. The mean of 1/r^2 over the eye's path through
-    /// the sheet counts.
-    void makeLamp(const Vec3& ws, double radius, bool decay);
+    /// What is kept is transmittance from `lamp`, a point light. Makes it the mean extinction on the way from there,
+    /// which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute the others
+    /// from it, with the phase function towards the camera, and the mean of 1/r^2 over the eye's path through the
+    /// sheet.
+    void makeLamp(const Light& lamp, const Phase& phase, const Camera& camera);
 
     std::size_t bytes() const { return m_values.size() * sizeof(Real); }
 
   private:
     void sampleAt(const Vec3& at, Real (&rgb)[3]) const;
-    void multiplyByDecay(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const;
+    void lampAt(const Vec3& ws, Real (&rgb)[3]) const;
+    double meanDecay(const Vec3& way, const Vec3& path) const;
 
     std::shared_ptr<const CellGrid> m_grid;
     std::size_t m_colours;
     Real m_tint[3];
-    bool m_lamp = false;     // values are logarithms
-    Vec3 m_wsCenter{0};      // of the lamp
-    double m_nearest2 = 0;   // squared radius, world units; 0: no decay
+    std::optional<Light> m_lamp;
+    Phase m_phase;  // towards the camera, of a lamp's light
+    Camera m_camera;
     std::vector<Real> m_values;  // [block][padded cell][colour]
 };
 

@@ -62,7 +62,7 @@ class CellGrid {
     void number(std::vector<bool>&& wanted);
 
     double m_edge = 1;
-    Vec3 m_corner{0};    // world
+    Vec3 m_corner{0};  // world
     Int3 m_origin{0};  // corner of the box, in cells: multiples of 8
     Int3 m_blocks{0};
     std::vector<std::int32_t> m_stored;  // for each block of the box, x fastest

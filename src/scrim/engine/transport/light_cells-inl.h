@@ -12,6 +12,7 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/medium.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <vector>
@@ -24,16 +25,20 @@ inline constexpr int kRowSlack = 16;
 struct CellSpan {
     int begin = 0, end = 0;
     bool empty() const { return begin >= end; }
+    /// The smallest span that contains both.
+    CellSpan with(const CellSpan& o) const {
+        return empty() ? o : o.empty() ? *this : CellSpan{std::min(begin, o.begin), std::max(end, o.end)};
+    }
 };
 
 /// A box of cells as slices along one axis; within a slice there are rows along `i`, one beside the other along `j`.
 /// Coordinates are in cells from the corner of the box.
 struct CellSlices {
-    std::array<int, 3> axes{};  ///< the axes of the world along which i, j and the slices run
-    std::array<int, 3> size{};  ///< in cells: along i, along j, number of slices
-    std::vector<Real> extinction;   ///< per cell edge; rows and slices have a zero cell around them
-    std::vector<CellSpan> full;     ///< for each row, likewise padded: where there is extinction
-    std::vector<CellSpan> wanted;   ///< for each row, not padded: cells whose light is looked up
+    std::array<int, 3> axes{};              ///< the axes of the world along which i, j and the slices run
+    std::array<int, 3> size{};              ///< in cells: along i, along j, number of slices
+    std::vector<Real> extinction;           ///< per cell edge; rows and slices have a zero cell around them
+    std::vector<CellSpan> full;             ///< for each row, likewise padded: where there is extinction
+    std::vector<CellSpan> wanted;           ///< for each row, not padded: cells whose light is looked up
     std::array<std::vector<Real>, 3> sums;  ///< the result: light in each cell, not padded but for the slack
 
     std::size_t stride() const { return std::size_t(size[0] + 2 + kRowSlack); }
@@ -47,8 +52,8 @@ struct CellSlices {
 /// A source of light without extent, in the axes of CellSlices and in cells.
 struct CellRays {
     bool parallel = true;
-    Vec3 way{0, 0, 1};  ///< parallel: direction of travel, unit; otherwise the normal of an element
-    Vec3 from{0};       ///< the place of a source that is not parallel
+    Vec3 way{0, 0, 1};                   ///< parallel: direction of travel, unit; otherwise the normal of an element
+    Vec3 from{0};                        ///< the place of a source that is not parallel
     double radius2 = 0, decayScale = 0;  ///< irradiance is weight / max(r2, radius2) * decayScale; 0: no decay
     bool oneSided = false;               ///< an element: irradiance has the cosine to its normal as factor
     Real weight[3] = {0, 0, 0};
@@ -56,9 +61,9 @@ struct CellRays {
 
 /// What all sources of a sweep share.
 struct CellView {
-    Phase phase;           ///< towards the eye
+    Phase phase;  ///< towards the eye
     bool parallelEye = true;
-    Vec3 eye{0};           ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
+    Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
     std::size_t colours = 1;
 };
 
@@ -72,14 +77,10 @@ struct CellView {
 #define SCRIM_LIGHT_CELLS_INL_H_
 #endif
 
-#include <scrim/base/parallel.h>
 #include <scrim/engine/simd-inl.h>
 
-#include <atomic>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <thread>
 
 HWY_BEFORE_NAMESPACE();
 namespace scrim {
@@ -97,6 +98,11 @@ HWY_ATTR HWY_INLINE VC counted(int first) {
     return hn::Iota(DC(), static_cast<Real>(first));
 }
 
+HWY_ATTR HWY_INLINE VC bilinear(VC a0, VC a1, VC b0, VC b1, VC fx, VC fy) {
+    const VC first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
+    return hn::MulAdd(fx, hn::Sub(second, first), first);
+}
+
 HWY_ATTR HWY_INLINE VC transmittance(VC tau) {
     return hn::Exp(DC(), hn::Neg(hn::Min(tau, value8(80))));
 }
@@ -104,7 +110,8 @@ HWY_ATTR HWY_INLINE VC transmittance(VC tau) {
 /// The phase function towards the eye, for the cells of one row.
 class TowardsEye {
   public:
-    HWY_ATTR TowardsEye(const CellView& view) : m_view(view), m_lobe(view.phase.g, kSphere), m_other(view.phase.g2, kSphere) {}
+    HWY_ATTR TowardsEye(const CellView& view)
+        : m_view(view), m_lobe(view.phase.g, kSphere), m_other(view.phase.g2, kSphere) {}
 
     /// True if the phase function is the same for parallel rays at all cells: its value is then `constantAt`.
     bool constantFor(bool parallel) const { return m_view.phase.isotropic() || (parallel && m_view.parallelEye); }
@@ -116,9 +123,11 @@ class TowardsEye {
         const DC d;
         VC cosine;
         if (m_view.parallelEye) {
-            cosine = hn::MulAdd(x, value8(m_view.eye.x), hn::MulAdd(y, value8(m_view.eye.y), hn::Mul(z, value8(m_view.eye.z))));
+            cosine = hn::MulAdd(x, value8(m_view.eye.x),
+                                hn::MulAdd(y, value8(m_view.eye.y), hn::Mul(z, value8(m_view.eye.z))));
         } else {
-            const VC ex = hn::Sub(value8(m_view.eye.x), i), ey = value8(m_view.eye.y - j), ez = value8(m_view.eye.z - k);
+            const VC ex = hn::Sub(value8(m_view.eye.x), i), ey = value8(m_view.eye.y - j),
+                     ez = value8(m_view.eye.z - k);
             const VC length2 = hn::MulAdd(ex, ex, hn::MulAdd(ey, ey, hn::MulAdd(ez, ez, value8(1e-12))));
             cosine = hn::Div(hn::MulAdd(x, ex, hn::MulAdd(y, ey, hn::Mul(z, ez))), hn::Sqrt(length2));
         }
@@ -168,8 +177,7 @@ class ParallelRaster {
         const DC d;
         const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
         const int j = row - 1, k = slice(step);
-        const CellSpan near = m_box.full[m_box.paddedRow(j, k)], far = m_box.full[m_box.paddedRow(j + 1, k)];
-        const CellSpan span = near.empty() ? far : far.empty() ? near : CellSpan{std::min(near.begin, far.begin), std::max(near.end, far.end)};
+        const CellSpan span = m_box.full[m_box.paddedRow(j, k)].with(m_box.full[m_box.paddedRow(j + 1, k)]);
         if (span.empty()) return;
         const Real* a = m_box.row(j, k);
         const Real* b = m_box.row(j + 1, k);
@@ -178,9 +186,7 @@ class ParallelRaster {
         for (int i = span.begin - 1; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const VC a0 = hn::LoadU(d, a + i), a1 = hn::LoadU(d, a + i + 1);
             const VC b0 = hn::LoadU(d, b + i), b1 = hn::LoadU(d, b + i + 1);
-            const VC first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
-            const VC between = hn::MulAdd(fx, hn::Sub(second, first), first);
-            hn::StoreU(hn::Add(hn::LoadU(d, to + i), between), d, to + i);
+            hn::StoreU(hn::Add(hn::LoadU(d, to + i), bilinear(a0, a1, b0, b1, fx, fy)), d, to + i);
         }
     }
 
@@ -200,11 +206,11 @@ class ParallelRaster {
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const VC a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
             const VC b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
-            const VC second = hn::MulAdd(fy, hn::Sub(b1, a1), a1), first = hn::MulAdd(fy, hn::Sub(b0, a0), a0);
-            const VC before = hn::MulAdd(fx, hn::Sub(first, second), second);
+            const VC before = bilinear(a1, a0, b1, b0, fx, fy);
             const VC tau = hn::Mul(perSlice, hn::MulAdd(half, hn::LoadU(d, own + i), before));
             const VC p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
-            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i), hn::Mul(p, transmittance(tau)));
+            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i),
+                  hn::Mul(p, transmittance(tau)));
         }
     }
 
@@ -232,16 +238,15 @@ class ParallelRaster {
 class PointRaster {
   public:
     PointRaster(const CellSlices& box, const CellRays& rays, bool down) : m_box(box), m_rays(rays), m_down(down) {
-        const double ahead = down ? -1 : 1;
-        for (m_first = 0; m_first < box.size[2]; ++m_first)
-            if ((slice(m_first) + 0.5 - rays.from.z) * ahead > 0) break;
+        while (m_first < box.size[2] && distance(m_first) + 0.5 <= 0) ++m_first;
         if (m_first == box.size[2]) return;
-        const double near = distance(m_first), far = distance(box.size[2] - 1);
+        const double near = middle(m_first), far = middle(box.size[2] - 1);
         m_cell = 1 / std::max(far, 1.0);
         int count[2];
         for (int a = 0; a < 2; ++a) {
             const double low = -1 - rays.from[a], high = box.size[a] + 1 - rays.from[a];
-            const double least = std::max(-1.0, low / (low < 0 ? near : far)), most = std::min(1.0, high / (high > 0 ? near : far));
+            const double least = std::max(-1.0, low / (low < 0 ? near : far)),
+                         most = std::min(1.0, high / (high > 0 ? near : far));
             m_begin[a] = least - 2 * m_cell;
             count[a] = most > least ? static_cast<int>((most - least) / m_cell) + 6 : 0;
         }
@@ -258,12 +263,11 @@ class PointRaster {
         const DC d;
         const hn::RebindToSigned<DC> di;
         const int k = slice(step);
-        const double z = distance(step), passed = z + 0.5 - std::max(0.0, z - 0.5);
+        const double z = middle(step), passed = 2 * (distance(step) + 0.5 - z);
         const double y = m_rays.from.y + (m_begin[1] + row * m_cell) * z - 0.5;
         const int j = static_cast<int>(std::floor(y));
         if (j < -1 || j >= m_box.size[1]) return;
-        const CellSpan near = m_box.full[m_box.paddedRow(j, k)], far = m_box.full[m_box.paddedRow(j + 1, k)];
-        const CellSpan span = near.empty() ? far : far.empty() ? near : CellSpan{std::min(near.begin, far.begin), std::max(near.end, far.end)};
+        const CellSpan span = m_box.full[m_box.paddedRow(j, k)].with(m_box.full[m_box.paddedRow(j + 1, k)]);
         if (span.empty()) return;
         // Ray p crosses the slice at i = x0 + p perRay.
         const double x0 = m_rays.from.x + m_begin[0] * z - 0.5, perRay = m_cell * z;
@@ -274,14 +278,13 @@ class PointRaster {
         Real* to = m_depth.data() + std::size_t(row) * m_stride;
         const VC fy = value8(y - j), part = value8(passed);
         for (int p = begin; p < end; p += static_cast<int>(hn::Lanes(d))) {
-            const VC x = hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(-1)), value8(m_box.size[0]));
+            const VC x =
+                hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(-1)), value8(m_box.size[0]));
             const VC whole = hn::Floor(x), fx = hn::Sub(x, whole);
             const auto i = hn::ConvertTo(di, whole), next = hn::Add(i, hn::Set(di, 1));
             const VC a0 = hn::GatherIndex(d, a, i), a1 = hn::GatherIndex(d, a, next);
             const VC b0 = hn::GatherIndex(d, b, i), b1 = hn::GatherIndex(d, b, next);
-            const VC first = hn::MulAdd(fy, hn::Sub(b0, a0), a0), second = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
-            const VC between = hn::MulAdd(fx, hn::Sub(second, first), first);
-            hn::StoreU(hn::MulAdd(part, between, hn::LoadU(d, to + p)), d, to + p);
+            hn::StoreU(hn::MulAdd(part, bilinear(a0, a1, b0, b1, fx, fy), hn::LoadU(d, to + p)), d, to + p);
         }
     }
 
@@ -290,32 +293,35 @@ class PointRaster {
         const hn::RebindToSigned<DC> di;
         const int k = slice(step);
         const double z = distance(step), own = z - std::max(0.0, z - 0.5), y = j + 0.5 - m_rays.from.y;
-        if (!owns(1, y, z)) return;
+        if (z <= 0 || !owns(1, y, z)) return;
         const CellSpan span = range(box.wanted[box.rowIndex(j, k)], z);
         const double row = (y / z - m_begin[1]) / m_cell;
         const int q = static_cast<int>(std::floor(row));
         const Real* a = m_depth.data() + std::size_t(q) * m_stride;
         const Real* b = a + m_stride;
         const Real* extinction = box.row(j, k);
-        const VC fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z), perCell = value8(1 / (z * m_cell)),
-                 first = value8(-m_begin[0] / m_cell);
+        const VC fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z),
+                 perCell = value8(1 / (z * m_cell)), first = value8(-m_begin[0] / m_cell);
         const bool constant = towards.constantFor(false);
         const VC phase = value8(constant ? towards.constantAt({0, 0, 1}) : 0);
         for (int i = span.begin; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const VC center = hn::Add(counted(i), half), x = hn::Sub(center, value8(m_rays.from.x));
-            const VC at = hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), whole = hn::Floor(at), fx = hn::Sub(at, whole);
+            const VC at = hn::Min(hn::MulAdd(x, perCell, first), value8(m_width + 4)), whole = hn::Floor(at),
+                     fx = hn::Sub(at, whole);
             const auto p = hn::ConvertTo(di, whole), next = hn::Add(p, hn::Set(di, 1));
             const VC a0 = hn::GatherIndex(d, a, p), a1 = hn::GatherIndex(d, a, next);
             const VC b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
-            const VC low = hn::MulAdd(fy, hn::Sub(b0, a0), a0), high = hn::MulAdd(fy, hn::Sub(b1, a1), a1);
-            const VC before = hn::MulAdd(fx, hn::Sub(high, low), low);
+            const VC before = bilinear(a0, a1, b0, b1, fx, fy);
             const VC r2 = hn::MulAdd(x, x, value8(y * y + z * z)), r = hn::Sqrt(r2), one = hn::Div(value8(1), r);
-            const VC tau = hn::Mul(hn::Mul(r, value8(1 / z)), hn::MulAdd(value8(own), hn::LoadU(d, extinction + i), before));
+            const VC tau =
+                hn::Mul(hn::Mul(r, value8(1 / z)), hn::MulAdd(value8(own), hn::LoadU(d, extinction + i), before));
             const VC wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
             VC light = transmittance(tau);
-            if (m_rays.decayScale > 0) light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
+            if (m_rays.decayScale > 0)
+                light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
             if (m_rays.oneSided) {
-                const VC facing = hn::MulAdd(wx, value8(m_rays.way.x), hn::MulAdd(wy, value8(m_rays.way.y), hn::Mul(wz, value8(m_rays.way.z))));
+                const VC facing = hn::MulAdd(wx, value8(m_rays.way.x),
+                                             hn::MulAdd(wy, value8(m_rays.way.y), hn::Mul(wz, value8(m_rays.way.z))));
                 light = hn::Mul(light, hn::Max(facing, hn::Zero(d)));
             }
             light = hn::Mul(light, constant ? phase : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
@@ -326,15 +332,21 @@ class PointRaster {
     }
 
   private:
+    // From the source to the middle of a slice, and to the middle of the part of it that lies ahead of the source.
     double distance(int step) const { return (slice(step) + 0.5 - m_rays.from.z) * (m_down ? -1 : 1); }
-    // Whether a cell at this place beside the source, along i (0) or j (1), lies in the face. Cells on an edge belong to
-    // the face whose axis comes first in the world.
+    double middle(int step) const { return std::max(distance(step), 0.5 * (distance(step) + 0.5)); }
+    // Whether a cell at this place beside the source, along i (0) or j (1), lies in the face. Cells on an edge belong
+    // to the face whose axis comes first in the world.
     bool inclusive(int a) const { return m_box.axes[2] < m_box.axes[std::size_t(a)]; }
-    bool owns(int a, double beside, double z) const { return inclusive(a) ? std::abs(beside) <= z : std::abs(beside) < z; }
+    bool owns(int a, double beside, double z) const {
+        return inclusive(a) ? std::abs(beside) <= z : std::abs(beside) < z;
+    }
     CellSpan range(const CellSpan& wanted, double z) const {
         const double low = m_rays.from.x - z - 0.5, high = m_rays.from.x + z - 0.5;
-        const double begin = inclusive(0) ? std::ceil(low) : std::floor(low) + 1, end = inclusive(0) ? std::floor(high) + 1 : std::ceil(high);
-        return {std::max(wanted.begin, static_cast<int>(std::max(begin, -1e9))), std::min(wanted.end, static_cast<int>(std::min(end, 1e9)))};
+        const double begin = inclusive(0) ? std::ceil(low) : std::floor(low) + 1,
+                     end = inclusive(0) ? std::floor(high) + 1 : std::ceil(high);
+        return {std::max(wanted.begin, static_cast<int>(std::max(begin, -1e9))),
+                std::min(wanted.end, static_cast<int>(std::min(end, 1e9)))};
     }
 
     const CellSlices& m_box;
@@ -346,43 +358,6 @@ class PointRaster {
     std::size_t m_stride = 0;
     std::vector<Real> m_depth;
 };
-
-/// Passes the slices with one source after the other. Threads work on successive sources; each waits at every slice
-/// until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
-/// number of threads.
-template <class Raster, class Make>
-HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box) {
-    const TowardsEye towards(view);
-    std::vector<std::atomic<int>> passed(count);
-    std::atomic<std::size_t> next{0};
-    parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
-        for (std::size_t m = next++; m < count; m = next++) {
-            // Whoever waits for this source goes on even if there is no memory for it.
-            struct Finish {
-                std::atomic<int>& passed;
-                ~Finish() { passed.store(std::numeric_limits<int>::max(), std::memory_order_release); }
-            } const finish{passed[m]};
-            Raster raster = make(m);
-            for (int step = 0; step < box.size[2]; ++step) {
-                while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
-                for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
-                    if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty()) raster.light(step, j, view, towards, box);
-                passed[m].store(step + 1, std::memory_order_release);
-                for (int row = 0; raster.reaches(step) && row < raster.rows(); ++row) raster.attenuate(step, row);
-            }
-        }
-    });
-}
-
-/// Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
-/// only rays that pass the slices in descending order.
-HWY_ATTR void sweepCells(const CellRays* sources, std::size_t count, const CellView& view, bool parallel, bool down,
-                         CellSlices& box) {
-    if (parallel)
-        passSlices<ParallelRaster>(count, [&](std::size_t m) { return ParallelRaster(box, sources[m]); }, view, box);
-    else
-        passSlices<PointRaster>(count, [&](std::size_t m) { return PointRaster(box, sources[m], down); }, view, box);
-}
 
 }  // namespace HWY_NAMESPACE
 }  // namespace scrim

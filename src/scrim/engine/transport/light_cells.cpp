@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/transport/light_cells.h>
 
+#include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/cell_media.h>
-#include <scrim/scene/light_at.h>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
-#include <tuple>
+#include <limits>
+#include <numbers>
+#include <thread>
 
 #include <glm/geometric.hpp>
 
@@ -16,6 +19,54 @@
 #define HWY_TARGET_INCLUDE "scrim/engine/transport/light_cells.cpp"
 #include <hwy/foreach_target.h>
 #include <scrim/engine/transport/light_cells-inl.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace scrim {
+namespace HWY_NAMESPACE {
+
+// Passes the slices with one source after the other. Threads work on successive sources; each waits at every slice
+// until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
+// number of threads.
+template <class Raster, class Make>
+HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box) {
+    const TowardsEye towards(view);
+    std::vector<std::atomic<int>> passed(count);
+    std::atomic<std::size_t> next{0};
+    parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
+        for (std::size_t m = next++; m < count; m = next++) {
+            // Whoever waits for this source goes on even if there is no memory for it.
+            struct Finish {
+                std::atomic<int>& passed;
+                ~Finish() { passed.store(std::numeric_limits<int>::max(), std::memory_order_release); }
+            } const finish{passed[m]};
+            Raster raster = make(m);
+            for (int step = 0; step < box.size[2]; ++step) {
+                while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
+                for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
+                    if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty())
+                        raster.light(step, j, view, towards, box);
+                passed[m].store(step + 1, std::memory_order_release);
+                for (int row = 0; raster.reaches(step) && row < raster.rows(); ++row) raster.attenuate(step, row);
+            }
+        }
+    });
+}
+
+// Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
+// only rays that pass the slices in descending order.
+HWY_ATTR void sweepCells(const CellRays* sources, std::size_t count, const CellView& view, bool parallel, bool down,
+                         CellSlices& box) {
+    if (parallel)
+        passSlices<ParallelRaster>(
+            count, [&](std::size_t m) { return ParallelRaster(box, sources[m]); }, view, box);
+    else
+        passSlices<PointRaster>(
+            count, [&](std::size_t m) { return PointRaster(box, sources[m], down); }, view, box);
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace scrim {
@@ -44,13 +95,15 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
     Sources out;
+    for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     out.lights = subLights(alone).lights;
     if (out.lights.empty()) out.lights = alone.lights;
     std::erase_if(out.lights, [](const Light& light) { return light.intensity == Rgb(0); });
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
-        if (glm::length(glm::cross(out.tint, light.intensity)) > 1e-12 * glm::length(out.tint) * glm::length(light.intensity))
+        if (glm::length(glm::cross(out.tint, light.intensity)) >
+            1e-12 * glm::length(out.tint) * glm::length(light.intensity))
             out.colours = 3;
     if (out.colours == 1) out.tint /= std::max({out.tint.x, out.tint.y, out.tint.z});
     return out;
@@ -69,20 +122,32 @@ class Slices {
         box.wanted.assign(std::size_t(box.size[1]) * std::size_t(box.size[2]), {});
     }
 
-    // Takes the cells' extinction, in units of 1 / edge.
-    void fill(const CellMedia::Row& extinction) {
+    // Takes the cells' extinction, in units of 1 / edge. Light is wanted up to `reach` cells from where there is any.
+    void fill(const CellMedia::Row& extinction, int reach) {
+        std::fill(box.full.begin(), box.full.end(), CellSpan{});
         forRuns([&](std::size_t cell, std::size_t step, const std::array<int, 3>& at) {
             const auto edge = static_cast<Real>(m_grid.edge());
             Real* to = box.extinction.data() + box.paddedRow(at[1], at[2]) * box.stride() + 1 + at[0];
             CellSpan& span = box.full[box.paddedRow(at[1], at[2])];
             for (int i = 0; i < kCellEdge; ++i, cell += step) {
                 to[i] = edge * extinction[cell];
-                if (to[i] != 0) include(span, at[0] + i, at[0] + i + 1);
+                if (to[i] != 0) span = span.with({at[0] + i, at[0] + i + 1});
             }
-            for (int j = -1; j <= 1; ++j)
-                for (int k = -1; k <= 1; ++k)
-                    include(box.wanted[box.rowIndex(at[1] + j, at[2] + k)], at[0] - 1, at[0] + kCellEdge + 1);
         });
+        std::vector<CellSpan> along(box.wanted.size());
+        for (int k = 0; k < box.size[2]; ++k)
+            for (int j = 0; j < box.size[1]; ++j)
+                for (int near = std::max(j - reach, 0); near <= std::min(j + reach, box.size[1] - 1); ++near)
+                    along[box.rowIndex(j, k)] = along[box.rowIndex(j, k)].with(box.full[box.paddedRow(near, k)]);
+        for (int k = 0; k < box.size[2]; ++k)
+            for (int j = 0; j < box.size[1]; ++j) {
+                CellSpan span;
+                for (int near = std::max(k - reach, 0); near <= std::min(k + reach, box.size[2] - 1); ++near)
+                    span = span.with(along[box.rowIndex(j, near)]);
+                CellSpan& wanted = box.wanted[box.rowIndex(j, k)];
+                if (!span.empty())
+                    wanted = wanted.with({std::max(span.begin - reach, 0), std::min(span.end + reach, box.size[0])});
+            }
     }
     void clearSums(std::size_t colours) {
         for (std::size_t c = 0; c < colours; ++c)
@@ -98,8 +163,8 @@ class Slices {
                 for (int y = 0; y < edge; ++y)
                     for (int x = 0; x < edge; ++x, out += field.colours()) {
                         const Int3 at = first + Int3(x, y, z);
-                        const std::size_t from =
-                            box.rowIndex(at[box.axes[1]], at[box.axes[2]]) * box.sumStride() + std::size_t(at[box.axes[0]]);
+                        const std::size_t from = box.rowIndex(at[box.axes[1]], at[box.axes[2]]) * box.sumStride() +
+                                                 std::size_t(at[box.axes[0]]);
                         for (std::size_t c = 0; c < colours; ++c) out[to + c] += box.sums[c][from];
                     }
         });
@@ -113,9 +178,6 @@ class Slices {
     CellSlices box;
 
   private:
-    static void include(CellSpan& span, int begin, int end) {
-        span = span.empty() ? CellSpan{begin, end} : CellSpan{std::min(span.begin, begin), std::max(span.end, end)};
-    }
     // Calls run(first cell, step from cell to cell, place of the first cell in the box) for each row of 8 cells.
     template <class Run>
     void forRuns(const Run& run) {
@@ -152,7 +214,8 @@ class Pass {
             for (const Light& light : sources.lights) {
                 CellRays rays = raysOf(light, slices);
                 for (std::size_t c = 0; c < colours; ++c)
-                    rays.weight[c] = static_cast<Real>(weightOf(sources, light, colour < 0 ? static_cast<int>(c) : colour));
+                    rays.weight[c] =
+                        static_cast<Real>(weightOf(sources, light, colour < 0 ? static_cast<int>(c) : colour));
                 if (!rays.parallel)
                     points.push_back(rays);
                 else if (mainAxis(light.wsDirection) == slices.box.axes[2] && (rays.way.z < 0) == down)
@@ -165,7 +228,8 @@ class Pass {
     }
 
   private:
-    void sweep(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down, CellSlices& box) const {
+    void sweep(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down,
+               CellSlices& box) const {
         const std::size_t atOnce = 8 * std::size_t(threadCount());
         for (std::size_t first = 0; first < sources.size(); first += atOnce) {
             m_checkpoint();
@@ -188,7 +252,8 @@ class Pass {
         rays.way = reordered(light.wsDirection, slices.box.axes);
         if (rays.parallel) return rays;
         const double edge = m_grid.edge();
-        rays.from = slices.place(light.wsPosition);
+        // A lamp exactly at the centre of a cell would belong to no face of the cube around it.
+        rays.from = slices.place(light.wsPosition + edge * Vec3(1e-4, 1.1e-4, 1.2e-4));
         rays.oneSided = light.element() != nullptr;
         if (!rays.oneSided) return rays;  // a lamp, whose distance the field divides by
         rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
@@ -233,16 +298,18 @@ Vec3 cornerOfVoxels(const ViewScene& scene) {
 
 }  // namespace
 
-std::vector<CellLight> extendedLight(const ViewScene& scene, const CellLightPlan& plan, Simd simd,
-                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
-    const CellMedia media = cellMedia(scene, {}, plan.edge, cornerOfVoxels(scene));
+std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
+                                    const std::function<void()>& checkpoint, std::size_t& bytes) {
+    const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene));
+    const int reach = 1 + static_cast<int>(std::ceil(voxelUnit(scene) / edge));  // of a kernel, and of the look-up
     const auto grid = std::make_shared<const CellGrid>(media.grid);
     const bool grey = media.extinction.size() == 1;
     // Extended lights share a field unless layers tell them apart; a lamp has one of its own.
     std::vector<std::vector<int>> groups;
-    for (const int light : plan.lights) {
+    for (const int light : lights) {
         const bool apart = wants(scene, Layer::light) || !scene.lights[std::size_t(light)].extended();
-        if (groups.empty() || apart || !scene.lights[std::size_t(groups.back().front())].extended()) groups.emplace_back();
+        if (groups.empty() || apart || !scene.lights[std::size_t(groups.back().front())].extended())
+            groups.emplace_back();
         groups.back().push_back(light);
     }
     struct Job {
@@ -264,12 +331,17 @@ std::vector<CellLight> extendedLight(const ViewScene& scene, const CellLightPlan
             if (lit.empty()) continue;
             Sources sources = sourcesOf(scene, lit);
             if (sources.lights.empty()) continue;
-            if (!grey && sources.colours == 1) sources.colours = 3;
+            const Light& first = scene.lights[std::size_t(group.front())];
+            const bool lamp = !first.extended();
+            // Of a lamp the transmittance is kept: the light of 4 pi, scattered to all sides alike.
+            if (lamp) sources = {{first}, Rgb(1), 1};
+            if (lamp) sources.lights.front().intensity = Rgb(4 * std::numbers::pi);
+            if (!grey) sources.colours = 3;
+            if (sources.colours == 3) sources.tint = Rgb(1);
             const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
             for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
             bytes += field->bytes();
-            const Light& first = scene.lights[std::size_t(group.front())];
-            jobs.push_back({std::move(sources), cls.phase, field, first.extended() ? nullptr : &first});
+            jobs.push_back({std::move(sources), cls.phase, field, lamp ? &first : nullptr});
         }
     }
     std::size_t most = 0;
@@ -277,13 +349,15 @@ std::vector<CellLight> extendedLight(const ViewScene& scene, const CellLightPlan
     for (int axis = 0; axis < 3; ++axis) {
         Slices slices(*grid, axis);
         for (std::size_t c = 0; c < media.extinction.size(); ++c) {
-            slices.fill(media.extinction[c]);
-            for (const Job& job : jobs) pass.add(job.sources, job.phase, grey ? -1 : static_cast<int>(c), slices, *job.field);
+            slices.fill(media.extinction[c], reach);
+            for (const Job& job : jobs)
+                pass.add(job.sources, job.lamp ? Phase() : job.phase, grey ? -1 : static_cast<int>(c), slices,
+                         *job.field);
         }
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
-        if (job.lamp) job.field->makeLamp(job.lamp->wsPosition, job.lamp->point().radius, job.lamp->point().decay);
+        if (job.lamp) job.field->makeLamp(*job.lamp, job.phase, scene.camera);
     bytes += most + media.bytes();
     return all;
 }

@@ -6,8 +6,8 @@
 #pragma once
 
 #include <scrim/base/simd.h>
-#include <scrim/engine/model/plan.h>
 #include <scrim/engine/transport/cell_field.h>
+#include <scrim/scene/view_scene.h>
 
 #include <cstddef>
 #include <functional>
@@ -15,9 +15,9 @@
 
 namespace scrim {
 
-/// The light of the plan's extended lights: one for each output that they belong to. Slides must be loaded. Adds the
-/// peak of the memory, in bytes, to `bytes`. `checkpoint` is called between slices of cells; it throws to stop.
-std::vector<CellLight> extendedLight(const ViewScene& scene, const CellLightPlan& plan, Simd simd,
-                                     const std::function<void()>& checkpoint, std::size_t& bytes);
+/// The light of these lights of the scene on cells of `edge` world units. Slides must be loaded. Adds the peak of the
+/// memory, in bytes, to `bytes`. `checkpoint` is called between passes; it throws to stop.
+std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
+                                    const std::function<void()>& checkpoint, std::size_t& bytes);
 
 }  // namespace scrim

@@ -71,7 +71,7 @@ struct Collisions {
     // Adds the light to the source of all classes that it lights, per unit of irradiance: one number, or one for each
     // ordinate.
     void addTo(const TransportSolver& solver, const Light& light, std::vector<Real>& source,
-               StraightLight& straight) const {
+               std::vector<std::vector<Real>>& straight) const {
         const FirstCollisions rays(scene, media, light);
         const std::size_t values = solver.valuesPerRow();
         std::vector<std::vector<Real>> even;  // used if the light comes from a single direction
@@ -106,7 +106,8 @@ struct Collisions {
 
   private:
     // Where phase functions are mixed, each class sees the beam as if its own phase function had spread it.
-    void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row, StraightLight& straight) const {
+    void addStraight(const ArrivingInCell& arriving, std::size_t cell, std::size_t row,
+                     std::vector<std::vector<Real>>& straight) const {
         if (straight.empty() || arriving.straightDepth[colour] == 0) return;
         const double cosine = glm::dot(arriving.travel, travelToEye(scene.camera, media.grid.wsCenter(cell)));
         for (std::size_t k = 0; k < classes.size(); ++k) {
@@ -146,11 +147,11 @@ std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, 
     return {radiance.begin(), radiance.end()};
 }
 
-StraightLight fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
-                         const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
-                         TransportSolver& solver) {
+std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
+                                          const std::vector<ScatterClass>& classes, const ScatterTarget& target,
+                                          int colour, const Ordinates& ordinates, Simd simd, TransportSolver& solver) {
     std::vector<Real>& source = solver.clearedSource();
-    StraightLight straight;
+    std::vector<std::vector<Real>> straight;
     if (!media.straight.empty()) straight.assign(classes.size(), std::vector<Real>(solver.rows(), Real(0)));
     for (const int light : target.lights) {
         const auto owner = std::size_t(light);

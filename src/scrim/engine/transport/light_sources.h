@@ -20,16 +20,13 @@ Vec3 travelToEye(const Camera& camera, const Vec3& ws);
 /// closest to the ordinate. Empty if there are none.
 std::vector<Real> inflowOf(const ViewScene& scene, const ScatterTarget& target, const Ordinates& ordinates, int colour);
 
-/// Light from lights that scattered straight on. Near a light the eye sees the narrow lobe more sharply than ordinates
-/// resolve it. [class][row of the solver]: radiance towards the eye per unit of scattering coefficient. Empty if there
-/// is none.
-using StraightLight = std::vector<std::vector<Real>>;
-
 /// Fills the solver's source for colour `colour` of the target: the light that its lights, except for skies, bring to
-/// each cell, and emission. Returns the part of that light which had scattered straight on before. A few points suffice
-/// for an extended light, since light that scatters twice has no sharp shadows.
-StraightLight fillSource(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
-                         const ScatterTarget& target, int colour, const Ordinates& ordinates, Simd simd,
-                         TransportSolver& solver);
+/// each cell, and emission. Returns the part of that light which had scattered straight on before, because near a light
+/// the eye sees the narrow lobe more sharply than ordinates resolve it: [class][row of the solver], radiance towards
+/// the eye per unit of scattering coefficient; empty if there is none. A few points suffice for an extended light,
+/// since light that scatters twice has no sharp shadows.
+std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedia& media,
+                                          const std::vector<ScatterClass>& classes, const ScatterTarget& target,
+                                          int colour, const Ordinates& ordinates, Simd simd, TransportSolver& solver);
 
 }  // namespace scrim

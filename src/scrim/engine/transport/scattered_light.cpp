@@ -53,7 +53,7 @@ void ScatteredLight::solve(const ViewScene& scene, const CellMedia& media, const
         const int brightest = shared.x >= shared.y && shared.x >= shared.z ? 0 : shared.y >= shared.z ? 1 : 2;
         for (int c = 0; c < plan.colours; ++c) {
             const int colour = plan.colours == 1 ? brightest : c;
-            const StraightLight straight =
+            const std::vector<std::vector<Real>> straight =
                 fillSource(scene, media, classes, m_targets[t], colour, directions, simd, solver);
             m_solved += solver.solve(std::size_t(colour), inflowOf(scene, m_targets[t], directions, colour));
             Rgb colours(0);

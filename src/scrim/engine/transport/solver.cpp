@@ -283,8 +283,7 @@ void TransportSolver::prolong(const Level& coarse, Level& fine, bool add) const 
         fine.x = fine.next;
     else
         std::fill(fine.x.begin(), fine.x.end(), Real(0));
-    addInterpolated(coarse.cells().grid, coarse.rows, coarse.x, fine.cells().grid, fine.rows, valuesPerRow(),
-                    fine.x);
+    addInterpolated(coarse.cells().grid, coarse.rows, coarse.x, fine.cells().grid, fine.rows, valuesPerRow(), fine.x);
 }
 
 // Finds an initial x with the coarser cells.

@@ -1,0 +1,261 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights on cells: closed forms in a uniform cube, and shadow buffers of the same lights in smoke.
+#include "support/fields.h"
+#include "support/slides.h"
+#include "support/verified.h"
+
+#include <scrim/base/parallel.h>
+#include <scrim/engine/plan/make_plan.h>
+#include <scrim/engine/plan/transport_plan.h>
+#include <scrim/engine/transport/light_cells.h>
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <glm/geometric.hpp>
+
+namespace scrim::test {
+namespace {
+
+constexpr double kSphere = 4 * std::numbers::pi;
+constexpr double kSigma = 0.1;  // per world unit, and per voxel
+constexpr double kHalf = 10;    // of the uniform cube's edge, world units
+
+ViewScene uniformCube() {
+    return orthographicScene(boxField(Int3(-10), Int3(9)), {kSigma, Rgb(1), {}}, 24, 24);
+}
+
+// The light on cells of one voxel at a point.
+double lightAt(const ViewScene& scene, const Vec3& ws, double edge = 1) {
+    std::size_t bytes = 0;
+    const std::vector<CellLight> lights = lightOnCells(
+        scene, {0}, edge, {}, [] {}, bytes);
+    Real rgb[3];
+    lights.front().ofVolume.front()->sample(ws, rgb);
+    return double(rgb[1]);
+}
+
+// The way from `ws` back along `travel` to where it leaves the cube. Voxels are centred on whole numbers.
+double wayInCube(const Vec3& ws, const Vec3& travel) {
+    double way = 1e9;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double face = (travel[axis] > 0 ? -kHalf : kHalf) - 0.5;
+        if (travel[axis] != 0) way = std::min(way, (ws[axis] - face) / travel[axis]);
+    }
+    return way;
+}
+
+// Along all axes as the main one, both ways. At the centres of cells nothing is interpolated in a slice of uniform
+// extinction; a ray that enters through the side of the cube may miss a part of a slice there.
+TEST(LightOnCells, OfOneDirectionIsAttenuatedByBeerAndLambert) {
+    for (const Vec3& way : {Vec3(0.2, -0.3, 1), Vec3(0.1, 1, 0.4), Vec3(-1, 0.2, 0.1), Vec3(0.3, 0.2, -1)}) {
+        ViewScene scene = uniformCube();
+        Light sun = distantLight(way, 3);
+        sun.kind = Light::Distant(0.01);
+        sun.samples = 1;
+        scene.lights = {sun};
+        const Vec3 travel = glm::normalize(way);
+        for (const Vec3& ws : {Vec3(0), Vec3(3, -4, 5), Vec3(-5, 2, -1)}) {
+            const double expected = 3 / kSphere * std::exp(-kSigma * wayInCube(ws, travel));
+            EXPECT_NEAR(lightAt(scene, ws), expected, 0.01 * expected)
+                << way.x << " " << way.y << " " << way.z << " at " << ws.x << " " << ws.y << " " << ws.z;
+        }
+    }
+}
+
+// An area light far away has the irradiance L A cos / r^2.
+TEST(LightOnCells, OfASmallSurfaceFallsOffWithItsDistanceAndItsExtinction) {
+    for (const Vec3& from : {Vec3(0, 0, 40), Vec3(30, 20, 0), Vec3(-5, -50, 8)}) {
+        ViewScene scene = uniformCube();
+        Light box;
+        Light::Area area;
+        area.width = area.height = 0.5;
+        box.kind = area;
+        box.wsPosition = from;
+        box.wsDirection = glm::normalize(-from);
+        box.intensity = Rgb(100);
+        box.samples = 1;
+        scene.lights = {box};
+        for (const Vec3& ws : {Vec3(0), Vec3(3, -4, 5)}) {
+            const Vec3 travel = glm::normalize(ws - from);
+            const double expected = 100 * 0.25 * glm::dot(travel, box.wsDirection) / glm::dot(ws - from, ws - from) /
+                                    kSphere * std::exp(-kSigma * wayInCube(ws, travel));
+            EXPECT_NEAR(lightAt(scene, ws), expected, 0.015 * expected) << from.x << " at " << ws.x;
+        }
+    }
+}
+
+// What is kept is the light times r^2.
+TEST(LightOnCells, OfALampInTheCubeIsItsTransmittance) {
+    ViewScene scene = uniformCube();
+    scene.lights = {lamp({0.3, -0.2, 0.4}, 7)};
+    for (const Vec3& ws : {Vec3(2, 0, 0), Vec3(-3, 1, 2), Vec3(0, -6, 1), Vec3(1, 1, 8), Vec3(-4, -4, -4)}) {
+        const double r = glm::distance(ws, scene.lights[0].wsPosition);
+        const double expected = 7 / kSphere * std::exp(-kSigma * r);
+        EXPECT_NEAR(lightAt(scene, ws, 0.5), expected, 0.01 * expected) << ws.x << " " << ws.y << " " << ws.z;
+    }
+}
+
+Light domeLight(int samples) {
+    Light light;
+    light.name = "dome";
+    light.kind = Light::Dome();
+    light.intensity = Rgb(1);
+    light.samples = samples;
+    return light;
+}
+Light areaLight(AreaShape shape, const Vec3& from, double size, int samples) {
+    Light light;
+    light.name = "area";
+    Light::Area area;
+    area.shape = shape;
+    area.width = area.height = 2 * size;
+    area.radius = size;
+    light.kind = area;
+    light.wsPosition = from;
+    light.wsDirection = glm::normalize(-from);
+    light.intensity = {9, 5, 2};
+    light.samples = samples;
+    return light;
+}
+ViewScene smokeScene(const Phase& phase = {}) {
+    ViewScene scene = orthographicScene(smokeField(16), {0.15, Rgb(0.9), phase}, 36, 36);
+    scene.dials.texel = 0.5;
+    scene.dials.sheetThickness = 1;
+    return scene;
+}
+ViewScene perspectiveSmoke(const Phase& phase) {
+    ViewScene scene = smokeScene(phase);
+    scene.camera.type = CameraType::perspective;
+    scene.camera.wsPosition = {10, 15, 60};
+    scene.camera.wsFromCamera = lookAt(scene.camera.wsPosition, Vec3(0), {0, 1, 0});
+    scene.camera.fov = 36;
+    return scene;
+}
+
+// Relative RMSE of the colours of `scene` on cells against the same lights' shadow buffers.
+double errorOnCells(ViewScene scene) {
+    for (Light& light : scene.lights) light.shadow = ShadowMethod::cells;
+    EXPECT_EQ(makePlan(scene, 1).cellLights.lights.size(), scene.lights.size());
+    const Image cells = renderScene(scene).image;
+    for (Light& light : scene.lights) light.shadow = ShadowMethod::buffers;
+    EXPECT_TRUE(makePlan(scene, 1).cellLights.lights.empty());
+    const Image buffers = renderScene(scene).image;
+    double squares = 0, all = 0;
+    for (std::size_t i = 0; i < cells.rgba.size(); ++i) {
+        if (i % 4 == 3) {
+            EXPECT_NEAR(cells.rgba[i], buffers.rgba[i], 0.01);  // the axes of their sheets differ
+            continue;
+        }
+        squares += std::pow(double(cells.rgba[i]) - double(buffers.rgba[i]), 2);
+        all += std::pow(double(buffers.rgba[i]), 2);
+    }
+    EXPECT_GT(all, 0);
+    return std::sqrt(squares / all);
+}
+
+// The two ways share nothing but the sub-lights. Each has an error of its own below the percent of `standard`.
+constexpr double kTwoWays = 0.015;
+
+TEST(LightOnCells, GivesThePictureOfShadowBuffers) {
+    const Phase forward{0.6}, backward{-0.4};
+    Phase two{0.7, PhaseType::twoLobe, -0.3, 0.4}, rayleigh{0, PhaseType::rayleigh};
+    int number = 0;
+    for (const Phase& phase : {Phase(), forward, backward, two, rayleigh})
+        for (const bool perspective : {false, true}) {
+            ViewScene scene = perspective ? perspectiveSmoke(phase) : smokeScene(phase);
+            const int kind = number++ % 3;
+            scene.lights = {kind == 0   ? domeLight(24)
+                            : kind == 1 ? areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)
+                                        : areaLight(AreaShape::disk, {-20, 5, -22}, 5, 9)};
+            EXPECT_LT(errorOnCells(scene), kTwoWays) << number << " kind " << kind;
+        }
+}
+
+TEST(LightOnCells, GivesThePictureOfShadowBuffersForColouredExtinction) {
+    ViewScene scene = smokeScene({0.3});
+    scene.volumes[0].medium.extinctionTint = {1, 0.6, 0.3};
+    scene.lights = {areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)};
+    EXPECT_LT(errorOnCells(scene), kTwoWays);
+}
+
+TEST(LightOnCells, IsNearerToBruteForceThanWindowsForALampInSmoke) {
+    ViewScene scene = smokeScene();
+    scene.lights = {lamp({3.3, -2.2, 1.7}, 50)};
+    scene.lights[0].shadow = ShadowMethod::cells;
+    const double cells = errorOf(scene, 300);
+    scene.lights[0].shadow = ShadowMethod::buffers;
+    EXPECT_LT(cells, errorOf(scene, 300));
+    EXPECT_LT(cells, 0.03);
+}
+
+TEST(LightOnCells, BelongsToItsLayerAndToTheVolumesThatItLights) {
+    ViewScene scene = smokeScene({0.2});
+    ViewVolume beside = scene.volumes[0];
+    beside.name = "beside";
+    beside.wsFromIs[3] = {9, 4, -6, 1};
+    beside.medium.phase = {-0.2};
+    scene.volumes.push_back(beside);
+    scene.lights = {domeLight(16), areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9)};
+    scene.volumes[0].lights = {true, false};
+    scene.volumes[1].lights = {true, true};
+    EXPECT_LT(errorOnCells(scene), kTwoWays);
+    scene.layers = {Layer::light};
+    const Frame frame = renderScene(scene);
+    ASSERT_EQ(frame.layers.size(), 2u);
+    for (std::size_t i = 0; i < frame.image.rgba.size(); ++i)
+        if (i % 4 != 3) {
+            const std::size_t at = i / 4 * 3 + i % 4;
+            EXPECT_NEAR(double(frame.layers[0].data[at]) + double(frame.layers[1].data[at]), frame.image.rgba[i],
+                        1e-5 * std::max(1.0, double(frame.image.rgba[i])));
+        }
+}
+
+// A picture of a sky is a sum of directions with colours of their own.
+TEST(LightOnCells, GivesThePictureOfShadowBuffersForAPicture) {
+    ViewScene scene = smokeScene();
+    Light sky = domeLight(32);
+    sky.slide.emplace();
+    sky.slide->image = makeTexture(16, 8, [](int x, int y) { return Rgb(0.1 + x, 2 + y, 16 - x); });
+    scene.lights = {sky};
+    EXPECT_LT(errorOnCells(scene), kTwoWays);
+}
+
+TEST(LightOnCells, DoesNotDependOnThreads) {
+    ViewScene scene = perspectiveSmoke({0.5});
+    scene.lights = {domeLight(40), areaLight(AreaShape::sphere, {5, 3, 2}, 2, 12), lamp({-3, 2, 1}, 20)};
+    const auto render1 = [&](int threads) { return render(scene, makePlan(scene, threads)).image.rgba; };
+    const auto one = render1(1);
+    for (const int threads : {2, 3, 8}) EXPECT_EQ(render1(threads), one) << threads;
+}
+
+TEST(LightOnCells, OfACropIsThatOfThePicture) {
+    ViewScene scene = smokeScene();
+    scene.lights = {domeLight(16)};
+    scene.picture = scene.region;
+    const Frame whole = renderScene(scene);
+    scene.region = {9, 11, 27, 30};
+    EXPECT_EQ(renderScene(scene).image.rgba, reframed(whole.image, scene.region).rgba);
+}
+
+TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {
+    ViewScene scene = smokeScene();
+    Light sun = distantLight({0, -1, 0});
+    sun.kind = Light::Distant(2);
+    scene.lights = {domeLight(0), sun, lamp({1, 1, 1}, 1), lamp({100, 0, 0}, 1),
+                    areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 0)};
+    scene.lights.push_back(scene.lights[0]);
+    scene.lights.back().shadow = ShadowMethod::buffers;
+    EXPECT_EQ(planCellLights(scene).lights, (std::vector<int>{0, 2, 4}));
+    scene.volumes[0].medium.scattering = Scattering::octaves;
+    scene.volumes[0].medium.octaves.count = 3;
+    EXPECT_TRUE(planCellLights(scene).lights.empty());
+    EXPECT_EQ(planCellLights(scene).unfit, "volume '" + scene.volumes[0].name + "' scatters in octaves");
+}
+
+}  // namespace
+}  // namespace scrim::test
