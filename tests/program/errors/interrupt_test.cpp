@@ -43,7 +43,9 @@ class Interrupt : public ProgramTest {
         }
         write("lamps.toml", lamps);
         write("suns.toml", suns);
-        write("sky.toml", kCamera + kVolume + "[[light]]\ntype = \"dome\"\nsamples = 4096\n");
+        write("sky.toml", kCamera + kVolume + "[[light]]\ntype = \"dome\"\nsamples = 4096\nshadow = \"buffers\"\n");
+        write("cells.toml", kCamera + fmt::format(fmt::runtime(noise), 128) +
+                                "[[light]]\ntype = \"dome\"\nsamples = 4096\nshadow = \"cells\"\n");
         write("made.toml", kCamera + fmt::format(fmt::runtime(noise), 900) + kLight);
         write("scattered.toml", kCamera + fmt::format(fmt::runtime(noise), 128) +
                                     "[volume.medium]\nscattering = \"full\"\nalbedo = [0.99, 0.99, 0.99]\n" + kLight);
@@ -55,6 +57,7 @@ class Interrupt : public ProgramTest {
                 {"lamps", {"render", "lamps.toml"}},
                 {"suns", {"render", "suns.toml", "--res", "1024x1024"}},
                 {"sky", {"render", "sky.toml", "--res", "1024x1024"}},
+                {"cells", {"render", "cells.toml", "--set", "render.light_cell=0.5"}},
                 {"made", {"render", "made.toml"}},
                 {"scattered", {"render", "scattered.toml", "--set", "render.scatter_cell=0.5"}},
                 {"moved",

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/model/picture_cells.h>
+#include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
 #include <scrim/engine/transport/cell_media.h>
 
@@ -92,14 +93,23 @@ std::string unfitForCells(const ViewScene& scene) {
     return {};
 }
 
+// For each light of the scene whether any of its sub-lights lights something that is seen.
+std::vector<bool> lightsInView(const ViewScene& scene) {
+    const SubLights all = subLights(scene);
+    ViewScene plain;
+    const std::vector<std::string> reasons = culledLights(withSubLights(scene, all, plain));
+    std::vector<bool> seen(scene.lights.size(), false);
+    for (std::size_t i = 0; i < reasons.size(); ++i)
+        if (reasons[i].empty()) seen[std::size_t(all.ownerOf(static_cast<int>(i)))] = true;
+    return seen;
+}
+
 // Whether a light is better kept on cells, or is told to be. A light of few points or directions, or far away, has
 // shadows that are sharper than cells.
 bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
     constexpr int kMany = 4;
     if (!light.shadows || black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
-    if (light.slide && light.dome() && domeCells(light, 1).empty()) return false;  // its picture is black
-    if (light.slide && light.area() && rectangleCells(light, 1).empty()) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
     if (light.area() || light.dome()) return forced || subLightCount(scene, light) >= kMany;
     if (light.distant()) return forced && light.extended();
@@ -153,10 +163,13 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     plan.unfit = unfitForCells(scene);
     if (!plan.unfit.empty()) return plan;
     const std::vector<Vec3> corners = wsCorners(scene);
+    std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
         if (!fitsCells(scene, light, corners)) continue;
+        if (inView.empty()) inView = lightsInView(scene);
+        if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));
         if (plan.lamp.empty() && !light.extended()) plan.lamp = light.name;
         plan.edges.push_back(lightCell(scene, light) * voxelUnit(scene));

@@ -150,15 +150,23 @@ void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
         rgb[c] = static_cast<Real>(m_lamp->intensity[c] * phase) * std::exp(-rgb[c] * static_cast<Real>(r));
 }
 
-// The mean of 1 / (b^2 + z^2) over a path from z = d - t/2 to d + t/2, with b the distance of the eye's ray from the
-// lamp, is (atan((d + t/2) / b) - atan((d - t/2) / b)) / (b t). Its value in the middle of the sheet alone is wrong by
-// any amount in sheets close to the lamp, where much of its light is.
+// The mean of 1 / max(r^2, radius^2) over a path from z = d - t/2 to d + t/2, with r^2 = b^2 + z^2 and b the distance
+// of the eye's ray from the lamp. The integral of 1 / (b^2 + z^2) is atan(z / b) / b. The value in the middle of the
+// sheet alone is wrong by any amount in sheets close to the lamp, where much of its light is.
 double CellField::meanDecay(const Vec3& way, const Vec3& path) const {
     const double least = 1e-2 * m_grid->edge();  // a sample at the very place of the lamp must not be infinite
-    const double nearest = std::max(m_lamp->point().radius, least), nearest2 = nearest * nearest;
+    const double radius = std::max(m_lamp->point().radius, least);
     const double t = glm::length(path), d = glm::dot(way, path) / t;
-    const double b = std::sqrt(std::max(glm::dot(way, way) - d * d, nearest2));
-    return std::min((std::atan((d + 0.5 * t) / b) - std::atan((d - 0.5 * t) / b)) / (b * t), 1 / nearest2);
+    const double b2 = std::max(glm::dot(way, way) - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * radius);
+    const double inside = std::sqrt(std::max(radius * radius - b2, 0.0));  // half the way through the radius
+    const double begin = d - 0.5 * t, end = d + 0.5 * t;
+    const auto outside = [&](double from, double to) {
+        return to > from ? (std::atan(to / b) - std::atan(from / b)) / b : 0.0;
+    };
+    const double within = std::max(std::min(end, inside) - std::max(begin, -inside), 0.0);
+    const double sum =
+        within / (radius * radius) + outside(begin, std::min(end, -inside)) + outside(std::max(begin, inside), end);
+    return sum / t;
 }
 
 void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {

@@ -9,6 +9,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <numbers>
 #include <thread>
@@ -26,21 +27,30 @@ namespace HWY_NAMESPACE {
 
 // Passes the slices with one source after the other. Threads work on successive sources; each waits at every slice
 // until the source before it has passed there, so that the order of all sums is that of the sources, whatever the
-// number of threads.
+// number of threads. The checkpoint is called by the thread that called this.
 template <class Raster, class Make>
-HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box) {
+HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& view, CellSlices& box,
+                         const std::function<void()>& checkpoint) {
     const TowardsEye towards(view);
+    const std::thread::id caller = std::this_thread::get_id();
     std::vector<std::atomic<int>> passed(count);
     std::atomic<std::size_t> next{0};
+    // Whoever waits for a source goes on even if that one fails; then the others end, too.
+    struct Finish {
+        std::atomic<int>& passed;
+        std::atomic<std::size_t>& next;
+        int uncaught = std::uncaught_exceptions();
+        ~Finish() {
+            if (std::uncaught_exceptions() > uncaught) next.store(std::numeric_limits<std::size_t>::max() / 2);
+            passed.store(std::numeric_limits<int>::max(), std::memory_order_release);
+        }
+    };
     parallelFor(std::min(count, std::size_t(threadCount())), [&](std::size_t) HWY_ATTR {
         for (std::size_t m = next++; m < count; m = next++) {
-            // Whoever waits for this source goes on even if there is no memory for it.
-            struct Finish {
-                std::atomic<int>& passed;
-                ~Finish() { passed.store(std::numeric_limits<int>::max(), std::memory_order_release); }
-            } const finish{passed[m]};
+            const Finish finish{passed[m], next};
             Raster raster = make(m);
-            for (int step = 0; step < box.size[2]; ++step) {
+            for (int step = 0; step < box.size[2] && next < std::numeric_limits<std::size_t>::max() / 2; ++step) {
+                if (step % 8 == 0 && std::this_thread::get_id() == caller) checkpoint();
                 while (m > 0 && passed[m - 1].load(std::memory_order_acquire) <= step) std::this_thread::yield();
                 for (int j = 0; raster.reaches(step) && j < box.size[1]; ++j)
                     if (!box.wanted[box.rowIndex(j, raster.slice(step))].empty())
@@ -54,14 +64,15 @@ HWY_ATTR void passSlices(std::size_t count, const Make& make, const CellView& vi
 
 // Adds the light of sources that are all parallel and have the slices' axis as their main one, or of points. `down`:
 // only rays that pass the slices in descending order.
-HWY_ATTR void sweepCells(const CellRays* sources, std::size_t count, const CellView& view, bool parallel, bool down,
-                         CellSlices& box) {
+HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down,
+                         CellSlices& box, const std::function<void()>& checkpoint) {
+    const std::size_t count = sources.size();
     if (parallel)
         passSlices<ParallelRaster>(
-            count, [&](std::size_t m) { return ParallelRaster(box, sources[m]); }, view, box);
+            count, [&](std::size_t m) { return ParallelRaster(box, sources[m]); }, view, box, checkpoint);
     else
         passSlices<PointRaster>(
-            count, [&](std::size_t m) { return PointRaster(box, sources[m], down); }, view, box);
+            count, [&](std::size_t m) { return PointRaster(box, sources[m], down); }, view, box, checkpoint);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -221,22 +232,13 @@ class Pass {
                 else if (mainAxis(light.wsDirection) == slices.box.axes[2] && (rays.way.z < 0) == down)
                     suns.push_back(rays);
             }
-            sweep(suns, view, true, down, slices.box);
-            sweep(points, view, false, down, slices.box);
+            SCRIM_ON_TARGET(m_simd, sweepCells)(suns, view, true, down, slices.box, m_checkpoint);
+            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices.box, m_checkpoint);
         }
         slices.keep(colours, colour < 0 ? 0 : std::size_t(colour), field);
     }
 
   private:
-    void sweep(const std::vector<CellRays>& sources, const CellView& view, bool parallel, bool down,
-               CellSlices& box) const {
-        const std::size_t atOnce = 8 * std::size_t(threadCount());
-        for (std::size_t first = 0; first < sources.size(); first += atOnce) {
-            m_checkpoint();
-            SCRIM_ON_TARGET(m_simd, sweepCells)
-            (sources.data() + first, std::min(atOnce, sources.size() - first), view, parallel, down, box);
-        }
-    }
     static int mainAxis(const Vec3& v) {
         const Vec3 size = glm::abs(v);
         return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -296,6 +298,53 @@ Vec3 cornerOfVoxels(const ViewScene& scene) {
     return Vec3(0);
 }
 
+// What one class of volumes shows of some lights: a field, and the passes that fill it.
+struct Job {
+    Sources sources;
+    Phase phase;
+    std::shared_ptr<CellField> field;
+    const Light* lamp;  // the only light, if it has no extent
+};
+
+// Extended lights share a field unless layers tell them apart; a lamp has one of its own.
+std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
+    std::vector<std::vector<int>> groups;
+    const auto extended = [&](int light) { return scene.lights[std::size_t(light)].extended(); };
+    for (const int light : lights) {
+        const bool apart = wants(scene, Layer::light) || !extended(light);
+        if (groups.empty() || apart || !extended(groups.back().front())) groups.emplace_back();
+        groups.back().push_back(light);
+    }
+    return groups;
+}
+
+// The jobs of one group of lights, whose fields become those of `light`.
+std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
+                        const std::shared_ptr<const CellGrid>& grid, bool grey, CellLight& light) {
+    std::vector<Job> jobs;
+    if (wants(scene, Layer::light)) light.output = Output{Layer::light, group.front()};
+    light.ofVolume.resize(scene.volumes.size());
+    for (const VolumeClass& cls : classesOf(scene)) {
+        std::vector<int> lit;
+        for (const int i : group)
+            if (cls.lights.empty() || cls.lights[std::size_t(i)]) lit.push_back(i);
+        if (lit.empty()) continue;
+        Sources sources = sourcesOf(scene, lit);
+        if (sources.lights.empty()) continue;
+        const Light& first = scene.lights[std::size_t(group.front())];
+        const bool lamp = !first.extended();
+        // Of a lamp the transmittance is kept: the light of 4 pi, scattered to all sides alike.
+        if (lamp) sources = {{first}, Rgb(1), 1};
+        if (lamp) sources.lights.front().intensity = Rgb(4 * std::numbers::pi);
+        if (!grey) sources.colours = 3;
+        if (sources.colours == 3) sources.tint = Rgb(1);
+        const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
+        for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
+        jobs.push_back({std::move(sources), cls.phase, field, lamp ? &first : nullptr});
+    }
+    return jobs;
+}
+
 }  // namespace
 
 std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
@@ -304,46 +353,13 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
     const int reach = 1 + static_cast<int>(std::ceil(voxelUnit(scene) / edge));  // of a kernel, and of the look-up
     const auto grid = std::make_shared<const CellGrid>(media.grid);
     const bool grey = media.extinction.size() == 1;
-    // Extended lights share a field unless layers tell them apart; a lamp has one of its own.
-    std::vector<std::vector<int>> groups;
-    for (const int light : lights) {
-        const bool apart = wants(scene, Layer::light) || !scene.lights[std::size_t(light)].extended();
-        if (groups.empty() || apart || !scene.lights[std::size_t(groups.back().front())].extended())
-            groups.emplace_back();
-        groups.back().push_back(light);
-    }
-    struct Job {
-        Sources sources;
-        Phase phase;
-        std::shared_ptr<CellField> field;
-        const Light* lamp;  // the only light, if it has no extent
-    };
     std::vector<Job> jobs;
     std::vector<CellLight> all;
-    for (const std::vector<int>& group : groups) {
-        CellLight& light = all.emplace_back();
-        if (wants(scene, Layer::light)) light.output = Output{Layer::light, group.front()};
-        light.ofVolume.resize(scene.volumes.size());
-        for (const VolumeClass& cls : classesOf(scene)) {
-            std::vector<int> lit;
-            for (const int i : group)
-                if (cls.lights.empty() || cls.lights[std::size_t(i)]) lit.push_back(i);
-            if (lit.empty()) continue;
-            Sources sources = sourcesOf(scene, lit);
-            if (sources.lights.empty()) continue;
-            const Light& first = scene.lights[std::size_t(group.front())];
-            const bool lamp = !first.extended();
-            // Of a lamp the transmittance is kept: the light of 4 pi, scattered to all sides alike.
-            if (lamp) sources = {{first}, Rgb(1), 1};
-            if (lamp) sources.lights.front().intensity = Rgb(4 * std::numbers::pi);
-            if (!grey) sources.colours = 3;
-            if (sources.colours == 3) sources.tint = Rgb(1);
-            const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
-            for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
-            bytes += field->bytes();
-            jobs.push_back({std::move(sources), cls.phase, field, lamp ? &first : nullptr});
+    for (const std::vector<int>& group : groupsOf(scene, lights))
+        for (Job& job : jobsOf(scene, group, grid, grey, all.emplace_back())) {
+            bytes += job.field->bytes();
+            jobs.push_back(std::move(job));
         }
-    }
     std::size_t most = 0;
     const Pass pass(scene, *grid, simd, checkpoint);
     for (int axis = 0; axis < 3; ++axis) {
