@@ -97,7 +97,7 @@ def test_the_data_window_is_the_crop(foggy):
     shot = foggy.open(settings="/Render/rs", resolution=None)
     assert shot.crop(1) == (-8, -4, 32, 32) and shot.scene(1)["camera"]["overscan"] == 8
     wide.GetDataWindowNDCAttr().Set(Gf.Vec4f(0.5, 0.5, 0.5, 0.5))
-    with pytest.raises(scrim.InputError, match="holds no pixel of 32 x 32$"):
+    with pytest.raises(scrim.InputError, match="contains no pixel of 32 x 32$"):
         foggy.open(settings="/Render/rs", resolution=None).render()
 
 

@@ -43,14 +43,16 @@ void PrintTo(const Place& p, std::ostream* out) {
 }
 class LampAt : public testing::TestWithParam<Place> {};
 
-// Of a lamp in haze at one texel a voxel brute force differs by up to 5 %: next to it light changes as 1/r^2.
+// Of a lamp in haze at one texel a voxel brute force differs by 0.3 to 1.2 %. On an edge of the box it differs by 5 %,
+// whatever the size of the cells that keep the lamp's light: the brightest pixels are those where the box ends, which
+// texels of one voxel do not resolve.
 TEST_P(LampAt, AgreesWithBruteForce) {
     const ViewScene scene = haze(kPixels, GetParam().at, 2);
     const Frame frame = renderScene(scene);
     ASSERT_TRUE(sane(frame.image));
     const double error = rmsError(scene, frame);
     RecordProperty("error", std::to_string(error));
-    EXPECT_LT(error, 0.05);
+    EXPECT_LT(error, GetParam().border ? 0.06 : 0.015);
 }
 
 // A thousandth of a voxel to any side is no other picture: where a lamp stands within its sheet decides in which part

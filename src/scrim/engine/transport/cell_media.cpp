@@ -220,10 +220,10 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin) {
     return boxes;
 }
 
-CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge,
-                    const Vec3& wsCorner) {
+CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge, const Vec3& wsCorner,
+                    double margin) {
     CellMedia media;
-    media.grid = CellGrid(edge, cellBoxes(scene, edge), wsCorner);
+    media.grid = CellGrid(edge, cellBoxes(scene, std::max(edge, margin)), wsCorner);
     const auto rows = [&](bool one) {
         return std::vector<CellMedia::Row>(one ? 1 : 3, CellMedia::Row(media.grid.cells(), Real(0)));
     };

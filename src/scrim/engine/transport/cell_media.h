@@ -47,9 +47,10 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 
 /// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
 /// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. Throws
-/// Error(memory) as CellGrid does. A cell has a corner at `wsCorner`.
+/// Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach
+/// `margin` world units beyond the blocks of voxels, and at least one edge.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge,
-                    const Vec3& wsCorner = Vec3(0));
+                    const Vec3& wsCorner = Vec3(0), double margin = 0);
 
 /// The media in cells twice as large: means over 2^3 cells each.
 CellMedia coarser(const CellMedia& fine);

@@ -349,8 +349,10 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
 
 std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
-    const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene));
-    const int reach = 1 + static_cast<int>(std::ceil(voxelUnit(scene) / edge));  // of a kernel, and of the look-up
+    // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
+    const double margin = (kernelRadius(scene.dials.kernel) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
+    const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene), margin);
+    const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
     const auto grid = std::make_shared<const CellGrid>(media.grid);
     const bool grey = media.extinction.size() == 1;
     std::vector<Job> jobs;
