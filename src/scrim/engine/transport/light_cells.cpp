@@ -101,14 +101,20 @@ struct Sources {
     std::size_t colours = 1;  // 3 if the lights differ in colour
 };
 
+// Of a lamp, which has no extent and stands alone, the transmittance is kept: the light of 4 pi, scattered to all sides
+// alike.
 Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
+    if (const Light& first = scene.lights[std::size_t(lights.front())]; !first.extended()) {
+        Sources lamp{{first}, Rgb(1), 1};
+        lamp.lights.front().intensity = Rgb(4 * std::numbers::pi);
+        return lamp;
+    }
     ViewScene alone = scene;
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
     Sources out;
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     out.lights = subLights(alone).lights;
-    if (out.lights.empty()) out.lights = alone.lights;
     std::erase_if(out.lights, [](const Light& light) { return light.intensity == Rgb(0); });
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
@@ -332,15 +338,11 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
         Sources sources = sourcesOf(scene, lit);
         if (sources.lights.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
-        const bool lamp = !first.extended();
-        // Of a lamp the transmittance is kept: the light of 4 pi, scattered to all sides alike.
-        if (lamp) sources = {{first}, Rgb(1), 1};
-        if (lamp) sources.lights.front().intensity = Rgb(4 * std::numbers::pi);
         if (!grey) sources.colours = 3;
         if (sources.colours == 3) sources.tint = Rgb(1);
         const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
         for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
-        jobs.push_back({std::move(sources), cls.phase, field, lamp ? &first : nullptr});
+        jobs.push_back({std::move(sources), cls.phase, field, first.extended() ? nullptr : &first});
     }
     return jobs;
 }
