@@ -32,6 +32,14 @@ int subLightCount(const ViewScene& scene, const Light& light);
 /// The number of points or directions that represent `light` on cells, which blur the steps between them: fewer.
 int pointsOnCells(const ViewScene& scene, const Light& light);
 
+/// True if on cells `light` counts as a lamp, all of whose light comes from about one direction: a point, or a sphere
+/// that is small beside the volumes.
+bool isLampOnCells(const ViewScene& scene, const Light& light);
+
+/// The points, pointsOnCells many, whose mean transmittance is that of a lamp on cells. Those of a sphere have the same
+/// spread across any line of sight as its disk: a quarter of the radius squared.
+std::vector<Vec3> pointsOfLamp(const ViewScene& scene, const Light& light);
+
 /// All lights of the scene, with the extended ones replaced by their sub-lights; those of `onCells`, indices into the
 /// lights of the scene, become black. Slides must be loaded. The result depends only on the lights, the dial
 /// light_error and the volumes' bounds.

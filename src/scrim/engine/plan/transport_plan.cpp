@@ -133,7 +133,8 @@ double lightCell(const ViewScene& scene, const Light& light, const Vec3& wsSize)
         depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxel);
     const double longest = std::max({wsSize.x, wsSize.y, wsSize.z}) / voxel;
     const double whole = std::clamp(std::floor(std::min(kDepth / depth, kFeatures * longest)), 1.0, 4.0);
-    return whole * (scene.dials.lightError < kFine ? 0.5 : 1) * (light.area() ? 0.7 : 1);
+    return whole * (scene.dials.lightError < kFine ? 0.5 : 1) *
+           (light.area() && !isLampOnCells(scene, light) ? 0.7 : 1);
 }
 
 // World volume of all blocks of fields; where several fields overlap, each counts.
@@ -179,7 +180,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
         if (inView.empty()) inView = lightsInView(scene);
         if (!inView[i]) continue;
         plan.lights.push_back(static_cast<int>(i));
-        if (plan.lamp.empty() && !light.extended()) plan.lamp = light.name;
+        if (plan.lamp.empty() && isLampOnCells(scene, light)) plan.lamp = light.name;
         plan.edges.push_back(lightCell(scene, light, box.size()) * voxelUnit(scene));
         least = std::min(least, plan.edges.back());
     }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -122,20 +123,63 @@ Real* CellField::cell(std::size_t index) {
     return block(index / kBlockCells) + ((z * kPadded + y) * kPadded + x) * m_colours;
 }
 
+namespace {
+
+// The radius of a lamp that is a sphere; 0: it is a point.
+double radiusOfSphere(const Light& lamp) {
+    return lamp.area() ? lamp.area()->radius : 0;
+}
+
+// The mean of the phase function over light that comes from a cone whose axis has the cosine `toEye` to the direction
+// towards the eye: two circles by Gauss and Legendre, six directions on each. `cosine`: of the cone's half angle.
+double phaseOver(const Phase& phase, double cosine, double toEye) {
+    constexpr double kNarrow = 0.9995;
+    if (cosine > kNarrow) return phaseValue(phase, toEye);
+    const double aside = std::sqrt(std::max(1 - toEye * toEye, 0.0));
+    double sum = 0;
+    for (const double node : {0.21132486540518713, 0.78867513459481287}) {
+        const double z = 1 - node * (1 - cosine), across = aside * std::sqrt(std::max(1 - z * z, 0.0));
+        for (const auto& [turn, count] : {std::pair(1.0, 1), {0.5, 2}, {-0.5, 2}, {-1.0, 1}})
+            sum += count * phaseValue(phase, std::clamp(z * toEye + across * turn, -1.0, 1.0));
+    }
+    return sum / 12;
+}
+
+// The way of light from a lamp to a place at distance r of its centre: of a sphere the mean over the solid angle that
+// it fills there, which is that of t = r mu - sqrt(r^2 mu^2 - h^2) for mu from h / r to 1, with h^2 = r^2 - radius^2.
+double wayFrom(const Light& lamp, double r) {
+    const double radius = radiusOfSphere(lamp);
+    if (radius == 0) return r;
+    if (r <= radius) return 0;
+    if (r > 2 * radius) return r - radius * (2.0 / 3 + 0.25 * radius / r);  // to 1e-3 radii
+    const double h = std::sqrt(r * r - radius * radius);
+    return 0.5 * (radius * radius - r * radius + h * h * std::log((r + radius) / h)) / (r - h);
+}
+
+}  // namespace
+
+bool hollowOnCells(const Light& lamp, double edge) {
+    return radiusOfSphere(lamp) > edge;
+}
+
 void CellField::makeLamp(const Light& lamp, const Phase& phase, const Camera& camera) {
     constexpr Real kNothing = Real(1e-30);  // no light that could be seen
     m_lamp = lamp;
     m_phase = phase;
     m_camera = camera;
-    const double least = 1e-3 * m_grid->edge();
+    // Light of a sphere of many cells begins at its surface. Just there, what cells know of the way is not precise.
+    const double edge = m_grid->edge();
+    m_beyond = hollowOnCells(lamp, edge) ? edge : 0;
+    const double least = 1e-3 * edge;
     parallelFor(m_grid->storedBlocks().size(), [&](std::size_t b) {
         const Int3 first = m_grid->storedBlocks()[b] * kCellEdge - 1;
         Real* values = block(b);
         for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours) {
             const Int3 place = first + Int3(i % kPadded, i / kPadded % kPadded, i / (kPadded * kPadded));
             const double r = glm::distance(m_grid->wsFromCs(Vec3(place) + 0.5), lamp.wsPosition);
+            const double way = m_beyond > 0 ? wayFrom(lamp, r) + m_beyond : r;
             for (std::size_t c = 0; c < m_colours; ++c)
-                values[c] = -std::log(std::max(values[c], kNothing)) / static_cast<Real>(std::max(r, least));
+                values[c] = -std::log(std::max(values[c], kNothing)) / static_cast<Real>(std::max(way, least));
         }
     });
 }
@@ -145,27 +189,39 @@ void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
     const Vec3 way = ws - m_lamp->wsPosition;
     const double r = glm::length(way);
     const Vec3 travel = r > 0 ? way / r : Vec3(0, 0, 1);
-    const double phase = phaseValue(m_phase, m_phase.isotropic() ? 0 : glm::dot(travel, travelToEye(m_camera, ws)));
-    for (int c = 0; c < 3; ++c)
-        rgb[c] = static_cast<Real>(m_lamp->intensity[c] * phase) * std::exp(-rgb[c] * static_cast<Real>(r));
+    // A sphere fills a cone of the solid angle 2 pi (1 - cosine).
+    const double radius = radiusOfSphere(*m_lamp);
+    const double cosine = r > radius ? std::sqrt(1 - radius * radius / (r * r)) : 0;
+    double factor = m_phase.isotropic() ? phaseValue(m_phase, 0)
+                                        : phaseOver(m_phase, cosine, glm::dot(travel, travelToEye(m_camera, ws)));
+    if (radius > 0) factor *= 2 * std::numbers::pi * radius * radius / (1 + cosine);
+    const auto length = static_cast<Real>(wayFrom(*m_lamp, r) + m_beyond);
+    Real arrives = 1;
+    for (std::size_t c = 0; c < 3; ++c) {
+        if (c < m_colours) arrives = std::exp(-rgb[c] * length);
+        rgb[c] = static_cast<Real>(m_lamp->intensity[static_cast<int>(c)] * factor) * arrives;
+    }
 }
 
 // The mean of 1 / max(r^2, radius^2) over a path from z = d - t/2 to d + t/2, with r^2 = b^2 + z^2 and b the distance
 // of the eye's ray from the lamp. The integral of 1 / (b^2 + z^2) is atan(z / b) / b. The value in the middle of the
 // sheet alone is wrong by any amount in sheets close to the lamp, where much of its light is.
 double CellField::meanDecay(const Vec3& way, const Vec3& path) const {
-    const double least = 1e-2 * m_grid->edge();  // a sample at the very place of the lamp must not be infinite
-    const double radius = std::max(m_lamp->point().radius, least);
-    const double t = glm::length(path), d = glm::dot(way, path) / t;
-    const double b2 = std::max(glm::dot(way, way) - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * radius);
+    const double least = 1e-2 * m_grid->edge();     // a sample at the very place of the lamp must not be infinite
+    const bool sphere = m_lamp->area() != nullptr;  // there is no light within it
+    const double radius = std::max(sphere ? radiusOfSphere(*m_lamp) : m_lamp->point().radius, least);
+    const double t2 = glm::dot(path, path), r2 = glm::dot(way, way);
+    if (r2 > 300 * t2 && r2 > 4 * radius * radius) return 1 / r2;  // to t^2 / (4 r^2)
+    const double t = std::sqrt(t2), d = glm::dot(way, path) / t;
+    const double b2 = std::max(r2 - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * radius);
     const double inside = std::sqrt(std::max(radius * radius - b2, 0.0));  // half the way through the radius
     const double begin = d - 0.5 * t, end = d + 0.5 * t;
     const auto outside = [&](double from, double to) {
         return to > from ? (std::atan(to / b) - std::atan(from / b)) / b : 0.0;
     };
     const double within = std::max(std::min(end, inside) - std::max(begin, -inside), 0.0);
-    const double sum =
-        within / (radius * radius) + outside(begin, std::min(end, -inside)) + outside(std::max(begin, inside), end);
+    const double sum = (sphere ? 0 : within / (radius * radius)) + outside(begin, std::min(end, -inside)) +
+                       outside(std::max(begin, inside), end);
     return sum / t;
 }
 
@@ -220,7 +276,8 @@ void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, Real
             lampAt(ws, found);
             const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
                                                                    double(samples.eyeB[k]) * plane.wsPerV);
-            if (m_lamp->point().decay) factor = static_cast<Real>(meanDecay(ws - m_lamp->wsPosition, path));
+            if (m_lamp->area() || m_lamp->point().decay)
+                factor = static_cast<Real>(meanDecay(ws - m_lamp->wsPosition, path));
         }
         for (int c = 0; c < 3; ++c) rgb[c][k] = factor * found[c];
     }

@@ -54,10 +54,10 @@ class CellField {
     /// The light at a tile of samples: kTileSize values for each colour.
     void lookUp(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const;
 
-    /// What is kept is transmittance from `lamp`, a point light. Makes it the mean extinction on the way from there,
-    /// which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute the others
-    /// from it, with the phase function towards the camera, and the mean of 1/r^2 over the eye's path through the
-    /// sheet.
+    /// What is kept is transmittance from `lamp`, a point light or a sphere. Makes it the mean extinction on the way
+    /// from there, which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute
+    /// the others from it, with the phase function towards the camera, and the mean of 1/r^2 over the eye's path
+    /// through the sheet. All light of a sphere travels away from its centre.
     void makeLamp(const Light& lamp, const Phase& phase, const Camera& camera);
 
     std::size_t bytes() const { return m_values.size() * sizeof(Real); }
@@ -71,10 +71,14 @@ class CellField {
     std::size_t m_colours;
     Real m_tint[3];
     std::optional<Light> m_lamp;
-    Phase m_phase;  // towards the camera, of a lamp's light
+    double m_beyond = 0;  // of a sphere that is hollow: what is added to all ways from it, world units
+    Phase m_phase;        // towards the camera, of a lamp's light
     Camera m_camera;
     std::vector<Real> m_values;  // [block][padded cell][colour]
 };
+
+/// True if cells of this edge resolve a sphere, so that its light must begin at its surface.
+bool hollowOnCells(const Light& lamp, double edge);
 
 /// The light on cells that belongs to one output.
 struct CellLight {

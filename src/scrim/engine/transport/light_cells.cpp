@@ -101,12 +101,17 @@ struct Sources {
     std::size_t colours = 1;  // 3 if the lights differ in colour
 };
 
-// Of a lamp, which has no extent and stands alone, the transmittance is kept: the light of 4 pi, scattered to all sides
-// alike.
+// Of a lamp, which stands alone, the transmittance is kept: the mean of light of 4 pi from its points, scattered to all
+// sides alike.
 Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
-    if (const Light& first = scene.lights[std::size_t(lights.front())]; !first.extended()) {
-        Sources lamp{{first}, Rgb(1), 1};
-        lamp.lights.front().intensity = Rgb(4 * std::numbers::pi);
+    if (const Light& first = scene.lights[std::size_t(lights.front())]; isLampOnCells(scene, first)) {
+        const std::vector<Vec3> points = pointsOfLamp(scene, first);
+        Sources lamp{std::vector<Light>(points.size(), first), Rgb(1), 1};
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            lamp.lights[i].kind = Light::Point();
+            lamp.lights[i].wsPosition = points[i];
+            lamp.lights[i].intensity = Rgb(4 * std::numbers::pi / double(points.size()));
+        }
         return lamp;
     }
     ViewScene alone = scene;
@@ -186,6 +191,24 @@ class Slices {
                     }
         });
     }
+    // Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what to restore.
+    std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius) {
+        std::vector<std::pair<std::size_t, Real>> before;
+        const Vec3 center = place(ws) - 0.5;
+        const double cells = radius / m_grid.edge();
+        const Int3 first(glm::max(glm::floor(center - cells), Vec3(0))),
+            last(glm::min(glm::ceil(center + cells), Vec3(box.size[0], box.size[1], box.size[2]) - 1.0));
+        for (int k = first.z; k <= last.z; ++k)
+            for (int j = first.y; j <= last.y; ++j)
+                for (int i = first.x; i <= last.x; ++i) {
+                    const double kept = std::clamp(glm::distance(Vec3(i, j, k), center) - cells + 0.5, 0.0, 1.0);
+                    const std::size_t at = box.paddedRow(j, k) * box.stride() + 1 + std::size_t(i);
+                    if (kept == 1) continue;
+                    before.emplace_back(at, box.extinction[at]);
+                    box.extinction[at] *= static_cast<Real>(kept);
+                }
+        return before;
+    }
     // The place of a world point in cells of the box.
     Vec3 place(const Vec3& ws) const { return reordered(m_grid.csFromWs(ws) + 1.0, box.axes); }
     std::size_t bytes() const {
@@ -220,12 +243,17 @@ class Pass {
         : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
-    void add(const Sources& sources, const Phase& phase, int colour, Slices& slices, CellField& field) const {
+    // `lamp`: what the sources stand for, if it is a lamp.
+    void add(const Sources& sources, const Phase& phase, const Light* lamp, int colour, Slices& slices,
+             CellField& field) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours};
         view.eye = view.parallelEye ? reordered(-viewingAxis(m_scene.camera), slices.box.axes)
                                     : slices.place(m_scene.camera.wsPosition);
         slices.clearSums(colours);
+        const auto before = lamp && hollowOnCells(*lamp, m_grid.edge())
+                                ? slices.hollow(lamp->wsPosition, lamp->area()->radius)
+                                : std::vector<std::pair<std::size_t, Real>>();
         for (const bool down : {false, true}) {
             std::vector<CellRays> suns, points;
             for (const Light& light : sources.lights) {
@@ -241,6 +269,7 @@ class Pass {
             SCRIM_ON_TARGET(m_simd, sweepCells)(suns, view, true, down, slices.box, m_checkpoint);
             SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices.box, m_checkpoint);
         }
+        for (const auto& [at, extinction] : before) slices.box.extinction[at] = extinction;
         slices.keep(colours, colour < 0 ? 0 : std::size_t(colour), field);
     }
 
@@ -309,16 +338,16 @@ struct Job {
     Sources sources;
     Phase phase;
     std::shared_ptr<CellField> field;
-    const Light* lamp;  // the only light, if it has no extent
+    const Light* lamp;  // the only light, if it is a lamp
 };
 
-// Extended lights share a field unless layers tell them apart; a lamp has one of its own.
+// Lights share a field unless layers tell them apart; a lamp has one of its own.
 std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
     std::vector<std::vector<int>> groups;
-    const auto extended = [&](int light) { return scene.lights[std::size_t(light)].extended(); };
+    const auto lamp = [&](int light) { return isLampOnCells(scene, scene.lights[std::size_t(light)]); };
     for (const int light : lights) {
-        const bool apart = wants(scene, Layer::light) || !extended(light);
-        if (groups.empty() || apart || !extended(groups.back().front())) groups.emplace_back();
+        const bool apart = wants(scene, Layer::light) || lamp(light);
+        if (groups.empty() || apart || lamp(groups.back().front())) groups.emplace_back();
         groups.back().push_back(light);
     }
     return groups;
@@ -342,7 +371,7 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
         if (sources.colours == 3) sources.tint = Rgb(1);
         const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
         for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
-        jobs.push_back({std::move(sources), cls.phase, field, first.extended() ? nullptr : &first});
+        jobs.push_back({std::move(sources), cls.phase, field, isLampOnCells(scene, first) ? &first : nullptr});
     }
     return jobs;
 }
@@ -371,7 +400,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         for (std::size_t c = 0; c < media.extinction.size(); ++c) {
             slices.fill(media.extinction[c], reach);
             for (const Job& job : jobs)
-                pass.add(job.sources, job.lamp ? Phase() : job.phase, grey ? -1 : static_cast<int>(c), slices,
+                pass.add(job.sources, job.lamp ? Phase() : job.phase, job.lamp, grey ? -1 : static_cast<int>(c), slices,
                          *job.field);
         }
         most = std::max(most, slices.bytes());
