@@ -169,10 +169,8 @@ bool isLampOnCells(const ViewScene& scene, const Light& light) {
     return light.area()->radius <= kSmall * std::max({size.x, size.y, size.z});
 }
 
-std::vector<Vec3> pointsOfLamp(const ViewScene& scene, const Light& light) {
-    if (!light.extended()) return {light.wsPosition};
-    const int count = pointsOnCells(scene, light);
-    if (count == 1) return {light.wsPosition};
+std::vector<Vec3> pointsOfLamp(const Light& light, int count) {
+    if (!light.extended() || count == 1) return {light.wsPosition};
     const double spread = std::sqrt(0.75) * light.area()->radius;
     std::vector<Vec3> points;
     for (const Vec2& p : evenPlaces(count)) points.push_back(light.wsPosition + spread * onCap(p, -1));

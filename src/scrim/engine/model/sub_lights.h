@@ -36,9 +36,9 @@ int pointsOnCells(const ViewScene& scene, const Light& light);
 /// that is small beside the volumes.
 bool isLampOnCells(const ViewScene& scene, const Light& light);
 
-/// The points, pointsOnCells many, whose mean transmittance is that of a lamp on cells. Those of a sphere have the same
-/// spread across any line of sight as its disk: a quarter of the radius squared.
-std::vector<Vec3> pointsOfLamp(const ViewScene& scene, const Light& light);
+/// `count` points whose mean transmittance is that of a lamp on cells. Those of a sphere have the same spread across any
+/// line of sight as its disk: a quarter of the radius squared.
+std::vector<Vec3> pointsOfLamp(const Light& light, int count);
 
 /// All lights of the scene, with the extended ones replaced by their sub-lights; those of `onCells`, indices into the
 /// lights of the scene, become black. Slides must be loaded. The result depends only on the lights, the dial

@@ -80,10 +80,10 @@ int ordinatesFor(const ViewScene& scene) {
 
 // The reason why light cannot be kept on cells; empty: it can.
 std::string unfitForCells(const ViewScene& scene) {
-    if (scene.solids)
+    if (scene.solids && wants(scene, Layer::shadow))
         for (const Solid& solid : scene.solids->all())
-            if (solid.has(SolidRole::shadow) || solid.has(SolidRole::catcher))
-                return fmt::format("the shadow of mesh '{}' has edges", solid.name);
+            if (solid.has(SolidRole::catcher))
+                return fmt::format("mesh '{}' catches the shadow of every sub-light", solid.name);
     for (const ViewVolume& volume : scene.volumes) {
         if (volume.classified)
             return fmt::format("the surfaces of volume '{}' need the direction of all light", volume.name);

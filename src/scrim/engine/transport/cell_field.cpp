@@ -162,11 +162,13 @@ bool hollowOnCells(const Light& lamp, double edge) {
     return radiusOfSphere(lamp) > edge;
 }
 
-void CellField::makeLamp(const Light& lamp, const Phase& phase, const Camera& camera) {
+void CellField::makeLamp(const Light& lamp, const Phase& phase, const Camera& camera,
+                         std::shared_ptr<const CellField> open) {
     constexpr Real kNothing = Real(1e-30);  // no light that could be seen
     m_lamp = lamp;
     m_phase = phase;
     m_camera = camera;
+    m_open = std::move(open);
     // Light of a sphere of many cells begins at its surface. Just there, what cells know of the way is not precise.
     const double edge = m_grid->edge();
     m_beyond = hollowOnCells(lamp, edge) ? edge : 0;
@@ -194,6 +196,11 @@ void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
     const double cosine = r > radius ? std::sqrt(1 - radius * radius / (r * r)) : 0;
     double factor = m_phase.isotropic() ? phaseValue(m_phase, 0)
                                         : phaseOver(m_phase, cosine, glm::dot(travel, travelToEye(m_camera, ws)));
+    if (m_open) {
+        Real part[3];
+        m_open->sample(ws, part);
+        factor *= double(part[0]);
+    }
     if (radius > 0) factor *= 2 * std::numbers::pi * radius * radius / (1 + cosine);
     const auto length = static_cast<Real>(wayFrom(*m_lamp, r) + m_beyond);
     Real arrives = 1;
@@ -207,22 +214,39 @@ void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
 // of the eye's ray from the lamp. The integral of 1 / (b^2 + z^2) is atan(z / b) / b. The value in the middle of the
 // sheet alone is wrong by any amount in sheets close to the lamp, where much of its light is.
 double CellField::meanDecay(const Vec3& way, const Vec3& path) const {
-    const double least = 1e-2 * m_grid->edge();     // a sample at the very place of the lamp must not be infinite
-    const bool sphere = m_lamp->area() != nullptr;  // there is no light within it
-    const double radius = std::max(sphere ? radiusOfSphere(*m_lamp) : m_lamp->point().radius, least);
     const double t2 = glm::dot(path, path), r2 = glm::dot(way, way);
+    const double least = 1e-2 * m_grid->edge();  // a sample at the very place of the lamp must not be infinite
+    const double radius = m_lamp->area() ? 0 : std::max(m_lamp->point().radius, least);
     if (r2 > 300 * t2 && r2 > 4 * radius * radius) return 1 / r2;  // to t^2 / (4 r^2)
     const double t = std::sqrt(t2), d = glm::dot(way, path) / t;
-    const double b2 = std::max(r2 - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * radius);
+    const double b2 = std::max(r2 - d * d, 0.0), b = std::max(std::sqrt(b2), 1e-3 * std::max(radius, least));
     const double inside = std::sqrt(std::max(radius * radius - b2, 0.0));  // half the way through the radius
     const double begin = d - 0.5 * t, end = d + 0.5 * t;
     const auto outside = [&](double from, double to) {
         return to > from ? (std::atan(to / b) - std::atan(from / b)) / b : 0.0;
     };
     const double within = std::max(std::min(end, inside) - std::max(begin, -inside), 0.0);
-    const double sum = (sphere ? 0 : within / (radius * radius)) + outside(begin, std::min(end, -inside)) +
+    const double sum = (within > 0 ? within / (radius * radius) : 0) + outside(begin, std::min(end, -inside)) +
                        outside(std::max(begin, inside), end);
     return sum / t;
+}
+
+// Near a sphere its solid angle and the way from it change within a sheet, too: the factor by which the mean over the
+// eye's path through the sheet, of solid angle and attenuation, differs from those in its middle, times 1/r^2 there.
+double CellField::meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const {
+    constexpr int kSteps = 8;
+    const double radius2 = std::pow(radiusOfSphere(*m_lamp), 2), middle2 = glm::dot(way, way);
+    const auto light = [&](double r2) {  // as lampAt has it, but for what the middle shares
+        const double cosine = std::sqrt(std::max(1 - radius2 / r2, 0.0));
+        return std::exp(-extinction * wayFrom(*m_lamp, std::sqrt(r2))) / (1 + cosine);
+    };
+    double sum = 0;
+    for (int i = 0; i < kSteps; ++i) {
+        const Vec3 at = way + ((i + 0.5) / kSteps - 0.5) * path;
+        const double r2 = glm::dot(at, at);
+        if (r2 > radius2) sum += light(r2) / r2;
+    }
+    return sum / (kSteps * light(std::max(middle2, 1e-30)));
 }
 
 void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
@@ -272,12 +296,16 @@ void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, Real
         sampleAt(origin + u * perU + v * perV, found);
         Real factor = 1;
         if (m_lamp) {
-            const Vec3 ws = plane.wsOrigin + u * plane.wsPerU + v * plane.wsPerV;
-            lampAt(ws, found);
+            constexpr double kNear = 4;
+            const Vec3 ws = plane.wsOrigin + u * plane.wsPerU + v * plane.wsPerV, way = ws - m_lamp->wsPosition;
             const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
                                                                    double(samples.eyeB[k]) * plane.wsPerV);
-            if (m_lamp->area() || m_lamp->point().decay)
-                factor = static_cast<Real>(meanDecay(ws - m_lamp->wsPosition, path));
+            const double radius = radiusOfSphere(*m_lamp);
+            if (radius > 0 && glm::dot(way, way) < kNear * kNear * (radius * radius + glm::dot(path, path)))
+                factor = static_cast<Real>(meanNearSphere(way, path, double(found[1])));
+            else if (radius > 0 || m_lamp->point().decay)
+                factor = static_cast<Real>(meanDecay(way, path));
+            lampAt(ws, found);
         }
         for (int c = 0; c < 3; ++c) rgb[c][k] = factor * found[c];
     }

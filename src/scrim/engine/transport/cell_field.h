@@ -57,8 +57,9 @@ class CellField {
     /// What is kept is transmittance from `lamp`, a point light or a sphere. Makes it the mean extinction on the way
     /// from there, which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute
     /// the others from it, with the phase function towards the camera, and the mean of 1/r^2 over the eye's path
-    /// through the sheet. All light of a sphere travels away from its centre.
-    void makeLamp(const Light& lamp, const Phase& phase, const Camera& camera);
+    /// through the sheet. `open`: the fraction of the light that passes solids; null: there are none.
+    void makeLamp(const Light& lamp, const Phase& phase, const Camera& camera,
+                  std::shared_ptr<const CellField> open = nullptr);
 
     std::size_t bytes() const { return m_values.size() * sizeof(Real); }
 
@@ -66,11 +67,13 @@ class CellField {
     void sampleAt(const Vec3& at, Real (&rgb)[3]) const;
     void lampAt(const Vec3& ws, Real (&rgb)[3]) const;
     double meanDecay(const Vec3& way, const Vec3& path) const;
+    double meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const;
 
     std::shared_ptr<const CellGrid> m_grid;
     std::size_t m_colours;
     Real m_tint[3];
     std::optional<Light> m_lamp;
+    std::shared_ptr<const CellField> m_open;
     double m_beyond = 0;  // of a sphere that is hollow: what is added to all ways from it, world units
     Phase m_phase;        // towards the camera, of a lamp's light
     Camera m_camera;

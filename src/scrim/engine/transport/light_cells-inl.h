@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace scrim {
@@ -56,6 +57,8 @@ struct CellRays {
     Vec3 from{0};                        ///< the place of a source that is not parallel
     double radius2 = 0, decayScale = 0;  ///< irradiance is weight / max(r2, radius2) * decayScale; 0: no decay
     bool oneSided = false;               ///< an element: irradiance has the cosine to its normal as factor
+    bool attenuated = true;              ///< false: only surfaces hold the light back
+    bool blocked = false;                ///< surfaces hold the light back
     Real weight[3] = {0, 0, 0};
 };
 
@@ -65,6 +68,9 @@ struct CellView {
     bool parallelEye = true;
     Vec3 eye{0};  ///< its place, in the axes of CellSlices and in cells; parallel: the direction towards it
     std::size_t colours = 1;
+    /// From how many steps on a ray, from + steps perStep in cells of the box, is dark behind a surface; infinity: none
+    /// is in its way. Parallel rays begin at minus infinity, others at 0.
+    std::function<double(const Vec3& from, const Vec3& perStep, bool parallel)> darkFrom;
 };
 
 }  // namespace scrim
@@ -154,10 +160,16 @@ HWY_ATTR HWY_INLINE void addTo(CellSlices& box, const CellView& view, const Cell
     }
 }
 
+/// 1 where a ray is lit at this step, else 0.
+HWY_ATTR HWY_INLINE VC litAt(VC darkFrom, VC step) {
+    return hn::IfThenElseZero(hn::Gt(darkFrom, step), value8(1));
+}
+
 /// Optical depths of parallel rays, in extinction per slice.
 class ParallelRaster {
   public:
-    ParallelRaster(const CellSlices& box, const CellRays& rays) : m_box(box), m_rays(rays), m_down(rays.way.z < 0) {
+    ParallelRaster(const CellSlices& box, const CellRays& rays, const CellView& view)
+        : m_box(box), m_rays(rays), m_down(rays.way.z < 0) {
         const double along = std::abs(rays.way.z);
         m_perSlice = 1 / along;
         for (int a = 0; a < 2; ++a) {
@@ -167,8 +179,17 @@ class ParallelRaster {
         m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + kRowSlack);
         m_rows = box.size[1] + static_cast<int>(std::ceil(std::abs(m_slope[1]) * box.size[2])) + 4;
         m_depth.assign(std::size_t(m_rows) * m_stride, Real(0));
+        if (!rays.blocked) return;
+        // Ray (p, q) crosses the middle of the first slice at p + begin, q + begin, from the middle of the first cell.
+        const double first = slice(0) + 0.5;
+        const Vec3 perStep(m_slope[0], m_slope[1], m_down ? -1 : 1);
+        m_dark.resize(m_depth.size());
+        for (int q = 0; q < m_rows; ++q)
+            for (std::size_t p = 0; p < m_stride; ++p)
+                m_dark[std::size_t(q) * m_stride + p] = static_cast<Real>(
+                    view.darkFrom({double(p) - 1.5 + m_begin[0], q - 1.5 + m_begin[1], first}, perStep, true));
     }
-    int rows() const { return m_box.size[1] + 1; }
+    int rows() const { return m_rays.attenuated ? m_box.size[1] + 1 : 0; }
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
     bool reaches(int) const { return true; }
 
@@ -209,8 +230,17 @@ class ParallelRaster {
             const VC before = bilinear(a1, a0, b1, b0, fx, fy);
             const VC tau = hn::Mul(perSlice, hn::MulAdd(half, hn::LoadU(d, own + i), before));
             const VC p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
-            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i),
-                  hn::Mul(p, transmittance(tau)));
+            VC arrives = m_rays.attenuated ? transmittance(tau) : value8(1);
+            if (m_rays.blocked) {
+                const Real* dark = m_dark.data() + (far - m_depth.data());
+                const Real* beside = m_dark.data() + (near - m_depth.data());
+                const VC at = value8(step);
+                const VC open =
+                    bilinear(litAt(hn::LoadU(d, dark + i), at), litAt(hn::LoadU(d, dark + i - 1), at),
+                             litAt(hn::LoadU(d, beside + i), at), litAt(hn::LoadU(d, beside + i - 1), at), fx, fy);
+                arrives = hn::Mul(arrives, open);
+            }
+            addTo(box, view, m_rays, box.rowIndex(j, k) * box.sumStride() + std::size_t(i), hn::Mul(p, arrives));
         }
     }
 
@@ -231,13 +261,14 @@ class ParallelRaster {
     double m_slope[2], m_begin[2];
     std::size_t m_stride;
     int m_rows;
-    std::vector<Real> m_depth;
+    std::vector<Real> m_depth, m_dark;
 };
 
 /// Optical depths of the rays from a point to the cells of one face of a cube around it.
 class PointRaster {
   public:
-    PointRaster(const CellSlices& box, const CellRays& rays, bool down) : m_box(box), m_rays(rays), m_down(down) {
+    PointRaster(const CellSlices& box, const CellRays& rays, bool down, const CellView& view)
+        : m_box(box), m_rays(rays), m_down(down) {
         while (m_first < box.size[2] && distance(m_first) + 0.5 <= 0) ++m_first;
         if (m_first == box.size[2]) return;
         const double near = middle(m_first), far = middle(box.size[2] - 1);
@@ -254,8 +285,14 @@ class PointRaster {
         m_rows = m_width > 0 ? count[1] : 0;
         m_stride = std::size_t(m_width + kRowSlack);
         m_depth.assign(std::size_t(m_rows) * m_stride, Real(0));
+        if (!rays.blocked) return;
+        m_dark.resize(m_depth.size());
+        for (int q = 0; q < m_rows; ++q)
+            for (std::size_t p = 0; p < m_stride; ++p)
+                m_dark[std::size_t(q) * m_stride + p] = static_cast<Real>(view.darkFrom(
+                    rays.from, {m_begin[0] + double(p) * m_cell, m_begin[1] + q * m_cell, down ? -1 : 1}, false));
     }
-    int rows() const { return m_rows; }
+    int rows() const { return m_rays.attenuated ? m_rows : 0; }
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
     bool reaches(int step) const { return m_rows > 0 && step >= m_first; }
 
@@ -316,7 +353,17 @@ class PointRaster {
             const VC tau =
                 hn::Mul(hn::Mul(r, value8(1 / z)), hn::MulAdd(value8(own), hn::LoadU(d, extinction + i), before));
             const VC wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
-            VC light = transmittance(tau);
+            VC light = m_rays.attenuated ? transmittance(tau) : value8(1);
+            if (m_rays.blocked) {
+                const Real* dark = m_dark.data() + (a - m_depth.data());
+                const Real* beside = dark + m_stride;
+                const VC step8 = value8(z);
+                const VC open =
+                    bilinear(litAt(hn::GatherIndex(d, dark, p), step8), litAt(hn::GatherIndex(d, dark, next), step8),
+                             litAt(hn::GatherIndex(d, beside, p), step8),
+                             litAt(hn::GatherIndex(d, beside, next), step8), fx, fy);
+                light = hn::Mul(light, open);
+            }
             if (m_rays.decayScale > 0)
                 light = hn::Div(hn::Mul(light, value8(m_rays.decayScale)), hn::Max(r2, value8(m_rays.radius2)));
             if (m_rays.oneSided) {
@@ -356,7 +403,7 @@ class PointRaster {
     double m_cell = 1, m_begin[2] = {0, 0};
     int m_width = 0, m_rows = 0;
     std::size_t m_stride = 0;
-    std::vector<Real> m_depth;
+    std::vector<Real> m_depth, m_dark;
 };
 
 }  // namespace HWY_NAMESPACE

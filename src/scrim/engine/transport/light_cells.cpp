@@ -4,6 +4,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/cell_media.h>
+#include <scrim/engine/transport/light_sources.h>
 
 #include <algorithm>
 #include <array>
@@ -69,10 +70,10 @@ HWY_ATTR void sweepCells(const std::vector<CellRays>& sources, const CellView& v
     const std::size_t count = sources.size();
     if (parallel)
         passSlices<ParallelRaster>(
-            count, [&](std::size_t m) { return ParallelRaster(box, sources[m]); }, view, box, checkpoint);
+            count, [&](std::size_t m) { return ParallelRaster(box, sources[m], view); }, view, box, checkpoint);
     else
         passSlices<PointRaster>(
-            count, [&](std::size_t m) { return PointRaster(box, sources[m], down); }, view, box, checkpoint);
+            count, [&](std::size_t m) { return PointRaster(box, sources[m], down, view); }, view, box, checkpoint);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -99,25 +100,32 @@ struct Sources {
     std::vector<Light> lights;
     Rgb tint{1};
     std::size_t colours = 1;  // 3 if the lights differ in colour
+    bool attenuated = true;   // by volumes
+    bool blocked = false;     // by solids
 };
 
 // Of a lamp, which stands alone, the transmittance is kept: the mean of light of 4 pi from its points, scattered to all
 // sides alike.
-Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
-    if (const Light& first = scene.lights[std::size_t(lights.front())]; isLampOnCells(scene, first)) {
-        const std::vector<Vec3> points = pointsOfLamp(scene, first);
-        Sources lamp{std::vector<Light>(points.size(), first), Rgb(1), 1};
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            lamp.lights[i].kind = Light::Point();
-            lamp.lights[i].wsPosition = points[i];
-            lamp.lights[i].intensity = Rgb(4 * std::numbers::pi / double(points.size()));
-        }
-        return lamp;
+Sources sourcesOfLamp(const Light& light, int count) {
+    const std::vector<Vec3> points = pointsOfLamp(light, count);
+    Sources lamp;
+    lamp.lights.assign(points.size(), light);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        lamp.lights[i].kind = Light::Point();
+        lamp.lights[i].wsPosition = points[i];
+        lamp.lights[i].intensity = Rgb(4 * std::numbers::pi / double(points.size()));
     }
+    return lamp;
+}
+
+Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
+    if (const Light& first = scene.lights[std::size_t(lights.front())]; isLampOnCells(scene, first))
+        return sourcesOfLamp(first, pointsOnCells(scene, first));
     ViewScene alone = scene;
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
     Sources out;
+    out.blocked = scene.solids && scene.solids->any(SolidRole::shadow);
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     out.lights = subLights(alone).lights;
     std::erase_if(out.lights, [](const Light& light) { return light.intensity == Rgb(0); });
@@ -209,8 +217,13 @@ class Slices {
                 }
         return before;
     }
-    // The place of a world point in cells of the box.
+    // The place of a world point in cells of the box, and that of a place in the world.
     Vec3 place(const Vec3& ws) const { return reordered(m_grid.csFromWs(ws) + 1.0, box.axes); }
+    Vec3 wsPlace(const Vec3& at) const {
+        Vec3 cs;
+        for (int a = 0; a < 3; ++a) cs[box.axes[std::size_t(a)]] = at[a] - 1;
+        return m_grid.wsFromCs(cs);
+    }
     std::size_t bytes() const {
         return (box.extinction.size() + box.sums[0].size() + box.sums[1].size() + box.sums[2].size()) * sizeof(Real);
     }
@@ -250,6 +263,11 @@ class Pass {
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours};
         view.eye = view.parallelEye ? reordered(-viewingAxis(m_scene.camera), slices.box.axes)
                                     : slices.place(m_scene.camera.wsPosition);
+        if (sources.blocked)
+            view.darkFrom = [&](const Vec3& from, const Vec3& perStep, bool parallel) {
+                const Vec3 ws = slices.wsPlace(from);
+                return darkFrom(ws, slices.wsPlace(from + perStep) - ws, parallel);
+            };
         slices.clearSums(colours);
         const auto before = lamp && hollowOnCells(*lamp, m_grid.edge())
                                 ? slices.hollow(lamp->wsPosition, lamp->area()->radius)
@@ -257,7 +275,7 @@ class Pass {
         for (const bool down : {false, true}) {
             std::vector<CellRays> suns, points;
             for (const Light& light : sources.lights) {
-                CellRays rays = raysOf(light, slices);
+                CellRays rays = raysOf(sources, light, slices);
                 for (std::size_t c = 0; c < colours; ++c)
                     rays.weight[c] =
                         static_cast<Real>(weightOf(sources, light, colour < 0 ? static_cast<int>(c) : colour));
@@ -274,6 +292,18 @@ class Pass {
     }
 
   private:
+    // Cells on both sides of a surface are looked up together. If it hides what is behind it, the eye sees but one side
+    // of it: where the light shines on that one, cells behind it are lit, too, and else those in front are dark.
+    double darkFrom(const Vec3& ws, const Vec3& wsPerStep, bool parallel) const {
+        constexpr double kInfinity = std::numeric_limits<double>::infinity(), kBeside = 1.5;
+        const SolidHit hit =
+            m_scene.solids->trace(SolidRole::shadow, ws, wsPerStep, parallel ? -kInfinity : 0, kInfinity);
+        if (!hit.hides || hit.t == kInfinity) return hit.t;
+        const bool seen = glm::dot(hit.wsNormal, wsPerStep) *
+                              glm::dot(hit.wsNormal, -travelToEye(m_scene.camera, ws + hit.t * wsPerStep)) >
+                          0;
+        return hit.t + (seen ? kBeside : -kBeside);
+    }
     static int mainAxis(const Vec3& v) {
         const Vec3 size = glm::abs(v);
         return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
@@ -283,9 +313,11 @@ class Pass {
         if (sources.colours == 3) return light.intensity[colour];
         return std::max({light.intensity.x, light.intensity.y, light.intensity.z});
     }
-    CellRays raysOf(const Light& light, const Slices& slices) const {
+    CellRays raysOf(const Sources& sources, const Light& light, const Slices& slices) const {
         CellRays rays;
         rays.parallel = light.distant();
+        rays.attenuated = sources.attenuated;
+        rays.blocked = sources.blocked;
         rays.way = reordered(light.wsDirection, slices.box.axes);
         if (rays.parallel) return rays;
         const double edge = m_grid.edge();
@@ -338,7 +370,8 @@ struct Job {
     Sources sources;
     Phase phase;
     std::shared_ptr<CellField> field;
-    const Light* lamp;  // the only light, if it is a lamp
+    const Light* lamp;                          // the only light, if it is a lamp
+    std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
 };
 
 // Lights share a field unless layers tell them apart; a lamp has one of its own.
@@ -393,6 +426,11 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             bytes += job.field->bytes();
             jobs.push_back(std::move(job));
         }
+    for (Job& job : jobs)
+        if (job.lamp && scene.solids && scene.solids->any(SolidRole::shadow)) {
+            job.open = std::make_shared<CellField>(grid, 1);
+            bytes += job.open->bytes();
+        }
     std::size_t most = 0;
     const Pass pass(scene, *grid, simd, checkpoint);
     for (int axis = 0; axis < 3; ++axis) {
@@ -403,10 +441,18 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
                 pass.add(job.sources, job.lamp ? Phase() : job.phase, job.lamp, grey ? -1 : static_cast<int>(c), slices,
                          *job.field);
         }
+        for (const Job& job : jobs) {
+            if (!job.open) continue;
+            constexpr int kForEdges = 4;  // times as many points, whose shadows have edges
+            Sources open = sourcesOfLamp(*job.lamp, kForEdges * static_cast<int>(job.sources.lights.size()));
+            open.attenuated = false;
+            open.blocked = true;
+            pass.add(open, Phase(), nullptr, -1, slices, *job.open);
+        }
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
-        if (job.lamp) job.field->makeLamp(*job.lamp, job.phase, scene.camera);
+        if (job.lamp) job.field->makeLamp(*job.lamp, job.phase, scene.camera, job.open);
     bytes += most + media.bytes();
     return all;
 }
