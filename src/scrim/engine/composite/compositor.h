@@ -38,14 +38,7 @@ class Compositor {
 
   private:
     struct TileWalk;
-    struct Range {
-        int sheet;       ///< sheet of plane `firstPlane`
-        int firstPlane;  ///< planes [firstPlane, lastPlane) of the batch, within one block of sheets
-        int lastPlane;
-    };
-    enum class Seen { all, part, none };
-    Seen seenPart(const TileWalk& walk, int step) const;
-    void cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const;
+    struct Range;
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);

@@ -56,16 +56,16 @@ class PixelTiles {
     Real* states(int tile) { return m_states.data() + std::size_t(tile) * tileFloats(); }
     const Real* states(int tile) const { return m_states.data() + std::size_t(tile) * tileFloats(); }
     /// State of pixel (x, y) of the region.
-    const Real* state(int x, int y) const {
-        const Place at = placeOf(x, y);
-        return states(at.tile) + at.pixel * m_layout.floats();
-    }
+    const Real* state(int x, int y) const { return m_states.data() + indexOf(x, y) * std::size_t(m_layout.floats()); }
     /// Depths of a tile's pixels; 0: nothing is visible. Only valid if depths are kept.
     bool keepsDepth() const { return m_keepsDepth; }
     FirstDepth* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
-    Real depth(int x, int y) const {
-        const Place at = placeOf(x, y);
-        return m_depth[std::size_t(at.tile) * kTileSize + std::size_t(at.pixel)].depth;
+    Real depth(int x, int y) const { return m_depth[indexOf(x, y)].depth; }
+    /// The index of pixel (x, y) of the region: tile after tile, kTileSize pixels each.
+    std::size_t indexOf(int x, int y) const {
+        const int dx = x - m_region.x0, dy = y - m_region.y0;
+        const int tile = dy / kTileEdge * m_tilesX + dx / kTileEdge;
+        return std::size_t(tile) * kTileSize + std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
     }
     std::size_t bytes() const { return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth); }
     bool opaque(int tile) const { return m_opaque[tile] != 0; }
@@ -79,13 +79,6 @@ class PixelTiles {
     bool anyOpen(const Box2<double>& positions) const { return anyOpen(tilesIn(positions)); }
 
   private:
-    struct Place {
-        int tile, pixel;
-    };
-    Place placeOf(int x, int y) const {
-        const int dx = x - m_region.x0, dy = y - m_region.y0;
-        return {dy / kTileEdge * m_tilesX + dx / kTileEdge, dy % kTileEdge * kTileEdge + dx % kTileEdge};
-    }
     std::size_t tileFloats() const { return std::size_t(kTileSize * m_layout.floats()); }
 
     PixelWindow m_region;

@@ -97,14 +97,10 @@ EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
 
 EyeView::Ray EyeView::ray(double x, double y, double reference) const {
     const Vec3 o = m_ts.origin(x, y), d = m_ts.direction(x, y);
-    const double slopeU = d.x / d.z, slopeV = d.y / d.z;
+    const double slopeU = d.x / d.z, slopeV = d.y / d.z, stepDepth = 1 / d.z;
     const double away = reference - o.z;
-    return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
-}
-
-EyeView::Depths EyeView::depths(double x, double y) const {
-    const double originN = m_ts.origin(x, y).z, step = 1 / m_ts.direction(x, y).z;
-    return {-originN * step, step, m_ts.near};
+    return {o.x + slopeU * away,   o.y + slopeV * away, slopeU,   slopeV,
+            o.z + m_ts.near * d.z, away * stepDepth,    stepDepth};
 }
 
 RayTile EyeView::rays(int x0, int y0, double reference) const {

@@ -25,22 +25,20 @@ class EyeView {
 
     Simd simd() const { return m_simd; }
 
-    /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference).
+    /// One pixel's ray in texel space: (U, V) = position + slope * (N - reference). Its depth, along the viewing axis,
+    /// is depth + stepDepth * (N - reference).
     struct Ray {
         double u, v;
         double slopeU, slopeV;  ///< texels per sheet
         double startN;          ///< N where the ray begins (at the eye or the near plane)
+        double depth, stepDepth;
     };
 
     /// The ray through raster position (x, y), with its position on the plane N = `reference`.
     Ray ray(double x, double y, double reference) const;
 
-    /// The depth, along the viewing axis, of the ray through a raster position at N: first + N * step. Depths below
-    /// `near` are not visible.
-    struct Depths {
-        double first, step, near;
-    };
-    Depths depths(double x, double y) const;
+    /// Smaller depths are not visible.
+    double near() const { return m_ts.near; }
 
     /// The rays through the centres of the 16 x 16 pixels from (x0, y0), for a batch whose first plane is at N =
     /// `reference`.
