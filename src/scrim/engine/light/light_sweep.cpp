@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace scrim {
 namespace {
@@ -25,6 +26,17 @@ double pathInSheets(const LightView& view) {
 }
 
 }  // namespace
+
+// The data of one light's shadows: a buffer for each extinction channel, resampled from the shared sheets, or, if
+// the light has its own lattice, its own sheets and buffers.
+struct LightSweep::Caster {
+    std::vector<ShadowBuffer> resampled;
+    std::unique_ptr<ExtinctionSum> ownSheets;
+    std::vector<ViewShadow> aligned;
+    std::optional<SolidShadow> solids;
+};
+
+LightSweep::~LightSweep() = default;
 
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
     : m_scene(scene),

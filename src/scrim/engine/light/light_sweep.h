@@ -10,7 +10,6 @@
 #include <scrim/engine/light/sheet_light.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +18,7 @@ namespace scrim {
 class LightSweep {
   public:
     LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
+    ~LightSweep();
 
     /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction` is that of the shared
     /// sheets; a light with its own lattice splats its own instead. Returns the light samples, and the footprints that
@@ -44,14 +44,7 @@ class LightSweep {
     static std::size_t shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets);
 
   private:
-    // The data of one light's shadows: a buffer for each extinction channel, resampled from the shared sheets, or, if
-    // the light has its own lattice, its own sheets and buffers.
-    struct Caster {
-        std::vector<ShadowBuffer> resampled;
-        std::unique_ptr<ExtinctionSum> ownSheets;
-        std::vector<ViewShadow> aligned;
-        std::optional<SolidShadow> solids;
-    };
+    struct Caster;
     void enterBatch(int firstSheet, int count);
     RenderWork attenuateAligned(Caster& caster, int firstSheet, int count);
     std::optional<SheetLight> atSheet(std::size_t light, int sheet) const;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -24,7 +26,7 @@ Vec3 kernelExtents(Kernel kernel, const Mat4& tsFromIs) {
 
 struct FootprintTable::Shape {
     Vec3 extent;
-    Range columns, rows, sheets;
+    Int3 first, count;  // columns, rows, sheets
     int rowStride;
 };
 
@@ -33,26 +35,27 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
         const double most = 1 - 1.0 / texelSteps;
         const int first = static_cast<int>(std::floor(-extent)) + 1;
         const int last = static_cast<int>(std::ceil(most + extent)) - 1;
-        return Range{first, std::max(2, last - first + 1)};  // a piece has two rows
+        return std::pair(first, std::max(2, last - first + 1));  // a piece has two rows
     };
     Shape shape;
     shape.extent = kernelExtents(kernel, tsFromIs);
-    shape.columns = texels(shape.extent.x);
-    shape.rows = texels(shape.extent.y);
+    std::tie(shape.first.x, shape.count.x) = texels(shape.extent.x);
+    std::tie(shape.first.y, shape.count.y) = texels(shape.extent.y);
     // The slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
     const double most = 1 - 1.0 / sheetSteps;
     const int firstSheet = static_cast<int>(std::floor(-shape.extent.z - 1)) + 1;
     const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
-    shape.sheets = {firstSheet, lastSheet - firstSheet + 1};
-    shape.rowStride = (shape.columns.count + 3) / 4 * 4;
+    shape.first.z = firstSheet;
+    shape.count.z = lastSheet - firstSheet + 1;
+    shape.rowStride = (shape.count.x + 3) / 4 * 4;
     return shape;
 }
 
 std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
-    return parts * std::size_t(texelSteps * texelSteps * sheetSteps) * sizeof(Real) * std::size_t(shape.sheets.count) *
-           std::size_t(shape.rows.count * shape.rowStride);
+    return parts * std::size_t(texelSteps * texelSteps * sheetSteps) * sizeof(Real) * std::size_t(shape.count.z) *
+           std::size_t(shape.count.y * shape.rowStride);
 }
 
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
@@ -76,9 +79,8 @@ FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSte
     : m_parts(lookup == Lookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
     const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
     m_extent = shape.extent;
-    m_columns = shape.columns;
-    m_rows = shape.rows;
-    m_sheets = shape.sheets;
+    m_first = shape.first;
+    m_count = shape.count;
     m_rowStride = shape.rowStride;
     m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(Real));
 
@@ -103,16 +105,15 @@ void FootprintTable::addSlopes(int stepV) {
         wrap(stepU, m_texelSteps, column);
         wrap(v, m_texelSteps, row);
         wrap(stepN, m_sheetSteps, slab);
-        if (column < 0 || column >= m_columns.count || row < 0 || row >= m_rows.count || slab < 0 ||
-            slab >= m_sheets.count)
+        if (column < 0 || column >= columns() || row < 0 || row >= rows() || slab < 0 || slab >= sheets())
             return Real(0);
         return m_weights[offset(stepU, v, stepN) + std::size_t(slab * sheetStride() + row * m_rowStride + column)];
     };
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
         for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
-            for (int slab = 0; slab < m_sheets.count; ++slab)
-                for (int row = 0; row < m_rows.count; ++row)
-                    for (int column = 0; column < m_columns.count; ++column) {
+            for (int slab = 0; slab < sheets(); ++slab)
+                for (int row = 0; row < rows(); ++row)
+                    for (int column = 0; column < columns(); ++column) {
                         const auto change = [&](int u, int v, int n) {
                             return Real(0.5) * (weight(stepU + u, stepV + v, stepN + n, slab, row, column) -
                                                 weight(stepU - u, stepV - v, stepN - n, slab, row, column));
@@ -128,9 +129,9 @@ void FootprintTable::addSlopes(int stepV) {
 // Fills the entries of one quantised fraction in v. For each texel of the footprint, the kernel is integrated along w
 // once, cumulatively in the table's steps; every sheet's share is then a difference.
 void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
-    const int fineCount = (m_sheets.count + 1) * m_sheetSteps;
+    const int fineCount = (sheets() + 1) * m_sheetSteps;
     const double fine = 1.0 / m_sheetSteps;
-    const double depth0 = m_sheets.first - 1.0;  // N of the cumulative integral's first point
+    const double depth0 = m_first.z - 1.0;  // N of the cumulative integral's first point
     // Two-point Gauss quadrature is exact for the cubics of which `linear` consists, apart from its kinks. If rays of a
     // view lie almost within the sheets, a step of the table spans many voxels, and is divided.
     constexpr double kLongestStep = 0.25;  // voxels
@@ -139,10 +140,10 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     std::vector<double> cumulative(std::size_t(fineCount) + 1);
 
     for (int stepU = 0; stepU < m_texelSteps; ++stepU)
-        for (int row = 0; row < m_rows.count; ++row)
-            for (int column = 0; column < m_columns.count; ++column) {
-                const double x = m_columns.first + column - double(stepU) / m_texelSteps;
-                const double y = m_rows.first + row - double(stepV) / m_texelSteps;
+        for (int row = 0; row < rows(); ++row)
+            for (int column = 0; column < columns(); ++column) {
+                const double x = m_first.x + column - double(stepU) / m_texelSteps;
+                const double y = m_first.y + row - double(stepV) / m_texelSteps;
                 const Vec3 at0 = isFromTs * Vec3(x, y, 0);
                 double sum = 0;
                 cumulative[0] = 0;
@@ -159,36 +160,38 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                 for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
                     const auto read = [&](int slab) { return cumulative[(slab + 1) * m_sheetSteps - stepN]; };
                     Real* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
-                    for (int slab = 0; slab < m_sheets.count; ++slab)
+                    for (int slab = 0; slab < sheets(); ++slab)
                         entry[slab * sheetStride()] = static_cast<Real>(read(slab + 1) - read(slab));
                 }
             }
 }
 
 FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(std::size_t(table.sheets()) + 1) {
+    std::vector<int> done;  // for each kind, its rows that belong to the preceding piece
     for (int sheet = 0; sheet < table.sheets(); ++sheet)
         for (int row = 0; row < table.rows(); row += kRows)
-            for (int column = 0; column < table.rowStride(); column += kColumns)
+            for (int column = 0; column < table.rowStride(); column += kColumns) {
                 // With an odd number of rows, the last piece starts one row earlier, and leaves that row to the
                 // preceding piece.
-                m_kindsOf.push_back(
-                    {sheet, std::min(row, table.rows() - kRows), column, std::max(0, row + kRows - table.rows())});
-    const std::size_t perSheet = m_kindsOf.size() / std::size_t(table.sheets());
+                m_places.emplace_back(column, std::min(row, table.rows() - kRows), sheet);
+                done.push_back(row - m_places.back().y);
+            }
+    const std::size_t perSheet = m_places.size() / std::size_t(table.sheets());
     const std::size_t entrySize = std::size_t(table.sheets() * table.sheetStride());
     const std::size_t entries = table.bytes() / sizeof(Real) / entrySize;
     m_begins.reserve(entries * m_beginStride);
     for (std::size_t e = 0; e < entries; ++e) {
         const Real* entry = table.weights() + e * entrySize;
-        for (std::size_t k = 0; k < m_kindsOf.size(); ++k) {
+        for (std::size_t k = 0; k < m_places.size(); ++k) {
             if (k % perSheet == 0) m_begins.push_back(static_cast<std::uint32_t>(m_kinds.size()));
-            const Kind& kind = m_kindsOf[k];
+            const Int3& place = m_places[k];
             Piece piece{};
             bool empty = true;
             for (int part = 0; part < 4; ++part)
-                for (int row = kind.done; row < kRows; ++row)
+                for (int row = done[k]; row < kRows; ++row)
                     for (int column = 0; column < kColumns; ++column) {
-                        const Real weight = entry[kind.sheet * table.sheetStride() + part * table.partStride() +
-                                                  (kind.row + row) * table.rowStride() + kind.column + column];
+                        const Real weight = entry[place.z * table.sheetStride() + part * table.partStride() +
+                                                  (place.y + row) * table.rowStride() + place.x + column];
                         piece.values[(part * kRows + row) * kColumns + column] = weight;
                         empty = empty && weight == 0;
                     }
@@ -202,7 +205,7 @@ FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(st
 
 std::vector<std::ptrdiff_t> FootprintPieces::offsets(std::ptrdiff_t planeStride, std::ptrdiff_t rowStride) const {
     std::vector<std::ptrdiff_t> offsets;
-    for (const Kind& kind : m_kindsOf) offsets.push_back(kind.sheet * planeStride + kind.row * rowStride + kind.column);
+    for (const Int3& place : m_places) offsets.push_back(place.z * planeStride + place.y * rowStride + place.x);
     return offsets;
 }
 

@@ -46,15 +46,15 @@ class FootprintTable {
     // A position is rounded to the nearest step, so that lattices which coincide with the steps are exact. For a voxel
     // at the rounded position (U, V, N), the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
     // likewise, and sheets floor(N) + firstSheet() + [0, sheets()).
-    int firstColumn() const { return m_columns.first; }
-    int firstRow() const { return m_rows.first; }
-    int firstSheet() const { return m_sheets.first; }
-    int columns() const { return m_columns.count; }
-    int rows() const { return m_rows.count; }  ///< at least 2
-    int sheets() const { return m_sheets.count; }
+    int firstColumn() const { return m_first.x; }
+    int firstRow() const { return m_first.y; }
+    int firstSheet() const { return m_first.z; }
+    int columns() const { return m_count.x; }
+    int rows() const { return m_count.y; }  ///< at least 2
+    int sheets() const { return m_count.z; }
     /// columns() rounded up to a multiple of 4; weights beyond columns() are 0.
     int rowStride() const { return m_rowStride; }
-    int partStride() const { return m_rowStride * m_rows.count; }
+    int partStride() const { return m_rowStride * rows(); }
     /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes over one step in U, V
     /// and N.
     int sheetStride() const { return partStride() * m_parts; }
@@ -65,7 +65,7 @@ class FootprintTable {
     /// rows() x rowStride() weights.
     std::size_t offset(int stepU, int stepV, int stepN) const {
         return std::size_t((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
-               std::size_t(sheetStride() * m_sheets.count);
+               std::size_t(sheetStride() * sheets());
     }
     const Real* weights() const { return m_weights.data(); }
     /// Keeps only the geometry, for users that have the pieces.
@@ -77,9 +77,6 @@ class FootprintTable {
                              Lookup lookup = Lookup::nearest);
 
   private:
-    struct Range {
-        int first = 0, count = 0;
-    };
     struct Shape;
     static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
     void fill(Kernel kernel, const Mat3& isFromTs, int stepV);
@@ -87,7 +84,7 @@ class FootprintTable {
 
     int m_parts = 1, m_texelSteps = 0, m_sheetSteps = 0, m_rowStride = 0;
     Vec3 m_extent{0};
-    Range m_columns, m_rows, m_sheets;
+    Int3 m_first{0}, m_count{0};  // columns, rows, sheets
     std::vector<Real> m_weights;
 };
 
@@ -112,15 +109,11 @@ class FootprintPieces {
     std::size_t bytes() const;
 
   private:
-    struct Kind {
-        int sheet, row, column;
-        int done;  // rows that belong to the preceding piece
-    };
     struct alignas(64) Piece {
         std::array<Real, kFloats> values;
     };
     std::size_t m_beginStride;
-    std::vector<Kind> m_kindsOf;  // indexed by kind
+    std::vector<Int3> m_places;  // of each kind: column, row and sheet of its first weight
     std::vector<std::uint32_t> m_begins;
     std::vector<std::uint32_t> m_kinds;
     std::vector<Piece> m_pieces;

@@ -92,7 +92,9 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_simd(dials.simd),
       m_table(*volume.classified),
       m_vagueGradient(vagueGradient(*volume.classified, voxel)),
-      m_step(stepFor(lattice.rsFromTs)),
+      m_rsVoxels(voxelsIn(lattice.rsFromTs)),
+      // A gradient is a covector, so differences are multiplied by the inverse transpose.
+      m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
       m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
               batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
@@ -171,7 +173,7 @@ bool Surface::classify(int p, const SampleTile& at, const Int2& tile, Classified
     if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
     for (int c = 0; c < 3; ++c)
         m_table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], m_simd);
-    findNormals(p, at, m_lattice.parallel() ? m_step : stepAt(p, tile), out);
+    findNormals(p, at, m_lattice.parallel() ? m_rsVoxels : voxelsAt(p, tile), out);
     return true;
 }
 
@@ -187,17 +189,17 @@ void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, R
     for (int k = 0; k < kTileSize; ++k) out[k] += fraction * (further[k] - out[k]);
 }
 
-void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const {
+void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const {
     alignas(64) Real lower[kTileSize], upper[kTileSize];
     for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
     for (int axis = 0; axis < 3; ++axis) {
-        sampleBetween(p, at, -step.rsVoxel[axis], lower);
-        sampleBetween(p, at, step.rsVoxel[axis], upper);
+        sampleBetween(p, at, -rsVoxels[axis], lower);
+        sampleBetween(p, at, rsVoxels[axis], upper);
         for (int c = 0; c < 3; ++c) {
             // The normal points out of the denser side, down the gradient. Gradients are in units of the vague
             // gradient, so that their squares neither overflow nor vanish, whatever the units of the field and the size
             // of its voxels.
-            const auto part = static_cast<Real>(-step.ssFromDifference[axis][c] / m_vagueGradient);
+            const auto part = static_cast<Real>(-m_ssFromDifference[axis][c] / m_vagueGradient);
             for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
         }
     }
@@ -212,21 +214,16 @@ void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step,
     }
 }
 
-Surface::GradientStep Surface::stepFor(const Mat4& rsFromTs) const {
-    const Mat4 rsFromIs = rsFromTs * m_sheets.tsFrom(m_wsFromIs);
-    GradientStep step;
-    for (int axis = 0; axis < 3; ++axis) step.rsVoxel[axis] = Vec3(rsFromIs[axis]);
-    // A gradient is a covector, so differences are multiplied by the inverse transpose.
-    step.ssFromDifference = m_sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(m_wsFromIs))));
-    return step;
+Mat3 Surface::voxelsIn(const Mat4& rsFromTs) const {
+    return Mat3(rsFromTs * m_sheets.tsFrom(m_wsFromIs));
 }
 
-// The step at the middle of a tile of a perspective view, on its ray.
-Surface::GradientStep Surface::stepAt(int p, const Int2& tile) const {
+// The voxels at the middle of a tile of a perspective view, on its ray.
+Mat3 Surface::voxelsAt(int p, const Int2& tile) const {
     const double n = m_firstSheet + p + 0.5;
     const Vec3 middle((tile.x + 0.5) * kTileEdge, (tile.y + 0.5) * kTileEdge, 1);
     const Vec3 onPlane = glm::inverse(m_lattice.fromPlane(n)) * middle;
-    return stepFor(m_lattice.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
+    return voxelsIn(m_lattice.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
 }
 
 std::size_t Surface::bytes() const {

@@ -59,17 +59,12 @@ class Surface {
     static int halo(const ViewVolume& volume, const Sheets& sheets);
 
   private:
-    // The differences from which normals are computed.
-    struct GradientStep {
-        Vec3 rsVoxel[3];        // one voxel along each axis of the grid, in the raster's cells and sheets
-        Mat3 ssFromDifference;  // converts differences over two voxels to the gradient in sweep space, per world unit
-    };
-    GradientStep stepFor(const Mat4& rsFromTs) const;
-    GradientStep stepAt(int p, const Int2& tile) const;
+    Mat3 voxelsIn(const Mat4& rsFromTs) const;
+    Mat3 voxelsAt(int p, const Int2& tile) const;
     FloatPlane plane(int p, int steps) const;
     void sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const;
     void sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const;
-    void findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const;
+    void findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;
     const Lattice& m_lattice;
@@ -77,7 +72,9 @@ class Surface {
     Simd m_simd;
     TransferTable m_table;
     double m_vagueGradient;
-    GradientStep m_step;  // for a parallel lattice, where it is constant
+    // Differences over two voxels along each axis of the grid give the normals.
+    Mat3 m_rsVoxels;  // one voxel along each axis, in the raster's cells and sheets; constant on a parallel lattice
+    Mat3 m_ssFromDifference;  // converts differences to the gradient in sweep space, per world unit
     FieldPlanes m_field;
     PlaneStack m_extinction;
     int m_firstSheet = 0;

@@ -71,11 +71,24 @@ namespace scrim {
 
 HWY_EXPORT(meanOnTarget);
 
+namespace {
+
+constexpr int kCells = 2048;  // over the range of values
+
+}  // namespace
+
+struct TransferTable::Function {
+    std::vector<Real> value, integral;  // at kCells + 1 places
+    Real beyond = 0;                    // value beyond the last place
+};
+
+TransferTable::~TransferTable() = default;
+
 TransferTable::TransferTable(const Classified& classified) {
     const std::vector<TransferPoint>& points = classified.transfer;
     m_cell = std::max(points.back().value, std::numeric_limits<float>::min() * 1e6) / kCells;
     for (int f = 0; f < 4; ++f) {
-        Function& function = m_functions[f];
+        Function& function = m_functions.emplace_back();
         const auto at = [&](double value) {
             const ClassifiedValue c = classify(classified, value);
             return c.extinction * (f == 0 ? 1.0 : c.color[f - 1]);

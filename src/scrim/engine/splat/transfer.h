@@ -22,6 +22,7 @@ namespace scrim {
 class TransferTable {
   public:
     explicit TransferTable(const Classified& classified);
+    ~TransferTable();
 
     /// Mean extinction as the field runs from a to b over the first half of the path and from b to c over the second;
     /// `count` samples each (a multiple of 16), in buffers aligned to 64 bytes.
@@ -34,15 +35,11 @@ class TransferTable {
     bool anyBetween(Real low, Real high) const;
 
   private:
-    static constexpr int kCells = 2048;  // over the range of values
-    struct Function {
-        std::vector<Real> value, integral;  // at kCells + 1 places
-        Real beyond = 0;                    // value beyond the last place
-    };
+    struct Function;
     void mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const;
 
     double m_cell;                                    // width in values; place i is at i * m_cell
-    Function m_functions[4];                          // extinction, extinction times R, G, B
+    std::vector<Function> m_functions;                // extinction, extinction times R, G, B
     std::vector<std::pair<double, double>> m_opaque;  // closed ranges of values; outside of them extinction is 0
 };
 
