@@ -342,12 +342,12 @@ void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out)
 }
 
 // Throws if the values would exceed the scene's memory limit. Returns the rest of the limit.
-std::size_t limitBeside(const ViewScene& scene, const BakeWants& wants) {
+std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered) {
     if (scene.memoryLimit == 0) return 0;
     double bytes = 0;
     for (const ViewVolume& volume : scene.volumes) {
-        std::size_t grids = wants.scattered && !volume.classified ? 1 : 0;
-        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wants.lights[l] && isLitBy(volume, l) ? 1 : 0;
+        std::size_t grids = scattered && !volume.classified ? 1 : 0;
+        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wanted[l] && isLitBy(volume, l) ? 1 : 0;
         bytes += blocksOf(*volume.field) * double(grids * kBlockFloats * sizeof(float));
     }
     if (bytes >= double(scene.memoryLimit))
@@ -359,17 +359,17 @@ std::size_t limitBeside(const ViewScene& scene, const BakeWants& wants) {
 
 }  // namespace
 
-std::vector<BakedVolume> bakeLight(const ViewScene& given, const BakeWants& wants, int threads,
+std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<bool>& wanted, bool scattered, int threads,
                                    const ProgressSink& progress) {
     ViewScene baking = bakingScene(given);
-    baking.memoryLimit = limitBeside(given, wants);
+    baking.memoryLimit = limitBeside(given, wanted, scattered);
     std::vector<BakedVolume> out;
     for (const ViewVolume& volume : given.volumes) {
         BakedVolume& baked = out.emplace_back(emptyBake(*volume.field));
         const std::size_t floats = baked.blockOrigins.size() * kBlockFloats;
         for (std::size_t l = 0; l < given.lights.size(); ++l)
-            baked.lights.emplace_back(wants.lights[l] && isLitBy(volume, l) ? floats : 0);
-        if (wants.scattered && !volume.classified) baked.scattered.resize(floats);
+            baked.lights.emplace_back(wanted[l] && isLitBy(volume, l) ? floats : 0);
+        if (scattered && !volume.classified) baked.scattered.resize(floats);
     }
     const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));
     ViewScene plain;

@@ -176,14 +176,12 @@ std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan,
     if (plan.groups.empty()) return all;
     Stopwatch watch;
     if (plan.transport.any()) {
-        const ScatteredLight scattered(scene, plan.transport, plan.simd, checkpoint);
-        all = scattered.lights();
-        const Solved& solved = scattered.solved();
+        Solved solved;
+        all = scatteredLight(scene, plan.transport, plan.simd, checkpoint, solved, frame.work.bytes.scattered);
         frame.scatterChange = solved.change;
         frame.scatterConverged = solved.converged;
         frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
         frame.work.scatterDirections = solved.cellDirections;
-        frame.work.bytes.scattered = scattered.bytes();
     }
     // Lights whose cells have the same size are kept together.
     std::map<double, std::vector<int>> byEdge;

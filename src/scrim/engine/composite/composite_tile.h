@@ -13,7 +13,7 @@
 #include <scrim/geometry/sheets.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/model/outputs.h>
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/eye_view.h>
 
 #include <cstddef>
 

@@ -195,9 +195,8 @@ void ShadowBuffer::lookUpPoints(int s, const Real* u, const Real* v, Real* tau) 
         return;
     }
     const LightView::Cells map = m_view.at(m_firstSheet + s);
-    samplePoints(entryPlane(s), u, v, m_nearest, kTileSize, tau,
-                 {static_cast<Real>(1 / map.scale), static_cast<Real>(-map.offsetU / map.scale),
-                  static_cast<Real>(-map.offsetV / map.scale)});
+    samplePoints(entryPlane(s), u, v, m_nearest, kTileSize, tau, static_cast<Real>(1 / map.scale),
+                 static_cast<Real>(-map.offsetU / map.scale), static_cast<Real>(-map.offsetV / map.scale));
 }
 
 std::size_t ShadowBuffer::bytes() const {

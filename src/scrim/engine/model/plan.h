@@ -27,12 +27,9 @@ namespace scrim {
 struct ExtinctionChannels {
     bool coloured = false;
     std::vector<Rgb> tints{Rgb(1)};
-    /// A volume's contribution to a channel: its extinction in the colour where it is largest, times `weight`.
-    struct Share {
-        int channel = 0;
-        Real weight = 1;
-    };
-    std::vector<std::vector<Share>> shares;  ///< for each volume of the scene
+    /// For each volume of the scene, by channel: the factor on the volume's extinction in the colour where it is
+    /// largest.
+    std::vector<std::vector<Real>> weights;
 
     int count() const { return static_cast<int>(tints.size()); }
 };

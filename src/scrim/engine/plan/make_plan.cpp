@@ -319,20 +319,18 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
     channels.tints.clear();
     for (const ViewVolume& volume : scene.volumes) {
         const Rgb tint = tintOf(volume);
-        const auto known = std::find(channels.tints.begin(), channels.tints.end(), tint);
-        channels.shares.push_back({{static_cast<int>(known - channels.tints.begin()), 1}});
-        if (known == channels.tints.end()) channels.tints.push_back(tint);
+        if (std::find(channels.tints.begin(), channels.tints.end(), tint) == channels.tints.end())
+            channels.tints.push_back(tint);
         channels.coloured = channels.coloured || tint != Rgb(1);
     }
     if (channels.tints.empty()) channels.tints.emplace_back(1);
-    if (channels.tints.size() <= kColours) return channels;
-
-    channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        const Rgb tint = tintOf(scene.volumes[v]);
-        channels.shares[v].clear();
-        for (int c = 0; c < static_cast<int>(kColours); ++c)
-            if (tint[c] > 0) channels.shares[v].push_back({c, static_cast<Real>(tint[c])});
+    const bool perTint = channels.tints.size() <= kColours;
+    if (!perTint) channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (const ViewVolume& volume : scene.volumes) {
+        const Rgb tint = tintOf(volume);
+        std::vector<Real>& weights = channels.weights.emplace_back();
+        for (int i = 0; i < channels.count(); ++i)
+            weights.push_back(!perTint ? static_cast<Real>(tint[i]) : channels.tints[std::size_t(i)] == tint ? 1 : 0);
     }
     return channels;
 }

@@ -3,7 +3,7 @@
 // the camera. It is separate from shading, which only carries the result, weighted by opacity.
 #pragma once
 
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
 

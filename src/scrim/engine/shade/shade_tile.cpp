@@ -278,30 +278,6 @@ HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, Real* out) {
     return w.done;
 }
 
-HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                                   SampleTile& samples) {
-    const DF d;
-    // For rays from a point, slope = offset / distance along w. Within half a sheet of the eye slopes grow without
-    // bounds. Rays that have crossed a sheet do not see texels there, so these only need to stay finite.
-    double away = middle - eye.tsEye.z;
-    if (away > -0.25 && away < 0.25) away = away < 0 ? -0.25 : 0.25;
-    const double scale = sheets.texel / (sheets.thickness * away);
-    const auto step = constant(static_cast<Real>(scale));
-    const Real a0 = static_cast<Real>((texelX - eye.tsEye.x) * scale);
-    for (int j = 0; j < kTileEdge; ++j) {
-        const Real b = static_cast<Real>(eye.parallel ? eye.b : (texelY + j - eye.tsEye.y) * scale);
-        for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
-            const int k = j * kTileEdge + i;
-            const auto column = hn::Iota(d, static_cast<Real>(i));
-            hn::Store(hn::Add(column, constant(static_cast<Real>(texelX))), d, samples.u + k);
-            hn::Store(constant(static_cast<Real>(texelY + j)), d, samples.v + k);
-            hn::Store(eye.parallel ? constant(static_cast<Real>(eye.a)) : hn::MulAdd(column, step, constant(a0)), d,
-                      samples.eyeA + k);
-            hn::Store(constant(b), d, samples.eyeB + k);
-        }
-    }
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace scrim
 HWY_AFTER_NAMESPACE();
@@ -310,15 +286,9 @@ HWY_AFTER_NAMESPACE();
 namespace scrim {
 
 HWY_EXPORT(shadeTileOnTarget);
-HWY_EXPORT(texelSamplesOnTarget);
 
 ShadeWork shadeTile(const ShadeInput& input, Real* out) {
     return SCRIM_ON_TARGET(input.simd, shadeTileOnTarget)(input, out);
-}
-
-void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                  SampleTile& samples, Simd simd) {
-    SCRIM_ON_TARGET(simd, texelSamplesOnTarget)(sheets, eye, middle, texelX, texelY, samples);
 }
 
 }  // namespace scrim

@@ -43,6 +43,11 @@ void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
         std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(Real));
 }
 
+void addTimes(Real weight, const Real* row, Real* sum) {
+    if (weight == 0) return;
+    for (int k = 0; k < kTileSize; ++k) sum[k] += weight * row[k];
+}
+
 }  // namespace
 
 // The data of a tile's samples: rows of 256 floats, one kind after the other.
@@ -186,10 +191,8 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
 // Adds the extinction of one of m_extinction's volumes to the visible sum, unless it is held out.
 void SheetShader::addSeen(std::size_t volume, const Real* extinction, Rows& rows) const {
     if (!m_holdouts || m_held[volume]) return;
-    for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
-        Real* seen = rows.seen(share.channel);
-        for (int k = 0; k < kTileSize; ++k) seen[k] += share.weight * extinction[k];
-    }
+    const std::vector<Real>& weights = m_plan.extinction.weights[m_extinction.volumes()[volume].sceneVolume];
+    for (int i = 0; i < m_plan.extinction.count(); ++i) addTimes(weights[i], extinction, rows.seen(i));
 }
 
 void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
@@ -198,8 +201,7 @@ void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
 
 ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) const {
     SampleTile samples;
-    texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples, m_plan.simd);
-    m_eye.setDepth(sheet + 0.5, samples);
+    m_eye.setTexels(sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
     // Surfaces are classified along eye rays, and a plane's texels do not know them; texels are then treated like
     // points.
     if (!m_surfaces.empty()) {
@@ -257,10 +259,8 @@ void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, Real(0));
     const auto add = [&](int volume, const Real* extinction) {
-        for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
-            Real* total = rows.total(share.channel);
-            for (int k = 0; k < kTileSize; ++k) total[k] += share.weight * extinction[k];
-        }
+        const std::vector<Real>& weights = m_plan.extinction.weights[m_extinction.volumes()[volume].sceneVolume];
+        for (int i = 0; i < channels; ++i) addTimes(weights[i], extinction, rows.total(i));
     };
     for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium(i));
     for (std::size_t i = 0; i < m_surfaces.size(); ++i) {

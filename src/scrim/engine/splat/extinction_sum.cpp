@@ -198,8 +198,9 @@ void ExtinctionSum::addUp(int p) {
     for (const Volume& volume : m_volumes) {
         const PlaneStack& own = volume.extinction();
         addPlane(own, 0, p, m_totals.front());
-        for (const ExtinctionChannels::Share& share : m_channels.shares[volume.sceneVolume])
-            addPlane(own, share.weight, p, m_totals[share.channel]);
+        for (std::size_t i = 0; i < m_totals.size(); ++i)
+            if (const Real weight = m_channels.weights[volume.sceneVolume][i]; weight > 0)
+                addPlane(own, weight, p, m_totals[i]);
     }
     for (const Emission& emission : m_emissions) addPlane(*emission.planes, 0, p, m_totals.front());
     for (PlaneStack& total : m_totals) total.finish(p);

@@ -39,13 +39,13 @@ HWY_ATTR HWY_INLINE VF gather(const FloatPlane& plane, const Split& u, const Spl
     return lerp(between(plane.data, at, u.fraction), between(plane.data + plane.width, at, u.fraction), v.fraction);
 }
 
-HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const FloatPlane::Map& map, const Real* u, const Real* v,
-                                   bool nearest, int count, Real* out) {
+HWY_ATTR void samplePointsOnTarget(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count,
+                                   Real* out, Real scale, Real firstU, Real firstV) {
     const DF d;
-    const auto scale = hn::Set(d, map.scale), firstU = hn::Set(d, map.u), firstV = hn::Set(d, map.v);
+    const auto times = hn::Set(d, scale), plusU = hn::Set(d, firstU), plusV = hn::Set(d, firstV);
     for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
-        const auto su = split(hn::MulAdd(hn::LoadU(d, u + k), scale, firstU), plane.x0, plane.width, nearest);
-        const auto sv = split(hn::MulAdd(hn::LoadU(d, v + k), scale, firstV), plane.y0, plane.height, nearest);
+        const auto su = split(hn::MulAdd(hn::LoadU(d, u + k), times, plusU), plane.x0, plane.width, nearest);
+        const auto sv = split(hn::MulAdd(hn::LoadU(d, v + k), times, plusV), plane.y0, plane.height, nearest);
         hn::StoreU(gather(plane, su, sv), d, out + k);
     }
 }
@@ -164,9 +164,9 @@ HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
 HWY_EXPORT(prefilterTileOnTarget);
 
-void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
-                  const FloatPlane::Map& map) {
-    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, map, u, v, nearest, count, out);
+void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out, Real scale,
+                  Real firstU, Real firstV) {
+    SCRIM_ON_TARGET(plane.simd, samplePointsOnTarget)(plane, u, v, nearest, count, out, scale, firstU, firstV);
 }
 
 void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out) {

@@ -18,16 +18,11 @@ struct FloatPlane {
     int width, height;
     int x0 = 0, y0 = 0;
     Simd simd = {};  ///< instructions to read it with
-
-    /// A map from points to positions on a plane: times scale, plus (u, v).
-    struct Map {
-        Real scale = 1, u = 0, v = 0;
-    };
 };
 
-/// out[k] = plane at map(u[k], v[k]), for k in [0, count); count a multiple of 16.
+/// out[k] = plane at (u[k], v[k]) * scale + (firstU, firstV), for k in [0, count); count a multiple of 16.
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
-                  const FloatPlane::Map& map = {});
+                  Real scale = 1, Real firstU = 0, Real firstV = 0);
 
 /// out[j * 16 + i] = plane at (u + i * step, v + j * step), for i, j in [0, 16).
 void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out);

@@ -12,7 +12,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/splat/transfer.h>
 #include <scrim/engine/splat/field_planes.h>
 #include <scrim/engine/splat/plane_sampling.h>

@@ -177,9 +177,9 @@ void TransportSolver::numberRows(Level& level) const {
     if (!m_isotropic) {
         const auto wanted = [&](std::size_t cell) {
             for (const auto& cls : level.cells().scattering)
-                for (const CellMedia::Row& row : cls)
+                for (const std::vector<Real>& row : cls)
                     if (row[cell] > 0) return true;
-            for (const CellMedia::Row& row : level.cells().emission)
+            for (const std::vector<Real>& row : level.cells().emission)
                 if (row[cell] > 0) return true;
             return false;
         };
