@@ -7,7 +7,7 @@
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 #include <scrim/scene/field_rays.h>
 
 #include <algorithm>
@@ -242,8 +242,7 @@ void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t 
         if (!light.withinSheet) continue;
         alignas(64) Real sigma[kTileSize];
         const PlaneStack& planes = batch.extinction.total(c);
-        samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, tile.samples.u,
-                     tile.samples.v, false, kTileSize, sigma);
+        samplePoints(planes.view(p, m_plan.simd), tile.samples.u, tile.samples.v, false, kTileSize, sigma);
         for (int k = 0; k < kTileSize; ++k) tau[k] += sigma[k] * tile.path[k];
     }
     if (!on.solids.empty() && on.solids[index])

@@ -81,10 +81,6 @@ struct Swept {
     std::optional<DeepImage> deep;
 };
 
-std::size_t bytesOf(const PlaneStack& planes) {
-    return PlaneStack::bytes(planes.planes(), planes.width(), planes.height(), planes.channels());
-}
-
 // Null if nothing hides volumes.
 std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const EyePart& part) {
     if (!EyeEnds::any(scene)) return nullptr;
@@ -155,7 +151,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         if (group.sameSide && compositor.allOpaque()) break;
     }
     work.solidRays = lights.solidRays();
-    work.bytes = {extinction.bytes(), lights.bytes(), shaded ? bytesOf(*shaded) : 0,
+    work.bytes = {extinction.bytes(), lights.bytes(), shaded ? shaded->bytes() : 0,
                   tiles.bytes() + (ends ? ends->bytes() : 0)};
     if (deep) keepDeep(*deep, eye, n, swept);
     return swept;

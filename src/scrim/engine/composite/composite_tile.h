@@ -12,7 +12,7 @@
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/engine/composite/pixel_tiles.h>
-#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/engine/model/eye_view.h>
 
 #include <cstddef>

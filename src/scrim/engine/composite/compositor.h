@@ -5,10 +5,9 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/composite/deep_rays.h>
-#include <scrim/engine/composite/eye_ends.h>
+#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/model/frame.h>
-#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/plane_stack.h>
 

@@ -8,7 +8,6 @@
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
-#include <scrim/engine/plan/rasters.h>
 #include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/splat/extinction_sum.h>

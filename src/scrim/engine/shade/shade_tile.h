@@ -15,7 +15,7 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/engine/light/sheet_light.h>
 #include <scrim/engine/model/frame.h>
-#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/engine/model/eye_view.h>
 #include <scrim/scene/medium.h>
 

@@ -2,7 +2,7 @@
 #include <scrim/engine/shade/sheet_shader.h>
 
 #include <scrim/engine/splat/surface.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 
 #include <algorithm>
 #include <bit>
@@ -228,12 +228,9 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
     if (cells)
         gatherTile(p, *cells, rows);
     else
-        gather(
-            [&](const PlaneStack& planes, Real* to) {
-                samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, samples.u,
-                             samples.v, false, kTileSize, to);
-            },
-            rows);
+        gather([&](const PlaneStack& planes,
+                   Real* to) { samplePoints(planes.view(p, m_plan.simd), samples.u, samples.v, false, kTileSize, to); },
+               rows);
     if (!m_surfaces.empty()) {
         // A cell is the same ray on every plane.
         SampleTile atCells{};

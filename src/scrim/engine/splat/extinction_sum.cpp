@@ -211,7 +211,7 @@ std::size_t ExtinctionSum::bytes() const {
     for (const FieldPlanes* field : m_fields) sum += field->bytes();
     for (const Volume& volume : m_volumes)
         if (volume.surface) sum += volume.surface->bytes() - volume.surface->field().bytes();
-    for (const PlaneStack& t : m_totals) sum += PlaneStack::bytes(t.planes(), t.width(), t.height(), 1);
+    for (const PlaneStack& total : m_totals) sum += total.bytes();
     return sum;
 }
 

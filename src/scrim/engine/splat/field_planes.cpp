@@ -237,7 +237,7 @@ void FieldPlanes::finish(int plane) {
 }
 
 std::size_t FieldPlanes::bytes() const {
-    return m_mostBytes + m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
+    return m_mostBytes + m_planes.size() * planes().bytes();
 }
 
 std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings, const Dials& dials,

@@ -4,7 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/transport/cell_grid.h>
-#include <scrim/engine/transport/split_phase.h>
+#include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
 
 #include <vector>
