@@ -92,8 +92,7 @@ ViewScene bakingScene(const ViewScene& given) {
     scene.dials.shade = ShadeMode::pixel;  // one look-up between buffer and voxel, as for pixels
     scene.dials.antialias = 1;
     scene.dials.crossFade = 0;
-    Bounds box;
-    for (const Vec3& corner : wsCorners(scene)) box.include(corner);
+    const Bounds box = wsBounds(scene);
     if (box.empty()) return scene;
     const Vec3 way = mainDirection(scene, box.center());
     const double size = std::max(glm::length(box.size()), 1e-300);

@@ -146,6 +146,9 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
 /// World-space corners of the boxes around all volumes, the kernels' reach included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);
 
+/// The box around these corners.
+Bounds wsBounds(const ViewScene& scene);
+
 /// True if alpha is not simply 1 - transmittance, because something hides without showing: a volume is held out, or a
 /// deep holdout picture is partly transparent.
 bool holdsOut(const ViewScene& scene);

@@ -165,8 +165,7 @@ void ShadowBuffer::prefilter(int s) {
                                 if (!isUsed(tx - 1, ty)) *halo.at(-1, y) = *halo.at(0, y);
                                 if (!isUsed(tx + 1, ty)) *halo.at(kTileEdge, y) = *halo.at(kLast, y);
                             }
-                            prefilterTile(halo, m_prefiltering, HaloTile::Limit::neighbours, m_simd, out,
-                                          windowWidth());
+                            prefilterBetween(halo, m_prefiltering, m_simd, out, windowWidth());
                         });
 }
 

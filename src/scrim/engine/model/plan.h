@@ -6,6 +6,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/geometry/box2.h>
 #include <scrim/geometry/lattice.h>
@@ -226,14 +227,6 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 }
 
 struct Plan {
-    /// Rough counts of the work ahead, by what each stage does.
-    struct Work {
-        double footprints = 0;    ///< voxel and sheet pairs
-        double texels = 0;        ///< upper bound on shaded texels
-        double lightSamples = 0;  ///< upper bound on shadow buffer cells walked
-        double pixelSheets = 0;   ///< upper bound on pixel and sheet pairs composited
-    };
-
     TransportPlan transport;        ///< for multiply scattered light
     CellLightPlan cellLights;       ///< for single scattering of extended lights
     SubLights subLights;            ///< the lights that the engine uses; empty: those of the scene
@@ -257,7 +250,9 @@ struct Plan {
     /// limit.
     std::size_t deepBytes = 0;
     std::size_t mostDeepBytes = 0;  ///< limit on the samples of a sweep by the memory limit; 0: none
-    Work work;
+    /// Rough counts of the work ahead: of footprints, and upper bounds on shaded texels, on cells of shadow buffers
+    /// walked, and on pixel and sheet pairs.
+    RenderWork work;
 };
 
 /// lightOf: light `i` of the plan. ownerOf: the light of the scene that it belongs to.

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <tuple>
 
@@ -59,7 +60,7 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
 }
 
 void estimateWork(const ViewScene& scene, Plan& plan) {
-    double voxels = 0;
+    double voxels = 0, footprints = 0, allTexels = 0, lightSamples = 0, pixelSheets = 0;
     for (const ViewVolume& volume : scene.volumes) {
         voxels += static_cast<double>(volume.field->activeVoxels);
         for (const ViewField& scatter : volume.scatter) voxels += static_cast<double>(scatter.field->activeVoxels);
@@ -71,14 +72,18 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
         // A voxel reaches all sheets within its kernel's extent: about one sheet more than its width.
         const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
-        plan.work.footprints += share * voxels * reach;
-        plan.work.texels += texels;
-        plan.work.pixelSheets += pixels * (group.needed.last - group.needed.first);
+        footprints += share * voxels * reach;
+        allTexels += texels;
+        pixelSheets += pixels * (group.needed.last - group.needed.first);
         for (const PlannedLight& light : group.lights)
             if (light.shadowed)
-                plan.work.lightSamples +=
-                    plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
+                lightSamples += plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
     }
+    const auto counted = [](double count) { return static_cast<std::uint64_t>(std::min(count, 1e18)); };
+    plan.work.footprints = counted(footprints);
+    plan.work.texelsShaded = counted(allTexels);
+    plan.work.lightSamples = counted(lightSamples);
+    plan.work.pixelSheets = counted(pixelSheets);
 }
 
 // The owners of the group's lights, as indices into the scene's lights.
@@ -183,12 +188,6 @@ constexpr std::size_t kColours = 3;
 // A volume's tint. Classified volumes are grey, since a transfer function has one extinction.
 Rgb tintOf(const ViewVolume& volume) {
     return volume.classified ? Rgb(1) : volume.medium.relativeTint();
-}
-
-Bounds wsBounds(const ViewScene& scene) {
-    Bounds ws;
-    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
-    return ws;
 }
 
 // The reason why a slide needs shading at pixels: texels blur features that are less than two texels wide. (A slide of
@@ -387,9 +386,9 @@ double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
     constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
     const double across = kReach / scene.dials.texel;
     const double views = plan.perView && !plan.groups.empty() ? 1.0 + double(plan.groups.front().lights.size()) : 1.0;
-    const double work = plan.work.footprints * views * (kFootprint + kFootprintTexel * across * across) +
-                        plan.work.texels * kTexel + plan.work.lightSamples * kLightSample +
-                        plan.work.pixelSheets * kPixelSheet * (plan.shadeAtPixels ? 3 : 1);
+    const double work = double(plan.work.footprints) * views * (kFootprint + kFootprintTexel * across * across) +
+                        double(plan.work.texelsShaded) * kTexel + double(plan.work.lightSamples) * kLightSample +
+                        double(plan.work.pixelSheets) * kPixelSheet * (plan.shadeAtPixels ? 3 : 1);
     return kStart + work / threads;
 }
 

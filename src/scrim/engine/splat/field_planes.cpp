@@ -59,9 +59,7 @@ std::size_t placementBytes(const ViewField& field, const FieldPlanes::Settings& 
     std::size_t tables = 0;
     Mat4 rsFromLevel = rsFromIs;
     for (int level = field.field->tiles.empty() ? 0 : coarserLevels(rsFromIs); level >= 0; --level) {
-        const FootprintTable::Steps steps = footprintSteps(rsFromLevel, settings.stepsPerVoxel);
-        tables +=
-            FootprintTable::bytes(dials.kernel, rsFromLevel, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
+        tables += FootprintTable::bytes(dials.kernel, rsFromLevel, slopedSteps(rsFromLevel, settings.stepsPerVoxel));
         for (int axis = 0; axis < 3; ++axis) rsFromLevel[axis] *= 2;
     }
     return sum + tables;

@@ -30,9 +30,9 @@ struct FootprintTable::Shape {
     int rowStride;
 };
 
-FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
+FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) {
     const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
-        const double most = 1 - 1.0 / texelSteps;
+        const double most = 1 - 1.0 / steps.texel;
         const int first = static_cast<int>(std::floor(-extent)) + 1;
         const int last = static_cast<int>(std::ceil(most + extent)) - 1;
         return std::pair(first, std::max(2, last - first + 1));  // a piece has two rows
@@ -42,7 +42,7 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     std::tie(shape.first.x, shape.count.x) = texels(shape.extent.x);
     std::tie(shape.first.y, shape.count.y) = texels(shape.extent.y);
     // The slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
-    const double most = 1 - 1.0 / sheetSteps;
+    const double most = 1 - 1.0 / steps.sheet;
     const int firstSheet = static_cast<int>(std::floor(-shape.extent.z - 1)) + 1;
     const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
     shape.first.z = firstSheet;
@@ -51,10 +51,10 @@ FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromI
     return shape;
 }
 
-std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup) {
-    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
-    const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
-    return parts * std::size_t(texelSteps * texelSteps * sheetSteps) * sizeof(Real) * std::size_t(shape.count.z) *
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, steps);
+    const std::size_t parts = steps.sloped ? 4 : 1;
+    return parts * std::size_t(steps.texel * steps.texel * steps.sheet) * sizeof(Real) * std::size_t(shape.count.z) *
            std::size_t(shape.count.y * shape.rowStride);
 }
 
@@ -75,18 +75,18 @@ FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     return {steps(std::min(voxelAlong(0), voxelAlong(1)), kTexels), steps(voxelAlong(2), kSheets)};
 }
 
-FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup)
-    : m_parts(lookup == Lookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
-    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) : m_steps(steps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, steps);
     m_extent = shape.extent;
     m_first = shape.first;
     m_count = shape.count;
     m_rowStride = shape.rowStride;
-    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(Real));
+    m_weights.resize(bytes(kernel, tsFromIs, steps) / sizeof(Real));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
-    parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
-    if (sloped()) parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
+    parallelFor(std::size_t(steps.texel), [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
+    if (steps.sloped)
+        parallelFor(std::size_t(steps.texel), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
 }
 
 // Central differences over one step to either side. The step after a texel's last one is the first step of the next
@@ -102,15 +102,15 @@ void FootprintTable::addSlopes(int stepV) {
                 --place;
             }
         };
-        wrap(stepU, m_texelSteps, column);
-        wrap(v, m_texelSteps, row);
-        wrap(stepN, m_sheetSteps, slab);
+        wrap(stepU, m_steps.texel, column);
+        wrap(v, m_steps.texel, row);
+        wrap(stepN, m_steps.sheet, slab);
         if (column < 0 || column >= columns() || row < 0 || row >= rows() || slab < 0 || slab >= sheets())
             return Real(0);
         return m_weights[offset(stepU, v, stepN) + std::size_t(slab * sheetStride() + row * m_rowStride + column)];
     };
-    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
-        for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
+    for (int stepU = 0; stepU < m_steps.texel; ++stepU)
+        for (int stepN = 0; stepN < m_steps.sheet; ++stepN)
             for (int slab = 0; slab < sheets(); ++slab)
                 for (int row = 0; row < rows(); ++row)
                     for (int column = 0; column < columns(); ++column) {
@@ -129,8 +129,8 @@ void FootprintTable::addSlopes(int stepV) {
 // Fills the entries of one quantised fraction in v. For each texel of the footprint, the kernel is integrated along w
 // once, cumulatively in the table's steps; every sheet's share is then a difference.
 void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
-    const int fineCount = (sheets() + 1) * m_sheetSteps;
-    const double fine = 1.0 / m_sheetSteps;
+    const int fineCount = (sheets() + 1) * m_steps.sheet;
+    const double fine = 1.0 / m_steps.sheet;
     const double depth0 = m_first.z - 1.0;  // N of the cumulative integral's first point
     // Two-point Gauss quadrature is exact for the cubics of which `linear` consists, apart from its kinks. If rays of a
     // view lie almost within the sheets, a step of the table spans many voxels, and is divided.
@@ -139,11 +139,11 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     const double cut = fine / cuts, gauss = 0.5 * cut / std::sqrt(3.0);
     std::vector<double> cumulative(std::size_t(fineCount) + 1);
 
-    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
+    for (int stepU = 0; stepU < m_steps.texel; ++stepU)
         for (int row = 0; row < rows(); ++row)
             for (int column = 0; column < columns(); ++column) {
-                const double x = m_first.x + column - double(stepU) / m_texelSteps;
-                const double y = m_first.y + row - double(stepV) / m_texelSteps;
+                const double x = m_first.x + column - double(stepU) / m_steps.texel;
+                const double y = m_first.y + row - double(stepV) / m_steps.texel;
                 const Vec3 at0 = isFromTs * Vec3(x, y, 0);
                 double sum = 0;
                 cumulative[0] = 0;
@@ -157,8 +157,8 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                     }
                     cumulative[std::size_t(i) + 1] = sum;
                 }
-                for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
-                    const auto read = [&](int slab) { return cumulative[(slab + 1) * m_sheetSteps - stepN]; };
+                for (int stepN = 0; stepN < m_steps.sheet; ++stepN) {
+                    const auto read = [&](int slab) { return cumulative[(slab + 1) * m_steps.sheet - stepN]; };
                     Real* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
                     for (int slab = 0; slab < sheets(); ++slab)
                         entry[slab * sheetStride()] = static_cast<Real>(read(slab + 1) - read(slab));

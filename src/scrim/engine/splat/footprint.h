@@ -25,23 +25,17 @@ namespace scrim {
 
 class FootprintTable {
   public:
-    /// How a position between the steps of a table is looked up.
-    enum class Lookup {
-        nearest,  ///< the weights at the nearest step
-        sloped,   ///< the weights at the nearest step, corrected by the slopes there
-    };
-    /// The resolution of quantised positions: steps per texel along U and V, and per sheet along N.
+    /// How finely positions are resolved: powers of two in [2, 128].
     struct Steps {
-        int texel, sheet;
+        int texel;            ///< per texel along U and V
+        int sheet;            ///< per sheet along N
+        bool sloped = false;  ///< the weights at the nearest step are corrected by their slopes there
     };
-    /// `tsFromIs`: the grid's map to texel space, of which only the linear part counts. Positions are quantised to
-    /// `texelSteps` per texel along U and V and `sheetSteps` per sheet along N, powers of two in [2, 128].
-    FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                   Lookup lookup = Lookup::nearest);
+    /// `tsFromIs`: the grid's map to texel space, of which only the linear part counts.
+    FootprintTable(Kernel kernel, const Mat4& tsFromIs, const Steps& steps);
 
-    bool sloped() const { return m_parts > 1; }
-    int texelSteps() const { return m_texelSteps; }
-    int sheetSteps() const { return m_sheetSteps; }
+    int texelSteps() const { return m_steps.texel; }
+    int sheetSteps() const { return m_steps.sheet; }
 
     // A position is rounded to the nearest step, so that lattices which coincide with the steps are exact. For a voxel
     // at the rounded position (U, V, N), the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
@@ -57,14 +51,14 @@ class FootprintTable {
     int partStride() const { return m_rowStride * rows(); }
     /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes over one step in U, V
     /// and N.
-    int sheetStride() const { return partStride() * m_parts; }
+    int sheetStride() const { return partStride() * (m_steps.sloped ? 4 : 1); }
     double extentN() const { return m_extent.z; }    ///< half the kernel's extent along w, in sheets
     const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
 
     /// Offset of the weights for quantised fractions, each below its number of steps. There are sheets() x parts x
     /// rows() x rowStride() weights.
     std::size_t offset(int stepU, int stepV, int stepN) const {
-        return std::size_t((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
+        return std::size_t((stepV * m_steps.texel + stepU) * m_steps.sheet + stepN) *
                std::size_t(sheetStride() * sheets());
     }
     const Real* weights() const { return m_weights.data(); }
@@ -73,16 +67,16 @@ class FootprintTable {
     std::size_t bytes() const { return m_weights.size() * sizeof(Real); }
 
     /// Bytes of a table, without building it.
-    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                             Lookup lookup = Lookup::nearest);
+    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, const Steps& steps);
 
   private:
     struct Shape;
-    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
+    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, const Steps& steps);
     void fill(Kernel kernel, const Mat3& isFromTs, int stepV);
     void addSlopes(int stepV);
 
-    int m_parts = 1, m_texelSteps = 0, m_sheetSteps = 0, m_rowStride = 0;
+    Steps m_steps;
+    int m_rowStride = 0;
     Vec3 m_extent{0};
     Int3 m_first{0}, m_count{0};  // columns, rows, sheets
     std::vector<Real> m_weights;
@@ -122,5 +116,11 @@ class FootprintPieces {
 /// How finely positions are quantised: powers of two, with at least 3/4 of `stepsPerVoxel` for a voxel of the size that
 /// `tsFromIs` gives it.
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
+
+/// The same for a table with slopes.
+inline FootprintTable::Steps slopedSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
+    const FootprintTable::Steps steps = footprintSteps(tsFromIs, stepsPerVoxel);
+    return {steps.texel, steps.sheet, true};
+}
 
 }  // namespace scrim

@@ -121,7 +121,7 @@ HWY_ATTR void attenuateTileOnTarget(const AttenuateTile& tile) {
     });
 }
 
-template <HaloTile::Limit kLimit>
+template <bool kBetween>
 HWY_ATTR Real prefilterLimited(const HaloTile& halo, Real strength, Real* out, std::ptrdiff_t stride) {
     const DF d;
     const auto minusStrength = hn::Set(d, -strength), four = hn::Set(d, Real(4));
@@ -133,12 +133,12 @@ HWY_ATTR Real prefilterLimited(const HaloTile& halo, Real strength, Real* out, s
             const auto above = hn::Load(d, at - HaloTile::kStride), below = hn::Load(d, at + HaloTile::kStride);
             const auto around = hn::Add(hn::Add(hn::Add(left, right), above), below);
             auto value = hn::MulAdd(minusStrength, hn::NegMulAdd(four, own, around), own);
-            if constexpr (kLimit == HaloTile::Limit::zero) {
-                value = hn::Max(value, hn::Zero(d));
-            } else {
+            if constexpr (kBetween) {
                 const auto least = hn::Min(hn::Min(hn::Min(left, right), hn::Min(above, below)), own);
                 const auto most = hn::Max(hn::Max(hn::Max(left, right), hn::Max(above, below)), own);
                 value = hn::Min(hn::Max(value, least), most);
+            } else {
+                value = hn::Max(value, hn::Zero(d));
             }
             largest = hn::Max(largest, value);
             hn::StoreU(value, d, out + y * stride + x);
@@ -146,10 +146,11 @@ HWY_ATTR Real prefilterLimited(const HaloTile& halo, Real strength, Real* out, s
     return hn::GetLane(hn::MaxOfLanes(d, largest));
 }
 
-HWY_ATTR Real prefilterTileOnTarget(const HaloTile& halo, Real strength, HaloTile::Limit limit, Real* out,
-                                    std::ptrdiff_t stride) {
-    return limit == HaloTile::Limit::zero ? prefilterLimited<HaloTile::Limit::zero>(halo, strength, out, stride)
-                                          : prefilterLimited<HaloTile::Limit::neighbours>(halo, strength, out, stride);
+HWY_ATTR Real prefilterAboveZeroOnTarget(const HaloTile& halo, Real strength, Real* out, std::ptrdiff_t stride) {
+    return prefilterLimited<false>(halo, strength, out, stride);
+}
+HWY_ATTR Real prefilterBetweenOnTarget(const HaloTile& halo, Real strength, Real* out, std::ptrdiff_t stride) {
+    return prefilterLimited<true>(halo, strength, out, stride);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -162,7 +163,8 @@ namespace scrim {
 HWY_EXPORT(samplePointsOnTarget);
 HWY_EXPORT(sampleLatticeOnTarget);
 HWY_EXPORT(attenuateTileOnTarget);
-HWY_EXPORT(prefilterTileOnTarget);
+HWY_EXPORT(prefilterAboveZeroOnTarget);
+HWY_EXPORT(prefilterBetweenOnTarget);
 
 void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out, Real scale,
                   Real firstU, Real firstV) {
@@ -177,9 +179,12 @@ void attenuateTile(const AttenuateTile& tile) {
     SCRIM_ON_TARGET(tile.extinction.simd, attenuateTileOnTarget)(tile);
 }
 
-Real prefilterTile(const HaloTile& halo, Real strength, HaloTile::Limit limit, Simd simd, Real* out,
-                   std::ptrdiff_t stride) {
-    return SCRIM_ON_TARGET(simd, prefilterTileOnTarget)(halo, strength, limit, out, stride);
+Real prefilterAboveZero(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride) {
+    return SCRIM_ON_TARGET(simd, prefilterAboveZeroOnTarget)(halo, strength, out, stride);
+}
+
+Real prefilterBetween(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride) {
+    return SCRIM_ON_TARGET(simd, prefilterBetweenOnTarget)(halo, strength, out, stride);
 }
 
 namespace {
@@ -252,8 +257,7 @@ void PlaneStack::prefilter(int p, Simd simd) {
     forPrefilteredTiles(
         plane(p), tilesX(), tilesY(), rowStride(), [&](int tx, int ty) { return active(p, tx, ty); },
         [&](int tx, int ty, const HaloTile& halo, Real* out) {
-            if (prefilterTile(halo, kTwelfth, HaloTile::Limit::zero, simd, out, rowStride()) == 0)
-                m_state[tileIndex(p, tx, ty)] = kClean;
+            if (prefilterAboveZero(halo, kTwelfth, simd, out, rowStride()) == 0) m_state[tileIndex(p, tx, ty)] = kClean;
         });
 }
 

@@ -21,11 +21,10 @@
 
 namespace scrim {
 
-// Positions outside of a plane are clamped to its border. `nearest` rounds instead of interpolating.
-
 /// A plane of floats, `width` x `height`, at least 2 x 2, with rows `width` apart. It may be a window of a larger
 /// plane: positions are then those of the larger one, in which the window's corner is (x0, y0). (Positions relative to
-/// the window's corner would be rounded differently from window to window.)
+/// the window's corner would be rounded differently from window to window.) Positions outside of it are clamped to its
+/// border. `nearest` rounds instead of interpolating.
 struct FloatPlane {
     const Real* data;
     int width, height;
@@ -122,9 +121,6 @@ void attenuateTile(const AttenuateTile& tile);
 
 /// The cells of a tile, and one more on every side (but not at the corners).
 struct HaloTile {
-    /// The limits that prefiltered cells are clamped to: not below 0, or between their neighbours.
-    enum class Limit { zero, neighbours };
-
     static constexpr int kStride = 48;  ///< floats from row to row
     Real* at(int x, int y) { return cells + (y + 1) * kStride + x + 16; }
     const Real* at(int x, int y) const { return cells + (y + 1) * kStride + x + 16; }
@@ -132,8 +128,9 @@ struct HaloTile {
 };
 
 /// out = f - strength (second differences along x and y), with rows `stride` floats apart; returns the largest value.
-Real prefilterTile(const HaloTile& halo, Real strength, HaloTile::Limit limit, Simd simd, Real* out,
-                   std::ptrdiff_t stride);
+/// The result is not below 0, or (second function) lies between the values of a cell and its neighbours.
+Real prefilterAboveZero(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride);
+Real prefilterBetween(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride);
 
 /// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. filter(tx, ty, halo, out)
 /// is called for every active tile: the halo holds the original values of its cells and those around it, and `out` is
