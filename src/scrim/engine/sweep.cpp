@@ -106,7 +106,8 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
-    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}, {}};
+    Swept swept{
+        PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth.has_value()), {}, {}, {}};
     auto& [tiles, work, times, deepImage] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));

@@ -189,10 +189,10 @@ void DeepRays::add(int index, int number, const SheetSamples& from, Real step, c
             for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
             sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
             hides[c] = sample.hides[c];
-            if (layout.seen > 0) shows[c] = values[4 * layout.quadOf(layout.seen) + c];
+            if (layout.seen) shows[c] = values[4 * layout.quadOf(*layout.seen) + c];
             most = std::max({most, sample.hides[c], sample.rgb[c]});
         }
-        if (layout.seen > 0) setHeld(layout.coloured, shows, hides, sample);
+        if (layout.seen) setHeld(layout.coloured, shows, hides, sample);
         if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
     }
     m_added += tile.samples.size() - samples;

@@ -41,12 +41,11 @@ struct OutputLayout {
     int outputs = 1;  ///< including the beauty
     bool coloured = false;
     bool beauty = true;
-    // The outputs that receive light which belongs to no light. 0: the beauty; -1: none, since nobody asks for it.
-    int ambient = 0, emission = 0;
-    int albedo = -1, depth = -1, motion = -1;
-    /// The output for the opacity of what is visible, in each channel. It is the picture's alpha if something hides
-    /// without being visible; else -1. It is not a layer, and is the last output.
-    int seen = -1;
+    int ambient = 0, emission = 0;             ///< the outputs that receive light which belongs to no light
+    std::optional<int> albedo, depth, motion;  ///< the outputs of these layers, where they are asked for
+    /// The output for the opacity of what is visible, in each channel, if something hides without being visible. It is
+    /// then the picture's alpha. It is not a layer, and is the last output.
+    std::optional<int> seen;
     int beautyParts = 1;  ///< outputs [1, beautyParts) are parts of the beauty
 
     bool beautyAlone() const { return outputs == 1 && !coloured && beauty; }

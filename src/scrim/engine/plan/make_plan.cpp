@@ -297,8 +297,8 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
-        floats = std::max(
-            floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
+        floats = std::max(floats,
+                          std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth ? kDepthFloats : 0)));
     return pixels * floats * sizeof(Real) + std::size_t(scene.region.width()) * std::size_t(scene.region.height()) *
                                                 (4 + 3 * layerCount(scene)) * sizeof(float);
 }

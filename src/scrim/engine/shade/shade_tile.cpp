@@ -184,7 +184,7 @@ HWY_ATTR void fillSeen(const ShadeInput& input, const Rows& opacity, Work& w) {
     if (input.seen[0] && input.coloured) mix(input, input.seen, seen);
     for (int c = 0; c < 3; ++c) {
         const Real* hides = opacity.values[input.coloured ? c : 0];
-        Real* to = outputRow(input, w, input.layout.seen, c);
+        Real* to = outputRow(input, w, *input.layout.seen, c);
         if (!input.seen[0]) {
             std::copy_n(hides, kTileSize, to);
             continue;
@@ -205,8 +205,8 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const SampleTile& s = *input.samples;
     for (int c = 0; c < 3; ++c) {
         const Real* hides =
-            input.layout.seen > 0 ? outputRow(input, w, input.layout.seen, c) : opacity.values[input.coloured ? c : 0];
-        Real* to = outputRow(input, w, input.layout.depth, c);
+            input.layout.seen ? outputRow(input, w, *input.layout.seen, c) : opacity.values[input.coloured ? c : 0];
+        Real* to = outputRow(input, w, *input.layout.depth, c);
         forSamples([&](int k) HWY_ATTR {
             const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
                                           hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
@@ -220,7 +220,7 @@ HWY_ATTR void fillMotion(const ShadeInput& input, const Rows& opacity, Work& w) 
     const DF d;
     for (int c = 0; c < 2; ++c) {
         const Real* hides = opacity.values[input.coloured ? c : 0];
-        Real* to = outputRow(input, w, input.layout.motion, c);
+        Real* to = outputRow(input, w, *input.layout.motion, c);
         forSamples([&](int k) HWY_ATTR { hn::Store(hn::Mul(load(input.motion[c], k), load(hides, k)), d, to + k); });
     }
 }
@@ -244,9 +244,9 @@ HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, Real* out) {
         forSamples([&](int k)
                        HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
     if (layout.beauty) addUp(input, w);
-    if (input.layout.seen >= 0) fillSeen(input, opacity, w);
-    if (input.layout.depth >= 0) fillDepth(input, opacity, w);
-    if (input.layout.motion >= 0) fillMotion(input, opacity, w);
+    if (layout.seen) fillSeen(input, opacity, w);
+    if (layout.depth) fillDepth(input, opacity, w);
+    if (layout.motion) fillMotion(input, opacity, w);
     const int stride = layout.floats();
     for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {
         Real* quad = out + 4 * layout.quadOf(p);
