@@ -55,10 +55,6 @@ BakedVolume emptyBake(const SparseField& field) {
     return out;
 }
 
-bool isLitBy(const ViewVolume& volume, std::size_t light) {
-    return volume.lights.empty() || volume.lights[light];
-}
-
 // The direction of travel of the most important light, if it has one; sheets are then perpendicular to it.
 Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
     for (const bool shadows : {true, false})
@@ -236,7 +232,7 @@ void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t 
     meet(light, sheets, on.sheet, tile);
     for (int c = 0; light.shadowed && c < channels; ++c) {
         Real* tau = tile.tau + c * kTileSize;
-        const ShadowLookup* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
+        const Shadow* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
         shadow->lookUpPoints(p, tile.samples.u, tile.samples.v, tau);
         if (!light.withinSheet) continue;
         alignas(64) Real sigma[kTileSize];
@@ -345,7 +341,7 @@ std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted,
     double bytes = 0;
     for (const ViewVolume& volume : scene.volumes) {
         std::size_t grids = scattered && !volume.classified ? 1 : 0;
-        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wanted[l] && isLitBy(volume, l) ? 1 : 0;
+        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wanted[l] && litBy(volume.lights, l) ? 1 : 0;
         bytes += blocksOf(*volume.field) * double(grids * kBlockFloats * sizeof(float));
     }
     if (bytes >= double(scene.memoryLimit))
@@ -366,7 +362,7 @@ std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<boo
         BakedVolume& baked = out.emplace_back(emptyBake(*volume.field));
         const std::size_t floats = baked.blockOrigins.size() * kBlockFloats;
         for (std::size_t l = 0; l < given.lights.size(); ++l)
-            baked.lights.emplace_back(wanted[l] && isLitBy(volume, l) ? floats : 0);
+            baked.lights.emplace_back(wanted[l] && litBy(volume.lights, l) ? floats : 0);
         if (scattered && !volume.classified) baked.scattered.resize(floats);
     }
     const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));

@@ -50,10 +50,6 @@ std::vector<bool> wantedLights(const Scene& scene, const BakeRequest& request) {
     return wanted;
 }
 
-bool isGrey(const Rgb& colour) {
-    return colour.x == colour.y && colour.x == colour.z;
-}
-
 Mat3 outputFromWorking(const Scene& scene, const ColourConfig& colour) {
     try {
         return glm::inverse(colour.workingFrom(scene.output.colorspace));

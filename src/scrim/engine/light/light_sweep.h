@@ -29,7 +29,7 @@ class LightSweep {
     struct OnSheet {
         int sheet = 0;
         std::vector<SheetLight> lights;
-        std::vector<const ShadowLookup*> shadows;
+        std::vector<const Shadow*> shadows;
         std::vector<const SolidShadow*> solids;  ///< one for each light, or nullptr; empty if the scene has no solids
     };
     /// True if solids cast shadows.
@@ -45,7 +45,6 @@ class LightSweep {
   private:
     struct Caster;
     void enterBatch(int firstSheet, int count);
-    RenderWork attenuateAligned(Caster& caster, int firstSheet, int count);
     std::optional<SheetLight> atSheet(std::size_t light, int sheet) const;
 
     const ViewScene& m_scene;
@@ -53,7 +52,7 @@ class LightSweep {
     int m_channels;
     bool m_passSolids;
     Simd m_simd;
-    std::vector<Caster> m_casters;  // one for each light of the group; empty for an unshadowed one
+    std::vector<Caster> m_casters;  // one for each light of the group
     std::vector<OnSheet> m_onSheets;
 };
 

@@ -111,10 +111,6 @@ std::vector<Vec3> ViewFrustum::visibleParts(const std::vector<Vec3>& wsCorners) 
     return visible;
 }
 
-bool litBy(const std::vector<bool>& lights, std::size_t light) {
-    return lights.empty() || lights[light];
-}
-
 bool scatters(const ViewVolume& volume) {
     if (volume.field->empty()) return false;
     if (volume.classified) return true;

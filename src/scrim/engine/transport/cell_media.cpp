@@ -15,10 +15,6 @@
 namespace scrim {
 namespace {
 
-bool grey(const Rgb& v) {
-    return v.x == v.y && v.y == v.z;
-}
-
 // A field that is deposited into cells, and the factors on a voxel's value for each destination row.
 struct Deposit {
     const SparseField* field;
@@ -277,12 +273,12 @@ CellMedia coarser(const CellMedia& fine) {
 
 bool greyExtinction(const ViewScene& scene) {
     return std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
+                       [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
 }
 
 bool greyScattering(const ViewScene& scene) {
     return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
+               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
            });
 }
 

@@ -18,7 +18,7 @@ struct ScatterClass {
     std::vector<bool> lights;  ///< for each light of the scene, whether it lights these volumes; empty: all do
     std::vector<int> volumes;  ///< indices into ViewScene::volumes
 
-    bool litBy(std::size_t light) const { return lights.empty() || lights[light]; }
+    bool litBy(std::size_t light) const { return scrim::litBy(lights, light); }
 };
 
 /// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
