@@ -53,8 +53,7 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelT
             if (seen && !tiles.anyOpen(*seen)) continue;
             work[task] += shader.shadeTexels(p, sheet, tx, ty, out.data());
             shaded.replace(p, tx, ty);
-            Real* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
-                        tx * kTileEdge * floats;
+            Real* row = shaded.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
                 std::copy_n(out.data() + y * kTileEdge * floats, kTileEdge * floats, row);
         }

@@ -22,8 +22,7 @@ const std::vector<bool>* litOrAll(const ViewVolume& volume) {
 }
 
 void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
-    const Real* from =
-        planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
+    const Real* from = planes.tile(p, tx, ty);
     for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
         std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(Real));
 }

@@ -90,13 +90,10 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
             if (!from.active(p, tx, ty)) continue;
             to.activate(p, tx, ty);
             if (weight == 0) continue;
-            const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * to.rowStride() + tx * kTileEdge;
-            for (int y = 0; y < kTileEdge; ++y) {
-                const std::ptrdiff_t row = corner + static_cast<std::ptrdiff_t>(y) * to.rowStride();
-                const Real* source = from.plane(p) + row;
-                Real* target = to.plane(p) + row;
+            const Real* source = from.tile(p, tx, ty);
+            Real* target = to.tile(p, tx, ty);
+            for (int y = 0; y < kTileEdge; ++y, source += from.rowStride(), target += to.rowStride())
                 for (int x = 0; x < kTileEdge; ++x) target[x] += weight * source[x];
-            }
         }
 }
 
@@ -220,18 +217,14 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     std::size_t sum = 0;
     const FieldPlanes::Settings settings = settingsOf(1, scene.dials, plan.voxel);
     const auto add = [&](const ViewField& field) {
-        if (!field.field->empty()) sum += FieldPlanes::bytes(field, settings, scene.dials, sheets, lattice, batch);
+        if (!field.field->empty()) sum += FieldPlanes::bytes({field}, settings, scene.dials, sheets, lattice, batch);
     };
     for (const Alike& alike : alikeVolumes(scene)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
         std::vector<ViewField> placements;
         for (const std::size_t v : alike) placements.push_back(densityOf(scene.volumes[v]));
-        if (volume.classified)
-            sum += Surface::bytes(volume, scene.dials, sheets, lattice, batch);
-        else if (placements.size() > 1)
-            sum += FieldPlanes::bytes(placements, settings, scene.dials, sheets, lattice, batch);
-        else
-            add(placements.front());
+        sum += volume.classified ? Surface::bytes(volume, scene.dials, sheets, lattice, batch)
+                                 : FieldPlanes::bytes(placements, settings, scene.dials, sheets, lattice, batch);
     }
     for (const ViewVolume& volume : scene.volumes) {
         if (who != For::light)

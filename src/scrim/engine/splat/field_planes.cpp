@@ -238,12 +238,6 @@ std::size_t FieldPlanes::bytes() const {
     return m_mostBytes + m_planes.size() * planes().bytes();
 }
 
-std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings, const Dials& dials,
-                               const Sheets& sheets, const Lattice& lattice, int batchSheets) {
-    return PlaneStack::bytes(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1) +
-           placementBytes(field, settings, dials, sheets, lattice);
-}
-
 // The largest sum of bytes of placements that reach into the same batch.
 std::size_t FieldPlanes::bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
                                const Sheets& sheets, const Lattice& lattice, int batchSheets) {

@@ -25,13 +25,9 @@ class FieldPlanes {
     };
 
     /// Splats onto the cells of `lattice`, which is the sheets' own or a view's. Fields, `dials`, `sheets` and
-    /// `lattice` must outlive this object. Several fields must have the topology of the first (haveOneTopology); each
-    /// has its own planes.
-    FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
-                const Sheets& sheets, const Lattice& lattice, int batchSheets)
-        : FieldPlanes(std::vector<std::vector<ViewField>>(1, fields), settings, dials, sheets, lattice, batchSheets) {}
-    /// Several placements, each with the same number of fields, add up in the same planes. The memory that a placement
-    /// needs exists only during the batches that it reaches into.
+    /// `lattice` must outlive this object. The fields of a placement must have the topology of the first one
+    /// (haveOneTopology); each has its own planes. Several placements, each with the same number of fields, add up in
+    /// the same planes. The memory that a placement needs exists only during the batches that it reaches into.
     FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
     ~FieldPlanes();
@@ -53,10 +49,7 @@ class FieldPlanes {
     const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
 
     std::size_t bytes() const;
-    /// Upper bound on the bytes, known beforehand.
-    static std::size_t bytes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
-                             const Lattice& lattice, int batchSheets);
-    /// The same for several placements.
+    /// Upper bound on the bytes, known beforehand; `placements`: the first field of each.
     static std::size_t bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
                              const Sheets& sheets, const Lattice& lattice, int batchSheets);
 

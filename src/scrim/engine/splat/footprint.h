@@ -52,7 +52,6 @@ class FootprintTable {
     /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes over one step in U, V
     /// and N.
     int sheetStride() const { return partStride() * (m_steps.sloped ? 4 : 1); }
-    double extentN() const { return m_extent.z; }    ///< half the kernel's extent along w, in sheets
     const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
 
     /// Offset of the weights for quantised fractions, each below its number of steps. There are sheets() x parts x

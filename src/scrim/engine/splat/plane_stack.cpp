@@ -266,7 +266,7 @@ void PlaneStack::raiseToZero(int p) {
         for (int tx = 0; tx < tilesX(); ++tx) {
             if (!active(p, tx, ty)) continue;
             const int floats = kTileEdge * m_channels;
-            Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * floats;
+            Real* row = tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, row += rowStride())
                 for (int x = 0; x < floats; ++x) row[x] = std::max(row[x], Real(0));
         }
@@ -277,7 +277,7 @@ void PlaneStack::dropEmpty(int p) {
         for (int tx = 0; tx < tilesX(); ++tx) {
             std::uint8_t& state = m_state[tileIndex(p, tx, ty)];
             if (state != kActive) continue;
-            const Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge;
+            const Real* row = tile(p, tx, ty);
             Real largest = 0;
             for (int y = 0; y < kTileEdge && largest == 0; ++y, row += rowStride())
                 for (int x = 0; x < kTileEdge; ++x) largest = std::max(largest, row[x]);
@@ -287,8 +287,7 @@ void PlaneStack::dropEmpty(int p) {
 
 void PlaneStack::clearTile(int p, int tx, int ty) {
     const std::size_t rowFloats = std::size_t(kTileEdge * m_channels);
-    Real* row = plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() +
-                static_cast<std::ptrdiff_t>(tx) * kTileEdge * m_channels;
+    Real* row = tile(p, tx, ty);
     for (int y = 0; y < kTileEdge; ++y, row += rowStride()) std::memset(row, 0, rowFloats * sizeof(Real));
 }
 

@@ -46,6 +46,9 @@ class PlaneStack {
     std::ptrdiff_t planeStride() const { return m_planeStride; }
     Real* plane(int p) { return m_data.data() + p * m_planeStride; }
     const Real* plane(int p) const { return m_data.data() + p * m_planeStride; }
+    /// The first float of a tile.
+    Real* tile(int p, int tx, int ty) { return plane(p) + tileOffset(tx, ty); }
+    const Real* tile(int p, int tx, int ty) const { return plane(p) + tileOffset(tx, ty); }
     /// Plane p, to be read with look-ups (of a stack with one channel).
     FloatPlane view(int p, Simd simd) const { return {plane(p), m_width, m_height, 0, 0, simd}; }
 
@@ -88,6 +91,9 @@ class PlaneStack {
 
     std::size_t tileIndex(int p, int tx, int ty) const {
         return (std::size_t(p) * std::size_t(tilesY()) + std::size_t(ty)) * std::size_t(tilesX()) + std::size_t(tx);
+    }
+    std::ptrdiff_t tileOffset(int tx, int ty) const {
+        return static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge * m_channels;
     }
     void clearTile(int p, int tx, int ty);
 

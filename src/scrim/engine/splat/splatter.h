@@ -42,8 +42,6 @@ class FieldSplatter {
     /// Replaces the values of the field's blocks by others, 512 each.
     void useValues(std::vector<const float*> values) { m_values.front() = std::move(values); }
 
-    /// The number of sheets that a footprint may reach.
-    int footprintSheets() const { return m_table.sheets(); }
     std::size_t tableBytes() const { return m_pieces.bytes(); }
     /// Rows of tiles in a band. Setting more than needed lets several splatters take turns at the same bands.
     int bandTiles() const { return m_bandTiles; }

@@ -228,7 +228,7 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_rsVoxels(voxelsIn(lattice.rsFromTs)),
       // A gradient is a covector, so differences are multiplied by the inverse transpose.
       m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
-      m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
+      m_field({{ViewField{volume.field, volume.wsFromIs}}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
               batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
 
@@ -274,7 +274,7 @@ void Surface::classifyTexels(int p) {
                 runThroughSheet(front[k], middle[k], back[k]);
             }
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
-            Real* to = out.plane(p) + corner;
+            Real* to = out.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
         }
@@ -364,8 +364,8 @@ std::size_t Surface::bytes() const {
 
 std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                            int batchSheets) {
-    return FieldPlanes::bytes({volume.field, volume.wsFromIs}, settingsOf(volume, dials, sheets), dials, sheets,
-                              lattice, batchSheets) +
+    return FieldPlanes::bytes({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials,
+                              sheets, lattice, batchSheets) +
            PlaneStack::bytes(batchSheets, lattice.width, lattice.height, 1);
 }
 

@@ -68,7 +68,7 @@ class Footprints : public testing::TestWithParam<std::tuple<Kernel, Case>> {
 TEST_P(Footprints, OfATexelSumOverTheSheetsToTheLineIntegral) {
     const FootprintTable table(kernel(), Mat4(tsFromIs()), {4, 16});
     const Mat3 isFromTs = glm::inverse(tsFromIs());
-    const double extent = table.extentN();
+    const double extent = table.extent().z;
     for (int stepV = 0; stepV < 4; stepV += 3)
         for (int stepU = 0; stepU < 4; ++stepU)
             for (int row = 0; row < table.rows(); ++row)
