@@ -7,7 +7,7 @@
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/shade/shade_tile.h>
 #include <scrim/engine/splat/extinction_sum.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 #include <scrim/scene/field_rays.h>
 
 #include <algorithm>
@@ -55,10 +55,6 @@ BakedVolume emptyBake(const SparseField& field) {
     return out;
 }
 
-bool isLitBy(const ViewVolume& volume, std::size_t light) {
-    return volume.lights.empty() || volume.lights[light];
-}
-
 // The direction of travel of the most important light, if it has one; sheets are then perpendicular to it.
 Vec3 mainDirection(const ViewScene& scene, const Vec3& center) {
     for (const bool shadows : {true, false})
@@ -92,8 +88,7 @@ ViewScene bakingScene(const ViewScene& given) {
     scene.dials.shade = ShadeMode::pixel;  // one look-up between buffer and voxel, as for pixels
     scene.dials.antialias = 1;
     scene.dials.crossFade = 0;
-    Bounds box;
-    for (const Vec3& corner : wsCorners(scene)) box.include(corner);
+    const Bounds box = wsBounds(scene);
     if (box.empty()) return scene;
     const Vec3 way = mainDirection(scene, box.center());
     const double size = std::max(glm::length(box.size()), 1e-300);
@@ -237,13 +232,12 @@ void Baking::addLight(const Batch& batch, int p, std::size_t index, std::size_t 
     meet(light, sheets, on.sheet, tile);
     for (int c = 0; light.shadowed && c < channels; ++c) {
         Real* tau = tile.tau + c * kTileSize;
-        const ShadowLookup* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
+        const Shadow* shadow = on.shadows[index * std::size_t(channels) + std::size_t(c)];
         shadow->lookUpPoints(p, tile.samples.u, tile.samples.v, tau);
         if (!light.withinSheet) continue;
         alignas(64) Real sigma[kTileSize];
         const PlaneStack& planes = batch.extinction.total(c);
-        samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, tile.samples.u,
-                     tile.samples.v, false, kTileSize, sigma);
+        samplePoints(planes.view(p, m_plan.simd), tile.samples.u, tile.samples.v, false, kTileSize, sigma);
         for (int k = 0; k < kTileSize; ++k) tau[k] += sigma[k] * tile.path[k];
     }
     if (!on.solids.empty() && on.solids[index])
@@ -342,12 +336,12 @@ void scatter(const ViewScene& scene, const ViewVolume& volume, BakedVolume& out)
 }
 
 // Throws if the values would exceed the scene's memory limit. Returns the rest of the limit.
-std::size_t limitBeside(const ViewScene& scene, const BakeWants& wants) {
+std::size_t limitBeside(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered) {
     if (scene.memoryLimit == 0) return 0;
     double bytes = 0;
     for (const ViewVolume& volume : scene.volumes) {
-        std::size_t grids = wants.scattered && !volume.classified ? 1 : 0;
-        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wants.lights[l] && isLitBy(volume, l) ? 1 : 0;
+        std::size_t grids = scattered && !volume.classified ? 1 : 0;
+        for (std::size_t l = 0; l < scene.lights.size(); ++l) grids += wanted[l] && litBy(volume.lights, l) ? 1 : 0;
         bytes += blocksOf(*volume.field) * double(grids * kBlockFloats * sizeof(float));
     }
     if (bytes >= double(scene.memoryLimit))
@@ -359,17 +353,17 @@ std::size_t limitBeside(const ViewScene& scene, const BakeWants& wants) {
 
 }  // namespace
 
-std::vector<BakedVolume> bakeLight(const ViewScene& given, const BakeWants& wants, int threads,
+std::vector<BakedVolume> bakeLight(const ViewScene& given, const std::vector<bool>& wanted, bool scattered, int threads,
                                    const ProgressSink& progress) {
     ViewScene baking = bakingScene(given);
-    baking.memoryLimit = limitBeside(given, wants);
+    baking.memoryLimit = limitBeside(given, wanted, scattered);
     std::vector<BakedVolume> out;
     for (const ViewVolume& volume : given.volumes) {
         BakedVolume& baked = out.emplace_back(emptyBake(*volume.field));
         const std::size_t floats = baked.blockOrigins.size() * kBlockFloats;
         for (std::size_t l = 0; l < given.lights.size(); ++l)
-            baked.lights.emplace_back(wants.lights[l] && isLitBy(volume, l) ? floats : 0);
-        if (wants.scattered && !volume.classified) baked.scattered.resize(floats);
+            baked.lights.emplace_back(wanted[l] && litBy(volume.lights, l) ? floats : 0);
+        if (scattered && !volume.classified) baked.scattered.resize(floats);
     }
     const Plan plan = makePlan(baking, threads, partOf(progress, 0, 0));
     ViewScene plain;

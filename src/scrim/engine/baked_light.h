@@ -25,14 +25,10 @@ struct BakedVolume {
     std::vector<float> scattered;
 };
 
-struct BakeWants {
-    std::vector<bool> lights;  ///< for each light of the scene
-    bool scattered = false;
-};
-
-/// Bakes each volume of `scene`; the camera is ignored. All volumes cast shadows. Throws Error: memory, render,
+/// Bakes each volume of `scene`; the camera is ignored. All volumes cast shadows. `wanted`: for each light of the
+/// scene, whether its own light is kept; `scattered`: whether scattered light is. Throws Error: memory, render,
 /// interrupted.
-std::vector<BakedVolume> bakeLight(const ViewScene& scene, const BakeWants& wants, int threads,
+std::vector<BakedVolume> bakeLight(const ViewScene& scene, const std::vector<bool>& wanted, bool scattered, int threads,
                                    const ProgressSink& progress = {});
 
 }  // namespace scrim

@@ -53,8 +53,7 @@ ShadeWork shadeBatch(const SheetShader& shader, const EyeView& eye, const PixelT
             if (seen && !tiles.anyOpen(*seen)) continue;
             work[task] += shader.shadeTexels(p, sheet, tx, ty, out.data());
             shaded.replace(p, tx, ty);
-            Real* row = shaded.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * shaded.rowStride() +
-                        tx * kTileEdge * floats;
+            Real* row = shaded.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, row += shaded.rowStride())
                 std::copy_n(out.data() + y * kTileEdge * floats, kTileEdge * floats, row);
         }
@@ -81,10 +80,6 @@ struct Swept {
     std::optional<DeepImage> deep;
 };
 
-std::size_t bytesOf(const PlaneStack& planes) {
-    return PlaneStack::bytes(planes.planes(), planes.width(), planes.height(), planes.channels());
-}
-
 // Null if nothing hides volumes.
 std::unique_ptr<EyeEnds> eyeEnds(const ViewScene& scene, const EyePart& part) {
     if (!EyeEnds::any(scene)) return nullptr;
@@ -110,7 +105,8 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     Stopwatch watch;
     const int n = scene.dials.antialias;
     const OutputLayout& layout = group.outputs.layout;
-    Swept swept{PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth > 0), {}, {}, {}};
+    Swept swept{
+        PixelTiles(supersampled(plan.eyeParts[group.eyePart].window, n), layout, layout.depth.has_value()), {}, {}, {}};
     auto& [tiles, work, times, deepImage] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
@@ -155,7 +151,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
         if (group.sameSide && compositor.allOpaque()) break;
     }
     work.solidRays = lights.solidRays();
-    work.bytes = {extinction.bytes(), lights.bytes(), shaded ? bytesOf(*shaded) : 0,
+    work.bytes = {extinction.bytes(), lights.bytes(), shaded ? shaded->bytes() : 0,
                   tiles.bytes() + (ends ? ends->bytes() : 0)};
     if (deep) keepDeep(*deep, eye, n, swept);
     return swept;
@@ -176,14 +172,12 @@ std::vector<CellLight> allLightOnCells(const ViewScene& scene, const Plan& plan,
     if (plan.groups.empty()) return all;
     Stopwatch watch;
     if (plan.transport.any()) {
-        const ScatteredLight scattered(scene, plan.transport, plan.simd, checkpoint);
-        all = scattered.lights();
-        const Solved& solved = scattered.solved();
+        Solved solved;
+        all = scatteredLight(scene, plan.transport, plan.simd, checkpoint, solved, frame.work.bytes.scattered);
         frame.scatterChange = solved.change;
         frame.scatterConverged = solved.converged;
         frame.work.scatterSweeps = static_cast<std::uint64_t>(solved.sweeps);
         frame.work.scatterDirections = solved.cellDirections;
-        frame.work.bytes.scattered = scattered.bytes();
     }
     // Lights whose cells have the same size are kept together.
     std::map<double, std::vector<int>> byEdge;

@@ -25,6 +25,10 @@ using Mat3 = glm::dmat3;  ///< column-major, as GLM
 using Mat4 = glm::dmat4;  ///< column-major; the last column is the translation
 using Rgb = glm::dvec3;   ///< scene-linear colour in the working space
 
+inline bool isGrey(const Rgb& colour) {
+    return colour.x == colour.y && colour.x == colour.z;
+}
+
 /// The image of the position `p` under the affine map `m`.
 inline Vec3 transformPoint(const Mat4& m, const Vec3& p) {
     return Vec3(m[0]) * p.x + Vec3(m[1]) * p.y + Vec3(m[2]) * p.z + Vec3(m[3]);

@@ -82,6 +82,12 @@ std::vector<Vec3> wsCorners(const ViewScene& scene) {
     return corners;
 }
 
+Bounds wsBounds(const ViewScene& scene) {
+    Bounds ws;
+    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
+    return ws;
+}
+
 bool holdsOut(const ViewScene& scene) {
     return (scene.depths && scene.depths->thin) ||
            std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) { return v.holdout; });

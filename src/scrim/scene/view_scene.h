@@ -139,12 +139,20 @@ std::size_t placesOf(const ViewScene& scene);
 /// The non-empty fields of a volume, density and emission, each on its own lattice.
 std::vector<ViewField> fieldsOf(const ViewVolume& volume);
 
+/// Whether a light of the scene is among `lights`, which are as in ViewVolume.
+inline bool litBy(const std::vector<bool>& lights, std::size_t light) {
+    return lights.empty() || lights[light];
+}
+
 /// World-space corners of the boxes around a volume's fields, the kernels' reach included: eight for each field that is
 /// not empty.
 std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
 
 /// World-space corners of the boxes around all volumes, the kernels' reach included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);
+
+/// The box around these corners.
+Bounds wsBounds(const ViewScene& scene);
 
 /// True if alpha is not simply 1 - transmittance, because something hides without showing: a volume is held out, or a
 /// deep holdout picture is partly transparent.

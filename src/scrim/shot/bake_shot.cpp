@@ -50,10 +50,6 @@ std::vector<bool> wantedLights(const Scene& scene, const BakeRequest& request) {
     return wanted;
 }
 
-bool isGrey(const Rgb& colour) {
-    return colour.x == colour.y && colour.x == colour.z;
-}
-
 Mat3 outputFromWorking(const Scene& scene, const ColourConfig& colour) {
     try {
         return glm::inverse(colour.workingFrom(scene.output.colorspace));
@@ -68,7 +64,8 @@ class GridMaker {
         : m_scene(scene), m_outputFromWorking(outputFromWorking), m_space(std::move(space)), m_coloured(coloured) {}
 
     // `baked` is null where the volume shows nothing; its grids are then empty.
-    void addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked, const BakeWants& wants);
+    void addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked,
+                   const std::vector<bool>& wanted, bool scattered);
     std::vector<VdbGrid> take() { return std::move(m_grids); }
 
   private:
@@ -143,7 +140,7 @@ void GridMaker::addExtinction(std::size_t volume, const ViewVolume* view, const 
 }
 
 void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const BakedVolume* baked,
-                          const BakeWants& wants) {
+                          const std::vector<bool>& wanted, bool scattered) {
     const SceneVolume& own = m_scene.volumes[volume];
     const std::size_t first = m_grids.size();
     bool greyLights = true;
@@ -151,14 +148,14 @@ void GridMaker::addVolume(std::size_t volume, const ViewVolume* view, const Bake
         const Light& light = m_scene.lights[l];
         const bool lit =
             !own.lights || std::find(own.lights->begin(), own.lights->end(), light.name) != own.lights->end();
-        if (!wants.lights[l] || !lit) continue;
+        if (!wanted[l] || !lit) continue;
         const bool grey = isGrey(light.intensity) && !light.slide && !m_coloured;
         greyLights = greyLights && grey;
         VdbGrid& grid = add(volume, light.name, fmt::format("light '{}'", light.name), baked);
         grid.metadata = {{"scrim:light", light.name}, {"scrim:unit", kIrradiance}};
         setColours(grid, baked ? baked->lights[l] : std::vector<float>{}, grey);
     }
-    if (wants.scattered && !own.classified) {
+    if (scattered && !own.classified) {
         VdbGrid& grid = add(volume, "emission", fmt::format("the emission of volume '{}'", own.name), baked);
         grid.metadata = {{"scrim:unit", kScattered}};
         const bool grey =
@@ -195,7 +192,7 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
     BakedShot out;
     const auto bake = [&] {
         Scene scene = withOptions(content.sceneAt(frame, options), options, *content.stores);
-        const BakeWants wants{wantedLights(scene, request), request.emission};
+        const std::vector<bool> wanted = wantedLights(scene, request);
         const std::string space = scene.output.colorspace;
         const Mat3 toOutput = outputFromWorking(scene, content.stores->colour);
         if (request.emission) warnOfLooks(scene, options.messages);
@@ -204,7 +201,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
         out.skipped = !loaded;
         if (!loaded) return;
         const ViewScene view = loaded->view(options, 0, VolumesOf::scene);
-        const std::vector<BakedVolume> baked = bakeLight(view, wants, threadCount(), options.progress);
+        const std::vector<BakedVolume> baked =
+            bakeLight(view, wanted, request.emission, threadCount(), options.progress);
         const std::string id = content.stores->colour.interopId(space);
         GridMaker maker(loaded->scene, toOutput, id.empty() ? space : id, extinctionChannels(view).coloured);
         for (std::size_t v = 0; v < loaded->scene.volumes.size(); ++v) {
@@ -216,7 +214,8 @@ BakedShot bakeShot(const Shot& shot, int frame, const BakeRequest& request, cons
                 notify(options.messages, Severity::warning,
                        fmt::format("frame {}: volume '{}' has no density; its grids are empty", frame, name));
             maker.addVolume(v, isThere ? &*shown : nullptr,
-                            isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wants);
+                            isThere ? &baked[std::size_t(shown - view.volumes.begin())] : nullptr, wanted,
+                            request.emission);
         }
         out.grids = maker.take();
         for (const VdbGrid& grid : out.grids)

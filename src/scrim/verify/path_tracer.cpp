@@ -67,7 +67,7 @@ PathTracer::PathTracer(const ViewScene& scene, FieldSamplers* shared) : m_scene(
 
 // Fills the majorants. Every voxel counts in all boxes that its kernel reaches.
 void PathTracer::measure() {
-    for (const Vec3& corner : wsCorners(m_scene)) m_wsBounds.include(corner);
+    m_wsBounds = wsBounds(m_scene);
     const Vec3 size = m_wsBounds.size();
     m_edge = std::max({size.x, size.y, size.z}) / kBoxes * (1 + 1e-9);
     m_size = glm::max(Int3(glm::ceil(size / m_edge)), Int3(1));

@@ -50,7 +50,7 @@ Reference::Reference(const ViewScene& scene, const ReferenceOptions& options, Fi
     // A transfer function may jump within a voxel.
     for (const ViewVolume& volume : scene.volumes)
         if (volume.classified) m_step = std::min(m_step, options.classifiedStep * m_voxel);
-    for (const Vec3& corner : wsCorners(scene)) m_wsBounds.include(corner);
+    m_wsBounds = wsBounds(scene);
     m_lights = lightsSent(scene.lights);
     // The error of n x n rays shrinks at least as 1 / n^2, and samples along an eye ray have independent errors.
     constexpr int kFewest = 6, kMost = 24;

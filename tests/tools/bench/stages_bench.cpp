@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The inner loops alone, on data that fits the caches: what a stage costs per core and unit of its work.
 #include <scrim/base/parallel.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/splat/splatter.h>
 

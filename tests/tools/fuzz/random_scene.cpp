@@ -60,8 +60,9 @@ double channelAlpha(const ViewScene& scene, double alpha) {
 
 /// Tables of footprints, one a view and sweep, are work that plans do not count.
 bool isSmall(const Plan& plan) {
-    const Plan::Work& work = plan.work;
-    return work.footprints + work.texels + work.lightSamples + work.pixelSheets <= kMostWork &&
+    const RenderWork& work = plan.work;
+    return double(work.footprints) + double(work.texelsShaded) + double(work.lightSamples) + double(work.pixelSheets) <=
+               kMostWork &&
            plan.groups.size() <= (plan.perView ? 2 : 20);
 }
 

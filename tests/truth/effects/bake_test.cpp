@@ -20,8 +20,8 @@ namespace {
 
 const double kPi = std::acos(-1.0);
 
-BakeWants everything(const ViewScene& scene) {
-    return {std::vector<bool>(scene.lights.size(), true), true};
+std::vector<BakedVolume> bakeAll(const ViewScene& scene) {
+    return bakeLight(scene, std::vector<bool>(scene.lights.size(), true), true, 2);
 }
 
 struct Voxel {
@@ -52,7 +52,7 @@ TEST(BakedLight, OfASlabIsBeersLaw) {
     for (const double slant : {0.0, 0.75}) {
         ViewScene scene = orthographicScene(boxField({-60, -60, -10}, {59, 59, 9}), medium, 20, 9);
         scene.lights = {distantLight(glm::normalize(Vec3(slant, 0, -1)), 3)};
-        const BakedVolume baked = bakeLight(scene, everything(scene), 2).at(0);
+        const BakedVolume baked = bakeAll(scene).at(0);
         const double path = std::sqrt(1 + slant * slant);
         int looked = 0;
         for (const Voxel& voxel : voxelsOf(baked)) {
@@ -74,7 +74,7 @@ TEST(BakedLight, OfALampFallsOffWithTheSquareOfDistance) {
     ViewScene scene = orthographicScene(boxField(Int3(-10), Int3(10)), medium, 20, 9);
     for (const Vec3& place : {Vec3(3, 14, 30), Vec3(0.3, 0.2, 0.4)}) {  // the second stands within
         scene.lights = {lamp(place, 100, 0.5)};
-        const BakedVolume baked = bakeLight(scene, everything(scene), 2).at(0);
+        const BakedVolume baked = bakeAll(scene).at(0);
         for (const Voxel& voxel : voxelsOf(baked)) {
             const double distance = glm::distance(voxel.is, place);
             if (distance < 1) continue;
@@ -116,7 +116,7 @@ TEST_P(Baked, AgreesWithBruteForce) {
     ViewScene scene = sceneOf(GetParam());
     for (ViewVolume& volume : scene.volumes) volume.emission.clear();
     scene.dials.texel = scene.dials.sheetThickness = 0.7;
-    const std::vector<BakedVolume> baked = bakeLight(scene, everything(scene), 2);
+    const std::vector<BakedVolume> baked = bakeAll(scene);
     std::mt19937 random(7);
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         // One volume scatters, all of them shadow.
@@ -173,7 +173,7 @@ TEST(BakedLight, AsEmissionIsThePicture) {
         ViewScene scene = sceneOf(name);
         scene.dials.texel = scene.dials.sheetThickness = 0.7;
         const Frame picture = renderScene(scene);
-        const std::vector<BakedVolume> baked = bakeLight(scene, everything(scene), 2);
+        const std::vector<BakedVolume> baked = bakeAll(scene);
         ViewScene shown = scene;
         shown.lights.clear();
         shown.ambient = Rgb(0);
@@ -219,7 +219,7 @@ TEST(BakedLight, AsEmissionIsThePicture) {
 
 TEST(BakedLight, ThatIsNotWantedIsNotThere) {
     const ViewScene scene = plainScene();
-    const BakedVolume baked = bakeLight(scene, {{false, true}, false}, 2).at(0);
+    const BakedVolume baked = bakeLight(scene, {false, true}, false, 2).at(0);
     EXPECT_TRUE(baked.lights.at(0).empty());
     EXPECT_FALSE(baked.lights.at(1).empty());
     EXPECT_TRUE(baked.scattered.empty());
@@ -235,7 +235,7 @@ TEST(BakedLight, IsCutFromTiles) {
     scene.volumes[0].field = field;
     scene.volumes[0].medium = medium;
     scene.lights = {distantLight({0, 0, -1}, 1)};
-    const BakedVolume baked = bakeLight(scene, everything(scene), 2).at(0);
+    const BakedVolume baked = bakeAll(scene).at(0);
     ASSERT_EQ(baked.blockOrigins.size(), 8u);
     for (const Voxel& voxel : voxelsOf(baked)) {
         if (std::min(voxel.is.x, voxel.is.y) < 2 || std::max(voxel.is.x, voxel.is.y) > 13) continue;

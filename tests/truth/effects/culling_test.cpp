@@ -74,6 +74,11 @@ TEST(Sheets, BeforeTheFirstThingSeenAreNotSplatted) {
     expectConvergence(scene, 40, 1, 0.005);
 }
 
+std::vector<Vec3> cornersOf(const Bounds& box) {
+    const auto corners = box.corners();
+    return {corners.begin(), corners.end()};
+}
+
 TEST(ViewFrustums, HoldEveryPointThatAPixelSees) {
     std::mt19937 random(3);
     const auto in = [&](double a, double b) { return std::uniform_real_distribution<double>(a, b)(random); };
@@ -87,10 +92,9 @@ TEST(ViewFrustums, HoldEveryPointThatAPixelSees) {
         camera.wsPosition = {in(-9, 9), in(-9, 9), in(-9, 9)};
         camera.wsFromCamera = lookAt(camera.wsPosition, {in(-3, 3), in(-3, 3), in(-3, 3)}, {0, 1, 0});
         const PixelWindow window{10, 5, 40, 30};
-        const ViewFrustum frustum(camera, window);
         const Bounds box{{-4, -3, -2}, {3, 4, 5}};
         Bounds visible;
-        for (const Vec3& p : frustum.visiblePart(box.corners())) visible.include(p);
+        for (const Vec3& p : visibleParts(camera, window, cornersOf(box))) visible.include(p);
         const RayFamily rays = wsRays(camera);
         for (int k = 0; k < 200; ++k) {
             const double x = in(10, 40), y = in(5, 30);
@@ -107,11 +111,11 @@ TEST(ViewFrustums, ShowNothingOfWhatLiesBehindThem) {
     Camera camera;
     camera.resolution = {40, 40};
     camera.wsPosition = {0, 0, 0};
-    const ViewFrustum frustum(camera, {0, 0, 40, 40});
-    EXPECT_TRUE(frustum.visiblePart(Bounds{{-1, -1, 2}, {1, 1, 4}}.corners()).empty());
-    EXPECT_FALSE(frustum.visiblePart(Bounds{{-1, -1, -4}, {1, 1, -2}}.corners()).empty());
-    EXPECT_FALSE(frustum.visiblePart(Bounds{{-1, -1, -1}, {1, 1, 1}}.corners()).empty());
-    EXPECT_TRUE(frustum.visiblePart(Bounds{{30, -1, -4}, {32, 1, -2}}.corners()).empty());
+    const auto visible = [&](const Bounds& box) { return visibleParts(camera, {0, 0, 40, 40}, cornersOf(box)); };
+    EXPECT_TRUE(visible({{-1, -1, 2}, {1, 1, 4}}).empty());
+    EXPECT_FALSE(visible({{-1, -1, -4}, {1, 1, -2}}).empty());
+    EXPECT_FALSE(visible({{-1, -1, -1}, {1, 1, 1}}).empty());
+    EXPECT_TRUE(visible({{30, -1, -4}, {32, 1, -2}}).empty());
 }
 
 VolumeBox boxAt(const Vec3& center) {

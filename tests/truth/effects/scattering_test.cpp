@@ -294,7 +294,9 @@ TEST(MultipleScattering, TakesFewSweepsHoweverOftenLightScatters) {
 
 TEST(MultipleScattering, IsNowhereBelowZero) {
     ViewScene scene = smoke(3, 0.9, 0.6, {1, 0, 0});
-    const std::vector<CellLight> light = ScatteredLight(scene, planTransport(scene), {}, {}).lights();
+    Solved solved;
+    std::size_t bytes = 0;
+    const std::vector<CellLight> light = scatteredLight(scene, planTransport(scene), {}, {}, solved, bytes);
     SampleTile samples{};
     std::array<Real, kTileSize> rows[3];
     Real* const rgb[3] = {rows[0].data(), rows[1].data(), rows[2].data()};

@@ -55,7 +55,7 @@ HWY_ATTR HWY_INLINE V4 addSample(int quads, const Quad& quad, Real* state) {
 // The negated opacity of a sample that counts as visible, for depth.
 template <class Quad>
 HWY_ATTR HWY_INLINE Real visible(const OutputLayout& layout, const Quad& quad, const V4& hides) {
-    return layout.seen > 0 ? -lane0(quad(layout.quadOf(layout.seen))) : lane3(hides);
+    return layout.seen ? -lane0(quad(layout.quadOf(*layout.seen))) : lane3(hides);
 }
 
 Real opticalDepth(Real hides) {

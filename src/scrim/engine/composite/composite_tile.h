@@ -4,7 +4,7 @@
 // A pixel's state is (C, -A), the radiance and opacity gathered so far; a shaded texel is (S, -alpha). Front to back,
 // state += (1 - A) * texel; back to front, state = texel + (1 - alpha) * state, on all four channels. Opacity is kept
 // instead of transmittance, because 1 - T would lose it where a volume is thin. The same holds for each quad of a
-// sample's layout (outputs.h), with the quad's own opacity or, where extinction is coloured, channel by channel with
+// sample's layout (OutputLayout), with the quad's own opacity or, where extinction is coloured, channel by channel with
 // the opacity that all quads share.
 #pragma once
 
@@ -12,8 +12,8 @@
 #include <scrim/base/simd.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/engine/composite/pixel_tiles.h>
-#include <scrim/engine/model/outputs.h>
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/model/eye_view.h>
 
 #include <cstddef>
 

@@ -31,7 +31,15 @@ Real* sampleScratch(const OutputLayout& layout) {
     return scratch.front().values;
 }
 
+enum class Seen { all, part, none };
+
 }  // namespace
+
+// Planes of a batch within one block of sheets.
+struct Compositor::Range {
+    int sheet;                  // sheet of plane `firstPlane`
+    int firstPlane, lastPlane;  // [firstPlane, lastPlane)
+};
 
 // A tile's rays, and the planes that they meet in a batch.
 struct Compositor::TileWalk {
@@ -46,6 +54,30 @@ struct Compositor::TileWalk {
     int firstStep;                     // index of plane 0 among the block's sheets
     std::array<int, kBlock> planes;    // planes with active texels under the tile
     int planeCount = 0;
+
+    // Whether the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies between the starts and ends of the
+    // rays. A slab behind something that hides in part counts as partly visible.
+    Seen seen(bool frontToBack, int step) const {
+        const Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
+        const Real lowerLeast = frontToBack ? startLeast : endLeast, lowerMost = frontToBack ? startMost : endMost;
+        const Real upperLeast = frontToBack ? endLeast : startLeast, upperMost = frontToBack ? endMost : startMost;
+        if (lowerLeast >= far || upperMost <= near) return Seen::none;
+        const bool open = thinFrom == nullptr || (frontToBack ? thinFirst >= far : thinFirst <= near);
+        return open && lowerMost <= near && upperLeast >= far ? Seen::all : Seen::part;
+    }
+
+    // The visible fraction of a slab in which rays begin or end, and the middle of that fraction.
+    void cutSlab(bool frontToBack, int step, Real* part, Real* at) const {
+        for (int k = 0; k < kTileSize; ++k) {
+            Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
+            const Real lower = frontToBack ? rays.startN[k] : ended ? ends[k] : near;
+            const Real upper = !frontToBack ? rays.startN[k] : ended ? ends[k] : far;
+            near = std::clamp(lower, near, far);
+            far = std::clamp(upper, near, far);
+            part[k] = far - near;
+            at[k] = Real(0.5) * (near + far);
+        }
+    }
 };
 
 void Compositor::setRays(int tile, TileWalk& walk) const {
@@ -112,32 +144,6 @@ Compositor::TileWalk Compositor::enterCells(int tile, const Range& range, const 
     return walk;
 }
 
-// Whether the slab of the block's sheet `step`, [step - 1/2, step + 1/2], lies between the starts and ends of the rays.
-// A slab behind something that hides in part counts as partly visible.
-Compositor::Seen Compositor::seenPart(const TileWalk& walk, int step) const {
-    const Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
-    const Real lowerLeast = m_frontToBack ? walk.startLeast : walk.endLeast;
-    const Real lowerMost = m_frontToBack ? walk.startMost : walk.endMost;
-    const Real upperLeast = m_frontToBack ? walk.endLeast : walk.startLeast;
-    const Real upperMost = m_frontToBack ? walk.endMost : walk.startMost;
-    if (lowerLeast >= far || upperMost <= near) return Seen::none;
-    const bool open = walk.thinFrom == nullptr || (m_frontToBack ? walk.thinFirst >= far : walk.thinFirst <= near);
-    return open && lowerMost <= near && upperLeast >= far ? Seen::all : Seen::part;
-}
-
-// The visible fraction of a slab in which rays begin or end, and the middle of that fraction.
-void Compositor::cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const {
-    for (int k = 0; k < kTileSize; ++k) {
-        Real near = static_cast<Real>(step) - Real(0.5), far = near + 1;
-        const Real lower = m_frontToBack ? walk.rays.startN[k] : walk.ended ? walk.ends[k] : near;
-        const Real upper = !m_frontToBack ? walk.rays.startN[k] : walk.ended ? walk.ends[k] : far;
-        near = std::clamp(lower, near, far);
-        far = std::clamp(upper, near, far);
-        part[k] = far - near;
-        at[k] = Real(0.5) * (near + far);
-    }
-}
-
 // Reduces a sheet's samples to what is visible past objects that hide in part. Only the radiance is reduced, not the
 // opacity that hides. `part` and `at` are as in cutSlab.
 void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const {
@@ -147,9 +153,9 @@ void Compositor::holdOut(int tile, const TileWalk& walk, const Real* part, const
     const int shown = layout.coloured ? opacities : floats;  // quads that hold only opacities stay unchanged
     for (int k = 0; k < kTileSize; ++k) {
         const double x = m_tiles.cornerX(tile) + k % kTileEdge + 0.5, y = m_tiles.cornerY(tile) + k / kTileEdge + 0.5;
-        const EyeView::Depths depths = m_eye.depths(x, y);
-        const double middle = depths.first + (walk.block + 0.5 + double(at[k])) * depths.step;
-        const double half = 0.5 * double(part[k]) * std::abs(depths.step);
+        const EyeView::Ray ray = m_eye.ray(x, y, 0);
+        const double middle = ray.depth + (walk.block + 0.5 + double(at[k])) * ray.stepDepth;
+        const double half = 0.5 * double(part[k]) * std::abs(ray.stepDepth);
         if (middle + half <= walk.thinFrom[k]) continue;
         Real* const sample = samples + floats * k;
         if (std::all_of(sample, sample + floats, [](Real v) { return v == 0; })) continue;
@@ -189,7 +195,7 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
         const int step = p + walk.firstStep;
-        switch (seenPart(walk, step)) {
+        switch (walk.seen(m_frontToBack, step)) {
             case Seen::none:
                 break;
             case Seen::all:
@@ -200,12 +206,13 @@ RenderWork Compositor::compositeTexels(int tile, const Range& range, const Plane
                 flush();
                 alignas(64) Real part[kTileSize], at[kTileSize];
                 Real* samples = sampleScratch(layout);
-                cutSlab(walk, step, part, at);
+                walk.cutSlab(m_frontToBack, step, part, at);
                 samplePlane(walk.rays, at, shaded.plane(p), shaded.width(), shaded.height(), layout, samples,
                             m_eye.simd());
                 holdOut(tile, walk, part, at, samples);
-                if (m_deep) m_deep->add(tile, {walk.block + step, samples, nullptr, part, at, static_cast<Real>(step)});
-                compositeSamples(walk.rays, {samples, part, at, layout, m_eye.simd()}, m_frontToBack, states, first);
+                const SheetSamples cut{samples, part, at, layout, m_eye.simd()};
+                if (m_deep) m_deep->add(tile, walk.block + step, cut, static_cast<Real>(step));
+                compositeSamples(walk.rays, cut, m_frontToBack, states, first);
                 walked += kTileSize;
             }
         }
@@ -229,7 +236,7 @@ void Compositor::keepDeep(int tile, const TileWalk& walk, const SheetList& sheet
     for (int s = 0; s < sheets.count; ++s) {
         std::fill(at, at + kTileSize, sheets.steps[s]);
         samplePlane(walk.rays, at, sheets.planes[s], sheets.width, sheets.height, sheets.layout, samples, sheets.simd);
-        m_deep->add(tile, {walk.block + static_cast<int>(sheets.steps[s]), samples, open.data()});
+        m_deep->add(tile, walk.block + static_cast<int>(sheets.steps[s]), {samples, nullptr}, 0, open.data());
     }
 }
 
@@ -246,10 +253,10 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
     for (int i = 0; i < walk.planeCount; ++i) {
         const int p = walk.planes[i];
         const int step = p + walk.firstStep;
-        const Seen seen = seenPart(walk, step);
+        const Seen seen = walk.seen(m_frontToBack, step);
         if (seen == Seen::none) continue;
         if (seen == Seen::part)
-            cutSlab(walk, step, part, at);
+            walk.cutSlab(m_frontToBack, step, part, at);
         else
             std::fill(at, at + kTileSize, static_cast<Real>(step));
         points.spacing = m_eye.pixelSpacing(walk.block + step + 0.5);
@@ -263,10 +270,10 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
         m_eye.setDepth(walk.block + step + 0.5, points);
         work.pixelSheets += kTileSize;
         if (!shader.shadePoints(p, points, cells, samples, work.shade)) continue;
-        const Real* const seenOf = seen == Seen::part ? part : nullptr;
-        if (seenOf) holdOut(tile, walk, part, at, samples);
-        if (m_deep) m_deep->add(tile, {walk.block + step, samples, nullptr, seenOf, at, static_cast<Real>(step)});
-        compositeSamples(walk.rays, {samples, seenOf, at, layout, m_eye.simd()}, m_frontToBack, states, first);
+        const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd()};
+        if (shaded.part) holdOut(tile, walk, part, at, samples);
+        if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step));
+        compositeSamples(walk.rays, shaded, m_frontToBack, states, first);
     }
     return work;
 }

@@ -5,10 +5,9 @@
 #include <scrim/base/real.h>
 #include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/composite/deep_rays.h>
-#include <scrim/engine/composite/eye_ends.h>
+#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/model/frame.h>
-#include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/shade/sheet_shader.h>
 #include <scrim/engine/splat/plane_stack.h>
 
@@ -38,14 +37,7 @@ class Compositor {
 
   private:
     struct TileWalk;
-    struct Range {
-        int sheet;       ///< sheet of plane `firstPlane`
-        int firstPlane;  ///< planes [firstPlane, lastPlane) of the batch, within one block of sheets
-        int lastPlane;
-    };
-    enum class Seen { all, part, none };
-    Seen seenPart(const TileWalk& walk, int step) const;
-    void cutSlab(const TileWalk& walk, int step, Real* part, Real* at) const;
+    struct Range;
     void holdOut(int tile, const TileWalk& walk, const Real* part, const Real* at, Real* samples) const;
     TileWalk enter(int tile, const Range& range, const PlaneStack& planes) const;
     RenderWork compositeTexels(int tile, const Range& range, const PlaneStack& shaded);

@@ -3,7 +3,6 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/parallel.h>
-#include <scrim/engine/composite/composite_tile.h>
 
 #include <algorithm>
 #include <array>
@@ -18,6 +17,18 @@ namespace {
 // is for merging the means over rays.
 constexpr int kStage = 32;
 constexpr double kStageShare = 0.25;
+
+struct Sample {
+    float begin, end;  // in sheets from the eye's side: N front to back, else -N
+    float rgb[3];
+    float hides[3];
+    std::uint32_t ray : 8;    // index within the tile
+    std::uint32_t held : 24;  // see setHeld
+};
+static_assert(sizeof(Sample) == DeepRays::kSampleBytes);
+
+using Channels = std::array<double, 3>;
+using Firsts = std::array<std::uint32_t, kTileSize + 1>;  // of each ray's samples; and one more
 
 constexpr double kHeldUnits = (1 << 24) - 1, kHeldByte = (1 << 8) - 1;
 
@@ -35,100 +46,33 @@ float unit(Real value) {
     return static_cast<float>(std::min(std::max(Real(0), value), Real(1)));  // NaN becomes 0
 }
 
-}  // namespace
-
-DeepRays::DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes)
-    : m_pixels(tiles),
-      m_frontToBack(frontToBack),
-      m_tolerance(kStageShare * tolerance),
-      m_mostBytes(mostBytes),
-      m_tiles(std::size_t(tiles.count())) {}
-
-void DeepRays::count(std::size_t before, std::size_t after) {
-    const std::size_t bytes = m_bytes += (after - before) * sizeof(Sample);
-    if (m_mostBytes > 0 && bytes > m_mostBytes)
-        throw Error(ErrorKind::memory,
-                    fmt::format("the deep picture's samples need more than the {} that the memory limit leaves; raise "
-                                "deep_tolerance, or render a crop or a smaller picture",
-                                bytesText(m_mostBytes)));
-}
-
-void DeepRays::add(int index, const Crossing& crossing) {
-    Tile& tile = m_tiles[std::size_t(index)];
-    const std::size_t before = tile.samples.capacity();
-    if (const int stage = crossing.sheet / kStage; stage != tile.stage) {
-        compact(tile);
-        tile.stage = stage;
-    }
-    const OutputLayout& layout = m_pixels.layout();
-    const int floats = layout.floats(), opacities = floats - 4;
-    const int beauties = layout.beauty ? 1 : layout.quadOf(layout.beautyParts);
-    const int width = m_pixels.region().x1 - m_pixels.cornerX(index);
-    const int height = m_pixels.region().y1 - m_pixels.cornerY(index);
-    const auto sheet = static_cast<float>(crossing.sheet);
-    const std::size_t samples = tile.samples.size();
-    for (int k = 0; k < kTileSize; ++k) {
-        if (k % kTileEdge >= width || k / kTileEdge >= height || (crossing.open && !crossing.open[k])) continue;
-        const Real* values = crossing.samples + floats * k;
-        Sample sample{m_frontToBack ? sheet : -sheet - 1,
-                      m_frontToBack ? sheet + 1 : -sheet,
-                      {},
-                      {},
-                      static_cast<std::uint32_t>(k),
-                      0};
-        std::array<Real, 4 * 256> seen;
-        if (crossing.part && crossing.part[k] < 1) {
-            keepSeenPart(layout, crossing.part[k], values, seen.data());
-            values = seen.data();
-            const auto middle = static_cast<float>(crossing.at[k] - crossing.step) + sheet + 0.5f;
-            const auto half = 0.5f * static_cast<float>(crossing.part[k]);
-            sample.begin = (m_frontToBack ? middle : -middle) - half;
-            sample.end = sample.begin + 2 * half;
-        }
-        float most = 0;
-        Channels shows{}, hides{};
-        for (int c = 0; c < 3; ++c) {
-            sample.hides[c] = unit(-values[opacities + (layout.coloured ? c : 3)]);
-            for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
-            sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
-            hides[c] = sample.hides[c];
-            if (layout.seen > 0) shows[c] = values[4 * layout.quadOf(layout.seen) + c];
-            most = std::max({most, sample.hides[c], sample.rgb[c]});
-        }
-        if (layout.seen > 0) setHeld(shows, hides, sample);
-        if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
-    }
-    m_added += tile.samples.size() - samples;
-    count(before, tile.samples.capacity());
-}
-
 // Stores the fraction of what the sample hides that is held out and adds no alpha: one number of 24 bits for all
 // colours, or, with coloured extinction, 8 bits for each, which is as precise as the half floats of a deep alpha.
-void DeepRays::setHeld(const Channels& seen, const Channels& hidden, Sample& sample) const {
+void setHeld(bool coloured, const Channels& seen, const Channels& hidden, Sample& sample) {
     const auto part = [](double shows, double hides, double units) {
         const double held = hides > 0 ? 1 - shows / hides : 0;
         return static_cast<std::uint32_t>(std::lround(std::clamp(held, 0.0, 1.0) * units));
     };
-    if (!m_pixels.layout().coloured)
+    if (!coloured)
         sample.held = part(seen[0], hidden[0], kHeldUnits);
     else
         sample.held = part(seen[0], hidden[0], kHeldByte) | part(seen[1], hidden[1], kHeldByte) << 8 |
                       part(seen[2], hidden[2], kHeldByte) << 16;
 }
 
-double DeepRays::seenShare(const Sample& sample, std::size_t channel) const {
-    if (!m_pixels.layout().coloured) return 1 - sample.held / kHeldUnits;
+double seenShare(bool coloured, const Sample& sample, std::size_t channel) {
+    if (!coloured) return 1 - sample.held / kHeldUnits;
     return 1 - (sample.held >> (8 * channel) & 0xff) / kHeldByte;
 }
 
-DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) const {
+DeepCurve curveOf(bool coloured, const Sample* first, const Sample* last) {
     DeepCurve curve;
-    std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
+    Channels shown{}, left{1, 1, 1}, hidden{};
     for (; first != last; ++first) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * first->rgb[c];
             // Sums opacity instead of transmittance, because 1 - T would lose it where a volume is thin.
-            hidden[c] += left[c] * seenShare(*first, c) * first->hides[c];
+            hidden[c] += left[c] * seenShare(coloured, *first, c) * first->hides[c];
             left[c] *= 1 - double(first->hides[c]);
         }
         curve.push_back({first->begin,
@@ -140,15 +84,14 @@ DeepCurve DeepRays::curveOf(const Sample* first, const Sample* last) const {
 }
 
 // Merges the samples that a merged piece replaces into one.
-DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& piece) const {
+Sample compositeOf(bool coloured, const Sample*& sample, const DeepPiece& piece) {
     Sample sum{piece.begin, piece.end, {}, {}, sample->ray, 0};
-    std::array<double, 3> shown{}, left{1, 1, 1}, hidden{};
-    Channels seen{};
+    Channels shown{}, left{1, 1, 1}, hidden{}, seen{};
     for (bool more = true; more; ++sample) {
         for (std::size_t c = 0; c < 3; ++c) {
             shown[c] += left[c] * sample->rgb[c];
             hidden[c] += left[c] * sample->hides[c];
-            seen[c] += left[c] * seenShare(*sample, c) * sample->hides[c];
+            seen[c] += left[c] * seenShare(coloured, *sample, c) * sample->hides[c];
             left[c] *= 1 - double(sample->hides[c]);
         }
         more = sample->end < piece.end;
@@ -157,41 +100,117 @@ DeepRays::Sample DeepRays::compositeOf(const Sample*& sample, const DeepPiece& p
         sum.rgb[c] = static_cast<float>(shown[c]);
         sum.hides[c] = unit(static_cast<Real>(hidden[c]));
     }
-    setHeld(seen, hidden, sum);
+    setHeld(coloured, seen, hidden, sum);
     return sum;
 }
 
 // Sorts samples from `from` on by ray, and those of a ray from front to back. They were added in the order of the
 // sweep, or stage by stage in that order.
-DeepRays::Firsts DeepRays::byRay(Tile& tile, std::size_t from) const {
+Firsts byRay(std::vector<Sample>& samples, std::size_t from, bool frontToBack) {
     Firsts firsts{};
-    for (std::size_t i = from; i < tile.samples.size(); ++i) ++firsts[tile.samples[i].ray + 1];
+    for (std::size_t i = from; i < samples.size(); ++i) ++firsts[samples[i].ray + 1];
     for (std::size_t k = 0; k < kTileSize; ++k) firsts[k + 1] += firsts[k];
     thread_local std::vector<Sample> sorted;
-    sorted.resize(tile.samples.size() - from);
+    sorted.resize(samples.size() - from);
     Firsts next = firsts;
-    for (std::size_t i = from; i < tile.samples.size(); ++i) sorted[next[tile.samples[i].ray]++] = tile.samples[i];
+    for (std::size_t i = from; i < samples.size(); ++i) sorted[next[samples[i].ray]++] = samples[i];
     const auto nearer = [](const Sample& a, const Sample& b) { return a.begin < b.begin; };
     for (std::size_t k = 0; k < kTileSize; ++k) {
         const auto first = sorted.begin() + firsts[k], last = sorted.begin() + firsts[k + 1];
-        if (!m_frontToBack) std::reverse(first, last);
+        if (!frontToBack) std::reverse(first, last);
         if (!std::is_sorted(first, last, nearer)) std::sort(first, last, nearer);
     }
-    std::copy(sorted.begin(), sorted.end(), tile.samples.begin() + static_cast<std::ptrdiff_t>(from));
+    std::copy(sorted.begin(), sorted.end(), samples.begin() + static_cast<std::ptrdiff_t>(from));
     return firsts;
 }
 
-void DeepRays::compact(Tile& tile) {
+}  // namespace
+
+struct DeepRays::Tile {
+    std::vector<Sample> samples;
+    std::size_t done = 0;  // number of samples that are merged already
+    int stage = -1;
+};
+
+DeepRays::DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes)
+    : m_pixels(tiles),
+      m_frontToBack(frontToBack),
+      m_tolerance(kStageShare * tolerance),
+      m_mostBytes(mostBytes),
+      m_tiles(std::size_t(tiles.count())) {}
+
+DeepRays::~DeepRays() = default;
+
+void DeepRays::count(std::size_t before, std::size_t after) {
+    const std::size_t bytes = m_bytes += (after - before) * sizeof(Sample);
+    if (m_mostBytes > 0 && bytes > m_mostBytes)
+        throw Error(ErrorKind::memory,
+                    fmt::format("the deep picture's samples need more than the {} that the memory limit leaves; raise "
+                                "deep_tolerance, or render a crop or a smaller picture",
+                                bytesText(m_mostBytes)));
+}
+
+void DeepRays::add(int index, int number, const SheetSamples& from, Real step, const std::uint8_t* open) {
+    Tile& tile = m_tiles[std::size_t(index)];
+    const std::size_t before = tile.samples.capacity();
+    if (const int stage = number / kStage; stage != tile.stage) {
+        compact(tile);
+        tile.stage = stage;
+    }
+    const OutputLayout& layout = m_pixels.layout();
+    const int floats = layout.floats(), opacities = floats - 4;
+    const int beauties = layout.beauty ? 1 : layout.quadOf(layout.beautyParts);
+    const int width = m_pixels.region().x1 - m_pixels.cornerX(index);
+    const int height = m_pixels.region().y1 - m_pixels.cornerY(index);
+    const auto sheet = static_cast<float>(number);
+    const std::size_t samples = tile.samples.size();
+    for (int k = 0; k < kTileSize; ++k) {
+        if (k % kTileEdge >= width || k / kTileEdge >= height || (open && !open[k])) continue;
+        const Real* values = from.samples + floats * k;
+        Sample sample{m_frontToBack ? sheet : -sheet - 1,
+                      m_frontToBack ? sheet + 1 : -sheet,
+                      {},
+                      {},
+                      static_cast<std::uint32_t>(k),
+                      0};
+        std::array<Real, 4 * 256> seen;
+        if (from.part && from.part[k] < 1) {
+            keepSeenPart(layout, from.part[k], values, seen.data());
+            values = seen.data();
+            const auto middle = static_cast<float>(from.at[k] - step) + sheet + 0.5f;
+            const auto half = 0.5f * static_cast<float>(from.part[k]);
+            sample.begin = (m_frontToBack ? middle : -middle) - half;
+            sample.end = sample.begin + 2 * half;
+        }
+        float most = 0;
+        Channels shows{}, hides{};
+        for (int c = 0; c < 3; ++c) {
+            sample.hides[c] = unit(-values[opacities + (layout.coloured ? c : 3)]);
+            for (int q = 0; q < beauties; ++q) sample.rgb[c] += static_cast<float>(values[4 * q + c]);
+            sample.rgb[c] = std::max(0.0f, sample.rgb[c]);
+            hides[c] = sample.hides[c];
+            if (layout.seen) shows[c] = values[4 * layout.quadOf(*layout.seen) + c];
+            most = std::max({most, sample.hides[c], sample.rgb[c]});
+        }
+        if (layout.seen) setHeld(layout.coloured, shows, hides, sample);
+        if (most > 0 && sample.end > sample.begin) tile.samples.push_back(sample);
+    }
+    m_added += tile.samples.size() - samples;
+    count(before, tile.samples.capacity());
+}
+
+void DeepRays::compact(Tile& tile) const {
     if (m_tolerance <= 0 || tile.done == tile.samples.size()) return;
-    byRay(tile, tile.done);
+    byRay(tile.samples, tile.done, m_frontToBack);
+    const bool coloured = m_pixels.layout().coloured;
     const Sample* const end = tile.samples.data() + tile.samples.size();
     Sample* out = tile.samples.data() + tile.done;
     for (const Sample* first = out; first != end;) {
         const Sample* last = first;
         while (last != end && last->ray == first->ray) ++last;
         // Pieces are merged as if nothing lay in front of them, since whatever hides them hides their error, too.
-        const DeepCurve pieces = merged(curveOf(first, last), m_tolerance);
-        for (const DeepPiece& piece : pieces) *out++ = compositeOf(first, piece);
+        const DeepCurve pieces = merged(curveOf(coloured, first, last), m_tolerance);
+        for (const DeepPiece& piece : pieces) *out++ = compositeOf(coloured, first, piece);
     }
     tile.samples.resize(static_cast<std::size_t>(out - tile.samples.data()));
     tile.done = tile.samples.size();
@@ -202,15 +221,13 @@ DeepImage DeepRays::resolve(const EyeView& eye, int n) {
     parallelFor(m_tiles.size(), [&](std::size_t i) {
         Tile& tile = m_tiles[i];
         compact(tile);
-        firsts[i] = byRay(tile, 0);
+        firsts[i] = byRay(tile.samples, 0, m_frontToBack);
     });
     const PixelWindow& raster = m_pixels.region();
     const auto curveAt = [&](int x, int y) {
-        const int dx = x - raster.x0, dy = y - raster.y0;
-        const auto tile = std::size_t(dy / kTileEdge * m_pixels.tilesX() + dx / kTileEdge);
-        const auto ray = std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
+        const std::size_t tile = m_pixels.indexOf(x, y) / kTileSize, ray = m_pixels.indexOf(x, y) % kTileSize;
         const Sample* const samples = m_tiles[tile].samples.data();
-        return curveOf(samples + firsts[tile][ray], samples + firsts[tile][ray + 1]);
+        return curveOf(m_pixels.layout().coloured, samples + firsts[tile][ray], samples + firsts[tile][ray + 1]);
     };
     DeepImage image{{raster.x0 / n, raster.y0 / n, raster.x1 / n, raster.y1 / n}, {}};
     image.rows.resize(std::size_t(image.window.height()));
@@ -226,10 +243,10 @@ DeepImage DeepRays::resolve(const EyeView& eye, int n) {
                 terms[i] = {curves[i], 1.0 / (n * n), 1.0 / (n * n)};
             }
             const DeepCurve mean = n == 1 ? curves.front() : sumOf(terms);
-            const EyeView::Depths depths = eye.depths((x + 0.5) * n, (y + 0.5) * n);
+            const EyeView::Ray ray = eye.ray((x + 0.5) * n, (y + 0.5) * n, 0);
             const auto depthOf = [&](float sheets) {
                 const double sheet = m_frontToBack ? double(sheets) : -double(sheets);
-                return static_cast<float>(std::max(depths.near, depths.first + sheet * depths.step));
+                return static_cast<float>(std::max(eye.near(), ray.depth + sheet * ray.stepDepth));
             };
             for (const DeepPiece& piece : mean)
                 row.pieces.push_back({depthOf(piece.begin), depthOf(piece.end), piece.shown});

@@ -6,11 +6,11 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/model/eye_view.h>
+#include <scrim/engine/composite/composite_tile.h>
 #include <scrim/engine/composite/pixel_tiles.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/image/deep_image.h>
 
-#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -25,20 +25,12 @@ class DeepRays {
     /// is spent on merging samples of neighbouring sheets during the sweep, at places that do not depend on the number
     /// of sheets in a batch. `mostBytes`: limit on the samples' memory; 0: none.
     DeepRays(const PixelTiles& tiles, bool frontToBack, double tolerance, std::size_t mostBytes);
+    ~DeepRays();
 
-    /// 256 shaded samples in the layout of the tiles. `part`: the visible fraction of the sheet (null: all); the middle
-    /// of that fraction lies `at` - `step` behind the middle of the sheet, in sheets along N. `open`: the rays that see
-    /// the sheet (null: all).
-    struct Crossing {
-        int sheet;
-        const Real* samples;
-        const std::uint8_t* open = nullptr;
-        const Real* part = nullptr;
-        const Real* at = nullptr;
-        Real step = 0;
-    };
-    /// Adds samples to a tile. Throws Error(memory).
-    void add(int tile, const Crossing& crossing);
+    /// Adds the samples of sheet `sheet` to a tile; their layout is that of the tiles. The middle of a sample's visible
+    /// part lies `samples.at` - `step` behind the middle of the sheet, in sheets along N. `open`: the rays that see the
+    /// sheet (null: all). Throws Error(memory).
+    void add(int tile, int sheet, const SheetSamples& samples, Real step, const std::uint8_t* open = nullptr);
 
     /// Averages the n x n rays of each pixel, by depth along the viewing axis. All rays of a pixel are treated as if
     /// they crossed the sheets where the pixel's centre does, so a depth is wrong by at most half of its change across
@@ -54,27 +46,8 @@ class DeepRays {
     static constexpr std::size_t kSampleBytes = 36;
 
   private:
-    struct Sample {
-        float begin, end;  // in sheets from the eye's side: N front to back, else -N
-        float rgb[3];
-        float hides[3];
-        std::uint32_t ray : 8;    // index within the tile
-        std::uint32_t held : 24;  // see setHeld
-    };
-    using Channels = std::array<double, 3>;
-    void setHeld(const Channels& seen, const Channels& hidden, Sample& sample) const;
-    double seenShare(const Sample& sample, std::size_t channel) const;
-    static_assert(sizeof(Sample) == kSampleBytes);
-    struct Tile {
-        std::vector<Sample> samples;
-        std::size_t done = 0;  // number of samples that are merged already
-        int stage = -1;
-    };
-    using Firsts = std::array<std::uint32_t, kTileSize + 1>;  // of each ray's samples; and one more
-    Firsts byRay(Tile& tile, std::size_t from) const;
-    DeepCurve curveOf(const Sample* first, const Sample* last) const;
-    Sample compositeOf(const Sample*& sample, const DeepPiece& piece) const;
-    void compact(Tile& tile);
+    struct Tile;
+    void compact(Tile& tile) const;
     void count(std::size_t before, std::size_t after);
 
     const PixelTiles& m_pixels;

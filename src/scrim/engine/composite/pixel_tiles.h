@@ -1,14 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
-// The picture during a sweep: pixels in tiles of 16 x 16, so that the states of one task lie together in memory.
+// The picture during a sweep: pixels in tiles of 16 x 16, so that the states of one task lie together in memory;
+// and what hides parts of their rays.
 #pragma once
 
 #include <scrim/base/real.h>
 #include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
-#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/geometry/camera.h>
+#include <scrim/image/depth_picture.h>
+#include <scrim/scene/view_scene.h>
+#include <scrim/solid/solids.h>
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace scrim {
@@ -56,16 +63,16 @@ class PixelTiles {
     Real* states(int tile) { return m_states.data() + std::size_t(tile) * tileFloats(); }
     const Real* states(int tile) const { return m_states.data() + std::size_t(tile) * tileFloats(); }
     /// State of pixel (x, y) of the region.
-    const Real* state(int x, int y) const {
-        const Place at = placeOf(x, y);
-        return states(at.tile) + at.pixel * m_layout.floats();
-    }
+    const Real* state(int x, int y) const { return m_states.data() + indexOf(x, y) * std::size_t(m_layout.floats()); }
     /// Depths of a tile's pixels; 0: nothing is visible. Only valid if depths are kept.
     bool keepsDepth() const { return m_keepsDepth; }
     FirstDepth* depths(int tile) { return m_depth.data() + std::size_t(tile) * kTileSize; }
-    Real depth(int x, int y) const {
-        const Place at = placeOf(x, y);
-        return m_depth[std::size_t(at.tile) * kTileSize + std::size_t(at.pixel)].depth;
+    Real depth(int x, int y) const { return m_depth[indexOf(x, y)].depth; }
+    /// The index of pixel (x, y) of the region: tile after tile, kTileSize pixels each.
+    std::size_t indexOf(int x, int y) const {
+        const int dx = x - m_region.x0, dy = y - m_region.y0;
+        const int tile = dy / kTileEdge * m_tilesX + dx / kTileEdge;
+        return std::size_t(tile) * kTileSize + std::size_t(dy % kTileEdge * kTileEdge + dx % kTileEdge);
     }
     std::size_t bytes() const { return m_states.size() * sizeof(Real) + m_depth.size() * sizeof(FirstDepth); }
     bool opaque(int tile) const { return m_opaque[tile] != 0; }
@@ -79,13 +86,6 @@ class PixelTiles {
     bool anyOpen(const Box2<double>& positions) const { return anyOpen(tilesIn(positions)); }
 
   private:
-    struct Place {
-        int tile, pixel;
-    };
-    Place placeOf(int x, int y) const {
-        const int dx = x - m_region.x0, dy = y - m_region.y0;
-        return {dy / kTileEdge * m_tilesX + dx / kTileEdge, dy % kTileEdge * kTileEdge + dx % kTileEdge};
-    }
     std::size_t tileFloats() const { return std::size_t(kTileSize * m_layout.floats()); }
 
     PixelWindow m_region;
@@ -95,6 +95,43 @@ class PixelTiles {
     ZeroedArray<Real> m_states;
     ZeroedArray<FirstDepth> m_depth;
     std::vector<std::uint8_t> m_opaque;
+};
+
+/// Objects that hide parts of pixels' rays: solids and depth pictures, at which rays end, and samples of deep pictures,
+/// which hide in part.
+class EyeEnds {
+  public:
+    /// True if anything hides a part of the scene's rays.
+    static bool any(const ViewScene& scene);
+
+    /// Traces the rays through the centres of all pixels of `tiles`, those of the scene's antialiasing raster.
+    EyeEnds(const ViewScene& scene, const PixelTiles& tiles);
+
+    /// Depths along the viewing axis, for a tile's 256 pixels, from which on nothing is visible; infinity where nothing
+    /// hides. Null: nothing hides in the whole tile.
+    const double* depths(int tile) const { return orNull(m_depths[std::size_t(tile)]); }
+
+    /// The same for depths at which something begins that hides in part.
+    const double* thinFrom(int tile) const { return orNull(m_thin[std::size_t(tile)]); }
+
+    /// The fraction of the opacity of a homogeneous segment that is visible past objects that hide in part. The segment
+    /// lies on the ray at raster position (x, y) and has the optical depth `tau` over depths [near, far].
+    double seenShare(double x, double y, double near, double far, double tau) const;
+
+    std::size_t bytes() const;
+    /// Number of rays traced to solids.
+    std::uint64_t rays() const { return m_rays; }
+
+  private:
+    static const double* orNull(const std::vector<double>& own) { return own.empty() ? nullptr : own.data(); }
+    DepthPicture::Pieces piecesAt(double x, double y) const;
+    double unitAt(double x, double y) const;
+
+    std::shared_ptr<const DepthPicture> m_picture;
+    RayFamily m_rayFamily;
+    int m_antialias;
+    std::uint64_t m_rays = 0;
+    std::vector<std::vector<double>> m_depths, m_thin;  // one for each tile
 };
 
 }  // namespace scrim

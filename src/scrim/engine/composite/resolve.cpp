@@ -109,8 +109,8 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
             Real hidden[3];
             for (std::size_t c = 0; c < 3; ++c)
                 hidden[c] = static_cast<Real>(weight * group.primary) *
-                            (layout.seen > 0 ? sum.floats[std::size_t(4 * layout.quadOf(layout.seen)) + c]
-                                             : -sum.floats[layout.coloured ? opacities + c : opacities + 3]);
+                            (layout.seen ? sum.floats[std::size_t(4 * layout.quadOf(*layout.seen)) + c]
+                                         : -sum.floats[layout.coloured ? opacities + c : opacities + 3]);
             const Real alpha = layout.coloured ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
             pixel[3] = static_cast<float>(std::clamp(pixel[3] + alpha, Real(0), Real(1)));
 

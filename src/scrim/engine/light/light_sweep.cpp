@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace scrim {
 namespace {
@@ -26,6 +27,15 @@ double pathInSheets(const LightView& view) {
 
 }  // namespace
 
+// The data of one light's shadows; empty for an unshadowed one.
+struct LightSweep::Caster {
+    std::vector<std::unique_ptr<Shadow>> shadows;  // one for each extinction channel
+    std::unique_ptr<ExtinctionSum> ownSheets;      // only if the light has its own lattice
+    std::optional<SolidShadow> solids;
+};
+
+LightSweep::~LightSweep() = default;
+
 LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group)
     : m_scene(scene),
       m_group(group),
@@ -43,9 +53,11 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
                                                                group.batchSheets, ExtinctionSum::For::light);
         for (int i = 0; i < m_channels; ++i)
             if (light.lattice.shared())
-                caster.resampled.emplace_back(light.view, group.sheets, filter, lookUps, group.batchSheets, plan.simd);
+                caster.shadows.push_back(std::make_unique<ShadowBuffer>(light.view, group.sheets, filter, lookUps,
+                                                                        group.batchSheets, plan.simd));
             else
-                caster.aligned.emplace_back(light.lattice, group.sheets, filter, group.batchSheets, plan.simd);
+                caster.shadows.push_back(
+                    std::make_unique<ViewShadow>(light.lattice, group.sheets, filter, group.batchSheets, plan.simd));
     }
 }
 
@@ -59,48 +71,33 @@ void LightSweep::enterBatch(int firstSheet, int count) {
                 OnSheet& here = m_onSheets[p];
                 const Caster& caster = m_casters[i];
                 here.lights.push_back(*light);
-                for (int c = 0; c < m_channels; ++c) {
-                    const ShadowLookup* shadow = nullptr;
-                    if (!caster.resampled.empty()) shadow = &caster.resampled[c];
-                    if (!caster.aligned.empty()) shadow = &caster.aligned[c];
-                    here.shadows.push_back(shadow);
-                }
+                for (int c = 0; c < m_channels; ++c)
+                    here.shadows.push_back(caster.shadows.empty() ? nullptr : caster.shadows[c].get());
                 if (m_passSolids) here.solids.push_back(caster.solids ? &*caster.solids : nullptr);
             }
     }
 }
 
-// The paper's method (ZC02 Fig. 5, lines 10 and 17): footprints are splatted into the light's own sheets, and these
-// into its buffer.
-RenderWork LightSweep::attenuateAligned(Caster& caster, int firstSheet, int count) {
-    RenderWork work;
-    work.footprints = caster.ownSheets->splat(firstSheet, count);
-    for (int c = 0; c < m_channels; ++c) {
-        ViewShadow& shadow = caster.aligned[c];
-        shadow.beginBatch(firstSheet, count);
-        std::vector<std::uint64_t> samples(std::size_t(shadow.taskCount()));
-        parallelFor(samples.size(), [&](std::size_t task) {
-            samples[task] = shadow.attenuate(static_cast<int>(task), caster.ownSheets->total(c));
-        });
-        for (const std::uint64_t n : samples) work.lightSamples += n;
-    }
-    return work;
-}
-
 RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum& extinction) {
     enterBatch(firstSheet, count);
+    RenderWork work;
     struct Shadowed {
-        ShadowBuffer* shadow;
+        Shadow* shadow;
         const PlaneStack* extinction;
     };
     std::vector<Shadowed> shadowed;
-    for (Caster& caster : m_casters)
-        for (std::size_t c = 0; c < caster.resampled.size(); ++c) {
+    for (Caster& caster : m_casters) {
+        // The paper's method (ZC02 Fig. 5, lines 10 and 17): footprints are splatted into the light's own sheets, and
+        // these into its buffer.
+        if (caster.ownSheets) work.footprints += caster.ownSheets->splat(firstSheet, count);
+        const ExtinctionSum& sheets = caster.ownSheets ? *caster.ownSheets : extinction;
+        for (std::size_t c = 0; c < caster.shadows.size(); ++c) {
             // A channel may be empty where another one is looked up; light arrives there, too.
-            const PlaneStack& planes = extinction.total(static_cast<int>(c));
-            caster.resampled[c].beginBatch(firstSheet, count, planes, extinction.covered());
-            shadowed.push_back({&caster.resampled[c], &planes});
+            const PlaneStack& planes = sheets.total(static_cast<int>(c));
+            caster.shadows[c]->beginBatch(firstSheet, count, planes, sheets.covered());
+            shadowed.push_back({caster.shadows[c].get(), &planes});
         }
+    }
     struct Task {
         Shadowed of;
         int row;
@@ -115,12 +112,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     const auto sheets = std::size_t(count);
     parallelFor(shadowed.size() * sheets,
                 [&](std::size_t i) { shadowed[i / sheets].shadow->prefilter(static_cast<int>(i % sheets)); });
-    RenderWork work;
     for (const Task& task : tasks) work.lightSamples += task.samples;
-    for (Caster& caster : m_casters) {
-        if (!caster.ownSheets) continue;
-        work += attenuateAligned(caster, firstSheet, count);
-    }
     return work;
 }
 
@@ -153,22 +145,16 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     out.decay = light.point().decay;
     const double radius = std::max(light.point().radius, kLeastRadius * sheets.thickness);
     out.radius2 = static_cast<Real>(radius * radius);
+    const Vec3 axis = sheets.ssFromWs * light.wsDirection;
+    out.axisU = static_cast<Real>(axis.x);
+    out.axisV = static_cast<Real>(axis.y);
+    out.axisW = static_cast<Real>(axis.z);
+    out.oneSided = light.element() != nullptr;
     if (const Light::Spot* spot = light.spot()) {
         const SpotEdges edges(*spot);
-        const Vec3 axis = sheets.ssFromWs * light.wsDirection;
         out.spot = true;
-        out.axisU = static_cast<Real>(axis.x);
-        out.axisV = static_cast<Real>(axis.y);
-        out.axisW = static_cast<Real>(axis.z);
         out.cosOuter = static_cast<Real>(edges.outer);
         out.cosInner = static_cast<Real>(edges.inner);
-    }
-    if (light.element()) {
-        const Vec3 axis = sheets.ssFromWs * light.wsDirection;
-        out.oneSided = true;
-        out.axisU = static_cast<Real>(axis.x);
-        out.axisV = static_cast<Real>(axis.y);
-        out.axisW = static_cast<Real>(axis.z);
     }
     if (!plan.ssWindows.empty()) {
         out.windows = &plan.ssWindows;
@@ -188,8 +174,7 @@ std::uint64_t LightSweep::solidRays() const {
 std::size_t LightSweep::bytes() const {
     std::size_t sum = 0;
     for (const Caster& caster : m_casters) {
-        for (const ShadowBuffer& shadow : caster.resampled) sum += shadow.bytes();
-        for (const ViewShadow& shadow : caster.aligned) sum += shadow.bytes();
+        for (const auto& shadow : caster.shadows) sum += shadow->bytes();
         if (caster.ownSheets) sum += caster.ownSheets->bytes();
         if (caster.solids) sum += caster.solids->bytes();
     }

@@ -4,13 +4,11 @@
 #pragma once
 
 #include <scrim/engine/light/shadow_buffer.h>
-#include <scrim/engine/light/solid_shadow.h>
 #include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/light/sheet_light.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -19,6 +17,7 @@ namespace scrim {
 class LightSweep {
   public:
     LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group);
+    ~LightSweep();
 
     /// Carries all shadowed lights through sheets [firstSheet, firstSheet + count). `extinction` is that of the shared
     /// sheets; a light with its own lattice splats its own instead. Returns the light samples, and the footprints that
@@ -30,7 +29,7 @@ class LightSweep {
     struct OnSheet {
         int sheet = 0;
         std::vector<SheetLight> lights;
-        std::vector<const ShadowLookup*> shadows;
+        std::vector<const Shadow*> shadows;
         std::vector<const SolidShadow*> solids;  ///< one for each light, or nullptr; empty if the scene has no solids
     };
     /// True if solids cast shadows.
@@ -44,16 +43,8 @@ class LightSweep {
     static std::size_t shadowBytes(const PlannedLight& light, const Sheets& sheets, int batchSheets);
 
   private:
-    // The data of one light's shadows: a buffer for each extinction channel, resampled from the shared sheets, or, if
-    // the light has its own lattice, its own sheets and buffers.
-    struct Caster {
-        std::vector<ShadowBuffer> resampled;
-        std::unique_ptr<ExtinctionSum> ownSheets;
-        std::vector<ViewShadow> aligned;
-        std::optional<SolidShadow> solids;
-    };
+    struct Caster;
     void enterBatch(int firstSheet, int count);
-    RenderWork attenuateAligned(Caster& caster, int firstSheet, int count);
     std::optional<SheetLight> atSheet(std::size_t light, int sheet) const;
 
     const ViewScene& m_scene;
@@ -61,7 +52,7 @@ class LightSweep {
     int m_channels;
     bool m_passSolids;
     Simd m_simd;
-    std::vector<Caster> m_casters;  // one for each light of the group; empty for an unshadowed one
+    std::vector<Caster> m_casters;  // one for each light of the group
     std::vector<OnSheet> m_onSheets;
 };
 

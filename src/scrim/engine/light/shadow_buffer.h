@@ -9,30 +9,43 @@
 #include <scrim/engine/model/plan.h>
 #include <scrim/base/real.h>
 #include <scrim/base/zeroed_array.h>
-#include <scrim/engine/splat/plane_sampling.h>
 #include <scrim/engine/splat/plane_stack.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/scene/dials.h>
+#include <scrim/geometry/camera.h>
+#include <scrim/solid/solids.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace scrim {
 
-/// The interface of a shadow buffer for shading.
-class ShadowLookup {
+/// The shadow of all volumes in one light, carried from batch to batch.
+class Shadow {
   public:
-    virtual ~ShadowLookup() = default;
+    virtual ~Shadow() = default;
+    /// Prepares sheets [firstSheet, firstSheet + count), whose planes are in `extinction`. `covered` has active tiles
+    /// wherever there is extinction or the shadow will be looked up.
+    virtual void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) = 0;
+    /// The number of independent tasks of the batch, which are rows of tiles.
+    virtual int taskCount() const = 0;
+    /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's extinction
+    /// times the path through it. Returns the number of light samples taken.
+    virtual std::uint64_t attenuate(int task, const PlaneStack& extinction) = 0;
+    /// After all of `attenuate`: compensates for the blur of later look-ups in sheet s of the batch.
+    virtual void prefilter(int /*s*/) {}
     /// Tau at entry into sheet s of the batch for the 16 x 16 texels from (texelX, texelY), in rows of 16.
     virtual void lookUpTile(int s, int texelX, int texelY, Real* tau) const = 0;
     /// The same at 256 arbitrary texel positions.
     virtual void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const = 0;
+    virtual std::size_t bytes() const = 0;
 };
 
 /// A buffer that is resampled from the shared sheets. Only tiles of the raster that the sheet's active texels can see
 /// are touched.
-class ShadowBuffer final : public ShadowLookup {
+class ShadowBuffer final : public Shadow {
   public:
     /// `lookUps`: the number of bilinear look-ups between this buffer and the picture: one where pixels look into it,
     /// two where texels do and pixels look at the texels. See `prefilter`.
@@ -41,29 +54,22 @@ class ShadowBuffer final : public ShadowLookup {
 
     const LightView& view() const { return m_view; }
 
-    /// Prepares sheets [firstSheet, firstSheet + count), whose planes are in `extinction`: decides which tiles of the
-    /// raster take part. `covered` has active tiles wherever there is extinction or the buffer will be looked up.
-    void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered);
+    /// Decides which tiles of the raster take part.
+    void beginBatch(int firstSheet, int count, const PlaneStack& extinction, const PlaneStack& covered) override;
     void beginBatch(int firstSheet, int count, const PlaneStack& extinction) {
         beginBatch(firstSheet, count, extinction, extinction);
     }
+    int taskCount() const override { return m_windowTilesY; }
+    std::uint64_t attenuate(int task, const PlaneStack& extinction) override;
 
-    /// The number of independent tasks of the batch, which are rows of tiles.
-    int taskCount() const { return m_windowTilesY; }
-
-    /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's extinction
-    /// times the path through it. Returns the number of light samples taken.
-    std::uint64_t attenuate(int task, const PlaneStack& extinction);
-
-    /// Compensates for the blur of later look-ups, as PlaneStack::prefilter does for sheets: subtracts from tau at
-    /// entry into sheet s of the batch a twelfth of its second differences for each look-up. To be called after all of
-    /// `attenuate`; the values that the buffer carries on are not changed.
-    void prefilter(int s);
+    /// As PlaneStack::prefilter: subtracts from tau at entry a twelfth of its second differences for each look-up. The
+    /// values that the buffer carries on are not changed.
+    void prefilter(int s) override;
 
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
     void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
 
-    std::size_t bytes() const;
+    std::size_t bytes() const override;
     /// Upper bound on the bytes of a buffer.
     static std::size_t bytes(const LightView& view, const Sheets& sheets, int batchSheets);
 
@@ -92,23 +98,21 @@ class ShadowBuffer final : public ShadowLookup {
 /// The paper's shadow buffer: a raster aligned with its light (or with the image plane), into which the light's own
 /// footprints are splatted, sheet by sheet (ZC02 section 3.2; Fig. 5, lines 10, 14 and 17). Nothing is resampled on the
 /// way, since a cell is one light ray. Shading maps its points to the buffer by ZC02 eq. 4.
-class ViewShadow final : public ShadowLookup {
+class ViewShadow final : public Shadow {
   public:
     ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter filter, int batchSheets, Simd simd = {});
 
-    void beginBatch(int firstSheet, int count) {
+    void beginBatch(int firstSheet, int count, const PlaneStack&, const PlaneStack&) override {
         m_firstSheet = firstSheet;
         m_count = count;
     }
-    /// The number of independent tasks of a batch, which are rows of tiles.
-    int taskCount() const { return m_raster.height / kTileEdge; }
-    /// Carries one row of tiles through the batch's sheets; `extinction` has this raster. Returns light samples.
-    std::uint64_t attenuate(int task, const PlaneStack& extinction);
-
+    int taskCount() const override { return m_raster.height / kTileEdge; }
+    /// `extinction` has this raster.
+    std::uint64_t attenuate(int task, const PlaneStack& extinction) override;
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
     void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
 
-    std::size_t bytes() const { return (m_tau.size() + m_path.size() + m_entry.size()) * sizeof(Real); }
+    std::size_t bytes() const override { return (m_tau.size() + m_path.size() + m_entry.size()) * sizeof(Real); }
     static std::size_t bytes(const Lattice& raster, int batchSheets);
 
   private:
@@ -121,6 +125,30 @@ class ViewShadow final : public ShadowLookup {
     std::vector<Real> m_path;   // world length of each cell's ray through a sheet
     ZeroedArray<Real> m_tau;    // at entry of the next batch
     ZeroedArray<Real> m_entry;  // at entry of each sheet of the batch
+};
+
+/// Shadows of solids: for each ray of a light's raster, where it first meets a surface. In contrast to optical depth,
+/// this is known before the sweep begins, and is a single number for each ray.
+class SolidShadow {
+  public:
+    /// Traces the rays of `view`, a light of a sweep through `sheets`. `camera` tells which side of a surface is
+    /// visible.
+    SolidShadow(const Solids& solids, const LightView& view, const Sheets& sheets, const Camera& camera);
+
+    /// Multiplies `light` by the fraction, in [0, 1], that passes the solids to 256 texel positions of sheet n. It is
+    /// interpolated linearly between rays that pass and rays that do not.
+    void multiply(int n, const Real* u, const Real* v, Real* light) const;
+
+    std::uint64_t rays() const { return m_hits.size(); }
+    std::size_t bytes() const { return m_hits.size() * sizeof(float); }
+    static std::size_t bytes(const LightView& view) {
+        return std::size_t(view.width) * std::size_t(view.height) * sizeof(float);
+    }
+
+  private:
+    LightView m_view;
+    // The last N of a sheet that each ray lights, in rows of the raster; infinity: it lights all sheets.
+    std::vector<float> m_hits;
 };
 
 }  // namespace scrim

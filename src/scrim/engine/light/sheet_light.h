@@ -12,7 +12,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/scene/slide_map.h>
 
 #include <vector>

@@ -64,6 +64,20 @@ HWY_ATTR void fillRays(const RayRow& row, int j, RayTile& tile) {
     }
 }
 
+// Fills a tile of texels from (x, y) on. The slopes of the eye's rays there are slopeA + i * step and slopesB[j].
+HWY_ATTR void fillTexels(int x, int y, Real slopeA, Real step, const Real* slopesB, SampleTile& samples) {
+    const DF d;
+    for (int j = 0; j < kTileEdge; ++j)
+        for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
+            const int k = j * kTileEdge + i;
+            const auto column = hn::Iota(d, static_cast<Real>(i));
+            hn::Store(hn::Add(column, constant(static_cast<Real>(x))), d, samples.u + k);
+            hn::Store(constant(static_cast<Real>(y + j)), d, samples.v + k);
+            hn::Store(hn::MulAdd(column, constant(step), constant(slopeA)), d, samples.eyeA + k);
+            hn::Store(constant(slopesB[j]), d, samples.eyeB + k);
+        }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace scrim
 HWY_AFTER_NAMESPACE();
@@ -72,9 +86,13 @@ HWY_AFTER_NAMESPACE();
 namespace scrim {
 
 HWY_EXPORT(fillRays);
+HWY_EXPORT(fillTexels);
 
 EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
-    : m_orthographic(camera.type == CameraType::orthographic), m_simd(simd) {
+    : m_orthographic(camera.type == CameraType::orthographic),
+      m_simd(simd),
+      m_texel(sheets.texel),
+      m_thickness(sheets.thickness) {
     const RayFamily ws = wsRays(camera);
     m_ts.near = ws.near;
     m_ts.origin0 = sheets.tsPoint(ws.origin0);
@@ -87,24 +105,14 @@ EyeView::EyeView(const Camera& camera, const Sheets& sheets, Simd simd)
         m_rasterFromOffset = glm::inverse(Mat3(m_ts.originX, m_ts.originY, m_ts.direction0));
     else
         m_rasterFromOffset = glm::inverse(Mat3(m_ts.directionX, m_ts.directionY, m_ts.direction0));
-
-    const double toSlope = sheets.texel / sheets.thickness;
-    m_slopes.parallel = m_orthographic;
-    m_slopes.a = m_ts.direction0.x / m_ts.direction0.z * toSlope;
-    m_slopes.b = m_ts.direction0.y / m_ts.direction0.z * toSlope;
-    m_slopes.tsEye = m_ts.origin0;
 }
 
 EyeView::Ray EyeView::ray(double x, double y, double reference) const {
     const Vec3 o = m_ts.origin(x, y), d = m_ts.direction(x, y);
-    const double slopeU = d.x / d.z, slopeV = d.y / d.z;
+    const double slopeU = d.x / d.z, slopeV = d.y / d.z, stepDepth = 1 / d.z;
     const double away = reference - o.z;
-    return {o.x + slopeU * away, o.y + slopeV * away, slopeU, slopeV, o.z + m_ts.near * d.z};
-}
-
-EyeView::Depths EyeView::depths(double x, double y) const {
-    const double originN = m_ts.origin(x, y).z, step = 1 / m_ts.direction(x, y).z;
-    return {-originN * step, step, m_ts.near};
+    return {o.x + slopeU * away,   o.y + slopeV * away, slopeU,   slopeV,
+            o.z + m_ts.near * d.z, away * stepDepth,    stepDepth};
 }
 
 RayTile EyeView::rays(int x0, int y0, double reference) const {
@@ -149,6 +157,28 @@ Lattice EyeView::lattice(const PixelWindow& region, int guardTiles) const {
     const glm::dvec4 x = row(0) + shift[0] * w, y = row(1) + shift[1] * w;
     for (int c = 0; c < 4; ++c) raster.rsFromTs[c] = {x[c], y[c], c == 2 ? 1.0 : 0.0, w[c]};
     return raster;
+}
+
+void EyeView::setTexels(double middle, int texelX, int texelY, SampleTile& samples) const {
+    setDepth(middle, samples);
+    Real slopesB[kTileEdge];
+    if (m_orthographic) {
+        const double toSlope = m_texel / m_thickness;
+        const Vec3& way = m_ts.direction0;
+        std::fill_n(slopesB, kTileEdge, static_cast<Real>(way.y / way.z * toSlope));
+        SCRIM_ON_TARGET(m_simd, fillTexels)
+        (texelX, texelY, static_cast<Real>(way.x / way.z * toSlope), 0, slopesB, samples);
+        return;
+    }
+    // For rays from a point, slope = offset / distance along w. Within half a sheet of the eye slopes grow without
+    // bounds. Rays that have crossed a sheet do not see texels there, so these only need to stay finite.
+    const Vec3& eye = m_ts.origin0;
+    double away = middle - eye.z;
+    if (away > -0.25 && away < 0.25) away = away < 0 ? -0.25 : 0.25;
+    const double scale = m_texel / (m_thickness * away);
+    for (int j = 0; j < kTileEdge; ++j) slopesB[j] = static_cast<Real>((texelY + j - eye.y) * scale);
+    SCRIM_ON_TARGET(m_simd, fillTexels)
+    (texelX, texelY, static_cast<Real>((texelX - eye.x) * scale), static_cast<Real>(scale), slopesB, samples);
 }
 
 SampleSpacing EyeView::pixelSpacing(double middle) const {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/model/plan.h>
+#include <scrim/base/error.h>
 
 #include <algorithm>
+
+#include <fmt/format.h>
 
 namespace scrim {
 namespace {
@@ -13,6 +16,63 @@ double rampAt(const Vec2& ramp, double position) {
 }
 
 }  // namespace
+
+SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
+                           const std::vector<int>& scattered) {
+    SweepOutputs outputs;
+    OutputLayout& layout = outputs.layout;
+    const auto wants = [&](Layer layer) { return scrim::wants(scene, layer); };
+    const auto add = [&](Layer layer, int light = -1, int place = -1) {
+        outputs.list.push_back({layer, light, place});
+        return static_cast<int>(outputs.list.size());
+    };
+    for (const int light : lights) {
+        const auto known = std::find_if(outputs.list.begin(), outputs.list.end(),
+                                        [&](const Output& output) { return output.light == light; });
+        const bool isNew = known == outputs.list.end();
+        outputs.ofLights.push_back(!wants(Layer::light) ? 0
+                                   : isNew              ? add(Layer::light, light)
+                                                        : static_cast<int>(known - outputs.list.begin()) + 1);
+    }
+    // The sweeps that own alpha show the multiply scattered part of a light.
+    for (const int light : scattered)
+        if (primary && wants(Layer::light) &&
+            std::find(outputs.list.begin(), outputs.list.end(), Output{Layer::light, light}) == outputs.list.end())
+            add(Layer::light, light);
+    const bool lit = scene.ambient != Rgb(0);
+    if (primary && wants(Layer::ambient) && lit) layout.ambient = add(Layer::ambient);
+    if (primary && wants(Layer::emission)) layout.emission = add(Layer::emission);
+    layout.beautyParts = static_cast<int>(outputs.list.size()) + 1;
+    if (primary && wants(Layer::albedo)) layout.albedo = add(Layer::albedo);
+    if (primary && wants(Layer::depth)) layout.depth = add(Layer::depth);
+    if (primary && wants(Layer::motion)) layout.motion = add(Layer::motion);
+    for (std::size_t v = 0; wants(Layer::volume) && v < scene.volumes.size(); ++v)
+        outputs.ofVolumes.push_back(add(Layer::volume, -1, placeOf(scene, v)));
+    layout.outputs = static_cast<int>(outputs.list.size()) + 1;
+    if (primary && holdsOut(scene)) layout.seen = layout.outputs++;
+    layout.coloured = coloured;
+    // An output that is the sum of other existing outputs needs no quad of its own.
+    const bool emits = std::any_of(scene.volumes.begin(), scene.volumes.end(),
+                                   [](const ViewVolume& volume) { return !volume.emission.empty(); });
+    const bool ambientLeft = primary && lit && layout.ambient == 0;
+    const bool emissionLeft = primary && emits && layout.emission == 0;
+    const bool lightsLeft = (!lights.empty() || (primary && !scattered.empty())) && !wants(Layer::light);
+    layout.beauty = layout.beautyParts == 1 || ambientLeft || emissionLeft || lightsLeft;
+    constexpr int kMostOutputs = 250;
+    if (layout.outputs > kMostOutputs)
+        throw Error(ErrorKind::usage, fmt::format("{} layers are requested; at most {} can be rendered at once",
+                                                  layout.outputs - 1, kMostOutputs - 1));
+    return outputs;
+}
+
+std::size_t layerCount(const ViewScene& scene) {
+    std::size_t count = 0;
+    for (const Layer layer : scene.layers)
+        count += layer == Layer::light || layer == Layer::shadow ? scene.lights.size()
+                 : layer == Layer::volume                        ? placesOf(scene)
+                                                                 : 1;
+    return count;
+}
 
 std::vector<int> TransportPlan::lights() const {
     std::vector<int> all;

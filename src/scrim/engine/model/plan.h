@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // The contents of a plan: everything that is decided before the first voxel is read, as plain data. The rooms that
-// splat, light, shade and composite read it; the room `plan`, above them, makes it.
+// splat, light, shade and composite read it; the room `plan`, above them, makes it. It begins with the outputs of a
+// sweep (AOVs): the beauty, which is number 0, and those that are composited beside it.
 #pragma once
 
 #include <scrim/base/real.h>
 #include <scrim/base/simd.h>
-#include <scrim/engine/model/outputs.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/geometry/box2.h>
 #include <scrim/geometry/lattice.h>
@@ -21,18 +22,66 @@
 
 namespace scrim {
 
+/// An output beside the beauty. There is one of Layer::light for every light, and one of Layer::volume for every
+/// volume.
+struct Output {
+    Layer layer = Layer::light;
+    int light = -1;  ///< for lights: index into ViewScene::lights
+    int place = -1;  ///< for volumes: index into Scene::volumes
+
+    bool operator==(const Output&) const = default;
+};
+
+/// A sample consists of quads of floats: one for each output, with the sample's opacity. With grey extinction, every
+/// quad is (S.rgb, -alpha). With `coloured` extinction, quads are (S.rgb, 0), followed by one quad of opacities that
+/// all share: (-alpha.rgb, -the least of the three). Compositing has only these two forms, whatever the outputs are.
+///
+/// Without `beauty`, output 0 has no quad of its own: all of its parts have one, and they are added up at the end.
+struct OutputLayout {
+    int outputs = 1;  ///< including the beauty
+    bool coloured = false;
+    bool beauty = true;
+    int ambient = 0, emission = 0;             ///< the outputs that receive light which belongs to no light
+    std::optional<int> albedo, depth, motion;  ///< the outputs of these layers, where they are asked for
+    /// The output for the opacity of what is visible, in each channel, if something hides without being visible. It is
+    /// then the picture's alpha. It is not a layer, and is the last output.
+    std::optional<int> seen;
+    int beautyParts = 1;  ///< outputs [1, beautyParts) are parts of the beauty
+
+    bool beautyAlone() const { return outputs == 1 && !coloured && beauty; }
+    /// The index of an output's quad.
+    int quadOf(int output) const { return beauty ? output : output - 1; }
+    int outputQuads() const { return quadOf(outputs); }
+    int quads() const { return outputQuads() + (coloured ? 1 : 0); }
+    int floats() const { return 4 * quads(); }
+};
+
+/// The outputs that one sweep composites: only those that it contributes to.
+struct SweepOutputs {
+    std::vector<Output> list;  ///< element i is output i + 1
+    OutputLayout layout;
+    std::vector<int> ofLights;        ///< the output of each of the sweep's lights
+    std::vector<int> ofVolumes = {};  ///< the output of each of ViewScene::volumes; 0: none
+};
+
+/// The outputs of a sweep with these lights (indices into ViewScene::lights, possibly repeated). `primary`: the sweep
+/// owns alpha, ambient light, emission, and multiply scattered light from the lights `scattered`. Throws Error(usage)
+/// if there are too many.
+SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
+                           const std::vector<int>& scattered = {});
+
+/// The number of pictures beside the beauty in a frame of `scene`.
+std::size_t layerCount(const ViewScene& scene);
+
 /// Extinction in colour c is the sum over extinction channels of (channel's value) * tints[channel][c]. A scene without
 /// colours has one white channel. With up to three tints there is a channel for each tint, with more there are the
 /// channels red, green and blue. Thus sheets and shadow buffers are scalar whatever the colours are.
 struct ExtinctionChannels {
     bool coloured = false;
     std::vector<Rgb> tints{Rgb(1)};
-    /// A volume's contribution to a channel: its extinction in the colour where it is largest, times `weight`.
-    struct Share {
-        int channel = 0;
-        Real weight = 1;
-    };
-    std::vector<std::vector<Share>> shares;  ///< for each volume of the scene
+    /// For each volume of the scene, by channel: the factor on the volume's extinction in the colour where it is
+    /// largest.
+    std::vector<std::vector<Real>> weights;
 
     int count() const { return static_cast<int>(tints.size()); }
 };
@@ -177,14 +226,6 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 }
 
 struct Plan {
-    /// Rough counts of the work ahead, by what each stage does.
-    struct Work {
-        double footprints = 0;    ///< voxel and sheet pairs
-        double texels = 0;        ///< upper bound on shaded texels
-        double lightSamples = 0;  ///< upper bound on shadow buffer cells walked
-        double pixelSheets = 0;   ///< upper bound on pixel and sheet pairs composited
-    };
-
     TransportPlan transport;        ///< for multiply scattered light
     CellLightPlan cellLights;       ///< for single scattering of extended lights
     SubLights subLights;            ///< the lights that the engine uses; empty: those of the scene
@@ -208,7 +249,9 @@ struct Plan {
     /// limit.
     std::size_t deepBytes = 0;
     std::size_t mostDeepBytes = 0;  ///< limit on the samples of a sweep by the memory limit; 0: none
-    Work work;
+    /// Rough counts of the work ahead: of footprints, and upper bounds on shaded texels, on cells of shadow buffers
+    /// walked, and on pixel and sheet pairs.
+    RenderWork work;
 };
 
 /// lightOf: light `i` of the plan. ownerOf: the light of the scene that it belongs to.

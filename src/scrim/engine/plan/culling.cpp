@@ -30,11 +30,24 @@ bool contains(const std::array<Vec3, 8>& c, const Vec3& p) {
     return std::min({at.x, at.y, at.z}) >= 0 && std::max({at.x, at.y, at.z}) <= 1;
 }
 
-}  // namespace
+// The part of space that a picture shows.
+class ViewFrustum {
+  public:
+    ViewFrustum(const Camera& camera, const PixelWindow& window);
 
-double ViewFrustum::Plane::side(const Vec3& ws) const {
-    return glm::dot(normal, ws) - offset;
-}
+    // See visibleParts.
+    std::vector<Vec3> visiblePart(const std::array<Vec3, 8>& wsCorners) const;
+    std::vector<Vec3> visibleParts(const std::vector<Vec3>& wsCorners) const;
+
+  private:
+    struct Plane {
+        Vec3 normal;  // points to the inside
+        double offset;
+        double side(const Vec3& ws) const { return glm::dot(normal, ws) - offset; }
+    };
+    std::vector<Plane> m_planes;
+    std::vector<Vec3> m_corners;  // corners of the near plane, or the eye
+};
 
 ViewFrustum::ViewFrustum(const Camera& camera, const PixelWindow& window) {
     const RayFamily rays = wsRays(camera);
@@ -98,12 +111,6 @@ std::vector<Vec3> ViewFrustum::visibleParts(const std::vector<Vec3>& wsCorners) 
     return visible;
 }
 
-namespace {
-
-bool litBy(const std::vector<bool>& lights, std::size_t light) {
-    return lights.empty() || lights[light];
-}
-
 bool scatters(const ViewVolume& volume) {
     if (volume.field->empty()) return false;
     if (volume.classified) return true;
@@ -139,6 +146,10 @@ bool shadowReaches(const Light& light, const std::vector<Vec3>& from, const std:
 }
 
 }  // namespace
+
+std::vector<Vec3> visibleParts(const Camera& camera, const PixelWindow& window, const std::vector<Vec3>& wsCorners) {
+    return ViewFrustum(camera, window).visibleParts(wsCorners);
+}
 
 std::vector<std::string> culledLights(const ViewScene& scene) {
     const ViewFrustum frustum(scene.camera, wholePicture(scene));

@@ -11,34 +11,16 @@
 #include <scrim/image/image.h>
 #include <scrim/scene/view_scene.h>
 
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace scrim {
 
-/// The part of space that a picture shows.
-class ViewFrustum {
-  public:
-    /// The space that the pixels of `window` show, including half a pixel around them.
-    ViewFrustum(const Camera& camera, const PixelWindow& window);
-
-    /// Points whose convex hull is the visible part of a parallelepiped, which is given by its corners in the order of
-    /// Bounds::corners(). Empty if no part of it is visible.
-    std::vector<Vec3> visiblePart(const std::array<Vec3, 8>& wsCorners) const;
-    /// The same for several, eight corners each, in one list.
-    std::vector<Vec3> visibleParts(const std::vector<Vec3>& wsCorners) const;
-
-  private:
-    struct Plane {
-        Vec3 normal;  // points to the inside
-        double offset;
-        double side(const Vec3& ws) const;
-    };
-    std::vector<Plane> m_planes;
-    std::vector<Vec3> m_corners;  // corners of the near plane, or the eye
-};
+/// Points whose convex hull is the part that the pixels of `window`, and half a pixel around them, show of a
+/// parallelepiped, which is given by its corners in the order of Bounds::corners(). Of several, eight corners each, all
+/// such points. Empty if nothing is visible.
+std::vector<Vec3> visibleParts(const Camera& camera, const PixelWindow& window, const std::vector<Vec3>& wsCorners);
 
 /// For each light the reason why it is culled because it contributes nothing; empty if it may contribute.
 std::vector<std::string> culledLights(const ViewScene& scene);

@@ -8,13 +8,13 @@
 #include <scrim/scene/slide_map.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
-#include <scrim/engine/plan/rasters.h>
 #include <scrim/engine/plan/sheet_stack.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/splat/extinction_sum.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <tuple>
 
@@ -60,7 +60,7 @@ void chooseBatch(const ViewScene& scene, int threads, std::size_t frameBytes, co
 }
 
 void estimateWork(const ViewScene& scene, Plan& plan) {
-    double voxels = 0;
+    double voxels = 0, footprints = 0, allTexels = 0, lightSamples = 0, pixelSheets = 0;
     for (const ViewVolume& volume : scene.volumes) {
         voxels += static_cast<double>(volume.field->activeVoxels);
         for (const ViewField& scatter : volume.scatter) voxels += static_cast<double>(scatter.field->activeVoxels);
@@ -72,14 +72,18 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
         // A voxel reaches all sheets within its kernel's extent: about one sheet more than its width.
         const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
-        plan.work.footprints += share * voxels * reach;
-        plan.work.texels += texels;
-        plan.work.pixelSheets += pixels * (group.needed.last - group.needed.first);
+        footprints += share * voxels * reach;
+        allTexels += texels;
+        pixelSheets += pixels * (group.needed.last - group.needed.first);
         for (const PlannedLight& light : group.lights)
             if (light.shadowed)
-                plan.work.lightSamples +=
-                    plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
+                lightSamples += plan.extinction.count() * texels / (scene.dials.shadowTexel * scene.dials.shadowTexel);
     }
+    const auto counted = [](double count) { return static_cast<std::uint64_t>(std::min(count, 1e18)); };
+    plan.work.footprints = counted(footprints);
+    plan.work.texelsShaded = counted(allTexels);
+    plan.work.lightSamples = counted(lightSamples);
+    plan.work.pixelSheets = counted(pixelSheets);
 }
 
 // The owners of the group's lights, as indices into the scene's lights.
@@ -184,12 +188,6 @@ constexpr std::size_t kColours = 3;
 // A volume's tint. Classified volumes are grey, since a transfer function has one extinction.
 Rgb tintOf(const ViewVolume& volume) {
     return volume.classified ? Rgb(1) : volume.medium.relativeTint();
-}
-
-Bounds wsBounds(const ViewScene& scene) {
-    Bounds ws;
-    for (const Vec3& corner : wsCorners(scene)) ws.include(corner);
-    return ws;
 }
 
 // The reason why a slide needs shading at pixels: texels blur features that are less than two texels wide. (A slide of
@@ -299,8 +297,8 @@ std::size_t bytesOfFrame(const ViewScene& scene, const Plan& plan) {
     constexpr std::size_t kDepthFloats = sizeof(PixelTiles::FirstDepth) / sizeof(Real);
     std::size_t floats = 4;
     for (const GroupPlan& group : plan.groups)
-        floats = std::max(
-            floats, std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth > 0 ? kDepthFloats : 0)));
+        floats = std::max(floats,
+                          std::size_t(group.outputs.layout.floats() + (group.outputs.layout.depth ? kDepthFloats : 0)));
     return pixels * floats * sizeof(Real) + std::size_t(scene.region.width()) * std::size_t(scene.region.height()) *
                                                 (4 + 3 * layerCount(scene)) * sizeof(float);
 }
@@ -319,20 +317,18 @@ ExtinctionChannels extinctionChannels(const ViewScene& scene) {
     channels.tints.clear();
     for (const ViewVolume& volume : scene.volumes) {
         const Rgb tint = tintOf(volume);
-        const auto known = std::find(channels.tints.begin(), channels.tints.end(), tint);
-        channels.shares.push_back({{static_cast<int>(known - channels.tints.begin()), 1}});
-        if (known == channels.tints.end()) channels.tints.push_back(tint);
+        if (std::find(channels.tints.begin(), channels.tints.end(), tint) == channels.tints.end())
+            channels.tints.push_back(tint);
         channels.coloured = channels.coloured || tint != Rgb(1);
     }
     if (channels.tints.empty()) channels.tints.emplace_back(1);
-    if (channels.tints.size() <= kColours) return channels;
-
-    channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        const Rgb tint = tintOf(scene.volumes[v]);
-        channels.shares[v].clear();
-        for (int c = 0; c < static_cast<int>(kColours); ++c)
-            if (tint[c] > 0) channels.shares[v].push_back({c, static_cast<Real>(tint[c])});
+    const bool perTint = channels.tints.size() <= kColours;
+    if (!perTint) channels.tints = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (const ViewVolume& volume : scene.volumes) {
+        const Rgb tint = tintOf(volume);
+        std::vector<Real>& weights = channels.weights.emplace_back();
+        for (int i = 0; i < channels.count(); ++i)
+            weights.push_back(!perTint ? static_cast<Real>(tint[i]) : channels.tints[std::size_t(i)] == tint ? 1 : 0);
     }
     return channels;
 }
@@ -390,9 +386,9 @@ double expectedSeconds(const ViewScene& scene, const Plan& plan, int threads) {
     constexpr double kTexel = 2e-9, kLightSample = 1e-9, kPixelSheet = 1.5e-9, kStart = 5e-3;
     const double across = kReach / scene.dials.texel;
     const double views = plan.perView && !plan.groups.empty() ? 1.0 + double(plan.groups.front().lights.size()) : 1.0;
-    const double work = plan.work.footprints * views * (kFootprint + kFootprintTexel * across * across) +
-                        plan.work.texels * kTexel + plan.work.lightSamples * kLightSample +
-                        plan.work.pixelSheets * kPixelSheet * (plan.shadeAtPixels ? 3 : 1);
+    const double work = double(plan.work.footprints) * views * (kFootprint + kFootprintTexel * across * across) +
+                        double(plan.work.texelsShaded) * kTexel + double(plan.work.lightSamples) * kLightSample +
+                        double(plan.work.pixelSheets) * kPixelSheet * (plan.shadeAtPixels ? 3 : 1);
     return kStart + work / threads;
 }
 

@@ -143,10 +143,10 @@ std::string planAsJson(const ViewScene& scene, const Plan& plan) {
              {"groups", groups},
              {"bytes", plan.bytes},
              {"expected_work",
-              {{"footprints", times * plan.work.footprints},
-               {"texels", times * plan.work.texels},
-               {"light_samples", times * plan.work.lightSamples},
-               {"pixel_sheets", times * plan.work.pixelSheets}}}};
+              {{"footprints", times * double(plan.work.footprints)},
+               {"texels", times * double(plan.work.texelsShaded)},
+               {"light_samples", times * double(plan.work.lightSamples)},
+               {"pixel_sheets", times * double(plan.work.pixelSheets)}}}};
     if (scene.deep) out["deep_bytes"] = plan.deepBytes;
     return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
@@ -163,8 +163,8 @@ std::string planAsTable(const ViewScene& scene, const Plan& plan) {
     text += fmt::format("{:<23} {}\n", "memory without fields", bytesText(plan.bytes));
     if (scene.deep) text += fmt::format("{:<23} {} of it at most\n", "deep picture", bytesText(plan.deepBytes));
     text += fmt::format("{:<23} {:.3g} footprints, {:.3g} texels, {:.3g} light samples, {:.3g} pixel sheets\n",
-                        "expected work", times * plan.work.footprints, times * plan.work.texels,
-                        times * plan.work.lightSamples, times * plan.work.pixelSheets);
+                        "expected work", times * double(plan.work.footprints), times * double(plan.work.texelsShaded),
+                        times * double(plan.work.lightSamples), times * double(plan.work.pixelSheets));
     return text;
 }
 

@@ -31,6 +31,14 @@ Mat4 wsFromTs(const Sheets& sheets) {
 
 }  // namespace
 
+struct ScreenMotion::Volume {
+    Mat4 rasterFromTs;    // at the next frame
+    Mat4 rasterFromFlow;  // change for each unit of velocity
+    Vec3 least, most;     // range of the velocity grid
+};
+
+ScreenMotion::~ScreenMotion() = default;
+
 ScreenMotion::ScreenMotion(const ViewScene& scene, const Sheets& sheets) {
     const Mat4 fromTs = wsFromTs(sheets);
     const Mat4 now = rasterFromWs(scene.camera), next = rasterFromWs(scene.nextCamera.value_or(scene.camera));

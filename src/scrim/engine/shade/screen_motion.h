@@ -3,7 +3,7 @@
 // the camera. It is separate from shading, which only carries the result, weighted by opacity.
 #pragma once
 
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/scene/view_scene.h>
 
@@ -16,6 +16,7 @@ namespace scrim {
 class ScreenMotion {
   public:
     ScreenMotion(const ViewScene& scene, const Sheets& sheets);
+    ~ScreenMotion();
 
     /// A volume's contribution to the samples of a tile, 256 values each.
     struct Part {
@@ -30,11 +31,7 @@ class ScreenMotion {
     void fill(double middle, const SampleTile& samples, std::span<const Part> parts, Real* right, Real* up) const;
 
   private:
-    struct Volume {
-        Mat4 rasterFromTs;    // at the next frame
-        Mat4 rasterFromFlow;  // change for each unit of velocity
-        Vec3 least, most;
-    };
+    struct Volume;
     Mat4 m_rasterFromTs;  // homogeneous: (x w, y w, 0, w)
     std::vector<Volume> m_volumes;
 };

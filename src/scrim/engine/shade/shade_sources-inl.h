@@ -111,7 +111,7 @@ HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int 
 // Adds all light that does not come directly from lights.
 HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
-    if (!ambient && input.emissions.empty() && input.scattered.empty() && input.layout.albedo < 0) return;
+    if (!ambient && input.emissions.empty() && input.scattered.empty() && !input.layout.albedo) return;
     fillThrough(input, w);
     if (ambient) {
         addEnvironment(
@@ -130,9 +130,9 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
         w.done.scattered += kTileSize;
     }
     constexpr Real kWhite[3] = {1, 1, 1};
-    if (input.layout.albedo >= 0)
+    if (input.layout.albedo)
         addEnvironment(
-            input, kWhite, input.layout.albedo, false, [](const SheetSurface&) { return Real(1); }, w);
+            input, kWhite, *input.layout.albedo, false, [](const SheetSurface&) { return Real(1); }, w);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -68,15 +68,20 @@ HWY_ATTR void meetPoint(const ShadeInput& input, const SheetLight& light, Incide
     });
 }
 
+// The cosine between the light's ray and an axis.
+HWY_ATTR HWY_INLINE VF cosineTo(Real axisU, Real axisV, Real axisW, const Incidence& in, int k) {
+    const auto along =
+        hn::MulAdd(load(in.a, k), constant(axisU), hn::MulAdd(load(in.b, k), constant(axisV), constant(axisW)));
+    return hn::Div(along, load(in.slant, k));
+}
+
 // Applies a spot's cone: smooth between the cosines of its outer and inner angle.
 HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
     const DF d;
     const auto outer = constant(light.cosOuter);
     const auto inverse = constant(1 / (light.cosInner - light.cosOuter));
     forSamples([&](int k) HWY_ATTR {
-        const auto along = hn::MulAdd(load(in.a, k), constant(light.axisU),
-                                      hn::MulAdd(load(in.b, k), constant(light.axisV), constant(light.axisW)));
-        const auto cosine = hn::Div(along, load(in.slant, k));
+        const auto cosine = cosineTo(light.axisU, light.axisV, light.axisW, in, k);
         auto t = hn::Mul(hn::Sub(cosine, outer), inverse);
         t = hn::Min(hn::Max(t, constant(0)), constant(1));
         const auto smooth = hn::Mul(hn::Mul(t, t), hn::NegMulAdd(constant(2), t, constant(3)));
@@ -88,9 +93,7 @@ HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
 HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
     const DF d;
     forSamples([&](int k) HWY_ATTR {
-        const auto along = hn::MulAdd(load(in.a, k), constant(light.axisU),
-                                      hn::MulAdd(load(in.b, k), constant(light.axisV), constant(light.axisW)));
-        const auto cosine = hn::Max(hn::Div(along, load(in.slant, k)), constant(0));
+        const auto cosine = hn::Max(cosineTo(light.axisU, light.axisV, light.axisW, in, k), constant(0));
         hn::Store(hn::Mul(load(in.irradiance, k), cosine), d, in.irradiance + k);
     });
 }
@@ -103,10 +106,9 @@ HWY_ATTR void limitToWindow(const SheetLight& light, Incidence& in) {
         auto own = constant(0), sum = constant(0);
         for (std::size_t i = 0; i < light.windows->size(); ++i) {
             const Vec3& axis = (*light.windows)[i];
-            const auto along = hn::MulAdd(
-                load(in.a, k), constant(static_cast<Real>(axis.x)),
-                hn::MulAdd(load(in.b, k), constant(static_cast<Real>(axis.y)), constant(static_cast<Real>(axis.z))));
-            auto t = hn::Max(hn::Sub(hn::Div(along, load(in.slant, k)), edge), constant(0));
+            const auto cosine =
+                cosineTo(static_cast<Real>(axis.x), static_cast<Real>(axis.y), static_cast<Real>(axis.z), in, k);
+            auto t = hn::Max(hn::Sub(cosine, edge), constant(0));
             t = hn::Mul(t, t);
             sum = hn::Add(sum, t);
             if (static_cast<int>(i) == light.window) own = t;

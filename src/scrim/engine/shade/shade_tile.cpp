@@ -184,7 +184,7 @@ HWY_ATTR void fillSeen(const ShadeInput& input, const Rows& opacity, Work& w) {
     if (input.seen[0] && input.coloured) mix(input, input.seen, seen);
     for (int c = 0; c < 3; ++c) {
         const Real* hides = opacity.values[input.coloured ? c : 0];
-        Real* to = outputRow(input, w, input.layout.seen, c);
+        Real* to = outputRow(input, w, *input.layout.seen, c);
         if (!input.seen[0]) {
             std::copy_n(hides, kTileSize, to);
             continue;
@@ -205,8 +205,8 @@ HWY_ATTR void fillDepth(const ShadeInput& input, const Rows& opacity, Work& w) {
     const SampleTile& s = *input.samples;
     for (int c = 0; c < 3; ++c) {
         const Real* hides =
-            input.layout.seen > 0 ? outputRow(input, w, input.layout.seen, c) : opacity.values[input.coloured ? c : 0];
-        Real* to = outputRow(input, w, input.layout.depth, c);
+            input.layout.seen ? outputRow(input, w, *input.layout.seen, c) : opacity.values[input.coloured ? c : 0];
+        Real* to = outputRow(input, w, *input.layout.depth, c);
         forSamples([&](int k) HWY_ATTR {
             const auto depth = hn::MulAdd(load(s.u, k), constant(s.depthU),
                                           hn::MulAdd(load(s.v, k), constant(s.depthV), constant(s.depth)));
@@ -220,7 +220,7 @@ HWY_ATTR void fillMotion(const ShadeInput& input, const Rows& opacity, Work& w) 
     const DF d;
     for (int c = 0; c < 2; ++c) {
         const Real* hides = opacity.values[input.coloured ? c : 0];
-        Real* to = outputRow(input, w, input.layout.motion, c);
+        Real* to = outputRow(input, w, *input.layout.motion, c);
         forSamples([&](int k) HWY_ATTR { hn::Store(hn::Mul(load(input.motion[c], k), load(hides, k)), d, to + k); });
     }
 }
@@ -244,9 +244,9 @@ HWY_ATTR void writeOutputs(const ShadeInput& input, Work& w, Real* out) {
         forSamples([&](int k)
                        HWY_ATTR { hn::Store(oneMinusExp(load(w.tauEye.values[c], k)), d, opacity.values[c] + k); });
     if (layout.beauty) addUp(input, w);
-    if (input.layout.seen >= 0) fillSeen(input, opacity, w);
-    if (input.layout.depth >= 0) fillDepth(input, opacity, w);
-    if (input.layout.motion >= 0) fillMotion(input, opacity, w);
+    if (layout.seen) fillSeen(input, opacity, w);
+    if (layout.depth) fillDepth(input, opacity, w);
+    if (layout.motion) fillMotion(input, opacity, w);
     const int stride = layout.floats();
     for (int p = layout.beauty ? 0 : 1; p < layout.outputs; ++p) {
         Real* quad = out + 4 * layout.quadOf(p);
@@ -278,30 +278,6 @@ HWY_ATTR ShadeWork shadeTileOnTarget(const ShadeInput& input, Real* out) {
     return w.done;
 }
 
-HWY_ATTR void texelSamplesOnTarget(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                                   SampleTile& samples) {
-    const DF d;
-    // For rays from a point, slope = offset / distance along w. Within half a sheet of the eye slopes grow without
-    // bounds. Rays that have crossed a sheet do not see texels there, so these only need to stay finite.
-    double away = middle - eye.tsEye.z;
-    if (away > -0.25 && away < 0.25) away = away < 0 ? -0.25 : 0.25;
-    const double scale = sheets.texel / (sheets.thickness * away);
-    const auto step = constant(static_cast<Real>(scale));
-    const Real a0 = static_cast<Real>((texelX - eye.tsEye.x) * scale);
-    for (int j = 0; j < kTileEdge; ++j) {
-        const Real b = static_cast<Real>(eye.parallel ? eye.b : (texelY + j - eye.tsEye.y) * scale);
-        for (int i = 0; i < kTileEdge; i += static_cast<int>(hn::Lanes(d))) {
-            const int k = j * kTileEdge + i;
-            const auto column = hn::Iota(d, static_cast<Real>(i));
-            hn::Store(hn::Add(column, constant(static_cast<Real>(texelX))), d, samples.u + k);
-            hn::Store(constant(static_cast<Real>(texelY + j)), d, samples.v + k);
-            hn::Store(eye.parallel ? constant(static_cast<Real>(eye.a)) : hn::MulAdd(column, step, constant(a0)), d,
-                      samples.eyeA + k);
-            hn::Store(constant(b), d, samples.eyeB + k);
-        }
-    }
-}
-
 }  // namespace HWY_NAMESPACE
 }  // namespace scrim
 HWY_AFTER_NAMESPACE();
@@ -310,15 +286,9 @@ HWY_AFTER_NAMESPACE();
 namespace scrim {
 
 HWY_EXPORT(shadeTileOnTarget);
-HWY_EXPORT(texelSamplesOnTarget);
 
 ShadeWork shadeTile(const ShadeInput& input, Real* out) {
     return SCRIM_ON_TARGET(input.simd, shadeTileOnTarget)(input, out);
-}
-
-void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                  SampleTile& samples, Simd simd) {
-    SCRIM_ON_TARGET(simd, texelSamplesOnTarget)(sheets, eye, middle, texelX, texelY, samples);
 }
 
 }  // namespace scrim

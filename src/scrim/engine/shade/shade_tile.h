@@ -15,18 +15,14 @@
 #include <scrim/geometry/spaces.h>
 #include <scrim/engine/light/sheet_light.h>
 #include <scrim/engine/model/frame.h>
-#include <scrim/engine/model/outputs.h>
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/scene/medium.h>
 
 #include <span>
 #include <vector>
 
 namespace scrim {
-
-/// Fills in the 16 x 16 texels from (texelX, texelY) of the sheet whose plane is at N = `middle`.
-void texelSamples(const Sheets& sheets, const EyeSlopes& eye, double middle, int texelX, int texelY,
-                  SampleTile& samples, Simd simd = {});
 
 /// A medium's contribution to a sheet.
 struct SheetMedium {

@@ -2,7 +2,7 @@
 #include <scrim/engine/shade/sheet_shader.h>
 
 #include <scrim/engine/splat/surface.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 
 #include <algorithm>
 #include <bit>
@@ -17,9 +17,36 @@ struct alignas(64) Row {
     Real values[kTileSize];
 };
 
-// Memory for the samples of a tile, one for each thread, so that shading a tile allocates nothing.
-struct Scratch {
-    std::vector<Row> rows;
+const std::vector<bool>* litOrAll(const ViewVolume& volume) {
+    return volume.lights.empty() ? nullptr : &volume.lights;
+}
+
+void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
+    const Real* from = planes.tile(p, tx, ty);
+    for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
+        std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(Real));
+}
+
+void addTimes(Real weight, const Real* row, Real* sum) {
+    if (weight == 0) return;
+    for (int k = 0; k < kTileSize; ++k) sum[k] += weight * row[k];
+}
+
+}  // namespace
+
+// The data of a tile's samples. It is memory of the thread that only grows, so that shading a tile allocates nothing.
+struct SheetShader::Rows {
+    std::vector<Row> total;      // sums over all volumes, by extinction channel
+    std::vector<Row> seen;       // sums over the visible volumes, by extinction channel; only if some are not visible
+    std::vector<Row> medium;     // the extinction of each medium
+    std::vector<Row> scatter;    // the scattering of each medium, three colours each
+    std::vector<Row> flow;       // the velocity in each medium, three axes each; only for the layer `motion`
+    std::vector<Row> motion;     // to the right and up; only for that layer
+    std::vector<Row> emission;   // of each source
+    std::vector<Row> tauIn;      // by light, and then by extinction channel
+    std::vector<Row> unblocked;  // by light; only if solids cast shadows
+    std::vector<Row> onCells;    // of each part of the light on cells, three colours each
+    std::vector<Row> outputs;    // three colours for each output beside the beauty
     std::vector<ClassifiedTile> classified;
     std::vector<SheetMedium> media;
     std::vector<SheetSurface> surfaces;
@@ -27,61 +54,27 @@ struct Scratch {
     std::vector<SheetScattered> scattered;
 };
 
-Scratch& threadScratch() {
-    thread_local Scratch scratch;
-    return scratch;
+SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
+    thread_local Rows rows;
+    const auto grow = [](auto& kind, std::size_t count) {
+        if (kind.size() < count) kind.resize(count);
+    };
+    const auto channels = std::size_t(m_plan.extinction.count());
+    grow(rows.total, channels);
+    grow(rows.seen, m_holdouts ? channels : 0);
+    grow(rows.medium, m_media.size());
+    grow(rows.scatter, 3 * m_media.size());
+    grow(rows.flow, m_motion ? 3 * m_media.size() : 0);
+    grow(rows.motion, m_motion ? 2 : 0);
+    grow(rows.emission, m_extinction.emissions().size());
+    grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));  // there is always a first one
+    grow(rows.unblocked, m_lights.passSolids() ? lights : 0);
+    grow(rows.onCells, 3 * m_scatteredParts.size());
+    grow(rows.outputs, 3 * std::size_t(m_group.outputs.layout.outputs - 1) + 1);
+    grow(rows.classified, m_surfaces.size());
+    rows.surfaces.clear();
+    return rows;
 }
-
-const std::vector<bool>* litOrAll(const ViewVolume& volume) {
-    return volume.lights.empty() ? nullptr : &volume.lights;
-}
-
-void copyTile(const PlaneStack& planes, int p, int tx, int ty, Real* to) {
-    const Real* from =
-        planes.plane(p) + static_cast<std::ptrdiff_t>(ty * kTileEdge) * planes.rowStride() + tx * kTileEdge;
-    for (int y = 0; y < kTileEdge; ++y, from += planes.rowStride())
-        std::memcpy(to + y * kTileEdge, from, kTileEdge * sizeof(Real));
-}
-
-}  // namespace
-
-// The data of a tile's samples: rows of 256 floats, one kind after the other.
-struct SheetShader::Rows {
-    Rows(const SheetShader& shader, std::size_t lights) : scratch(threadScratch()) {
-        const auto perMedium = std::size_t{4};  // extinction, and scattering for red, green and blue
-        m_medium = std::size_t(shader.m_plan.extinction.count());
-        m_emission = m_medium + perMedium * shader.m_media.size();
-        m_seen = m_emission + shader.m_extinction.emissions().size();
-        m_tauIn = m_seen + (shader.m_holdouts ? std::size_t(shader.m_plan.extinction.count()) : 0);
-        const std::size_t shadows = lights * std::size_t(shader.m_plan.extinction.count());
-        m_unblocked = m_tauIn + std::max<std::size_t>(shadows, 1);  // there is always at least one row of tau
-        m_scattered = m_unblocked + (shader.m_lights.passSolids() ? lights : 0);
-        m_motion = m_scattered + 3 * shader.m_scatteredParts.size();
-        m_outputs = m_motion + (shader.m_motion ? 2 + 3 * shader.m_media.size() : 0);
-        const std::size_t count = m_outputs + 3 * std::size_t(shader.m_group.outputs.layout.outputs - 1) + 1;
-        if (scratch.rows.size() < count) scratch.rows.resize(count);
-        if (scratch.classified.size() < shader.m_surfaces.size()) scratch.classified.resize(shader.m_surfaces.size());
-        scratch.surfaces.clear();
-    }
-    // Sums over all volumes, by extinction channel.
-    Real* total(int channel) const { return scratch.rows[channel].values; }
-    Real* medium(std::size_t i) const { return scratch.rows[m_medium + 4 * i].values; }
-    Real* scatter(std::size_t i, int c) const { return scratch.rows[m_medium + 4 * i + 1 + std::size_t(c)].values; }
-    Real* emission(std::size_t i) const { return scratch.rows[m_emission + i].values; }
-    // Sums over the visible volumes, by extinction channel; only used if some are not visible.
-    Real* seen(int channel) const { return scratch.rows[m_seen + std::size_t(channel)].values; }
-    Real* tauIn(std::size_t shadow) const { return scratch.rows[m_tauIn + shadow].values; }
-    Real* unblocked(std::size_t light) const { return scratch.rows[m_unblocked + light].values; }
-    Real* scattered(std::size_t i, int c) const { return scratch.rows[m_scattered + 3 * i + std::size_t(c)].values; }
-    Real* motion(int axis) const { return scratch.rows[m_motion + std::size_t(axis)].values; }
-    Real* flow(std::size_t i, int c) const { return scratch.rows[m_motion + 2 + 3 * i + std::size_t(c)].values; }
-    Real* outputs() const { return scratch.rows[m_outputs].values; }
-
-    Scratch& scratch;
-
-  private:
-    std::size_t m_medium, m_emission, m_seen, m_tauIn, m_unblocked, m_scattered, m_motion, m_outputs;
-};
 
 SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPlan& group,
                          const ExtinctionSum& extinction, const LightSweep& lights, const EyeView& eye,
@@ -119,7 +112,7 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         m_media.push_back(look);
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
-    if (group.outputs.layout.motion >= 0) m_motion.emplace(scene, group.sheets);
+    if (group.outputs.layout.motion) m_motion.emplace(scene, group.sheets);
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
     if (group.primary > 0) chooseScattered(cellLight);
 }
@@ -140,7 +133,7 @@ void SheetShader::chooseScattered(const std::vector<CellLight>& cellLight) {
 }
 
 void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const {
-    rows.scratch.scattered.clear();
+    rows.scattered.clear();
     if (m_scatteredParts.empty()) return;
     const Sheets& sheets = m_group.sheets;
     const double middle = sheet + 0.5;
@@ -148,8 +141,9 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin,
                             sheets.wsPoint({0, 0, middle + 1}) - origin, sheets.thickness / sheets.texel};
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
-        SheetScattered& part = rows.scratch.scattered.emplace_back(m_scatteredParts[i]);
-        Real* const rgb[3] = {rows.scattered(i, 0), rows.scattered(i, 1), rows.scattered(i, 2)};
+        SheetScattered& part = rows.scattered.emplace_back(m_scatteredParts[i]);
+        Row* const own = rows.onCells.data() + 3 * i;
+        Real* const rgb[3] = {own[0].values, own[1].values, own[2].values};
         m_scatteredFields[i]->lookUp(plane, samples, rgb);
         std::copy(rgb, rgb + 3, part.radiance);
     }
@@ -165,31 +159,29 @@ template <class Read>
 void SheetShader::gather(const Read& read, Rows& rows) const {
     // If there are surfaces, `classify` computes the sum.
     if (m_surfaces.empty())
-        for (int i = 0; i < m_plan.extinction.count(); ++i) read(m_extinction.total(i), rows.total(i));
+        for (int i = 0; i < m_plan.extinction.count(); ++i) read(m_extinction.total(i), rows.total[i].values);
     for (std::size_t i = 0; i < m_media.size(); ++i) {
         const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
-            for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter(i, c));
+            for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter[3 * i + c].values);
         if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone) || m_motion)
-            read(volume.extinction(), rows.medium(i));
-        for (int c = 0; volume.flow[0] && c < 3; ++c) read(*volume.flow[c], rows.flow(i, c));
+            read(volume.extinction(), rows.medium[i].values);
+        for (int c = 0; volume.flow[0] && c < 3; ++c) read(*volume.flow[c], rows.flow[3 * i + c].values);
     }
     for (int i = 0; m_holdouts && i < m_plan.extinction.count(); ++i)
-        std::fill(rows.seen(i), rows.seen(i) + kTileSize, Real(0));
+        std::fill(rows.seen[i].values, rows.seen[i].values + kTileSize, Real(0));
     for (std::size_t i = 0; m_holdouts && i < m_media.size(); ++i)
-        addSeen(std::size_t(m_mediumVolumes[i]), rows.medium(i), rows);
+        addSeen(std::size_t(m_mediumVolumes[i]), rows.medium[i].values, rows);
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
-        read(*m_extinction.emissions()[e].planes, rows.emission(e));
+        read(*m_extinction.emissions()[e].planes, rows.emission[e].values);
 }
 
 // Adds the extinction of one of m_extinction's volumes to the visible sum, unless it is held out.
 void SheetShader::addSeen(std::size_t volume, const Real* extinction, Rows& rows) const {
     if (!m_holdouts || m_held[volume]) return;
-    for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
-        Real* seen = rows.seen(share.channel);
-        for (int k = 0; k < kTileSize; ++k) seen[k] += share.weight * extinction[k];
-    }
+    const std::vector<Real>& weights = m_plan.extinction.weights[m_extinction.volumes()[volume].sceneVolume];
+    for (int i = 0; i < m_plan.extinction.count(); ++i) addTimes(weights[i], extinction, rows.seen[i].values);
 }
 
 void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
@@ -198,8 +190,7 @@ void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
 
 ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) const {
     SampleTile samples;
-    texelSamples(m_group.sheets, m_eye.slopes(), sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples, m_plan.simd);
-    m_eye.setDepth(sheet + 0.5, samples);
+    m_eye.setTexels(sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
     // Surfaces are classified along eye rays, and a plane's texels do not know them; texels are then treated like
     // points.
     if (!m_surfaces.empty()) {
@@ -210,10 +201,10 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     }
 
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    Rows rows(*this, lights.lights.size());
+    Rows& rows = rowsFor(lights.lights.size());
     gatherTile(p, {tx, ty}, rows);
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
-        if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn(i));
+        if (lights.shadows[i]) lights.shadows[i]->lookUpTile(p, tx * kTileEdge, ty * kTileEdge, rows.tauIn[i].values);
     passSolids(p, samples, rows);
     lookUpScattered(lights.sheet, samples, rows);
     return shadeTile(inputOf(p, samples, rows), out);
@@ -222,16 +213,13 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
 bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out,
                               ShadeWork& work) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    Rows rows(*this, lights.lights.size());
+    Rows& rows = rowsFor(lights.lights.size());
     if (cells)
         gatherTile(p, *cells, rows);
     else
-        gather(
-            [&](const PlaneStack& planes, Real* to) {
-                samplePoints({planes.plane(p), planes.width(), planes.height(), 0, 0, m_plan.simd}, samples.u,
-                             samples.v, false, kTileSize, to);
-            },
-            rows);
+        gather([&](const PlaneStack& planes,
+                   Real* to) { samplePoints(planes.view(p, m_plan.simd), samples.u, samples.v, false, kTileSize, to); },
+               rows);
     if (!m_surfaces.empty()) {
         // A cell is the same ray on every plane.
         SampleTile atCells{};
@@ -244,7 +232,7 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
     }
     if (!shows(rows)) return false;
     for (std::size_t i = 0; i < lights.shadows.size(); ++i)
-        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn(i));
+        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn[i].values);
     passSolids(p, samples, rows);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
@@ -255,16 +243,14 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
 // and media there. The sheets' own classified extinction, at texels, only serves lights.
 void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
-    for (int i = 0; i < channels; ++i) std::fill(rows.total(i), rows.total(i) + kTileSize, Real(0));
+    for (int i = 0; i < channels; ++i) std::fill(rows.total[i].values, rows.total[i].values + kTileSize, Real(0));
     const auto add = [&](int volume, const Real* extinction) {
-        for (const auto& share : m_plan.extinction.shares[m_extinction.volumes()[volume].sceneVolume]) {
-            Real* total = rows.total(share.channel);
-            for (int k = 0; k < kTileSize; ++k) total[k] += share.weight * extinction[k];
-        }
+        const std::vector<Real>& weights = m_plan.extinction.weights[m_extinction.volumes()[volume].sceneVolume];
+        for (int i = 0; i < channels; ++i) addTimes(weights[i], extinction, rows.total[i].values);
     };
-    for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium(i));
+    for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium[i].values);
     for (std::size_t i = 0; i < m_surfaces.size(); ++i) {
-        ClassifiedTile& seen = rows.scratch.classified[i];
+        ClassifiedTile& seen = rows.classified[i];
         if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, tile, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
@@ -277,7 +263,7 @@ void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
             surface.normal[c] = seen.normal[c];
         }
         surface.weight = seen.weight;
-        rows.scratch.surfaces.push_back(surface);
+        rows.surfaces.push_back(surface);
     }
 }
 
@@ -290,9 +276,9 @@ bool SheetShader::shows(const Rows& rows) const {
         return all != 0;
     };
     for (int i = 0; i < m_plan.extinction.count(); ++i)
-        if (any(rows.total(i))) return true;
+        if (any(rows.total[i].values)) return true;
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
-        if (any(rows.emission(e))) return true;
+        if (any(rows.emission[e].values)) return true;
     return false;
 }
 
@@ -300,8 +286,8 @@ bool SheetShader::shows(const Rows& rows) const {
 void SheetShader::passSolids(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     for (std::size_t i = 0; i < lights.solids.size(); ++i) {
-        std::fill_n(rows.unblocked(i), kTileSize, Real(1));
-        if (lights.solids[i]) lights.solids[i]->multiply(lights.sheet, samples.u, samples.v, rows.unblocked(i));
+        std::fill_n(rows.unblocked[i].values, kTileSize, Real(1));
+        if (lights.solids[i]) lights.solids[i]->multiply(lights.sheet, samples.u, samples.v, rows.unblocked[i].values);
     }
 }
 
@@ -310,28 +296,28 @@ void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const
     std::vector<ScreenMotion::Part> parts;
     for (std::size_t i = 0; i < m_media.size(); ++i) {
         const ExtinctionSum::Volume& volume = m_extinction.volumes()[m_mediumVolumes[i]];
-        ScreenMotion::Part& part = parts.emplace_back(ScreenMotion::Part{volume.sceneVolume, rows.medium(i)});
-        for (int c = 0; volume.flow[0] && c < 3; ++c) part.flow[c] = rows.flow(i, c);
+        ScreenMotion::Part& part = parts.emplace_back(ScreenMotion::Part{volume.sceneVolume, rows.medium[i].values});
+        for (int c = 0; volume.flow[0] && c < 3; ++c) part.flow[c] = rows.flow[3 * i + c].values;
     }
-    for (const SheetSurface& surface : rows.scratch.surfaces)
-        parts.push_back({surface.sceneVolume, surface.extinction});
-    m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion(0), rows.motion(1));
+    for (const SheetSurface& surface : rows.surfaces) parts.push_back({surface.sceneVolume, surface.extinction});
+    m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion[0].values, rows.motion[1].values);
 }
 
 // Makes the input of shading from the rows.
 ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
-    Scratch& scratch = rows.scratch;
-    scratch.media = m_media;
+    rows.media = m_media;
     for (std::size_t i = 0; i < m_media.size(); ++i) {
         const bool grid = m_extinction.volumes()[m_mediumVolumes[i]].scatter[0] != nullptr;
         for (int c = 0; c < 3; ++c)
-            scratch.media[i].scatter[c] = grid ? rows.scatter(i, c) : m_alone ? rows.total(0) : rows.medium(i);
+            rows.media[i].scatter[c] = grid      ? rows.scatter[3 * i + c].values
+                                       : m_alone ? rows.total[0].values
+                                                 : rows.medium[i].values;
     }
-    scratch.emissions.clear();
+    rows.emissions.clear();
     for (std::size_t e = 0; e < m_extinction.emissions().size() && m_emitting > 0; ++e) {
-        SheetEmission& emission = scratch.emissions.emplace_back();
-        emission.coefficient = rows.emission(e);
+        SheetEmission& emission = rows.emissions.emplace_back();
+        emission.coefficient = rows.emission[e].values;
         emission.output = outputOf(m_extinction.emissions()[e].sceneVolume);
         for (int c = 0; c < 3; ++c)
             emission.color[c] = m_emitting * static_cast<Real>(m_extinction.emissions()[e].color[c]);
@@ -344,24 +330,24 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.coloured = m_plan.extinction.coloured;
     input.channels = m_plan.extinction.count();
     for (int i = 0; i < input.channels; ++i) {
-        input.extinction[i] = rows.total(i);
-        input.seen[i] = m_holdouts ? rows.seen(i) : nullptr;
+        input.extinction[i] = rows.total[i].values;
+        input.seen[i] = m_holdouts ? rows.seen[i].values : nullptr;
         for (int c = 0; c < 3; ++c) input.tints[i][c] = static_cast<Real>(m_plan.extinction.tints[i][c]);
     }
-    input.media = scratch.media;
-    input.surfaces = scratch.surfaces;
-    input.emissions = scratch.emissions;
-    input.scattered = scratch.scattered;
+    input.media = rows.media;
+    input.surfaces = rows.surfaces;
+    input.emissions = rows.emissions;
+    input.scattered = rows.scattered;
     input.lights = lights.lights;
-    input.tauIn = rows.tauIn(0);
-    input.unblocked = m_lights.passSolids() ? rows.unblocked(0) : nullptr;
+    input.tauIn = rows.tauIn[0].values;
+    input.unblocked = m_lights.passSolids() ? rows.unblocked.front().values : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
     if (m_motion) {
         fillMotion(p, samples, rows);
-        for (int c = 0; c < 2; ++c) input.motion[c] = rows.motion(c);
+        for (int c = 0; c < 2; ++c) input.motion[c] = rows.motion[c].values;
     }
     input.layout = m_group.outputs.layout;
-    input.outputs = rows.outputs();
+    input.outputs = rows.outputs.front().values;
     input.simd = m_plan.simd;
     return input;
 }

@@ -35,6 +35,7 @@ class SheetShader {
 
   private:
     struct Rows;
+    Rows& rowsFor(std::size_t lights) const;
     int outputOf(int sceneVolume) const;
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
@@ -53,9 +54,9 @@ class SheetShader {
     const ExtinctionSum& m_extinction;
     const LightSweep& m_lights;
     const EyeView& m_eye;
-    bool m_alone;                       // one medium has all of the extinction
-    bool m_holdouts = false;            // some volumes are held out
-    std::vector<bool> m_unlit;          // for each light, whether it lights none of the media
+    bool m_alone;               // one medium has all of the extinction
+    bool m_holdouts = false;    // some volumes are held out
+    std::vector<bool> m_unlit;  // for each light, whether it lights none of the media
     Real m_ambient[3];
     Real m_emitting;  // the group's share of emission
     // The constant part of volumes' looks, and the indices of these volumes in m_extinction.

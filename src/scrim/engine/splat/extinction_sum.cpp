@@ -90,13 +90,10 @@ void addPlane(const PlaneStack& from, Real weight, int p, PlaneStack& to) {
             if (!from.active(p, tx, ty)) continue;
             to.activate(p, tx, ty);
             if (weight == 0) continue;
-            const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * to.rowStride() + tx * kTileEdge;
-            for (int y = 0; y < kTileEdge; ++y) {
-                const std::ptrdiff_t row = corner + static_cast<std::ptrdiff_t>(y) * to.rowStride();
-                const Real* source = from.plane(p) + row;
-                Real* target = to.plane(p) + row;
+            const Real* source = from.tile(p, tx, ty);
+            Real* target = to.tile(p, tx, ty);
+            for (int y = 0; y < kTileEdge; ++y, source += from.rowStride(), target += to.rowStride())
                 for (int x = 0; x < kTileEdge; ++x) target[x] += weight * source[x];
-            }
         }
 }
 
@@ -198,8 +195,9 @@ void ExtinctionSum::addUp(int p) {
     for (const Volume& volume : m_volumes) {
         const PlaneStack& own = volume.extinction();
         addPlane(own, 0, p, m_totals.front());
-        for (const ExtinctionChannels::Share& share : m_channels.shares[volume.sceneVolume])
-            addPlane(own, share.weight, p, m_totals[share.channel]);
+        for (std::size_t i = 0; i < m_totals.size(); ++i)
+            if (const Real weight = m_channels.weights[volume.sceneVolume][i]; weight > 0)
+                addPlane(own, weight, p, m_totals[i]);
     }
     for (const Emission& emission : m_emissions) addPlane(*emission.planes, 0, p, m_totals.front());
     for (PlaneStack& total : m_totals) total.finish(p);
@@ -210,7 +208,7 @@ std::size_t ExtinctionSum::bytes() const {
     for (const FieldPlanes* field : m_fields) sum += field->bytes();
     for (const Volume& volume : m_volumes)
         if (volume.surface) sum += volume.surface->bytes() - volume.surface->field().bytes();
-    for (const PlaneStack& t : m_totals) sum += PlaneStack::bytes(t.planes(), t.width(), t.height(), 1);
+    for (const PlaneStack& total : m_totals) sum += total.bytes();
     return sum;
 }
 
@@ -219,18 +217,14 @@ std::size_t ExtinctionSum::bytes(const ViewScene& scene, const Plan& plan, const
     std::size_t sum = 0;
     const FieldPlanes::Settings settings = settingsOf(1, scene.dials, plan.voxel);
     const auto add = [&](const ViewField& field) {
-        if (!field.field->empty()) sum += FieldPlanes::bytes(field, settings, scene.dials, sheets, lattice, batch);
+        if (!field.field->empty()) sum += FieldPlanes::bytes({field}, settings, scene.dials, sheets, lattice, batch);
     };
     for (const Alike& alike : alikeVolumes(scene)) {
         const ViewVolume& volume = scene.volumes[alike.front()];
         std::vector<ViewField> placements;
         for (const std::size_t v : alike) placements.push_back(densityOf(scene.volumes[v]));
-        if (volume.classified)
-            sum += Surface::bytes(volume, scene.dials, sheets, lattice, batch);
-        else if (placements.size() > 1)
-            sum += FieldPlanes::bytes(placements, settings, scene.dials, sheets, lattice, batch);
-        else
-            add(placements.front());
+        sum += volume.classified ? Surface::bytes(volume, scene.dials, sheets, lattice, batch)
+                                 : FieldPlanes::bytes(placements, settings, scene.dials, sheets, lattice, batch);
     }
     for (const ViewVolume& volume : scene.volumes) {
         if (who != For::light)

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <map>
 #include <utility>
+#include <variant>
 
 #include <glm/geometric.hpp>
 
@@ -40,31 +41,58 @@ int coarserLevels(const Mat4& rsFromIs) {
     return levels;
 }
 
-}  // namespace
-
-FieldPlanes::Splatter FieldPlanes::splatterFor(const Placement& placement) const {
-    const Settings& s = m_settings;
-    const std::vector<ViewField>& fields = placement.fields;
-    const Mat4 tsFromIs = m_sheets.tsFrom(fields.front().wsFromIs);
-    if (!m_lattice.parallel()) {
-        std::vector<WarpedSplatter> splatters;
-        for (const ViewField& field : fields)
-            splatters.emplace_back(*field.field, tsFromIs, m_lattice, m_dials.kernel, s.stepsPerVoxel, s.scale, s.most);
-        return splatters;
-    }
-    FieldSplatter splatter(*fields.front().field, m_lattice.rsFromTs * tsFromIs, m_dials.kernel, s.stepsPerVoxel,
-                           s.scale, s.most, m_simd);
-    if (!placement.values.empty()) splatter.useValues(placement.values);
-    for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
-    return splatter;
-}
-
-FieldPlanes::Reach FieldPlanes::reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets) {
+// The first and the last sheet that a field may reach.
+std::pair<int, int> reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets) {
     constexpr double kRounding = 2;  // rounding of footprint tables and of bounds, in sheets
     const Mat4 tsFromIs = sheets.tsFrom(field.wsFromIs);
     const double reach = kernelExtent(dials.kernel, {tsFromIs[0][2], tsFromIs[1][2], tsFromIs[2][2]}) + kRounding;
     const Bounds ts = transformed(tsFromIs, field.field->isBounds());
     return {static_cast<int>(std::floor(ts.lower.z - reach)), static_cast<int>(std::ceil(ts.upper.z + reach))};
+}
+
+// Upper bound on the bytes of a field's splatter.
+std::size_t placementBytes(const ViewField& field, const FieldPlanes::Settings& settings, const Dials& dials,
+                           const Sheets& sheets, const Lattice& lattice) {
+    const std::size_t sum = field.field->blockCount() * 8;
+    if (!lattice.parallel()) return sum;  // one small table
+    const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
+    std::size_t tables = 0;
+    Mat4 rsFromLevel = rsFromIs;
+    for (int level = field.field->tiles.empty() ? 0 : coarserLevels(rsFromIs); level >= 0; --level) {
+        tables += FootprintTable::bytes(dials.kernel, rsFromLevel, slopedSteps(rsFromLevel, settings.stepsPerVoxel));
+        for (int axis = 0; axis < 3; ++axis) rsFromLevel[axis] *= 2;
+    }
+    return sum + tables;
+}
+
+}  // namespace
+
+struct FieldPlanes::Placement {
+    std::vector<ViewField> fields;
+    std::vector<const float*> values;  // values of the first field's blocks, if the field itself does not hold them
+    int first, last;                   // the sheets that it may reach: [first, last]
+    std::variant<std::monostate, FieldSplatter, std::vector<WarpedSplatter>> splatter = {};
+
+    bool ready() const { return splatter.index() > 0; }
+    bool reaches(int begin, int end) const { return first < end && last >= begin; }
+};
+
+FieldPlanes::~FieldPlanes() = default;
+
+void FieldPlanes::makeSplatter(Placement& placement) const {
+    const Settings& s = m_settings;
+    const std::vector<ViewField>& fields = placement.fields;
+    const Mat4 tsFromIs = m_sheets.tsFrom(fields.front().wsFromIs);
+    if (!m_lattice.parallel()) {
+        auto& splatters = placement.splatter.emplace<std::vector<WarpedSplatter>>();
+        for (const ViewField& field : fields)
+            splatters.emplace_back(*field.field, tsFromIs, m_lattice, m_dials.kernel, s.stepsPerVoxel, s.scale, s.most);
+        return;
+    }
+    auto& splatter = placement.splatter.emplace<FieldSplatter>(
+        *fields.front().field, m_lattice.rsFromTs * tsFromIs, m_dials.kernel, s.stepsPerVoxel, s.scale, s.most, m_simd);
+    if (!placement.values.empty()) splatter.useValues(placement.values);
+    for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
 }
 
 FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings,
@@ -78,9 +106,10 @@ FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, 
     }
     if (m_placements.size() == 1) {
         Placement& one = m_placements.front();
-        one.reach = {std::numeric_limits<int>::min(), std::numeric_limits<int>::max()};
-        one.splatter.emplace(splatterFor(one));
-        if (const auto* splatter = std::get_if<FieldSplatter>(&*one.splatter)) m_bandTiles = splatter->bandTiles();
+        one.first = std::numeric_limits<int>::min();
+        one.last = std::numeric_limits<int>::max();
+        makeSplatter(one);
+        if (const auto* splatter = std::get_if<FieldSplatter>(&one.splatter)) m_bandTiles = splatter->bandTiles();
     }
     for (std::size_t f = 0; f < placements.front().size(); ++f)
         m_planes.emplace_back(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1);
@@ -91,8 +120,8 @@ void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*>
     if (m_lattice.parallel())
         m_bandTiles =
             std::max(m_bandTiles, bandTilesFor(m_lattice.rsFromTs * m_sheets.tsFrom(first.wsFromIs), m_dials.kernel));
-    const Reach reach = reachOf(first, m_dials, m_sheets);
-    m_placements.push_back({std::move(fields), std::move(values), reach, std::nullopt});
+    const auto [from, to] = reachOf(first, m_dials, m_sheets);
+    m_placements.push_back({std::move(fields), std::move(values), from, to});
 }
 
 // Places a field. One without large constant tiles stays as it is; of others, the blocks and each level of tiles are
@@ -126,21 +155,19 @@ void FieldPlanes::placeTiles(const ViewField& field) {
 void FieldPlanes::prepare() {
     std::vector<Placement*> missing;
     for (Placement& placement : m_placements) {
-        const bool reaches = placement.reach.first < m_readySheet && placement.reach.last >= m_firstReady;
-        if (!reaches) placement.splatter.reset();
-        if (reaches && !placement.splatter) missing.push_back(&placement);
+        const bool reaches = placement.reaches(m_firstReady, m_readySheet);
+        if (!reaches) placement.splatter = std::monostate();
+        if (reaches && !placement.ready()) missing.push_back(&placement);
     }
     parallelFor(missing.size(), [&](std::size_t i) {
-        missing[i]->splatter.emplace(splatterFor(*missing[i]));
-        if (auto* own = std::get_if<FieldSplatter>(&*missing[i]->splatter)) own->useBands(m_bandTiles);
+        makeSplatter(*missing[i]);
+        if (auto* own = std::get_if<FieldSplatter>(&missing[i]->splatter)) own->useBands(m_bandTiles);
     });
     std::size_t bytes = 0;
     for (const Placement& placement : m_placements) {
-        if (!placement.splatter) continue;
-        if (const auto* own = std::get_if<FieldSplatter>(&*placement.splatter))
-            bytes += own->tableBytes();
-        else
-            for (const WarpedSplatter& warped : std::get<1>(*placement.splatter)) bytes += warped.table().bytes();
+        if (const auto* own = std::get_if<FieldSplatter>(&placement.splatter)) bytes += own->tableBytes();
+        if (const auto* own = std::get_if<std::vector<WarpedSplatter>>(&placement.splatter))
+            for (const WarpedSplatter& warped : *own) bytes += warped.table().bytes();
     }
     m_mostBytes = std::max(m_mostBytes, bytes);
 }
@@ -155,10 +182,10 @@ void FieldPlanes::beginBatch(int firstSheet, int count) {
     const int end = firstSheet + count + m_settings.halo;
     while (m_readySheet < end) {
         const int wrap = planes().planes() - planeOf(m_readySheet);
-        const int run = std::min({kSheetsPerTask, end - m_readySheet, wrap});
-        m_runs.push_back({m_readySheet, run});
-        m_readySheet += run;
+        m_runs.push_back(m_readySheet);
+        m_readySheet += std::min({kSheetsPerTask, end - m_readySheet, wrap});
     }
+    m_runs.push_back(m_readySheet);
     for (PlaneStack& planes : m_planes)
         for (int sheet = m_firstReady; sheet < m_readySheet; ++sheet) planes.begin(planeOf(sheet));
     prepare();
@@ -170,30 +197,26 @@ int FieldPlanes::bands() const {
 
 // Phases alternate between bands of rows; views that warp their footprints have no bands.
 int FieldPlanes::tasks(int phase) const {
-    return static_cast<int>(m_runs.size()) * ((bands() + 1 - phase) / kPhases);
+    return static_cast<int>(m_runs.size() - 1) * ((bands() + 1 - phase) / kPhases);
 }
 
 std::uint64_t FieldPlanes::splat(int phase, int task, const NeededTiles* needed, const TileCull& cull) {
-    const int runs = static_cast<int>(m_runs.size());
-    const Run& run = m_runs[task % runs];
-    const int first = planeOf(run.sheet);
+    const int runs = static_cast<int>(m_runs.size()) - 1;
+    const int begin = m_runs[task % runs], end = m_runs[task % runs + 1];
+    const int first = planeOf(begin);
     TileCull culled = cull;
     if (needed)
-        culled = [box = needed->over(run.sheet, run.sheet + run.count), &cull](const Box2<int>& tiles) {
+        culled = [box = needed->over(begin, end), &cull](const Box2<int>& tiles) {
             return intersection(tiles, box).empty() || (cull && cull(tiles));
         };
-    const int end = run.sheet + run.count;
     std::uint64_t footprints = 0;
     for (const Placement& placement : m_placements) {
-        if (!placement.splatter || placement.reach.first >= end || placement.reach.last < run.sheet) continue;
-        const Splatter& splatter = *placement.splatter;
-        if (const auto* own = std::get_if<FieldSplatter>(&splatter)) {
-            footprints +=
-                own->splat(run.sheet, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
-            continue;
-        }
-        for (std::size_t f = 0; f < m_planes.size(); ++f)
-            footprints += std::get<1>(splatter)[f].splat(run.sheet, end, m_planes[f], first, culled);
+        if (!placement.reaches(begin, end)) continue;
+        if (const auto* own = std::get_if<FieldSplatter>(&placement.splatter))
+            footprints += own->splat(begin, end, std::span(m_planes), first, culled, kPhases * (task / runs) + phase);
+        if (const auto* own = std::get_if<std::vector<WarpedSplatter>>(&placement.splatter))
+            for (std::size_t f = 0; f < m_planes.size(); ++f)
+                footprints += (*own)[f].splat(begin, end, m_planes[f], first, culled);
     }
     return footprints;
 }
@@ -212,13 +235,7 @@ void FieldPlanes::finish(int plane) {
 }
 
 std::size_t FieldPlanes::bytes() const {
-    return m_mostBytes + m_planes.size() * PlaneStack::bytes(planes().planes(), planes().width(), planes().height(), 1);
-}
-
-std::size_t FieldPlanes::bytes(const ViewField& field, const Settings& settings, const Dials& dials,
-                               const Sheets& sheets, const Lattice& lattice, int batchSheets) {
-    return PlaneStack::bytes(batchSheets + 2 * settings.halo, lattice.width, lattice.height, 1) +
-           placementBytes(field, settings, dials, sheets, lattice);
+    return m_mostBytes + m_planes.size() * planes().bytes();
 }
 
 // The largest sum of bytes of placements that reach into the same batch.
@@ -227,30 +244,14 @@ std::size_t FieldPlanes::bytes(const std::vector<ViewField>& placements, const S
     const int batch = batchSheets + 2 * settings.halo;
     std::map<int, std::ptrdiff_t> changes;  // by the first sheet of the batch
     for (const ViewField& field : placements) {
-        const Reach reach = reachOf(field, dials, sheets);
+        const auto [first, last] = reachOf(field, dials, sheets);
         const auto own = static_cast<std::ptrdiff_t>(placementBytes(field, settings, dials, sheets, lattice));
-        changes[reach.first - batch + 1] += own;
-        changes[reach.last + 1] -= own;
+        changes[first - batch + 1] += own;
+        changes[last + 1] -= own;
     }
     std::ptrdiff_t now = 0, most = 0;
     for (const auto& [sheet, change] : changes) most = std::max(most, now += change);
     return PlaneStack::bytes(batch, lattice.width, lattice.height, 1) + static_cast<std::size_t>(most);
-}
-
-std::size_t FieldPlanes::placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
-                                        const Sheets& sheets, const Lattice& lattice) {
-    const std::size_t sum = field.field->blockCount() * 8;
-    if (!lattice.parallel()) return sum;  // one small table
-    const Mat4 rsFromIs = lattice.rsFromTs * sheets.tsFrom(field.wsFromIs);
-    std::size_t tables = 0;
-    Mat4 rsFromLevel = rsFromIs;
-    for (int level = field.field->tiles.empty() ? 0 : coarserLevels(rsFromIs); level >= 0; --level) {
-        const FootprintTable::Steps steps = footprintSteps(rsFromLevel, settings.stepsPerVoxel);
-        tables +=
-            FootprintTable::bytes(dials.kernel, rsFromLevel, steps.texel, steps.sheet, FootprintTable::Lookup::sloped);
-        for (int axis = 0; axis < 3; ++axis) rsFromLevel[axis] *= 2;
-    }
-    return sum + tables;
 }
 
 }  // namespace scrim

@@ -10,8 +10,6 @@
 #include <scrim/volume/tile_levels.h>
 
 #include <limits>
-#include <optional>
-#include <variant>
 #include <vector>
 
 namespace scrim {
@@ -27,15 +25,12 @@ class FieldPlanes {
     };
 
     /// Splats onto the cells of `lattice`, which is the sheets' own or a view's. Fields, `dials`, `sheets` and
-    /// `lattice` must outlive this object. Several fields must have the topology of the first (haveOneTopology); each
-    /// has its own planes.
-    FieldPlanes(const std::vector<ViewField>& fields, const Settings& settings, const Dials& dials,
-                const Sheets& sheets, const Lattice& lattice, int batchSheets)
-        : FieldPlanes(std::vector<std::vector<ViewField>>(1, fields), settings, dials, sheets, lattice, batchSheets) {}
-    /// Several placements, each with the same number of fields, add up in the same planes. The memory that a placement
-    /// needs exists only during the batches that it reaches into.
+    /// `lattice` must outlive this object. The fields of a placement must have the topology of the first one
+    /// (haveOneTopology); each has its own planes. Several placements, each with the same number of fields, add up in
+    /// the same planes. The memory that a placement needs exists only during the batches that it reaches into.
     FieldPlanes(const std::vector<std::vector<ViewField>>& placements, const Settings& settings, const Dials& dials,
                 const Sheets& sheets, const Lattice& lattice, int batchSheets);
+    ~FieldPlanes();
 
     /// Begins the batch [firstSheet, firstSheet + count). It is splatted in consecutive phases, each of independent
     /// tasks; then all planes are finished, independently of one another.
@@ -54,34 +49,15 @@ class FieldPlanes {
     const PlaneStack& planes(std::size_t field = 0) const { return m_planes[field]; }
 
     std::size_t bytes() const;
-    /// Upper bound on the bytes, known beforehand.
-    static std::size_t bytes(const ViewField& field, const Settings& settings, const Dials& dials, const Sheets& sheets,
-                             const Lattice& lattice, int batchSheets);
-    /// The same for several placements.
+    /// Upper bound on the bytes, known beforehand; `placements`: the first field of each.
     static std::size_t bytes(const std::vector<ViewField>& placements, const Settings& settings, const Dials& dials,
                              const Sheets& sheets, const Lattice& lattice, int batchSheets);
 
   private:
-    struct Run {
-        int sheet, count;
-    };
-    using Splatter = std::variant<FieldSplatter, std::vector<WarpedSplatter>>;
-    // The sheets that a placement may reach: [first, last].
-    struct Reach {
-        int first, last;
-    };
-    struct Placement {
-        std::vector<ViewField> fields;
-        std::vector<const float*> values;  // values of the first field's blocks, if the field itself does not hold them
-        Reach reach;
-        std::optional<Splatter> splatter;
-    };
-    static Reach reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets);
-    static std::size_t placementBytes(const ViewField& field, const Settings& settings, const Dials& dials,
-                                      const Sheets& sheets, const Lattice& lattice);
+    struct Placement;
     void place(std::vector<ViewField> fields, std::vector<const float*> values = {});
     void placeTiles(const ViewField& field);
-    Splatter splatterFor(const Placement& placement) const;
+    void makeSplatter(Placement& placement) const;
     void prepare();
     int bands() const;
 
@@ -97,7 +73,7 @@ class FieldPlanes {
     std::vector<PlaneStack> m_planes;        // one for each field
     int m_origin = -1;                       // first sheet of the first batch, which starts the ring of planes
     int m_firstReady = 0, m_readySheet = 0;  // sheets that the batch splats
-    std::vector<Run> m_runs;
+    std::vector<int> m_runs;                 // first sheet of each run of sheets that one task splats; and the end
 };
 
 }  // namespace scrim

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
@@ -24,35 +26,36 @@ Vec3 kernelExtents(Kernel kernel, const Mat4& tsFromIs) {
 
 struct FootprintTable::Shape {
     Vec3 extent;
-    Range columns, rows, sheets;
+    Int3 first, count;  // columns, rows, sheets
     int rowStride;
 };
 
-FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps) {
+FootprintTable::Shape FootprintTable::shapeOf(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) {
     const auto texels = [&](double extent) {  // integers i with |i - fraction| < extent for some fraction
-        const double most = 1 - 1.0 / texelSteps;
+        const double most = 1 - 1.0 / steps.texel;
         const int first = static_cast<int>(std::floor(-extent)) + 1;
         const int last = static_cast<int>(std::ceil(most + extent)) - 1;
-        return Range{first, std::max(2, last - first + 1)};  // a piece has two rows
+        return std::pair(first, std::max(2, last - first + 1));  // a piece has two rows
     };
     Shape shape;
     shape.extent = kernelExtents(kernel, tsFromIs);
-    shape.columns = texels(shape.extent.x);
-    shape.rows = texels(shape.extent.y);
+    std::tie(shape.first.x, shape.count.x) = texels(shape.extent.x);
+    std::tie(shape.first.y, shape.count.y) = texels(shape.extent.y);
     // The slabs [m, m+1) - fraction that overlap the open interval (-extent, extent).
-    const double most = 1 - 1.0 / sheetSteps;
+    const double most = 1 - 1.0 / steps.sheet;
     const int firstSheet = static_cast<int>(std::floor(-shape.extent.z - 1)) + 1;
     const int lastSheet = static_cast<int>(std::ceil(most + shape.extent.z)) - 1;
-    shape.sheets = {firstSheet, lastSheet - firstSheet + 1};
-    shape.rowStride = (shape.columns.count + 3) / 4 * 4;
+    shape.first.z = firstSheet;
+    shape.count.z = lastSheet - firstSheet + 1;
+    shape.rowStride = (shape.count.x + 3) / 4 * 4;
     return shape;
 }
 
-std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup) {
-    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
-    const std::size_t parts = lookup == Lookup::sloped ? 4 : 1;
-    return parts * std::size_t(texelSteps * texelSteps * sheetSteps) * sizeof(Real) * std::size_t(shape.sheets.count) *
-           std::size_t(shape.rows.count * shape.rowStride);
+std::size_t FootprintTable::bytes(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, steps);
+    const std::size_t parts = steps.sloped ? 4 : 1;
+    return parts * std::size_t(steps.texel * steps.texel * steps.sheet) * sizeof(Real) * std::size_t(shape.count.z) *
+           std::size_t(shape.count.y * shape.rowStride);
 }
 
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
@@ -72,19 +75,18 @@ FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
     return {steps(std::min(voxelAlong(0), voxelAlong(1)), kTexels), steps(voxelAlong(2), kSheets)};
 }
 
-FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps, Lookup lookup)
-    : m_parts(lookup == Lookup::sloped ? 4 : 1), m_texelSteps(texelSteps), m_sheetSteps(sheetSteps) {
-    const Shape shape = shapeOf(kernel, tsFromIs, texelSteps, sheetSteps);
+FootprintTable::FootprintTable(Kernel kernel, const Mat4& tsFromIs, const Steps& steps) : m_steps(steps) {
+    const Shape shape = shapeOf(kernel, tsFromIs, steps);
     m_extent = shape.extent;
-    m_columns = shape.columns;
-    m_rows = shape.rows;
-    m_sheets = shape.sheets;
+    m_first = shape.first;
+    m_count = shape.count;
     m_rowStride = shape.rowStride;
-    m_weights.resize(bytes(kernel, tsFromIs, texelSteps, sheetSteps, lookup) / sizeof(Real));
+    m_weights.resize(bytes(kernel, tsFromIs, steps) / sizeof(Real));
 
     const Mat3 isFromTs = glm::inverse(Mat3(tsFromIs));
-    parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
-    if (sloped()) parallelFor(std::size_t(texelSteps), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
+    parallelFor(std::size_t(steps.texel), [&](std::size_t stepV) { fill(kernel, isFromTs, static_cast<int>(stepV)); });
+    if (steps.sloped)
+        parallelFor(std::size_t(steps.texel), [&](std::size_t stepV) { addSlopes(static_cast<int>(stepV)); });
 }
 
 // Central differences over one step to either side. The step after a texel's last one is the first step of the next
@@ -100,19 +102,18 @@ void FootprintTable::addSlopes(int stepV) {
                 --place;
             }
         };
-        wrap(stepU, m_texelSteps, column);
-        wrap(v, m_texelSteps, row);
-        wrap(stepN, m_sheetSteps, slab);
-        if (column < 0 || column >= m_columns.count || row < 0 || row >= m_rows.count || slab < 0 ||
-            slab >= m_sheets.count)
+        wrap(stepU, m_steps.texel, column);
+        wrap(v, m_steps.texel, row);
+        wrap(stepN, m_steps.sheet, slab);
+        if (column < 0 || column >= columns() || row < 0 || row >= rows() || slab < 0 || slab >= sheets())
             return Real(0);
         return m_weights[offset(stepU, v, stepN) + std::size_t(slab * sheetStride() + row * m_rowStride + column)];
     };
-    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
-        for (int stepN = 0; stepN < m_sheetSteps; ++stepN)
-            for (int slab = 0; slab < m_sheets.count; ++slab)
-                for (int row = 0; row < m_rows.count; ++row)
-                    for (int column = 0; column < m_columns.count; ++column) {
+    for (int stepU = 0; stepU < m_steps.texel; ++stepU)
+        for (int stepN = 0; stepN < m_steps.sheet; ++stepN)
+            for (int slab = 0; slab < sheets(); ++slab)
+                for (int row = 0; row < rows(); ++row)
+                    for (int column = 0; column < columns(); ++column) {
                         const auto change = [&](int u, int v, int n) {
                             return Real(0.5) * (weight(stepU + u, stepV + v, stepN + n, slab, row, column) -
                                                 weight(stepU - u, stepV - v, stepN - n, slab, row, column));
@@ -128,9 +129,9 @@ void FootprintTable::addSlopes(int stepV) {
 // Fills the entries of one quantised fraction in v. For each texel of the footprint, the kernel is integrated along w
 // once, cumulatively in the table's steps; every sheet's share is then a difference.
 void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
-    const int fineCount = (m_sheets.count + 1) * m_sheetSteps;
-    const double fine = 1.0 / m_sheetSteps;
-    const double depth0 = m_sheets.first - 1.0;  // N of the cumulative integral's first point
+    const int fineCount = (sheets() + 1) * m_steps.sheet;
+    const double fine = 1.0 / m_steps.sheet;
+    const double depth0 = m_first.z - 1.0;  // N of the cumulative integral's first point
     // Two-point Gauss quadrature is exact for the cubics of which `linear` consists, apart from its kinks. If rays of a
     // view lie almost within the sheets, a step of the table spans many voxels, and is divided.
     constexpr double kLongestStep = 0.25;  // voxels
@@ -138,11 +139,11 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
     const double cut = fine / cuts, gauss = 0.5 * cut / std::sqrt(3.0);
     std::vector<double> cumulative(std::size_t(fineCount) + 1);
 
-    for (int stepU = 0; stepU < m_texelSteps; ++stepU)
-        for (int row = 0; row < m_rows.count; ++row)
-            for (int column = 0; column < m_columns.count; ++column) {
-                const double x = m_columns.first + column - double(stepU) / m_texelSteps;
-                const double y = m_rows.first + row - double(stepV) / m_texelSteps;
+    for (int stepU = 0; stepU < m_steps.texel; ++stepU)
+        for (int row = 0; row < rows(); ++row)
+            for (int column = 0; column < columns(); ++column) {
+                const double x = m_first.x + column - double(stepU) / m_steps.texel;
+                const double y = m_first.y + row - double(stepV) / m_steps.texel;
                 const Vec3 at0 = isFromTs * Vec3(x, y, 0);
                 double sum = 0;
                 cumulative[0] = 0;
@@ -156,39 +157,41 @@ void FootprintTable::fill(Kernel kernel, const Mat3& isFromTs, int stepV) {
                     }
                     cumulative[std::size_t(i) + 1] = sum;
                 }
-                for (int stepN = 0; stepN < m_sheetSteps; ++stepN) {
-                    const auto read = [&](int slab) { return cumulative[(slab + 1) * m_sheetSteps - stepN]; };
+                for (int stepN = 0; stepN < m_steps.sheet; ++stepN) {
+                    const auto read = [&](int slab) { return cumulative[(slab + 1) * m_steps.sheet - stepN]; };
                     Real* entry = m_weights.data() + offset(stepU, stepV, stepN) + row * m_rowStride + column;
-                    for (int slab = 0; slab < m_sheets.count; ++slab)
+                    for (int slab = 0; slab < sheets(); ++slab)
                         entry[slab * sheetStride()] = static_cast<Real>(read(slab + 1) - read(slab));
                 }
             }
 }
 
 FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(std::size_t(table.sheets()) + 1) {
+    std::vector<int> done;  // for each kind, its rows that belong to the preceding piece
     for (int sheet = 0; sheet < table.sheets(); ++sheet)
         for (int row = 0; row < table.rows(); row += kRows)
-            for (int column = 0; column < table.rowStride(); column += kColumns)
+            for (int column = 0; column < table.rowStride(); column += kColumns) {
                 // With an odd number of rows, the last piece starts one row earlier, and leaves that row to the
                 // preceding piece.
-                m_kindsOf.push_back(
-                    {sheet, std::min(row, table.rows() - kRows), column, std::max(0, row + kRows - table.rows())});
-    const std::size_t perSheet = m_kindsOf.size() / std::size_t(table.sheets());
+                m_places.emplace_back(column, std::min(row, table.rows() - kRows), sheet);
+                done.push_back(row - m_places.back().y);
+            }
+    const std::size_t perSheet = m_places.size() / std::size_t(table.sheets());
     const std::size_t entrySize = std::size_t(table.sheets() * table.sheetStride());
     const std::size_t entries = table.bytes() / sizeof(Real) / entrySize;
     m_begins.reserve(entries * m_beginStride);
     for (std::size_t e = 0; e < entries; ++e) {
         const Real* entry = table.weights() + e * entrySize;
-        for (std::size_t k = 0; k < m_kindsOf.size(); ++k) {
+        for (std::size_t k = 0; k < m_places.size(); ++k) {
             if (k % perSheet == 0) m_begins.push_back(static_cast<std::uint32_t>(m_kinds.size()));
-            const Kind& kind = m_kindsOf[k];
+            const Int3& place = m_places[k];
             Piece piece{};
             bool empty = true;
             for (int part = 0; part < 4; ++part)
-                for (int row = kind.done; row < kRows; ++row)
+                for (int row = done[k]; row < kRows; ++row)
                     for (int column = 0; column < kColumns; ++column) {
-                        const Real weight = entry[kind.sheet * table.sheetStride() + part * table.partStride() +
-                                                  (kind.row + row) * table.rowStride() + kind.column + column];
+                        const Real weight = entry[place.z * table.sheetStride() + part * table.partStride() +
+                                                  (place.y + row) * table.rowStride() + place.x + column];
                         piece.values[(part * kRows + row) * kColumns + column] = weight;
                         empty = empty && weight == 0;
                     }
@@ -202,7 +205,7 @@ FootprintPieces::FootprintPieces(const FootprintTable& table) : m_beginStride(st
 
 std::vector<std::ptrdiff_t> FootprintPieces::offsets(std::ptrdiff_t planeStride, std::ptrdiff_t rowStride) const {
     std::vector<std::ptrdiff_t> offsets;
-    for (const Kind& kind : m_kindsOf) offsets.push_back(kind.sheet * planeStride + kind.row * rowStride + kind.column);
+    for (const Int3& place : m_places) offsets.push_back(place.z * planeStride + place.y * rowStride + place.x);
     return offsets;
 }
 

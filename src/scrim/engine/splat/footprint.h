@@ -25,47 +25,40 @@ namespace scrim {
 
 class FootprintTable {
   public:
-    /// How a position between the steps of a table is looked up.
-    enum class Lookup {
-        nearest,  ///< the weights at the nearest step
-        sloped,   ///< the weights at the nearest step, corrected by the slopes there
-    };
-    /// The resolution of quantised positions: steps per texel along U and V, and per sheet along N.
+    /// How finely positions are resolved: powers of two in [2, 128].
     struct Steps {
-        int texel, sheet;
+        int texel;            ///< per texel along U and V
+        int sheet;            ///< per sheet along N
+        bool sloped = false;  ///< the weights at the nearest step are corrected by their slopes there
     };
-    /// `tsFromIs`: the grid's map to texel space, of which only the linear part counts. Positions are quantised to
-    /// `texelSteps` per texel along U and V and `sheetSteps` per sheet along N, powers of two in [2, 128].
-    FootprintTable(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                   Lookup lookup = Lookup::nearest);
+    /// `tsFromIs`: the grid's map to texel space, of which only the linear part counts.
+    FootprintTable(Kernel kernel, const Mat4& tsFromIs, const Steps& steps);
 
-    bool sloped() const { return m_parts > 1; }
-    int texelSteps() const { return m_texelSteps; }
-    int sheetSteps() const { return m_sheetSteps; }
+    int texelSteps() const { return m_steps.texel; }
+    int sheetSteps() const { return m_steps.sheet; }
 
     // A position is rounded to the nearest step, so that lattices which coincide with the steps are exact. For a voxel
     // at the rounded position (U, V, N), the footprint covers columns floor(U) + firstColumn() + [0, columns()), rows
     // likewise, and sheets floor(N) + firstSheet() + [0, sheets()).
-    int firstColumn() const { return m_columns.first; }
-    int firstRow() const { return m_rows.first; }
-    int firstSheet() const { return m_sheets.first; }
-    int columns() const { return m_columns.count; }
-    int rows() const { return m_rows.count; }  ///< at least 2
-    int sheets() const { return m_sheets.count; }
+    int firstColumn() const { return m_first.x; }
+    int firstRow() const { return m_first.y; }
+    int firstSheet() const { return m_first.z; }
+    int columns() const { return m_count.x; }
+    int rows() const { return m_count.y; }  ///< at least 2
+    int sheets() const { return m_count.z; }
     /// columns() rounded up to a multiple of 4; weights beyond columns() are 0.
     int rowStride() const { return m_rowStride; }
-    int partStride() const { return m_rowStride * m_rows.count; }
+    int partStride() const { return m_rowStride * rows(); }
     /// Floats per sheet. A sheet has one part, its weights, or four: weights, and their changes over one step in U, V
     /// and N.
-    int sheetStride() const { return partStride() * m_parts; }
-    double extentN() const { return m_extent.z; }    ///< half the kernel's extent along w, in sheets
+    int sheetStride() const { return partStride() * (m_steps.sloped ? 4 : 1); }
     const Vec3& extent() const { return m_extent; }  ///< half the kernel's extent, in texels and sheets
 
     /// Offset of the weights for quantised fractions, each below its number of steps. There are sheets() x parts x
     /// rows() x rowStride() weights.
     std::size_t offset(int stepU, int stepV, int stepN) const {
-        return std::size_t((stepV * m_texelSteps + stepU) * m_sheetSteps + stepN) *
-               std::size_t(sheetStride() * m_sheets.count);
+        return std::size_t((stepV * m_steps.texel + stepU) * m_steps.sheet + stepN) *
+               std::size_t(sheetStride() * sheets());
     }
     const Real* weights() const { return m_weights.data(); }
     /// Keeps only the geometry, for users that have the pieces.
@@ -73,21 +66,18 @@ class FootprintTable {
     std::size_t bytes() const { return m_weights.size() * sizeof(Real); }
 
     /// Bytes of a table, without building it.
-    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps,
-                             Lookup lookup = Lookup::nearest);
+    static std::size_t bytes(Kernel kernel, const Mat4& tsFromIs, const Steps& steps);
 
   private:
-    struct Range {
-        int first = 0, count = 0;
-    };
     struct Shape;
-    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, int texelSteps, int sheetSteps);
+    static Shape shapeOf(Kernel kernel, const Mat4& tsFromIs, const Steps& steps);
     void fill(Kernel kernel, const Mat3& isFromTs, int stepV);
     void addSlopes(int stepV);
 
-    int m_parts = 1, m_texelSteps = 0, m_sheetSteps = 0, m_rowStride = 0;
+    Steps m_steps;
+    int m_rowStride = 0;
     Vec3 m_extent{0};
-    Range m_columns, m_rows, m_sheets;
+    Int3 m_first{0}, m_count{0};  // columns, rows, sheets
     std::vector<Real> m_weights;
 };
 
@@ -112,15 +102,11 @@ class FootprintPieces {
     std::size_t bytes() const;
 
   private:
-    struct Kind {
-        int sheet, row, column;
-        int done;  // rows that belong to the preceding piece
-    };
     struct alignas(64) Piece {
         std::array<Real, kFloats> values;
     };
     std::size_t m_beginStride;
-    std::vector<Kind> m_kindsOf;  // indexed by kind
+    std::vector<Int3> m_places;  // of each kind: column, row and sheet of its first weight
     std::vector<std::uint32_t> m_begins;
     std::vector<std::uint32_t> m_kinds;
     std::vector<Piece> m_pieces;
@@ -129,5 +115,11 @@ class FootprintPieces {
 /// How finely positions are quantised: powers of two, with at least 3/4 of `stepsPerVoxel` for a voxel of the size that
 /// `tsFromIs` gives it.
 FootprintTable::Steps footprintSteps(const Mat4& tsFromIs, int stepsPerVoxel);
+
+/// The same for a table with slopes.
+inline FootprintTable::Steps slopedSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
+    const FootprintTable::Steps steps = footprintSteps(tsFromIs, stepsPerVoxel);
+    return {steps.texel, steps.sheet, true};
+}
 
 }  // namespace scrim

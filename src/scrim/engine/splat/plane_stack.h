@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The buffers of a batch of sheets: a few planes of texels, of which only touched tiles cost anything.
+// The buffers of a batch of sheets: a few planes of texels, of which only touched tiles cost anything; and vectorised
+// resampling between rasters, the loops of shadow buffers and of shading at pixels.
 //
 // Planes are dense in address space, so that rows are contiguous, but memory is used only where something was written:
 // they start as untouched zero pages, and each plane records the states of its tiles of 16 x 16. A tile that is not
@@ -11,7 +12,7 @@
 #include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/box2.h>
 #include <scrim/geometry/sheets.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/base/simd.h>
 
 #include <algorithm>
 #include <cstddef>
@@ -19,6 +20,17 @@
 #include <vector>
 
 namespace scrim {
+
+/// A plane of floats, `width` x `height`, at least 2 x 2, with rows `width` apart. It may be a window of a larger
+/// plane: positions are then those of the larger one, in which the window's corner is (x0, y0). (Positions relative to
+/// the window's corner would be rounded differently from window to window.) Positions outside of it are clamped to its
+/// border. `nearest` rounds instead of interpolating.
+struct FloatPlane {
+    const Real* data;
+    int width, height;
+    int x0 = 0, y0 = 0;
+    Simd simd = {};  ///< instructions to read it with
+};
 
 class PlaneStack {
   public:
@@ -34,6 +46,11 @@ class PlaneStack {
     std::ptrdiff_t planeStride() const { return m_planeStride; }
     Real* plane(int p) { return m_data.data() + p * m_planeStride; }
     const Real* plane(int p) const { return m_data.data() + p * m_planeStride; }
+    /// The first float of a tile.
+    Real* tile(int p, int tx, int ty) { return plane(p) + tileOffset(tx, ty); }
+    const Real* tile(int p, int tx, int ty) const { return plane(p) + tileOffset(tx, ty); }
+    /// Plane p, to be read with look-ups (of a stack with one channel).
+    FloatPlane view(int p, Simd simd) const { return {plane(p), m_width, m_height, 0, 0, simd}; }
 
     int tilesX() const { return m_width / kTileEdge; }
     int tilesY() const { return m_height / kTileEdge; }
@@ -64,6 +81,7 @@ class PlaneStack {
     /// Makes tiles inactive that contain only zeros (for a plane with one channel).
     void dropEmpty(int p);
 
+    std::size_t bytes() const { return bytes(m_planes, m_width, m_height, m_channels); }
     /// Bytes of address space of a stack of this shape; memory use is at most as large.
     static std::size_t bytes(int planes, int width, int height, int channels);
 
@@ -74,6 +92,9 @@ class PlaneStack {
     std::size_t tileIndex(int p, int tx, int ty) const {
         return (std::size_t(p) * std::size_t(tilesY()) + std::size_t(ty)) * std::size_t(tilesX()) + std::size_t(tx);
     }
+    std::ptrdiff_t tileOffset(int tx, int ty) const {
+        return static_cast<std::ptrdiff_t>(ty * kTileEdge) * rowStride() + tx * kTileEdge * m_channels;
+    }
     void clearTile(int p, int tx, int ty);
 
     int m_planes, m_width, m_height, m_channels;
@@ -81,6 +102,41 @@ class PlaneStack {
     ZeroedArray<Real> m_data;
     std::vector<std::uint8_t> m_state;
 };
+
+/// out[k] = plane at (u[k], v[k]) * scale + (firstU, firstV), for k in [0, count); count a multiple of 16.
+void samplePoints(const FloatPlane& plane, const Real* u, const Real* v, bool nearest, int count, Real* out,
+                  Real scale = 1, Real firstU = 0, Real firstV = 0);
+
+/// out[j * 16 + i] = plane at (u + i * step, v + j * step), for i, j in [0, 16).
+void sampleLattice(const FloatPlane& plane, Real u, Real v, Real step, bool nearest, Real* out);
+
+/// One tile of a shadow raster on its way through one sheet.
+struct AttenuateTile {
+    FloatPlane extinction;  ///< per world unit
+    Real u, v, step;        ///< texel under the tile's first cell, and texels between cells
+    bool nearest;
+    /// World length of the path through the sheet is path * sqrt(1 + a^2 + b^2) with the slopes a = slopeA + i *
+    /// slopeStep, b = slopeB + j * slopeStep of cell (i, j).
+    Real path, slopeA, slopeB, slopeStep;
+    Real* tau;  ///< first cell; rows are tauStride apart
+    std::ptrdiff_t tauStride;
+    Real* entry;  ///< receives tau at entry; rows are entryStride apart
+    std::ptrdiff_t entryStride;
+};
+void attenuateTile(const AttenuateTile& tile);
+
+/// The cells of a tile, and one more on every side (but not at the corners).
+struct HaloTile {
+    static constexpr int kStride = 48;  ///< floats from row to row
+    Real* at(int x, int y) { return cells + (y + 1) * kStride + x + 16; }
+    const Real* at(int x, int y) const { return cells + (y + 1) * kStride + x + 16; }
+    alignas(64) Real cells[kStride * 18];
+};
+
+/// out = f - strength (second differences along x and y), with rows `stride` floats apart; returns the largest value.
+/// The result is not below 0, or (second function) lies between the values of a cell and its neighbours.
+Real prefilterAboveZero(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride);
+Real prefilterBetween(const HaloTile& halo, Real strength, Simd simd, Real* out, std::ptrdiff_t stride);
 
 /// Prefilters a plane of tilesX x tilesY tiles in place; rows are `rowStride` floats apart. filter(tx, ty, halo, out)
 /// is called for every active tile: the halo holds the original values of its cells and those around it, and `out` is

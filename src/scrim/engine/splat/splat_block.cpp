@@ -41,9 +41,16 @@ HWY_INLINE int log2Of(int powerOfTwo) {
     return log2;
 }
 
+// The place of a block in texel space: its first voxel is at whole + fraction on each axis. The two are separate, so
+// that floats only hold offsets within a block, however large the raster is.
+struct Place {
+    std::int32_t wholeU, wholeV, wholeN;
+    Real fractionU, fractionV, fractionN;
+};
+
 // Computes the addresses of voxels [k, k + kChunk) of the order (reading beyond its end is harmless: see the caller).
 template <bool kClipped>
-HWY_ATTR void locate(const BlockSplat& splat, const BlockSplat::Place& place, int k, Chunk& chunk) {
+HWY_ATTR void locate(const BlockSplat& splat, const Place& place, int k, Chunk& chunk) {
     const hn::ScalableTag<Real> df;
     const hn::RebindToSigned<decltype(df)> di;
     const FootprintTable& table = *splat.table;
@@ -154,8 +161,8 @@ HWY_ATTR void findLive(const BlockSplat& splat, const float* const* values, int 
 }
 
 template <bool kClipped, int kFields>
-HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
-                                  int first, int second) {
+HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const Place& place, const float* const* values, int first,
+                                  int second) {
     // These are copies, because the compiler must assume that writing texels changes the data behind pointers.
     const FootprintPieces& pieces = *splat.pieces;
     const int sheets = splat.table->sheets(), fields = kFields > 0 ? kFields : splat.fields;
@@ -203,14 +210,18 @@ HWY_ATTR std::uint64_t splatRange(const BlockSplat& splat, const BlockSplat::Pla
 
 // Separate versions for one field, which is the usual case, and for several.
 template <int kFields>
-HWY_ATTR std::uint64_t splatFields(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values,
-                                   int first, int second) {
+HWY_ATTR std::uint64_t splatFields(const BlockSplat& splat, const Place& place, const float* const* values, int first,
+                                   int second) {
     return splat.clipped ? splatRange<true, kFields>(splat, place, values, first, second)
                          : splatRange<false, kFields>(splat, place, values, first, second);
 }
 
-HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const BlockSplat::Place& place,
-                                          const float* const* values, int first, int second) {
+HWY_ATTR std::uint64_t splatBlockOnTarget(const BlockSplat& splat, const Vec3& ts, const float* const* values,
+                                          int first, int second) {
+    const Vec3 whole(std::floor(ts.x), std::floor(ts.y), std::floor(ts.z));
+    const Place place{static_cast<std::int32_t>(whole.x), static_cast<std::int32_t>(whole.y),
+                      static_cast<std::int32_t>(whole.z), static_cast<Real>(ts.x - whole.x),
+                      static_cast<Real>(ts.y - whole.y),  static_cast<Real>(ts.z - whole.z)};
     return splat.fields == 1 ? splatFields<1>(splat, place, values, first, second)
                              : splatFields<0>(splat, place, values, first, second);
 }
@@ -288,9 +299,8 @@ std::pair<int, int> LatticeOrder::between(double lower, double upper) const {
 
 HWY_EXPORT(splatBlockOnTarget);
 
-std::uint64_t splatBlock(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values, int first,
-                         int second) {
-    return SCRIM_ON_TARGET(splat.simd, splatBlockOnTarget)(splat, place, values, first, second);
+std::uint64_t splatBlock(const BlockSplat& splat, const Vec3& ts, const float* const* values, int first, int second) {
+    return SCRIM_ON_TARGET(splat.simd, splatBlockOnTarget)(splat, ts, values, first, second);
 }
 
 }  // namespace scrim

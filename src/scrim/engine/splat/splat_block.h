@@ -44,13 +44,6 @@ class LatticeOrder {
 
 /// How the blocks of a field are splatted.
 struct BlockSplat {
-    /// The place of a block in texel space: its first voxel is at whole + fraction on each axis. The two are separate,
-    /// so that floats only hold offsets within a block, however large the raster is.
-    struct Place {
-        std::int32_t wholeU, wholeV, wholeN;
-        Real fractionU, fractionV, fractionN;
-    };
-
     const LatticeOrder* order;
     const FootprintTable* table;  ///< geometry of the footprints
     const FootprintPieces* pieces;
@@ -71,9 +64,8 @@ struct BlockSplat {
 };
 
 /// Adds the footprints of the voxels [first, second) of the lattice order to the sheets, for each field with `values`
-/// (512 floats in `blockOffset` order) times scale, clamped to `most`. Voxels of value 0 are skipped. Returns the
-/// number of footprints (voxel and sheet pairs), which all fields share.
-std::uint64_t splatBlock(const BlockSplat& splat, const BlockSplat::Place& place, const float* const* values, int first,
-                         int second);
+/// (512 floats in `blockOffset` order) times scale, clamped to `most`. Voxels of value 0 are skipped. `ts`: the block's
+/// first voxel in texel space. Returns the number of footprints (voxel and sheet pairs), which all fields share.
+std::uint64_t splatBlock(const BlockSplat& splat, const Vec3& ts, const float* const* values, int first, int second);
 
 }  // namespace scrim

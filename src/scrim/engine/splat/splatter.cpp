@@ -26,9 +26,33 @@ int lastTouched(const FootprintTable& table, double upper) {
     return static_cast<int>(std::floor(upper + rounding(table))) + table.firstSheet() + table.sheets() - 1;
 }
 
+// The extent of a cube of voxels in texel space, from its first voxel.
+Bounds extentOf(int edge, const Mat4& tsFromIs) {
+    Bounds extent;
+    for (const Vec3& corner : Bounds{Vec3(0), Vec3(edge - 1)}.corners())
+        extent.include(transformVector(tsFromIs, corner));
+    return extent;
+}
+
 constexpr int kLeastBand = 6;  // rows of tiles; enough work for a task
 
 }  // namespace
+
+// Cubes of one size, ascending by the first sheet that they touch, then by index.
+struct FieldSplatter::SheetOrder {
+    std::vector<std::uint32_t> cubes;
+    std::vector<std::int32_t> firstSheets;  // in the same order
+    int span = 0;                           // most sheets that a cube can touch
+
+    std::span<const std::uint32_t> touching(int firstSheet, int lastSheet) const {
+        const auto begin = std::lower_bound(firstSheets.begin(), firstSheets.end(), firstSheet - span);
+        const auto end = std::lower_bound(begin, firstSheets.end(), lastSheet);
+        return {cubes.data() + (begin - firstSheets.begin()), static_cast<std::size_t>(end - begin)};
+    }
+};
+
+FieldSplatter::FieldSplatter(FieldSplatter&&) noexcept = default;
+FieldSplatter::~FieldSplatter() = default;
 
 struct FieldSplatter::Target {
     BlockSplat splat;
@@ -46,17 +70,14 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
       m_scale(scale),
       m_most(most),
       m_simd(simd),
-      m_table(kernel, tsFromIs, footprintSteps(tsFromIs, stepsPerVoxel).texel,
-              footprintSteps(tsFromIs, stepsPerVoxel).sheet, FootprintTable::Lookup::sloped),
+      m_table(kernel, tsFromIs, slopedSteps(tsFromIs, stepsPerVoxel)),
       m_pieces(m_table),
       m_order(tsFromIs) {
     m_table.dropWeights();
     std::vector<const float*>& values = m_values.emplace_back();
     if (field.blockValues)
         for (std::size_t b = 0; b < field.blockCount(); ++b) values.push_back(field.block(b));
-    Bounds lattice;
-    for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
-        lattice.include(transformVector(tsFromIs, corner));
+    const Bounds lattice = extentOf(kBlockEdge, tsFromIs);
     // Slopes extend one step beyond the kernel.
     const double texelStep = 1.0 / m_table.texelSteps();
     const Vec3 reach = m_table.extent() + Vec3(texelStep, texelStep, 2 * rounding(m_table));
@@ -67,20 +88,18 @@ FieldSplatter::FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Ker
 
     std::vector<std::uint32_t> blocks(field.blockCount());
     std::iota(blocks.begin(), blocks.end(), 0U);
-    m_blocks = orderOf(std::move(blocks), kBlockEdge, [&](std::uint32_t b) { return field.blockOrigins[b]; });
+    addOrder(std::move(blocks), kBlockEdge, [&](std::uint32_t b) { return field.blockOrigins[b]; });
     std::map<int, std::vector<std::uint32_t>> tiles;
     for (std::uint32_t t = 0; t < field.tiles.size(); ++t) tiles[field.tiles[t].edge].push_back(t);
     for (auto& [edge, numbers] : tiles)
-        m_tiles.push_back(orderOf(std::move(numbers), edge, [&](std::uint32_t t) { return field.tiles[t].origin; }));
+        addOrder(std::move(numbers), edge, [&](std::uint32_t t) { return field.tiles[t].origin; });
 }
 
+// `origin(i)`: the first voxel of cube i, one of `numbers`.
 template <class Origin>
-FieldSplatter::SheetOrder FieldSplatter::orderOf(std::vector<std::uint32_t> numbers, int edge,
-                                                 const Origin& origin) const {
-    Bounds voxels;
-    for (const Vec3& corner : Bounds{Vec3(0), Vec3(edge - 1)}.corners())
-        voxels.include(transformVector(m_tsFromIs, corner));
-    SheetOrder order;
+void FieldSplatter::addOrder(std::vector<std::uint32_t> numbers, int edge, const Origin& origin) {
+    const Bounds voxels = extentOf(edge, m_tsFromIs);
+    SheetOrder& order = m_orders.emplace_back();
     order.span = lastTouched(m_table, voxels.size().z) - firstTouched(m_table, 0) + 2;
     std::vector<std::pair<std::int32_t, std::uint32_t>> cubes;
     cubes.reserve(numbers.size());
@@ -94,20 +113,13 @@ FieldSplatter::SheetOrder FieldSplatter::orderOf(std::vector<std::uint32_t> numb
         order.firstSheets.push_back(cubes[i].first);
         order.cubes[i] = cubes[i].second;
     }
-    return order;
-}
-
-std::span<const std::uint32_t> FieldSplatter::SheetOrder::touching(int firstSheet, int lastSheet) const {
-    const auto begin = std::lower_bound(firstSheets.begin(), firstSheets.end(), firstSheet - span);
-    const auto end = std::lower_bound(begin, firstSheets.end(), lastSheet);
-    return {cubes.data() + (begin - firstSheets.begin()), static_cast<std::size_t>(end - begin)};
 }
 
 // They stay in their own order, since sums depend on it.
 std::vector<std::uint32_t> FieldSplatter::tilesTouching(int firstSheet, int lastSheet) const {
     std::vector<std::uint32_t> tiles;
-    for (const SheetOrder& order : m_tiles) {
-        const auto touching = order.touching(firstSheet, lastSheet);
+    for (std::size_t i = 1; i < m_orders.size(); ++i) {
+        const auto touching = m_orders[i].touching(firstSheet, lastSheet);
         tiles.insert(tiles.end(), touching.begin(), touching.end());
     }
     std::sort(tiles.begin(), tiles.end());
@@ -135,7 +147,7 @@ std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<Plan
 
 std::uint64_t FieldSplatter::splat(int firstSheet, int lastSheet, std::span<PlaneStack> planes, int firstPlane,
                                    const TileCull& cull, int band) const {
-    const std::span<const std::uint32_t> touching = m_blocks.touching(firstSheet, lastSheet);
+    const std::span<const std::uint32_t> touching = m_orders.front().touching(firstSheet, lastSheet);
     const std::vector<std::uint32_t> tiles = tilesTouching(firstSheet, lastSheet);
     if (touching.empty() && tiles.empty()) return 0;
     PlaneStack& own = planes.front();
@@ -247,19 +259,10 @@ void FieldSplatter::splatOneBlock(const Vec3& ts, const float* const* values, Ta
                 for (PlaneStack& planes : target.planes)
                     planes.activate(target.firstPlane + s - splat.firstSheet, tx, ty);
 
-    const Vec3 whole = glm::floor(ts);
-    const BlockSplat::Place place{static_cast<std::int32_t>(whole.x), static_cast<std::int32_t>(whole.y),
-                                  static_cast<std::int32_t>(whole.z), static_cast<Real>(ts.x - whole.x),
-                                  static_cast<Real>(ts.y - whole.y),  static_cast<Real>(ts.z - whole.z)};
-    target.footprints += splatBlock(splat, place, values, first, second);
+    target.footprints += splatBlock(splat, ts, values, first, second);
 }
 
 namespace {
-
-// The table's steps per texel, which are the columns of its entries.
-double finerSteps(const Mat4& tsFromIs, int stepsPerVoxel) {
-    return footprintSteps(tsFromIs, stepsPerVoxel).texel;
-}
 
 // The map to texel space in which the middle ray is upright and texels are finer.
 Mat4 tableFromIs(const Mat4& tsFromIs, const Vec2& slope, double finer) {
@@ -296,13 +299,11 @@ WarpedSplatter::WarpedSplatter(const SparseField& field, const Mat4& tsFromIs, c
       m_raster(raster),
       m_scale(scale),
       m_most(most),
-      m_finer(finerSteps(tsFromIs, stepsPerVoxel)),
+      m_finer(footprintSteps(tsFromIs, stepsPerVoxel).texel),
       m_slope(middleSlope(field, tsFromIs, raster)),
-      m_table(kernel, tableFromIs(tsFromIs, m_slope, m_finer), 2, footprintSteps(tsFromIs, stepsPerVoxel).sheet),
+      m_table(kernel, tableFromIs(tsFromIs, m_slope, m_finer), {2, footprintSteps(tsFromIs, stepsPerVoxel).sheet}),
       m_extent(m_table.extent().x / m_finer, m_table.extent().y / m_finer, m_table.extent().z) {
-    Bounds lattice;
-    for (const Vec3& corner : Bounds{Vec3(0), Vec3(kBlockEdge - 1)}.corners())
-        lattice.include(transformVector(tsFromIs, corner));
+    const Bounds lattice = extentOf(kBlockEdge, tsFromIs);
     m_first = lattice.lower.z;
     m_last = lattice.upper.z;
 }

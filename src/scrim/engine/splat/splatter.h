@@ -32,6 +32,8 @@ class FieldSplatter {
     /// `scale` and clamped to `most`; positions are quantised to `stepsPerVoxel`.
     FieldSplatter(const SparseField& field, const Mat4& tsFromIs, Kernel kernel, int stepsPerVoxel, Real scale,
                   Real most = std::numeric_limits<float>::max(), Simd simd = {});
+    FieldSplatter(FieldSplatter&&) noexcept;
+    ~FieldSplatter();
 
     /// Splats `field`, which must outlive this object, together with the first field, whose footprints and scale it
     /// shares. See haveOneTopology; at most BlockSplat::kMost fields together.
@@ -40,8 +42,6 @@ class FieldSplatter {
     /// Replaces the values of the field's blocks by others, 512 each.
     void useValues(std::vector<const float*> values) { m_values.front() = std::move(values); }
 
-    /// The number of sheets that a footprint may reach.
-    int footprintSheets() const { return m_table.sheets(); }
     std::size_t tableBytes() const { return m_pieces.bytes(); }
     /// Rows of tiles in a band. Setting more than needed lets several splatters take turns at the same bands.
     int bandTiles() const { return m_bandTiles; }
@@ -80,23 +80,14 @@ class FieldSplatter {
     FootprintTable m_table;  // without its weights
     FootprintPieces m_pieces;
     LatticeOrder m_order;
-    // Cubes of one size, ascending by the first sheet that they touch, then by index.
-    struct SheetOrder {
-        std::vector<std::uint32_t> cubes;
-        std::vector<std::int32_t> firstSheets;  // in the same order
-        int span = 0;                           // most sheets that a cube can touch
-
-        std::span<const std::uint32_t> touching(int firstSheet, int lastSheet) const;
-    };
-    // `origin(i)`: the first voxel of cube i, one of `numbers`.
+    struct SheetOrder;
     template <class Origin>
-    SheetOrder orderOf(std::vector<std::uint32_t> numbers, int edge, const Origin& origin) const;
+    void addOrder(std::vector<std::uint32_t> numbers, int edge, const Origin& origin);
     std::vector<std::uint32_t> tilesTouching(int firstSheet, int lastSheet) const;
 
-    Vec3 m_blockLower, m_blockUpper;  // offsets of a block's voxels in texel space, including their footprints
-    SheetOrder m_blocks;
-    std::vector<SheetOrder> m_tiles;  // one for each size of tiles
-    int m_bandTiles;                  // rows of tiles in a band, more than a block touches
+    Vec3 m_blockLower, m_blockUpper;   // offsets of a block's voxels in texel space, including their footprints
+    std::vector<SheetOrder> m_orders;  // of the blocks, and of each size of tiles
+    int m_bandTiles;                   // rows of tiles in a band, more than a block touches
 };
 
 /// Splats a field onto the cells of a perspective view. Every footprint is warped by the Jacobian of the projection at

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/engine/splat/surface.h>
 
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,140 @@
 
 #include <glm/matrix.hpp>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "scrim/engine/splat/surface.cpp"
+#include <hwy/foreach_target.h>
+#include <scrim/engine/simd-inl.h>
+
+HWY_BEFORE_NAMESPACE();
 namespace scrim {
+namespace HWY_NAMESPACE {
+
+struct Lookup {
+    const Real* table;
+    int cells;
+    Real beyond;  // slope beyond the last place
+
+    // Linear between places; beyond the last one it continues with slope `beyond`.
+    HWY_ATTR HWY_INLINE VF at(VF x) const {
+        const DF d;
+        const auto last = hn::Set(d, static_cast<Real>(cells));
+        const auto inside = hn::Min(hn::Max(x, hn::Zero(d)), last);
+        const auto floor = hn::Min(hn::Floor(inside), hn::Set(d, static_cast<Real>(cells - 1)));
+        const auto index = hn::ConvertTo(DI(), floor);
+        const auto lower = hn::GatherIndex(d, table, index), upper = hn::GatherIndex(d, table + 1, index);
+        const auto value = hn::MulAdd(hn::Sub(inside, floor), hn::Sub(upper, lower), lower);
+        return hn::MulAdd(hn::Max(hn::Sub(x, last), hn::Zero(d)), hn::Set(d, beyond), value);
+    }
+};
+
+// The mean over [x, y], in cells. If that is shorter than a cell, the value at its middle is used, because the
+// difference of two integrals would be rounding only.
+HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX, VF integralY) {
+    const DF d;
+    const auto run = hn::Sub(y, x);
+    const auto isShort = hn::Lt(hn::Abs(run), hn::Set(d, Real(1)));
+    const auto safe = hn::IfThenElse(isShort, hn::Set(d, Real(1)), run);
+    const auto quotient = hn::Div(hn::Sub(integralY, integralX), safe);
+    if (hn::AllFalse(d, isShort)) return quotient;
+    const auto middle = value.at(hn::Mul(hn::Set(d, Real(0.5)), hn::Add(x, y)));
+    return hn::IfThenElse(isShort, middle, quotient);
+}
+
+HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real cellsPerValue,
+                           const Real* a, const Real* b, const Real* c, int count, Real* out) {
+    const DF d;
+    // The tables of integrals are in units of cells, so that means are differences divided by differences of cells.
+    const Lookup value{values, cells, 0}, integral{integrals, cells, beyond};
+    const auto scale = hn::Set(d, cellsPerValue);
+    for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
+        const auto x = hn::Mul(hn::Load(d, a + k), scale), y = hn::Mul(hn::Load(d, b + k), scale),
+                   z = hn::Mul(hn::Load(d, c + k), scale);
+        const auto ix = integral.at(x), iy = integral.at(y), iz = integral.at(z);
+        const auto sum = hn::Add(meanBetween(value, x, y, ix, iy), meanBetween(value, y, z, iy, iz));
+        hn::Store(hn::Max(hn::Mul(hn::Set(d, Real(0.5)), sum), hn::Zero(d)), d, out + k);
+    }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace scrim
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace scrim {
+
+HWY_EXPORT(meanOnTarget);
+
+namespace {
+
+constexpr int kCells = 2048;  // over the range of values
+
+}  // namespace
+
+struct TransferTable::Function {
+    std::vector<Real> value, integral;  // at kCells + 1 places
+    Real beyond = 0;                    // value beyond the last place
+};
+
+TransferTable::~TransferTable() = default;
+
+TransferTable::TransferTable(const Classified& classified) {
+    const std::vector<TransferPoint>& points = classified.transfer;
+    m_cell = std::max(points.back().value, std::numeric_limits<float>::min() * 1e6) / kCells;
+    for (int f = 0; f < 4; ++f) {
+        Function& function = m_functions.emplace_back();
+        const auto at = [&](double value) {
+            const ClassifiedValue c = classify(classified, value);
+            return c.extinction * (f == 0 ? 1.0 : c.color[f - 1]);
+        };
+        // Between two neighbouring places or points, extinction times colour is a quadratic, for which Simpson's rule
+        // is exact.
+        double integral = 0;
+        for (int i = 0; i <= kCells; ++i) {
+            const double place = i * m_cell;
+            function.value.push_back(static_cast<Real>(at(place)));
+            function.integral.push_back(static_cast<Real>(integral));
+            std::vector<double> cuts{place};
+            for (const TransferPoint& p : points)
+                if (p.value > place && p.value < place + m_cell) cuts.push_back(p.value);
+            cuts.push_back(place + m_cell);
+            for (std::size_t c = 1; c < cuts.size(); ++c) {
+                const double width = cuts[c] - cuts[c - 1], inset = 1e-9 * width;
+                if (width <= 0) continue;
+                const double sum = at(cuts[c - 1] + inset) + 4 * at(cuts[c - 1] + 0.5 * width) + at(cuts[c] - inset);
+                integral += sum / 6 * width / m_cell;
+            }
+        }
+        function.beyond = static_cast<Real>(at(points.back().value + 1));
+    }
+    const double infinity = std::numeric_limits<double>::infinity();
+    if (points.front().extinction > 0) m_opaque.emplace_back(-infinity, points.front().value);
+    for (std::size_t i = 1; i < points.size(); ++i)
+        if (points[i - 1].extinction > 0 || points[i].extinction > 0)
+            m_opaque.emplace_back(points[i - 1].value, points[i].value);
+    if (points.back().extinction > 0) m_opaque.emplace_back(points.back().value, infinity);
+}
+
+void TransferTable::mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out,
+                         Simd simd) const {
+    SCRIM_ON_TARGET(simd, meanOnTarget)
+    (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<Real>(1 / m_cell), a, b, c, count, out);
+}
+
+void TransferTable::meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const {
+    mean(m_functions[0], a, b, c, count, out, simd);
+}
+
+void TransferTable::meanEmission(int channel, const Real* a, const Real* b, const Real* c, int count, Real* out,
+                                 Simd simd) const {
+    mean(m_functions[1 + channel], a, b, c, count, out, simd);
+}
+
+bool TransferTable::anyBetween(Real low, Real high) const {
+    return std::any_of(m_opaque.begin(), m_opaque.end(),
+                       [&](const auto& range) { return high >= range.first && low <= range.second; });
+}
+
 namespace {
 
 // The least and greatest value of a tile and its neighbouring texels, on some planes.
@@ -92,8 +225,10 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_simd(dials.simd),
       m_table(*volume.classified),
       m_vagueGradient(vagueGradient(*volume.classified, voxel)),
-      m_step(stepFor(lattice.rsFromTs)),
-      m_field({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
+      m_rsVoxels(voxelsIn(lattice.rsFromTs)),
+      // A gradient is a covector, so differences are multiplied by the inverse transpose.
+      m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
+      m_field({{ViewField{volume.field, volume.wsFromIs}}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
               batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
 
@@ -106,8 +241,7 @@ int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {
 }
 
 FloatPlane Surface::plane(int p, int steps) const {
-    const PlaneStack& planes = m_field.planes();
-    return {planes.plane(m_field.planeOf(m_firstSheet + p + steps)), planes.width(), planes.height(), 0, 0, m_simd};
+    return m_field.planes().view(m_field.planeOf(m_firstSheet + p + steps), m_simd);
 }
 
 void Surface::classifyTexels(int p) {
@@ -140,7 +274,7 @@ void Surface::classifyTexels(int p) {
                 runThroughSheet(front[k], middle[k], back[k]);
             }
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
-            Real* to = out.plane(p) + corner;
+            Real* to = out.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
         }
@@ -171,7 +305,7 @@ bool Surface::classify(int p, const SampleTile& at, const Int2& tile, Classified
     if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
     for (int c = 0; c < 3; ++c)
         m_table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], m_simd);
-    findNormals(p, at, m_lattice.parallel() ? m_step : stepAt(p, tile), out);
+    findNormals(p, at, m_lattice.parallel() ? m_rsVoxels : voxelsAt(p, tile), out);
     return true;
 }
 
@@ -187,17 +321,17 @@ void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, R
     for (int k = 0; k < kTileSize; ++k) out[k] += fraction * (further[k] - out[k]);
 }
 
-void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const {
+void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const {
     alignas(64) Real lower[kTileSize], upper[kTileSize];
     for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
     for (int axis = 0; axis < 3; ++axis) {
-        sampleBetween(p, at, -step.rsVoxel[axis], lower);
-        sampleBetween(p, at, step.rsVoxel[axis], upper);
+        sampleBetween(p, at, -rsVoxels[axis], lower);
+        sampleBetween(p, at, rsVoxels[axis], upper);
         for (int c = 0; c < 3; ++c) {
             // The normal points out of the denser side, down the gradient. Gradients are in units of the vague
             // gradient, so that their squares neither overflow nor vanish, whatever the units of the field and the size
             // of its voxels.
-            const auto part = static_cast<Real>(-step.ssFromDifference[axis][c] / m_vagueGradient);
+            const auto part = static_cast<Real>(-m_ssFromDifference[axis][c] / m_vagueGradient);
             for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
         }
     }
@@ -212,32 +346,28 @@ void Surface::findNormals(int p, const SampleTile& at, const GradientStep& step,
     }
 }
 
-Surface::GradientStep Surface::stepFor(const Mat4& rsFromTs) const {
-    const Mat4 rsFromIs = rsFromTs * m_sheets.tsFrom(m_wsFromIs);
-    GradientStep step;
-    for (int axis = 0; axis < 3; ++axis) step.rsVoxel[axis] = Vec3(rsFromIs[axis]);
-    // A gradient is a covector, so differences are multiplied by the inverse transpose.
-    step.ssFromDifference = m_sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(m_wsFromIs))));
-    return step;
+Mat3 Surface::voxelsIn(const Mat4& rsFromTs) const {
+    return Mat3(rsFromTs * m_sheets.tsFrom(m_wsFromIs));
 }
 
-// The step at the middle of a tile of a perspective view, on its ray.
-Surface::GradientStep Surface::stepAt(int p, const Int2& tile) const {
+// The voxels at the middle of a tile of a perspective view, on its ray.
+Mat3 Surface::voxelsAt(int p, const Int2& tile) const {
     const double n = m_firstSheet + p + 0.5;
     const Vec3 middle((tile.x + 0.5) * kTileEdge, (tile.y + 0.5) * kTileEdge, 1);
     const Vec3 onPlane = glm::inverse(m_lattice.fromPlane(n)) * middle;
-    return stepFor(m_lattice.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
+    return voxelsIn(m_lattice.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
 }
 
 std::size_t Surface::bytes() const {
-    return m_field.bytes() + PlaneStack::bytes(m_extinction.planes(), m_extinction.width(), m_extinction.height(), 1);
+    return m_field.bytes() + m_extinction.bytes();
 }
 
 std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                            int batchSheets) {
-    return FieldPlanes::bytes({volume.field, volume.wsFromIs}, settingsOf(volume, dials, sheets), dials, sheets,
-                              lattice, batchSheets) +
+    return FieldPlanes::bytes({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials,
+                              sheets, lattice, batchSheets) +
            PlaneStack::bytes(batchSheets, lattice.width, lattice.height, 1);
 }
 
 }  // namespace scrim
+#endif

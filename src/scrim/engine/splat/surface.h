@@ -4,7 +4,7 @@
 // texels, for lights; and what the eye sees of it at the samples of a tile: extinction, colour and normals.
 //
 // Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours. The
-// transfer function is averaged over the part of that course that lies within the sheet (transfer.h).
+// transfer function is averaged over the part of that course that lies within the sheet (TransferTable).
 //
 // Normals come from central differences over a voxel to either side (ZC02 section 3.1), within the sheet and across
 // sheets. They are taken along the axes of the volume's own lattice instead of the sheet's: there they are interpolated
@@ -12,12 +12,50 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/model/samples.h>
-#include <scrim/engine/splat/transfer.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/splat/field_planes.h>
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
+#include <scrim/scene/classified.h>
+#include <scrim/base/simd.h>
+
+#include <utility>
+#include <vector>
 
 namespace scrim {
+
+/// A transfer function prepared for whole sheets: pre-integrated classification.
+///
+/// While a ray crosses a sheet, the field changes from one value to another. Looking the transfer function up once
+/// would show every step in it as slices of the volume, as many as there are sheets. Instead the transfer function is
+/// averaged over all values that are passed, as if the field were linear between the planes of neighbouring sheets:
+///     mean of s over [a, b] = (K(b) - K(a)) / (b - a),   K(f) = integral of s from 0 to f.
+/// K is tabulated for the extinction s and for extinction times colour (K. Engel, M. Kraus, T. Ertl, "High-quality
+/// pre-integrated volume rendering using hardware-accelerated pixel shading", 2001, do so for the opacity of a sheet).
+/// It is exact if the field is linear within the sheet, so its error is of second order in the thickness of a sheet
+/// even where the transfer function jumps.
+class TransferTable {
+  public:
+    explicit TransferTable(const Classified& classified);
+    ~TransferTable();
+
+    /// Mean extinction as the field runs from a to b over the first half of the path and from b to c over the second;
+    /// `count` samples each (a multiple of 16), in buffers aligned to 64 bytes.
+    void meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* extinction, Simd simd = {}) const;
+    /// The same for extinction times one channel of colour.
+    void meanEmission(int channel, const Real* a, const Real* b, const Real* c, int count, Real* out,
+                      Simd simd = {}) const;
+
+    /// True if any value in [low, high] has extinction.
+    bool anyBetween(Real low, Real high) const;
+
+  private:
+    struct Function;
+    void mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const;
+
+    double m_cell;                                    // width in values; place i is at i * m_cell
+    std::vector<Function> m_functions;                // extinction, extinction times R, G, B
+    std::vector<std::pair<double, double>> m_opaque;  // closed ranges of values; outside of them extinction is 0
+};
 
 /// Classified samples for the eye's segments through the sheet.
 struct ClassifiedTile {
@@ -59,17 +97,12 @@ class Surface {
     static int halo(const ViewVolume& volume, const Sheets& sheets);
 
   private:
-    // The differences from which normals are computed.
-    struct GradientStep {
-        Vec3 rsVoxel[3];        // one voxel along each axis of the grid, in the raster's cells and sheets
-        Mat3 ssFromDifference;  // converts differences over two voxels to the gradient in sweep space, per world unit
-    };
-    GradientStep stepFor(const Mat4& rsFromTs) const;
-    GradientStep stepAt(int p, const Int2& tile) const;
+    Mat3 voxelsIn(const Mat4& rsFromTs) const;
+    Mat3 voxelsAt(int p, const Int2& tile) const;
     FloatPlane plane(int p, int steps) const;
     void sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const;
     void sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const;
-    void findNormals(int p, const SampleTile& at, const GradientStep& step, ClassifiedTile& out) const;
+    void findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;
     const Lattice& m_lattice;
@@ -77,7 +110,9 @@ class Surface {
     Simd m_simd;
     TransferTable m_table;
     double m_vagueGradient;
-    GradientStep m_step;  // for a parallel lattice, where it is constant
+    // Differences over two voxels along each axis of the grid give the normals.
+    Mat3 m_rsVoxels;  // one voxel along each axis, in the raster's cells and sheets; constant on a parallel lattice
+    Mat3 m_ssFromDifference;  // converts differences to the gradient in sweep space, per world unit
     FieldPlanes m_field;
     PlaneStack m_extinction;
     int m_firstSheet = 0;

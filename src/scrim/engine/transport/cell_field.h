@@ -3,8 +3,8 @@
 #pragma once
 
 #include <scrim/base/real.h>
-#include <scrim/engine/model/outputs.h>
-#include <scrim/engine/model/samples.h>
+#include <scrim/engine/model/plan.h>
+#include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/transport/cell_grid.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/scene/light.h>

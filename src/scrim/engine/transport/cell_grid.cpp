@@ -42,15 +42,13 @@ CellGrid::CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& 
     const Int3 origin(first);
     m_origin = origin * kCellEdge;
     m_blocks = Int3(size);
-    std::vector<bool> wanted(std::size_t(m_blocks.x) * std::size_t(m_blocks.y) * std::size_t(m_blocks.z), false);
+    std::vector<bool> wanted(numberInBox(m_blocks - 1) + 1, false);
     for (const Bounds& box : wsBoxes) {
         const Int3 from = Int3(glm::floor((box.lower - wsCorner) / blockEdge)) - origin;
         const Int3 to = Int3(glm::floor((box.upper - wsCorner) / blockEdge)) - origin;
         for (int z = from.z; z <= to.z; ++z)
             for (int y = from.y; y <= to.y; ++y)
-                for (int x = from.x; x <= to.x; ++x)
-                    wanted[(std::size_t(z) * std::size_t(m_blocks.y) + std::size_t(y)) * std::size_t(m_blocks.x) +
-                           std::size_t(x)] = true;
+                for (int x = from.x; x <= to.x; ++x) wanted[numberInBox({x, y, z})] = true;
     }
     number(std::move(wanted));
 }
@@ -60,22 +58,12 @@ CellGrid CellGrid::coarser(const CellGrid& fine) {
     out.m_edge = 2 * fine.m_edge;
     out.m_corner = fine.m_corner;
     if (fine.m_places.empty()) return out;
-    Int3 first(0), last(0);
     const Int3 fineOrigin = fine.m_origin / kCellEdge;  // exact, since both are multiples of 8
-    for (int axis = 0; axis < 3; ++axis) {
-        first[axis] = fineOrigin[axis] >> 1;
-        last[axis] = (fineOrigin[axis] + fine.m_blocks[axis] - 1) >> 1;
-    }
+    const Int3 first = fineOrigin >> 1, last = (fineOrigin + fine.m_blocks - 1) >> 1;
     out.m_origin = first * kCellEdge;
     out.m_blocks = last - first + 1;
-    std::vector<bool> wanted(std::size_t(out.m_blocks.x) * std::size_t(out.m_blocks.y) * std::size_t(out.m_blocks.z),
-                             false);
-    for (const Int3& place : fine.m_places) {
-        Int3 at;
-        for (int axis = 0; axis < 3; ++axis) at[axis] = ((fineOrigin[axis] + place[axis]) >> 1) - first[axis];
-        wanted[(std::size_t(at.z) * std::size_t(out.m_blocks.y) + std::size_t(at.y)) * std::size_t(out.m_blocks.x) +
-               std::size_t(at.x)] = true;
-    }
+    std::vector<bool> wanted(out.numberInBox(out.m_blocks - 1) + 1, false);
+    for (const Int3& place : fine.m_places) wanted[out.numberInBox(((fineOrigin + place) >> 1) - first)] = true;
     out.number(std::move(wanted));
     return out;
 }

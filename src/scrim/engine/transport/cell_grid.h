@@ -38,8 +38,7 @@ class CellGrid {
     std::int32_t stored(const Int3& at) const {
         for (int axis = 0; axis < 3; ++axis)
             if (at[axis] < 0 || at[axis] >= m_blocks[axis]) return -1;
-        return m_stored[(std::size_t(at.z) * std::size_t(m_blocks.y) + std::size_t(at.y)) * std::size_t(m_blocks.x) +
-                        std::size_t(at.x)];
+        return m_stored[numberInBox(at)];
     }
     /// The places of the stored blocks, in blocks from the corner of the box.
     const std::vector<Int3>& storedBlocks() const { return m_places; }
@@ -59,6 +58,11 @@ class CellGrid {
     std::size_t bytes() const { return m_stored.size() * sizeof(std::int32_t) + m_places.size() * sizeof(Int3); }
 
   private:
+    // The number of a block of the box; x varies fastest.
+    std::size_t numberInBox(const Int3& at) const {
+        return (std::size_t(at.z) * std::size_t(m_blocks.y) + std::size_t(at.y)) * std::size_t(m_blocks.x) +
+               std::size_t(at.x);
+    }
     void number(std::vector<bool>&& wanted);
 
     double m_edge = 1;

@@ -15,17 +15,13 @@
 namespace scrim {
 namespace {
 
-bool grey(const Rgb& v) {
-    return v.x == v.y && v.y == v.z;
-}
-
 // A field that is deposited into cells, and the factors on a voxel's value for each destination row.
 struct Deposit {
     const SparseField* field;
     Mat4 wsFromIs;
     const Classified* classified = nullptr;  // if set, its extinction is deposited instead of the field's value
     struct Share {
-        CellMedia::Row* row;
+        std::vector<Real>* row;
         double factor;
     };
     std::vector<Share> shares;
@@ -136,13 +132,13 @@ void add(const CellGrid& grid, const Deposit& deposit) {
     for (const ConstantTile& tile : field.tiles) depositTile(grid, into, deposit, tile, half);
 }
 
-void addShares(std::vector<CellMedia::Row>& rows, const Rgb& factor, Deposit& deposit) {
+void addShares(std::vector<std::vector<Real>>& rows, const Rgb& factor, Deposit& deposit) {
     for (std::size_t c = 0; c < rows.size(); ++c)
         if (factor[int(c)] != 0) deposit.shares.push_back({&rows[c], factor[int(c)]});
 }
 
 // Adds a volume's extinction, and its scattering to `scattering` if it scatters.
-void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<CellMedia::Row>* scattering) {
+void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vector<Real>>* scattering) {
     if (volume.field->empty()) return;
     const Medium& medium = volume.medium;
     Deposit density{volume.field.get(), volume.wsFromIs, volume.classified.get(), {}};
@@ -163,10 +159,10 @@ void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
     if (std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.split.straight() == 0; }))
         return;
     for (std::size_t c = 0; c < std::max(media.extinction.size(), media.scattering.front().size()); ++c) {
-        CellMedia::Row& straight = media.straight.emplace_back(media.grid.cells(), Real(0));
+        std::vector<Real>& straight = media.straight.emplace_back(media.grid.cells(), Real(0));
         for (std::size_t k = 0; k < classes.size(); ++k) {
             const auto part = static_cast<Real>(classes[k].split.straight());
-            const CellMedia::Row& scattering = media.scatteringOf(k, c);
+            const std::vector<Real>& scattering = media.scatteringOf(k, c);
             for (std::size_t cell = 0; cell < straight.size(); ++cell) straight[cell] += part * scattering[cell];
         }
     }
@@ -175,7 +171,7 @@ void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
         for (std::size_t cell = 0; cell < media.grid.cells(); ++cell)
             media.extinction[c][cell] = std::max(media.extinction[c][cell] - media.straight[c][cell], Real(0));
     for (std::size_t k = 0; k < classes.size(); ++k)
-        for (CellMedia::Row& row : media.scattering[k])
+        for (std::vector<Real>& row : media.scattering[k])
             for (Real& value : row) value *= static_cast<Real>(1 - classes[k].split.straight());
 }
 
@@ -200,7 +196,7 @@ std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) 
 
 std::size_t CellMedia::bytes() const {
     std::size_t rows = extinction.size() + straight.size() + emission.size();
-    for (const std::vector<Row>& cls : scattering) rows += cls.size();
+    for (const auto& cls : scattering) rows += cls.size();
     return grid.bytes() + rows * grid.cells() * sizeof(Real);
 }
 
@@ -225,12 +221,12 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
     CellMedia media;
     media.grid = CellGrid(edge, cellBoxes(scene, std::max(edge, margin)), wsCorner);
     const auto rows = [&](bool one) {
-        return std::vector<CellMedia::Row>(one ? 1 : 3, CellMedia::Row(media.grid.cells(), Real(0)));
+        return std::vector<std::vector<Real>>(one ? 1 : 3, std::vector<Real>(media.grid.cells(), Real(0)));
     };
     media.extinction = rows(greyExtinction(scene));
     for (std::size_t k = 0; k < classes.size(); ++k) media.scattering.push_back(rows(greyScattering(scene)));
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        std::vector<CellMedia::Row>* scattering = nullptr;
+        std::vector<std::vector<Real>>* scattering = nullptr;
         for (std::size_t k = 0; k < classes.size(); ++k)
             if (std::count(classes[k].volumes.begin(), classes[k].volumes.end(), static_cast<int>(v)))
                 scattering = &media.scattering[k];
@@ -247,8 +243,8 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
     return media;
 }
 
-CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const CellMedia::Row& row) {
-    CellMedia::Row out(coarse.cells(), Real(0));
+std::vector<Real> coarserRow(const CellGrid& fine, const CellGrid& coarse, const std::vector<Real>& row) {
+    std::vector<Real> out(coarse.cells(), Real(0));
     // A block of the finer grid is an octant of a block of the coarser one.
     const Int3 shift(glm::round(coarse.csFromWs(fine.wsFromCs(Vec3(0)))));
     for (std::size_t b = 0; b < fine.storedBlocks().size(); ++b) {
@@ -265,9 +261,9 @@ CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const Ce
 CellMedia coarser(const CellMedia& fine) {
     CellMedia out;
     out.grid = CellGrid::coarser(fine.grid);
-    const auto rows = [&](const std::vector<CellMedia::Row>& from) {
-        std::vector<CellMedia::Row> to;
-        for (const CellMedia::Row& row : from) to.push_back(coarserRow(fine.grid, out.grid, row));
+    const auto rows = [&](const std::vector<std::vector<Real>>& from) {
+        std::vector<std::vector<Real>> to;
+        for (const std::vector<Real>& row : from) to.push_back(coarserRow(fine.grid, out.grid, row));
         return to;
     };
     out.extinction = rows(fine.extinction);
@@ -277,12 +273,12 @@ CellMedia coarser(const CellMedia& fine) {
 
 bool greyExtinction(const ViewScene& scene) {
     return std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& v) { return v.classified || grey(v.medium.extinctionTint); });
+                       [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
 }
 
 bool greyScattering(const ViewScene& scene) {
     return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && grey(v.medium.albedo));
+               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
            });
 }
 

@@ -4,7 +4,7 @@
 
 #include <scrim/base/real.h>
 #include <scrim/engine/transport/cell_grid.h>
-#include <scrim/engine/transport/split_phase.h>
+#include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
 
 #include <vector>
@@ -18,7 +18,7 @@ struct ScatterClass {
     std::vector<bool> lights;  ///< for each light of the scene, whether it lights these volumes; empty: all do
     std::vector<int> volumes;  ///< indices into ViewScene::volumes
 
-    bool litBy(std::size_t light) const { return lights.empty() || lights[light]; }
+    bool litBy(std::size_t light) const { return scrim::litBy(lights, light); }
 };
 
 /// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
@@ -27,16 +27,16 @@ std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
 /// Rows of values, one value for each cell of `grid`, per world unit. Light that scatters straight on counts as not
 /// scattered; extinction and scattering are reduced accordingly.
 struct CellMedia {
-    using Row = std::vector<Real>;
-
     CellGrid grid;
-    std::vector<Row> extinction;               ///< for one colour that represents all, or for three
-    std::vector<Row> straight;                 ///< the part of extinction that scatters straight on; empty: none
-    std::vector<std::vector<Row>> scattering;  ///< [class][colour]
-    std::vector<Row> emission;                 ///< radiance per world unit, for three colours; empty: nothing glows
+    std::vector<std::vector<Real>> extinction;  ///< for one colour that represents all, or for three
+    std::vector<std::vector<Real>> straight;    ///< the part of extinction that scatters straight on; empty: none
+    std::vector<std::vector<std::vector<Real>>> scattering;  ///< [class][colour]
+    std::vector<std::vector<Real>> emission;  ///< radiance per world unit, for three colours; empty: nothing glows
 
-    const Row& extinctionOf(std::size_t colour) const { return extinction[extinction.size() == 1 ? 0 : colour]; }
-    const Row& scatteringOf(std::size_t cls, std::size_t colour) const {
+    const std::vector<Real>& extinctionOf(std::size_t colour) const {
+        return extinction[extinction.size() == 1 ? 0 : colour];
+    }
+    const std::vector<Real>& scatteringOf(std::size_t cls, std::size_t colour) const {
         return scattering[cls][scattering[cls].size() == 1 ? 0 : colour];
     }
     std::size_t bytes() const;
@@ -56,7 +56,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
 CellMedia coarser(const CellMedia& fine);
 
 /// The means of a row on the grid `fine`, on the grid `coarse`, which CellGrid::coarser made from it.
-CellMedia::Row coarserRow(const CellGrid& fine, const CellGrid& coarse, const CellMedia::Row& row);
+std::vector<Real> coarserRow(const CellGrid& fine, const CellGrid& coarse, const std::vector<Real>& row);
 
 /// greyExtinction: extinction is the same in all colours. greyScattering: so is its scattered part.
 bool greyExtinction(const ViewScene& scene);

@@ -153,7 +153,7 @@ class Slices {
     }
 
     // Takes the cells' extinction, in units of 1 / edge. Light is wanted up to `reach` cells from where there is any.
-    void fill(const CellMedia::Row& extinction, int reach) {
+    void fill(const std::vector<Real>& extinction, int reach) {
         std::fill(box.full.begin(), box.full.end(), CellSpan{});
         forRuns([&](std::size_t cell, std::size_t step, const std::array<int, 3>& at) {
             const auto edge = static_cast<Real>(m_grid.edge());

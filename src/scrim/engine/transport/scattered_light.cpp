@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -24,7 +25,34 @@ Rgb colourOf(const ViewScene& scene, const ScatterTarget& target) {
     return Rgb(1);
 }
 
-}  // namespace
+class ScatteredLight {
+  public:
+    ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+                   const std::function<void()>& checkpoint);
+
+    std::vector<CellLight> lights() const;
+
+    const Solved& solved() const { return m_solved; }
+    // Peak memory.
+    std::size_t bytes() const { return m_bytes; }
+
+  private:
+    void solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
+               const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
+    void keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase, const Real* straight,
+              const Ordinates& ordinates, Simd simd, const Rgb& colours, CellField& field) const;
+    void extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+                     const std::function<void()>& checkpoint);
+    void fillBorders(const TransportSolver& solver, CellField& field) const;
+
+    std::shared_ptr<const CellGrid> m_grid;
+    std::vector<ScatterTarget> m_targets;
+    std::vector<int> m_classOf;  // class of each volume of the scene; -1: none
+    std::size_t m_classes = 0;
+    std::vector<std::shared_ptr<CellField>> m_fields;  // [target][class]
+    Solved m_solved;
+    std::size_t m_bytes = 0;
+};
 
 ScatteredLight::ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
                                const std::function<void()>& checkpoint)
@@ -159,6 +187,16 @@ void ScatteredLight::extrapolate(const ViewScene& scene, const TransportPlan& pl
                 for (int c = 0; c < 3; ++c) to[c] = std::clamp(to[c] + kLeft * (to[c] - two[c]), to[c] / 2, 2 * to[c]);
             }
         });
+}
+
+}  // namespace
+
+std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+                                      const std::function<void()>& checkpoint, Solved& solved, std::size_t& bytes) {
+    const ScatteredLight light(scene, plan, simd, checkpoint);
+    solved += light.solved();
+    bytes += light.bytes();
+    return light.lights();
 }
 
 }  // namespace scrim

@@ -4,48 +4,23 @@
 // place to place.
 #pragma once
 
-#include <scrim/base/real.h>
+#include <scrim/base/simd.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/engine/transport/cell_field.h>
 #include <scrim/engine/transport/solver.h>
 #include <scrim/scene/view_scene.h>
 
+#include <cstddef>
 #include <functional>
-#include <memory>
 #include <vector>
 
 namespace scrim {
 
-class ScatteredLight {
-  public:
-    /// Solves for all of the plan's targets. Slides must be loaded. `checkpoint` is called between sweeps, and throws
-    /// to stop. Throws Error(memory) if there are too many cells to number.
-    ScatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
-                   const std::function<void()>& checkpoint);
-
-    /// One for each target of the plan; volumes that scatter light only once have none of it.
-    std::vector<CellLight> lights() const;
-
-    const Solved& solved() const { return m_solved; }
-    /// Peak memory.
-    std::size_t bytes() const { return m_bytes; }
-
-  private:
-    void solve(const ViewScene& scene, const CellMedia& media, const std::vector<ScatterClass>& classes,
-               const TransportPlan& plan, Simd simd, const std::function<void()>& checkpoint);
-    void keep(const ViewScene& scene, const TransportSolver& solver, const Phase& phase, const Real* straight,
-              const Ordinates& ordinates, Simd simd, const Rgb& colours, CellField& field) const;
-    void extrapolate(const ViewScene& scene, const TransportPlan& plan, Simd simd,
-                     const std::function<void()>& checkpoint);
-    void fillBorders(const TransportSolver& solver, CellField& field) const;
-
-    std::shared_ptr<const CellGrid> m_grid;
-    std::vector<ScatterTarget> m_targets;
-    std::vector<int> m_classOf;  // class of each volume of the scene; -1: none
-    std::size_t m_classes = 0;
-    std::vector<std::shared_ptr<CellField>> m_fields;  // [target][class]
-    Solved m_solved;
-    std::size_t m_bytes = 0;
-};
+/// Solves for all of the plan's targets; returns one light for each, and volumes that scatter light only once have none
+/// of it. Slides must be loaded. Adds the solves to `solved`, and the peak of the memory, in bytes, to `bytes`.
+/// `checkpoint` is called between sweeps, and throws to stop. Throws Error(memory) if there are too many cells to
+/// number.
+std::vector<CellLight> scatteredLight(const ViewScene& scene, const TransportPlan& plan, Simd simd,
+                                      const std::function<void()>& checkpoint, Solved& solved, std::size_t& bytes);
 
 }  // namespace scrim

@@ -75,6 +75,21 @@ Solved& Solved::operator+=(const Solved& o) {
     return *this;
 }
 
+// The cells of one size, with what a solve keeps for them.
+struct TransportSolver::Level {
+    CellMedia media;  // on all levels but the first, whose media are the caller's
+    const CellMedia* own = nullptr;
+    std::vector<std::int32_t> rows;  // for each cell
+    std::vector<std::size_t> cellOf;
+    std::size_t rowCount = 0;
+    std::vector<Real> extinction, scattering;  // of the current colour: one value per cell, one per row
+    // Share of each class in `scattering`, one value per row; empty: one class.
+    std::vector<std::vector<Real>> shares;
+    std::vector<Real> x, next, source;
+
+    const CellMedia& cells() const { return own ? *own : media; }
+};
+
 // Anderson's acceleration: the mix of the last iterates whose residuals cancel best.
 class TransportSolver::Anderson {
   public:
@@ -142,6 +157,18 @@ TransportSolver::TransportSolver(const CellMedia& media, const std::vector<Scatt
     for (Level& level : m_levels) numberRows(level);
 }
 
+TransportSolver::~TransportSolver() = default;
+
+std::int32_t TransportSolver::rowOf(std::size_t cell) const {
+    return m_levels.front().rows[cell];
+}
+std::size_t TransportSolver::rows() const {
+    return m_levels.front().rowCount;
+}
+const std::vector<Real>& TransportSolver::radiance() const {
+    return m_levels.front().next;
+}
+
 // Numbers the rows. If one number represents all directions, every cell has a row. Otherwise only cells that scatter
 // have one, and the cells around them, which are used for interpolation.
 void TransportSolver::numberRows(Level& level) const {
@@ -150,9 +177,9 @@ void TransportSolver::numberRows(Level& level) const {
     if (!m_isotropic) {
         const auto wanted = [&](std::size_t cell) {
             for (const auto& cls : level.cells().scattering)
-                for (const CellMedia::Row& row : cls)
+                for (const std::vector<Real>& row : cls)
                     if (row[cell] > 0) return true;
-            for (const CellMedia::Row& row : level.cells().emission)
+            for (const std::vector<Real>& row : level.cells().emission)
                 if (row[cell] > 0) return true;
             return false;
         };

@@ -46,13 +46,14 @@ class TransportSolver {
     };
     /// `media` and `classes` must outlive this object.
     TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings);
+    ~TransportSolver();
 
     /// True if all phase functions are isotropic: rows then have one value, else one for each ordinate.
     bool isotropic() const { return m_isotropic; }
     std::size_t valuesPerRow() const { return m_isotropic ? 1 : std::size_t(m_settings.ordinates.count()); }
     /// The row of a cell; -1 if its light is not needed.
-    std::int32_t rowOf(std::size_t cell) const { return m_levels.front().rows[cell]; }
-    std::size_t rows() const { return m_levels.front().rowCount; }
+    std::int32_t rowOf(std::size_t cell) const;
+    std::size_t rows() const;
 
     /// The source Q of the next solve, filled with 0: radiance per world unit, rows() x valuesPerRow(). The caller adds
     /// to it.
@@ -61,24 +62,12 @@ class TransportSolver {
     /// empty: none. Afterwards `radiance()` holds, for each row, the radiance along each ordinate, or its mean over all
     /// directions; never below 0.
     Solved solve(std::size_t colour, const std::vector<Real>& inflow);
-    const std::vector<Real>& radiance() const { return m_levels.front().next; }
+    const std::vector<Real>& radiance() const;
 
     std::size_t bytes() const;
 
   private:
-    struct Level {
-        CellMedia media;  // on all levels but the first, whose media are the caller's
-        const CellMedia* own = nullptr;
-        std::vector<std::int32_t> rows;  // for each cell
-        std::vector<std::size_t> cellOf;
-        std::size_t rowCount = 0;
-        std::vector<Real> extinction, scattering;  // of the current colour: one value per cell, one per row
-        // Share of each class in `scattering`, one value per row; empty: one class.
-        std::vector<std::vector<Real>> shares;
-        std::vector<Real> x, next, source;
-
-        const CellMedia& cells() const { return own ? *own : media; }
-    };
+    struct Level;
     class Anderson;
 
     void numberRows(Level& level) const;

@@ -114,7 +114,7 @@ TEST_P(EyeViewOf, SlopesAreThoseOfTheRayThroughATexel) {
         const auto [camera, sheets] = setup(GetParam(), seed);
         const EyeView eye(camera, sheets);
         SampleTile samples;
-        texelSamples(sheets, eye.slopes(), 70.5, 48, 64, samples);
+        eye.setTexels(70.5, 48, 64, samples);
         for (int k = 0; k < kTileSize; k += 37) {
             const Vec3 ws = sheets.wsPoint({samples.u[k], samples.v[k], 70.5});
             const Vec3 travel = sheets.ssFromWs * (camera.type == CameraType::orthographic ? viewingAxis(camera)
@@ -166,6 +166,42 @@ TEST(EyeView, HasNoBoxBehindTheEye) {
     EXPECT_TRUE(eye.seenBy({at.x - 4, at.y - 4, at.x + 4, at.y + 4}, at.z + 10));
     EXPECT_FALSE(eye.seenBy({at.x - 4, at.y - 4, at.x + 4, at.y + 4}, at.z));
     EXPECT_FALSE(eye.seenBy({at.x - 4, at.y - 4, at.x + 4, at.y + 4}, at.z - 10));
+}
+
+// An eye that looks along the sheets' normal from a point in texel space.
+EyeView eyeAt(const Vec3& ts, const Sheets& sheets) {
+    Camera camera;
+    camera.wsPosition = ts * Vec3(sheets.texel, sheets.texel, sheets.thickness);
+    camera.wsFromCamera = lookAt(camera.wsPosition, camera.wsPosition + Vec3(0, 0, 1), {0, 1, 0});
+    return {camera, sheets};
+}
+
+TEST(TexelSamples, LieOnTexelsAndLookAwayFromTheEye) {
+    Sheets sheets;
+    sheets.texel = 0.5;
+    sheets.thickness = 0.8;
+    SampleTile samples;
+    eyeAt({20, 7, -30}, sheets).setTexels(4.5, 32, 48, samples);
+    for (int j = 0; j < kTileEdge; ++j)
+        for (int i = 0; i < kTileEdge; ++i) {
+            const int k = j * kTileEdge + i;
+            EXPECT_EQ(samples.u[k], static_cast<float>(32 + i));
+            EXPECT_EQ(samples.v[k], static_cast<float>(48 + j));
+            const double w = (4.5 + 30) * 0.8;
+            EXPECT_NEAR(samples.eyeA[k], (32 + i - 20) * 0.5 / w, 1e-6);
+            EXPECT_NEAR(samples.eyeB[k], (48 + j - 7) * 0.5 / w, 1e-6);
+        }
+}
+
+TEST(TexelSamples, StayFiniteOnTheEyesOwnPlane) {
+    const Sheets sheets;
+    const EyeView eye = eyeAt({8, 8, 3.5}, sheets);
+    for (const double middle : {3.4, 3.5, 3.6}) {
+        SampleTile samples;
+        eye.setTexels(middle, 0, 0, samples);
+        for (int k = 0; k < kTileSize; ++k)
+            EXPECT_TRUE(std::isfinite(samples.eyeA[k]) && std::isfinite(samples.eyeB[k])) << middle;
+    }
 }
 
 }  // namespace

@@ -168,7 +168,7 @@ TEST(Plan, GivesLightsWithoutShadowsNoBuffer) {
     for (Light& light : scene.lights) light.shadows = false;
     const Plan plan = makePlan(scene, 2);
     EXPECT_LT(plan.bytes, with);
-    EXPECT_EQ(plan.work.lightSamples, 0);
+    EXPECT_EQ(plan.work.lightSamples, 0u);
     for (const GroupPlan& group : plan.groups)
         for (const PlannedLight& light : group.lights) EXPECT_FALSE(light.shadowed);
 }
@@ -340,10 +340,10 @@ TEST(ExpectedWork, BoundsTheWorkThatIsDone) {
     const ViewScene scene = someScene();
     const Plan plan = makePlan(scene, 2);
     const RenderWork work = render(scene, plan).work;
-    EXPECT_LE(static_cast<double>(work.texelsShaded), plan.work.texels);
-    EXPECT_LE(static_cast<double>(work.pixelSheets), plan.work.pixelSheets);
-    EXPECT_GT(static_cast<double>(work.footprints), 0.5 * plan.work.footprints);
-    EXPECT_LT(static_cast<double>(work.footprints), 2 * plan.work.footprints);
+    EXPECT_LE(work.texelsShaded, plan.work.texelsShaded);
+    EXPECT_LE(work.pixelSheets, plan.work.pixelSheets);
+    EXPECT_GT(2 * work.footprints, plan.work.footprints);
+    EXPECT_LT(work.footprints, 2 * plan.work.footprints);
 }
 
 }  // namespace

@@ -412,45 +412,5 @@ TEST(SplitLight, PartsAddUpToTheWholeLightInEveryDirection) {
     }
 }
 
-// Slopes of eye rays at texels: constant for parallel rays, towards the eye otherwise.
-TEST(TexelSamples, LieOnTexelsAndLookAwayFromTheEye) {
-    Sheets sheets;
-    sheets.texel = 0.5;
-    sheets.thickness = 0.8;
-    EyeSlopes eye;
-    eye.parallel = false;
-    eye.tsEye = {20, 7, -30};
-    SampleTile samples;
-    texelSamples(sheets, eye, 4.5, 32, 48, samples);
-    for (int j = 0; j < kTileEdge; ++j)
-        for (int i = 0; i < kTileEdge; ++i) {
-            const int k = j * kTileEdge + i;
-            EXPECT_EQ(samples.u[k], static_cast<float>(32 + i));
-            EXPECT_EQ(samples.v[k], static_cast<float>(48 + j));
-            const double w = (4.5 + 30) * 0.8;
-            EXPECT_NEAR(samples.eyeA[k], (32 + i - 20) * 0.5 / w, 1e-6);
-            EXPECT_NEAR(samples.eyeB[k], (48 + j - 7) * 0.5 / w, 1e-6);
-        }
-    eye = {true, 0.25, -0.75, Vec3(0)};
-    texelSamples(sheets, eye, 4.5, 32, 48, samples);
-    for (int k = 0; k < kTileSize; ++k) {
-        EXPECT_EQ(samples.eyeA[k], 0.25f);
-        EXPECT_EQ(samples.eyeB[k], -0.75f);
-    }
-}
-
-TEST(TexelSamples, StayFiniteOnTheEyesOwnPlane) {
-    Sheets sheets;
-    EyeSlopes eye;
-    eye.parallel = false;
-    eye.tsEye = {8, 8, 3.5};
-    for (const double middle : {3.4, 3.5, 3.6}) {
-        SampleTile samples;
-        texelSamples(sheets, eye, middle, 0, 0, samples);
-        for (int k = 0; k < kTileSize; ++k)
-            EXPECT_TRUE(std::isfinite(samples.eyeA[k]) && std::isfinite(samples.eyeB[k])) << middle;
-    }
-}
-
 }  // namespace
 }  // namespace scrim::test

@@ -66,9 +66,9 @@ class Footprints : public testing::TestWithParam<std::tuple<Kernel, Case>> {
 };
 
 TEST_P(Footprints, OfATexelSumOverTheSheetsToTheLineIntegral) {
-    const FootprintTable table(kernel(), Mat4(tsFromIs()), 4, 16);
+    const FootprintTable table(kernel(), Mat4(tsFromIs()), {4, 16});
     const Mat3 isFromTs = glm::inverse(tsFromIs());
-    const double extent = table.extentN();
+    const double extent = table.extent().z;
     for (int stepV = 0; stepV < 4; stepV += 3)
         for (int stepU = 0; stepU < 4; ++stepU)
             for (int row = 0; row < table.rows(); ++row)
@@ -89,7 +89,7 @@ TEST_P(Footprints, OfATexelSumOverTheSheetsToTheLineIntegral) {
 }
 
 TEST_P(Footprints, AreMeansOverTheirSlab) {
-    const FootprintTable table(kernel(), Mat4(tsFromIs()), 8, 8);
+    const FootprintTable table(kernel(), Mat4(tsFromIs()), {8, 8});
     const Mat3 isFromTs = glm::inverse(tsFromIs());
     std::mt19937 random(3);
     const auto below = [&](int count) { return static_cast<int>(random() % static_cast<unsigned>(count)); };
@@ -111,7 +111,7 @@ TEST_P(Footprints, AreMeansOverTheirSlab) {
 
 // The kernel is 0 at every texel and in every sheet that the footprint leaves out.
 TEST_P(Footprints, MissNothingOfTheKernel) {
-    const FootprintTable table(kernel(), Mat4(tsFromIs()), 8, 8);
+    const FootprintTable table(kernel(), Mat4(tsFromIs()), {8, 8});
     const Mat3 isFromTs = glm::inverse(tsFromIs());
     std::mt19937 random(5);
     std::uniform_real_distribution<double> unit(-1, 1);
@@ -136,7 +136,7 @@ TEST_P(Footprints, MissNothingOfTheKernel) {
 }
 
 TEST_P(Footprints, AreZeroInThePaddingOfTheirRows) {
-    const FootprintTable table(kernel(), Mat4(tsFromIs()), 4, 4);
+    const FootprintTable table(kernel(), Mat4(tsFromIs()), {4, 4});
     ASSERT_EQ(table.rowStride() % 4, 0);
     ASSERT_GE(table.rowStride(), table.columns());
     const std::size_t rows = table.bytes() / sizeof(float) / static_cast<std::size_t>(table.rowStride());
@@ -148,7 +148,7 @@ TEST_P(Footprints, AreZeroInThePaddingOfTheirRows) {
 
 TEST_P(Footprints, TakeTheBytesTheyAnnounce) {
     const Mat4 map(tsFromIs());
-    EXPECT_EQ(FootprintTable(kernel(), map, 8, 4).bytes(), FootprintTable::bytes(kernel(), map, 8, 4));
+    EXPECT_EQ(FootprintTable(kernel(), map, {8, 4}).bytes(), FootprintTable::bytes(kernel(), map, {8, 4}));
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -166,7 +166,7 @@ INSTANTIATE_TEST_SUITE_P(
 // Sums over texels as well: linear and bspline footprints on a lattice of one texel a voxel fill every sheet evenly.
 TEST(FootprintSums, OfAnAlignedLatticeAreOneInEveryTexel) {
     for (const Kernel kernel : {Kernel::linear, Kernel::bspline}) {
-        const FootprintTable table(kernel, Mat4(1.0), 8, 8);
+        const FootprintTable table(kernel, Mat4(1.0), {8, 8});
         for (int step = 0; step < 8; ++step) {
             double sum = 0;
             for (int i = 0; i < table.sheets() * table.sheetStride(); ++i)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Vectorised look-ups against plain double ones. Values lie in [0, 1] and positions below 128, so that a float's
 // position is good to 4e-6 texels and a sample to 1e-5.
-#include <scrim/engine/splat/plane_sampling.h>
+#include <scrim/engine/splat/plane_stack.h>
 
 #include <gtest/gtest.h>
 

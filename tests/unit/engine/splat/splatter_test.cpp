@@ -279,10 +279,10 @@ TEST(SplattedPlanes, OfAlignedLatticesHangOnNeitherTheCallsNorOldContent) {
 TEST(FootprintCount, IsOfVoxelsAboveZeroOnly) {
     const auto field = noiseField();
     const Stage stage = stageFor(*field, rotated(0.9, {3, 1, 2}), Kernel::linear);
-    const FieldSplatter splatter(*field, stage.tsFromIs, Kernel::linear, 16, 1);
+    const FootprintTable table(Kernel::linear, stage.tsFromIs, slopedSteps(stage.tsFromIs, 16));
     EXPECT_LT(field->activeVoxels, field->blockCount() * kBlockVoxels);
     EXPECT_EQ(splat(*field, stage, Kernel::linear, 16).footprints,
-              field->activeVoxels * static_cast<std::uint64_t>(splatter.footprintSheets()));
+              field->activeVoxels * static_cast<std::uint64_t>(table.sheets()));
 }
 
 TEST(Scale, MultipliesEveryTexel) {

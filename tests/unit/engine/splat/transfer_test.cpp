@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/splat/transfer.h>
+#include <scrim/engine/splat/surface.h>
 
 #include <scrim/geometry/sheets.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <scrim/engine/transport/split_phase.h>
+#include <scrim/engine/transport/ordinates.h>
 
 #include <gtest/gtest.h>
 
