@@ -232,10 +232,8 @@ class Exporter:
         ellipse = data.shape in ("DISK", "ELLIPSE")
         if ellipse and abs(width - height) > 1e-3 * max(width, height):
             self.warn(f"{name}: an ellipse is rendered as a disk of its mean radius")
-        if data.spread < 3.1415:
-            self.warn(f"{name}: its spread is not rendered; it emits to all of one side")
         normalize = getattr(data, "normalize", True)
-        return light_laws.cycles_area(strength, width, height, ellipse, normalize, self.before_4)
+        return light_laws.cycles_area(strength, width, height, ellipse, normalize, self.before_4, data.spread)
 
     def world(self, world):
         if world is None:

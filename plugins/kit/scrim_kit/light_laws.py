@@ -92,8 +92,8 @@ def cycles_spot(
     }
 
 
-# scene/light.cpp: radiance 1 / (pi area), or 1 / pi if not normalised; one-sided, and even where the spread is 180
-# degrees. Before 4.0: 1 / (4 area).
+# scene/light.cpp: radiance 1 / (pi area), or 1 / pi if not normalised; one-sided. Its spread, in radians, is Scrim's.
+# Before 4.0: 1 / (4 area).
 def cycles_area(
     strength: Sequence[float],
     width: float,
@@ -101,13 +101,17 @@ def cycles_area(
     ellipse: bool,
     normalize: bool = True,
     before_4: bool = False,
+    spread: float = math.pi,
 ) -> dict:
     """A [[light]] of type "area": a rectangle, or a disk of the mean radius of an ellipse."""
     size = width * height * (0.25 * math.pi if ellipse else 1.0)
     radiance = 1 / ((4 if before_4 else math.pi) * size) if normalize else 1 / math.pi
+    narrowed = {"spread": max(math.degrees(spread), 1.0)} if spread < 3.1415 else {}
     if ellipse:
-        return {"type": "area", "shape": "disk", **shining(strength, radiance), "radius": 0.25 * (width + height)}
-    return {"type": "area", "shape": "rectangle", **shining(strength, radiance), "width": width, "height": height}
+        extent = {"shape": "disk", "radius": 0.25 * (width + height)}
+    else:
+        extent = {"shape": "rectangle", "width": width, "height": height}
+    return {"type": "area", **shining(strength, radiance), **extent, **narrowed}
 
 
 def usd_distant(intensity: float, angle_degrees: float, normalize: bool) -> tuple[float, float]:

@@ -130,9 +130,11 @@ void checkKind(const Check& check, const Light& light) {
     if (const auto* sun = std::get_if<Light::Distant>(&light.kind)) return check.number(k.angle, sun->angle);
     if (const Light::Dome* dome = light.dome()) return check.number(k.rotation, dome->rotation);
     if (const Light::Area* area = light.area()) {
-        const bool rectangle = area->shape == AreaShape::rectangle;
-        if (!rectangle) return check.number(k.radius, area->radius, Range::positiveLength());
-        check.number(k.width, area->width);
+        check.number(k.spread, area->spread);
+        if (area->shape != AreaShape::rectangle) check.number(k.radius, area->radius, Range::positiveLength());
+        if (area->shape == AreaShape::rectangle || area->shape == AreaShape::cylinder)
+            check.number(k.width, area->width);
+        if (area->shape != AreaShape::rectangle) return;
         return check.number(k.height, area->height);
     }
     check.number(k.radius, light.point().radius);

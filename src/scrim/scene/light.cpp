@@ -3,6 +3,7 @@
 
 #include <scrim/geometry/camera.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,8 +13,24 @@
 #include <glm/trigonometric.hpp>
 
 namespace scrim {
+
+Spread::Spread(double degrees) {
+    constexpr double kAlmostAll = 179.9;
+    if (degrees >= kAlmostAll) return;
+    const double half = glm::radians(0.5 * degrees);
+    m_tangent = std::tan(half);
+    m_scale = 1 / (m_tangent - half);
+}
+
+double Spread::at(double cosine) const {
+    if (!any()) return 1;
+    if (cosine <= 0) return 0;
+    return std::max(m_tangent - std::sqrt(std::max(1 - cosine * cosine, 0.0)) / cosine, 0.0) * m_scale;
+}
+
 double Light::Area::area() const {
     if (shape == AreaShape::rectangle) return width * height;
+    if (shape == AreaShape::cylinder) return 2 * std::numbers::pi * radius * width;
     return (shape == AreaShape::disk ? 1 : 4) * std::numbers::pi * radius * radius;
 }
 

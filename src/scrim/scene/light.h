@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/geometry/spaces.h>
+#include <scrim/image/sky_parts.h>
 #include <scrim/image/texture.h>
 
 #include <memory>
@@ -28,9 +29,28 @@ struct Slide {
     double roll = 0;  ///< degrees, clockwise for a viewer who stands at the light and looks along it
     SlideOutside outside = SlideOutside::black;
     std::shared_ptr<const Texture> image;  ///< null until it is loaded
+    bool split = true;                     ///< domes: suns in the picture become lights of their own
+    SkyParts parts = {};                   ///< domes: its suns and the rest, found where the picture is loaded
 };
 
-enum class AreaShape { rectangle, disk, sphere };
+enum class AreaShape { rectangle, disk, sphere, cylinder };
+
+/// How a surface's radiance depends on the direction, if a grid in front of it holds back what leaves it aslant: at an
+/// angle t to the normal it has the factor (tan a - tan t) / (tan a - a), a half of the spread. The power stays the
+/// same (Cycles' definition).
+class Spread {
+  public:
+    /// The full angle in degrees; 180: Lambert.
+    explicit Spread(double degrees);
+    bool any() const { return m_scale > 0; }
+    double tangent() const { return m_tangent; }
+    double scale() const { return m_scale; }
+    /// The factor where the direction has this cosine to the normal.
+    double at(double cosine) const;
+
+  private:
+    double m_tangent = 0, m_scale = 0;
+};
 
 /// Where the attenuation of a light is kept: in shadow buffers (ZC02), which resolve sharp shadows, or on cells, which
 /// are cheaper for light from many directions or from within the volumes (engine/transport/light_cells.h).
@@ -54,15 +74,18 @@ struct Light {
     };
     /// A small piece of a surface whose normal is wsDirection. Its radiant intensity is multiplied by the cosine to the
     /// normal; it sends nothing backwards.
-    struct Element : Point {};
+    struct Element : Point {
+        double spread = 180;  ///< full angle, degrees (see Spread)
+    };
     /// A surface around wsPosition that emits the same radiance in all directions (Lambert). Rectangles and disks emit
-    /// only to the side that wsDirection points to, spheres outwards. The slide of a rectangle is the picture on it
-    /// (see pictureOfRectangle).
+    /// only to the side that wsDirection points to, spheres and cylinders outwards. The slide of a rectangle is the
+    /// picture on it (see pictureOfRectangle).
     struct Area {
         AreaShape shape = AreaShape::rectangle;
-        double width = 1, height = 1;  ///< rectangle: edges across wsUp and along it, world units
-        double radius = 0.5;           ///< disk and sphere: world units
-        /// Area of the emitting surface, world units squared: w h, pi r^2 or 4 pi r^2.
+        double width = 1, height = 1;  ///< rectangle: edges across wsUp and along it; cylinder: its length (width)
+        double radius = 0.5;           ///< disk, sphere and cylinder: world units
+        double spread = 180;           ///< rectangle and disk: full angle, degrees (see Spread)
+        /// Area of the emitting surface, world units squared: w h, pi r^2, 4 pi r^2 or, without the ends, 2 pi r w.
         double area() const;
     };
     /// The sky, infinitely far away. Its slide is a lat-long picture (see domeDirection).

@@ -23,6 +23,7 @@ double SpotEdges::part(double cosine) const {
 LightAt::LightAt(const Light& light, double leastRadius) : m_light(light) {
     if (light.slide) m_slide = slideMap(light);
     if (const Light::Spot* spot = light.spot()) m_edges.emplace(*spot);
+    if (const Light::Element* element = light.element()) m_spread = Spread(element->spread);
     if (light.distant()) return;
     const double radius = std::max(light.point().radius, leastRadius);
     m_radius2 = radius * radius;
@@ -38,7 +39,7 @@ Arriving LightAt::at(const Vec3& ws) const {
         if (m_light.point().decay) out.irradiance /= std::max(glm::dot(way, way), m_radius2);
         const double along = glm::dot(out.travel, m_light.wsDirection);
         if (m_edges) out.irradiance *= m_edges->part(along);
-        if (m_light.element()) out.irradiance *= std::max(along, 0.0);
+        if (m_light.element()) out.irradiance *= std::max(along, 0.0) * m_spread.at(along);
     }
     if (m_slide) out.irradiance *= slideValue(m_light, *m_slide, ws);
     return out;

@@ -44,6 +44,7 @@ class LightAt {
     const Light& m_light;
     double m_radius2 = 0;
     std::optional<SpotEdges> m_edges;
+    Spread m_spread{180};
     std::optional<SlideMap> m_slide;
 };
 

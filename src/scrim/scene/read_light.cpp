@@ -174,9 +174,12 @@ void readArea(TomlTable& table, const std::optional<TomlValue>& slide, const Rea
         area.width = readLength(table, k.width, context);
         area.height = readLength(table, k.height, context);
     } else {
+        if (area.shape == AreaShape::cylinder) area.width = readLength(table, k.width, context);
         area.radius = readLength(table, k.radius, context);
         if (slide) slide->fail(fmt::format("{} has a {}; only a rectangle can have one", table.description(), k.slide));
     }
+    if (area.shape == AreaShape::rectangle || area.shape == AreaShape::disk)
+        area.spread = table.numberAt(context.frame, k.spread);
     if (area.shape != AreaShape::sphere) readFacing(table, orbit, wsCenter, context, light);
     light.kind = area;
 }
@@ -189,6 +192,7 @@ void readDome(TomlTable& table, const ReadContext& context, Light& light) {
     if (!texture) return;
     TomlTable picture = texture->table(fmt::format("{} of {}", k.texture, table.description()));
     light.slide = readPicture(picture, t.file, t.colorspace, context);
+    light.slide->split = picture.boolean(t.split);
     picture.finish();
 }
 

@@ -154,6 +154,9 @@ struct TextureKeys : Section {
             .required();
     const Key& colorspace = text("colorspace", "the name of a colour space", "Colour space of the file.")
                                 .unless("sRGB of whole numbers, else linear");
+    const Key& split = boolean("split", true,
+                               "Suns in the picture (bright spots at most 5 degrees across) become lights with sharp "
+                               "shadows of their own. Their light stays in the layer of the dome.");
 };
 
 struct LightKeys : Section {
@@ -208,24 +211,34 @@ struct LightKeys : Section {
                               "Angular diameter of the sun; its irradiance stays the same. The real sun has 0.53.")
                            .onlyFor("distant")
                            .keyed();
-    const Key& shape = choice("shape", {"rectangle", "disk", "sphere"},
-                              "Shape of the surface that emits; rectangles and disks emit to one side. Cylinders, "
-                              "meshes and IES profiles are not supported.")
+    const Key& shape = choice("shape", {"rectangle", "disk", "sphere", "cylinder"},
+                              "Shape of the surface that emits; rectangles and disks emit to one side. A cylinder has "
+                              "no ends and lies across 'up', as a rectangle's width does. Meshes and IES profiles are "
+                              "not supported.")
                            .onlyFor("area")
                            .required();
     const Key& width =
-        number("width", Range::positiveLength(), {}, "Width of a rectangle, across 'up'.").onlyFor("area").keyed();
+        number("width", Range::positiveLength(), {}, "Width of a rectangle, or length of a cylinder, across 'up'.")
+            .onlyFor("area")
+            .keyed();
     const Key& height =
         number("height", Range::positiveLength(), {}, "Height of a rectangle, along 'up'.").onlyFor("area").keyed();
-    const Key& radius = number("radius", Range::length(), 0,
-                               "Radius of a disk or sphere. For a point, spot or projector: the light grows no "
-                               "brighter within this radius, and shadows stay sharp.")
-                            .onlyFor("area, point, spot and projector")
-                            .keyed();
+    const Key& radius =
+        number("radius", Range::length(), 0,
+               "Radius of a disk, sphere or cylinder. For a point, spot or projector: the light grows no "
+               "brighter within this radius, and shadows stay sharp.")
+            .onlyFor("area, point, spot and projector")
+            .keyed();
     const Key& normalize = boolean("normalize", false,
-                                   "Divides the radiance by the area in world units (w h, pi r^2, 4 pi r^2), so that "
-                                   "the light's power does not depend on its size.")
+                                   "Divides the radiance by the area in world units (w h, pi r^2, 4 pi r^2, 2 pi r w), "
+                                   "so that the light's power does not depend on its size.")
                                .onlyFor("area");
+    const Key& spread =
+        number("spread", Range::fromTo(1, 180, "degrees"), 180,
+               "The full angle that a rectangle or disk shines into, as through a honeycomb grid: its light falls "
+               "towards the border of that angle, and its power stays the same (Blender's Spread). 180: evenly.")
+            .onlyFor("area")
+            .keyed();
     const Key& texture =
         table(keysOf<TextureKeys>(), "texture", "The picture of the sky, which is multiplied by the colour.");
     const Key& rotation =

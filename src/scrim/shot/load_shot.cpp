@@ -138,7 +138,10 @@ Scene LoadedShot::sceneAt(double t) const {
     at.dials = scene.dials;
     if (scene.plate) at.camera = scene.camera;
     for (std::size_t i = 0; i < at.lights.size(); ++i)
-        if (at.lights[i].slide && scene.lights[i].slide) at.lights[i].slide->image = scene.lights[i].slide->image;
+        if (at.lights[i].slide && scene.lights[i].slide) {
+            at.lights[i].slide->image = scene.lights[i].slide->image;
+            at.lights[i].slide->parts = scene.lights[i].slide->parts;
+        }
     for (std::size_t i = 0; i < at.meshes.size(); ++i) at.meshes[i].mesh = scene.meshes[i].mesh;
     at.output.holdout = scene.output.holdout;
     return at;

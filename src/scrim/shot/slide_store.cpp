@@ -33,6 +33,7 @@ void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSi
         if (const auto known = before.find(key); known != before.end()) m_images.insert(*known);
     }
     before.clear();
+    std::erase_if(m_skies, [&](const auto& sky) { return m_images.count(sky.first) == 0; });
     for (Light& light : scene.lights) {
         if (!hasFile(light)) continue;
         Slide& slide = *light.slide;
@@ -45,12 +46,17 @@ void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSi
             throw Error(error.kind(), fmt::format("{}light '{}': {}", place, light.name, error.what()));
         }
         slide.image = image;
+        if (!light.dome() || !slide.split) continue;
+        std::shared_ptr<const SkyParts>& parts = m_skies[{slide.file, slide.colorspace}];
+        if (!parts) parts = std::make_shared<const SkyParts>(skyParts(*image));
+        slide.parts = *parts;
     }
 }
 
 std::size_t SlideStore::bytes() const {
     std::size_t sum = 0;
-    for (const auto& [key, image] : m_images) sum += image->bytes();
+    for (const auto& [key, image] : m_images) sum += image ? image->bytes() : 0;
+    for (const auto& [key, sky] : m_skies) sum += sky && sky->smooth ? sky->smooth->bytes() : 0;
     return sum;
 }
 

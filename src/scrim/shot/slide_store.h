@@ -32,6 +32,7 @@ class SlideStore {
 
     ColourConfig m_colour;
     std::map<Key, std::shared_ptr<const Texture>> m_images;
+    std::map<Key, std::shared_ptr<const SkyParts>> m_skies;  // of domes
 };
 
 }  // namespace scrim

@@ -106,7 +106,8 @@ LightRay LightRays::fromRectangle(const Vec3& ws, const Vec2& square) const {
     const Vec3 hit = at.x * m_frame[0] + at.y * m_frame[1] + z * m_frame[2];
     const double distance = glm::length(hit);
     const double solidAngle = isTiny ? area.area() * -z / (distance * distance * distance) : seen.solidAngle;
-    const Rgb radiance = m_light.intensity * pictureAt((at.x - x + w) / (2 * w), (h - (at.y - y)) / (2 * h));
+    const double aslant = Spread(area.spread).at(-z / distance);
+    const Rgb radiance = aslant * m_light.intensity * pictureAt((at.x - x + w) / (2 * w), (h - (at.y - y)) / (2 * h));
     return {hit / distance, distance, radiance * solidAngle};
 }
 
@@ -133,7 +134,22 @@ LightRay LightRays::fromDisk(const Vec3& ws, const Vec2& square) const {
     const double near = cosine(c > radius ? middle - half : 0), far = cosine(middle + half);
     const double cosAt = near + square.y * (far - near), sinAt = std::sqrt(std::max(0.0, 1 - cosAt * cosAt));
     const Vec3 direction = sinAt * (std::cos(angle) * inwards + std::sin(angle) * aside) - cosAt * m_frame[2];
-    return {direction, height / cosAt, m_light.intensity * (perSquare * (near - far))};
+    const double aslant = Spread(m_light.area()->spread).at(cosAt);
+    return {direction, height / cosAt, m_light.intensity * (aslant * perSquare * (near - far))};
+}
+
+// A point of the half of its surface that faces `ws`.
+LightRay LightRays::fromCylinder(const Vec3& ws, const Vec2& square) const {
+    const Light::Area& area = *m_light.area();
+    const Vec3 from = ws - m_light.wsPosition;
+    const double y = glm::dot(from, m_frame[1]), z = glm::dot(from, m_frame[2]), c = std::hypot(y, z);
+    if (c <= area.radius) return {};
+    const double half = std::acos(area.radius / c), turn = std::atan2(z, y) + half * (2 * square.y - 1);
+    const Vec3 normal = std::cos(turn) * m_frame[1] + std::sin(turn) * m_frame[2];
+    const Vec3 hit = area.radius * normal + (square.x - 0.5) * area.width * m_frame[0] - from;
+    const double distance = glm::length(hit), facing = std::max(-glm::dot(hit, normal) / distance, 0.0);
+    const double surface = 2 * half * area.radius * area.width;
+    return {hit / distance, distance, m_light.intensity * (surface * facing / (distance * distance))};
 }
 
 LightRay LightRays::fromSphere(const Vec3& ws, const Vec2& square) const {
@@ -173,6 +189,7 @@ LightRay LightRays::ray(const Vec3& ws, const Vec2& square) const {
     }
     if (const Light::Area* area = m_light.area()) {
         if (area->shape == AreaShape::rectangle) return fromRectangle(ws, square);
+        if (area->shape == AreaShape::cylinder) return fromCylinder(ws, square);
         return area->shape == AreaShape::disk ? fromDisk(ws, square) : fromSphere(ws, square);
     }
     const double half = std::sin(glm::radians(0.25 * std::get<Light::Distant>(m_light.kind).angle));

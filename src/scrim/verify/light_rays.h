@@ -31,6 +31,7 @@ class LightRays {
   private:
     LightRay fromRectangle(const Vec3& ws, const Vec2& square) const;
     LightRay fromDisk(const Vec3& ws, const Vec2& square) const;
+    LightRay fromCylinder(const Vec3& ws, const Vec2& square) const;
     LightRay fromSphere(const Vec3& ws, const Vec2& square) const;
     LightRay fromPicture(const Vec2& square) const;
     Rgb pictureAt(double u, double v) const;

@@ -147,7 +147,6 @@ def test_what_is_not_mapped_is_named_once(smoke, tmp_path, said):
     s.render(tmp_path / "a.exr")
     assert sorted(said) == [
         "camera 'camera': depth of field is not rendered",
-        "light 'soft': its spread is not rendered; it emits to all of one side",
         "volume 'other' is not rendered: Scrim does not know a density that is the same everywhere; link a grid to it",
     ]
 

@@ -150,9 +150,15 @@ def test_what_lights_do_not_have_is_warned_of(world):
         "light 'Key': the radius of a spot is not rendered; its shadows are sharp",
         "light 'Key': a square spot is rendered as a round one",
         "light 'Key': an ellipse is rendered as a disk of its mean radius",
-        "light 'Key': its spread is not rendered; it emits to all of one side",
         "light 'Key': light linking is not rendered; it lights and is shadowed by all",
     ]
+
+
+def test_the_spread_of_an_area_light_is_its_full_angle(world):
+    (soft,) = light(world, type="AREA", shape="RECTANGLE", size_y=2.0, spread=math.pi / 3)
+    assert soft["spread"] == pytest.approx(60) and world.said == []
+    (even,) = light(world, type="AREA", shape="RECTANGLE", size_y=2.0)
+    assert "spread" not in even
 
 
 def test_a_world_is_a_dome(world):

@@ -246,10 +246,22 @@ def test_links_are_lights_of_volumes(dusty):
     assert shot.render().image[:, :, 3].max() > 0
 
 
+@pytest.mark.parametrize("normalize", [False, True])
+def test_a_cylinder_lies_along_its_x_axis_and_is_seen_under_its_solid_angle(dusty, normalize):
+    """A thin one, across: 2 r l / (d (d^2 + l^2 / 4)^0.5). Turned end on, it shows nothing."""
+    light = at_distance(dusty.light("CylinderLight", intensity=5.0, length=1.0, radius=0.01, normalize=normalize))
+    light.AddScaleOp().Set(Gf.Vec3f(2, 1, 1))
+    r, l, d = 0.01, 2.0, DISTANCE
+    solid = 2 * r * l / (d * math.sqrt(d * d + 0.25 * l * l))
+    area = 2 * math.pi * r * l if normalize else 1
+    assert arrives(dusty)[0] == pytest.approx([5.0 * solid / area] * 3, rel=0.02)
+    light.GetPrim().GetAttribute("xformOp:rotateXYZ").Set(Gf.Vec3f(0, 90, 0))
+    assert arrives(dusty)[0][0] < 0.01 * 5.0 * solid / area
+
+
 @pytest.mark.parametrize(
     "kind, text",
     [
-        ("CylinderLight", "/odd: lights of type CylinderLight are not rendered"),
         ("GeometryLight", "/odd: lights of type GeometryLight are not rendered"),
         ("PortalLight", "/odd: lights of type PortalLight are not rendered"),
     ],

@@ -259,6 +259,18 @@ TEST(LightOnCells, BelongsToItsLayerAndToTheVolumesThatItLights) {
         }
 }
 
+TEST(LightOnCells, GivesThePictureOfShadowBuffersForASpreadAndACylinder) {
+    ViewScene scene = perspectiveSmoke({0.4});
+    Light narrow = areaLight(AreaShape::rectangle, {25, 18, 12}, 6, 9);
+    std::get<Light::Area>(narrow.kind).spread = 60;
+    for (const Light& light : {narrow, areaLight(AreaShape::cylinder, {-20, 12, 10}, 4, 24)}) {
+        scene.lights = {light};
+        EXPECT_LT(errorOnCells(scene), kTwoWays);
+        scene.lights[0].samples = 0;
+        EXPECT_LT(errorOf(scene, 80), 0.02);  // the reference knows no points
+    }
+}
+
 // A picture of a sky is a sum of directions with colours of their own.
 TEST(LightOnCells, GivesThePictureOfShadowBuffersForAPicture) {
     ViewScene scene = smokeScene();
@@ -310,6 +322,68 @@ TEST(LightOnCells, OfLampsAreBlockedBySolids) {
         const PixelSample sample = samplePixels(scene, image, 80, 7);
         EXPECT_LT(summarise(sample).error, holdout ? 0.05 : 0.03) << "holdout " << holdout;
     }
+}
+
+// A picture of a sky that is brighter above, and in it, if asked for, a sun of 0.53 degrees with as much light.
+constexpr double kSunU = 0.31, kSunV = 0.28, kSunAngle = 0.53, kSunLight = 4 * std::numbers::pi;
+Light skyLight(bool sun) {
+    Light sky = domeLight(0);
+    constexpr int kWidth = 2048, kHeight = 1024;
+    const Vec3 to = domeDirection(sky, kSunU, kSunV);
+    const double cosine = std::cos(kSunAngle * std::numbers::pi / 360);
+    const double radiance = sun ? kSunLight / (2 * std::numbers::pi * (1 - cosine)) : 0;
+    sky.slide.emplace();
+    sky.slide->image = makeTexture(kWidth, kHeight, [&](int x, int y) {
+        double part = 0;
+        for (int k = 0; sun && k < 16; ++k)
+            if (glm::dot(domeDirection(sky, (x + (k % 4 + 0.5) / 4) / kWidth, (y + (k / 4 + 0.5) / 4) / kHeight), to) >
+                cosine)
+                part += 1.0 / 16;
+        return Rgb(1 + 0.5 * std::cos(std::numbers::pi * (y + 0.5) / kHeight)) + part * radiance * Rgb(1, 0.9, 0.7);
+    });
+    sky.slide->parts = skyParts(*sky.slide->image);
+    return sky;
+}
+// Relative RMSE of colours.
+double difference(const Image& a, const Image& b) {
+    double squares = 0, all = 0;
+    for (std::size_t i = 0; i < a.rgba.size(); ++i)
+        if (i % 4 != 3) {
+            squares += std::pow(double(a.rgba[i]) - double(b.rgba[i]), 2);
+            all += std::pow(double(b.rgba[i]), 2);
+        }
+    return std::sqrt(squares / all);
+}
+
+TEST(SkyWithASun, LightsAsThatSunAndTheRestDo) {
+    for (const Scattering scattering : {Scattering::single, Scattering::full}) {
+        ViewScene scene = perspectiveSmoke({0.5});
+        scene.volumes[0].medium.scattering = scattering;
+        scene.lights = {skyLight(true)};
+        const Frame one = renderScene(scene);
+        ViewScene two = scene;
+        Light sun = distantLight(-domeDirection(scene.lights[0], kSunU, kSunV));
+        sun.name = "sun";
+        sun.kind = Light::Distant(kSunAngle);
+        sun.intensity = kSunLight * Rgb(1, 0.9, 0.7);
+        two.lights = {skyLight(false), sun};
+        EXPECT_LT(difference(one.image, renderScene(two).image), 0.005);
+        two.lights.pop_back();
+        EXPECT_GT(difference(one.image, renderScene(two).image), 0.2) << "the sun gives no light";
+        scene.layers = {Layer::light};
+        const Frame layered = renderScene(scene);
+        ASSERT_EQ(layered.layers.size(), 1u);
+        EXPECT_LT(difference(layered.image, one.image), 1e-5);
+    }
+}
+
+TEST(SkyWithASun, AgreesWithTheReferenceOfItsPicture) {
+    ViewScene scene = perspectiveSmoke({0.5});
+    scene.lights = {skyLight(true)};
+    const double split = errorOf(scene, 80);
+    scene.lights[0].slide->parts = {};
+    EXPECT_LT(split, 0.015);
+    EXPECT_LT(split, errorOf(scene, 80));
 }
 
 TEST(LightOnCells, DoesNotDependOnThreads) {

@@ -185,6 +185,21 @@ class Light:
         out = self.flat("disk")
         return {**out, "radius": self.reading.moving(radius)}
 
+    def cylinder(self) -> dict:
+        """Its length is along x, as that of a scene's cylinder is across `up`."""
+
+        def radius(time: float) -> float:
+            _, y, z = self.scales(time)
+            if abs(y - z) > _EVEN * max(y, z):
+                self.warn("its scale differs along axes: an elliptic cylinder is rendered as a round one")
+            return float(self.input("radius", time)) * math.sqrt(y * z)
+
+        out = self.flat("cylinder")
+        if self.reading.get(self.prim.GetAttribute("treatAsLine"), otherwise=False):
+            self.warn("treatAsLine is not read: it has its radius")
+        out["width"] = self.reading.moving(lambda t: float(self.input("length", t)) * self.scales(t)[0])
+        return {**out, "radius": self.reading.moving(radius)}
+
     def texture(self) -> dict | None:
         attribute = self.prim.GetAttribute("inputs:texture:file")
         file = self.reading.file(attribute)
@@ -258,6 +273,7 @@ _KINDS: list[tuple[type, Callable[[Light], dict]]] = [
     (UsdLux.SphereLight, Light.sphere),
     (UsdLux.RectLight, Light.rectangle),
     (UsdLux.DiskLight, Light.disk),
+    (UsdLux.CylinderLight, Light.cylinder),
     (UsdLux.DomeLight, Light.dome),
     (UsdLux.DomeLight_1, Light.dome),
 ]

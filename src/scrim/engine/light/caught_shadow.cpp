@@ -82,7 +82,9 @@ double weightOf(const Light& light, const Vec3& ws) {
     if (!light.element()) return power;
     const Vec3 way = ws - light.wsPosition;
     const double distance2 = std::max(glm::dot(way, way), light.point().radius * light.point().radius);
-    return distance2 > 0 ? power * std::max(0.0, glm::dot(way, light.wsDirection)) / std::pow(distance2, 1.5) : 0;
+    if (!(distance2 > 0)) return 0;
+    const double facing = std::max(0.0, glm::dot(way, light.wsDirection)) / std::sqrt(distance2);
+    return power * facing * Spread(light.element()->spread).at(facing) / distance2;
 }
 
 // The transmittance towards a light of the scene, which may consist of several lights.

@@ -149,7 +149,12 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
     out.axisU = static_cast<Real>(axis.x);
     out.axisV = static_cast<Real>(axis.y);
     out.axisW = static_cast<Real>(axis.z);
-    out.oneSided = light.element() != nullptr;
+    if (const Light::Element* element = light.element()) {
+        const Spread spread(element->spread);
+        out.oneSided = true;
+        out.spreadTangent = static_cast<Real>(spread.tangent());
+        out.spreadScale = static_cast<Real>(spread.scale());
+    }
     if (const Light::Spot* spot = light.spot()) {
         const SpotEdges edges(*spot);
         out.spot = true;

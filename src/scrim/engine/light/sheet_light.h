@@ -45,6 +45,7 @@ struct SheetLight {
     Real distanceW = 0;                         ///< and its distance to the sheet's plane along w, world units, > 0
     Real radius2 = 0;                           ///< world units squared, > 0 if the light decays
     Real axisU = 0, axisV = 0, axisW = 1;       ///< for spots and elements
+    Real spreadTangent = 0, spreadScale = 0;    ///< elements with a spread (see Spread); scale 0: none
     Real cosOuter = -1, cosInner = Real(-0.9);  ///< spot: the light fades between them
     // Windows divide a light close to the volume into overlapping parts. The share of this part in a direction is its
     // window's value there over the sum of all windows. Null: no windows.

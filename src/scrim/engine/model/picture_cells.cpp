@@ -126,7 +126,7 @@ class BinMap {
 std::vector<PictureCell> domeCells(const Light& light, int count) {
     constexpr double pi = std::numbers::pi;
     const BinMap map(
-        *light.slide->image, [&](double u) { return domeDirection(light, u, 0.5); },
+        smoothPicture(*light.slide), [&](double u) { return domeDirection(light, u, 0.5); },
         [](double v) { return std::sin(pi * v); },
         [up = glm::normalize(light.wsUp)](double v) { return std::cos(pi * v) * up; },
         [](double v0, double v1) { return 0.5 * (std::cos(pi * v0) - std::cos(pi * v1)); });
@@ -147,7 +147,7 @@ double lightInSpots(const Light& dome, int directions) {
     constexpr double kBright = 4;      // times the mean around; a horizon, or half a cloud, is not as bright
     constexpr int kFineEnough = 1024;  // pixels across; the sun has two
     if (!dome.slide || !dome.slide->image) return 0;
-    const auto& levels = dome.slide->image->levels();
+    const auto& levels = smoothPicture(*dome.slide).levels();
     std::size_t chosen = 0;
     while (chosen + 1 < levels.size() && levels[chosen + 1].width >= kFineEnough) ++chosen;
     const Texture::Level& level = levels[chosen];

@@ -15,11 +15,17 @@ struct PictureCell {
     double share = 0;  ///< fraction of the full solid angle, or of the rectangle's area
 };
 
-/// At most `count` cells of a dome with a loaded picture, without those that are dark. Deterministic.
+/// The picture of a dome without its suns.
+inline const Texture& smoothPicture(const Slide& slide) {
+    return slide.parts.smooth ? *slide.parts.smooth : *slide.image;
+}
+
+/// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark. Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);
 
 /// The fraction, in [0, 1], of a dome's light that comes from spots much smaller than one of `directions` directions
-/// spread evenly over the sky, such as a sun: a mean over a direction blurs them. 0 without a loaded picture.
+/// spread evenly over the sky, such as a sun: a mean over a direction blurs them. Suns that are lights of their own do
+/// not count. 0 without a loaded picture.
 double lightInSpots(const Light& dome, int directions);
 
 /// As domeCells, for a rectangle with a loaded picture.

@@ -61,6 +61,7 @@ double radiusOf(double area) {
 Light elementAt(const Light& whole, const Vec3& ws, const Vec3& normal, double area, const Rgb& power) {
     Light light = whole;
     Light::Element element;
+    element.spread = whole.area()->spread;
     element.radius = radiusOf(area);
     light.kind = element;
     light.wsPosition = ws;
@@ -106,6 +107,9 @@ void addSurface(const Light& whole, int count, std::vector<Light>& out) {
             offset = frame * Vec3((p.x - 0.5) * area.width, (p.y - 0.5) * area.height, 0);
         } else if (area.shape == AreaShape::disk) {
             offset = frame * Vec3(area.radius * (count == 1 ? Vec2(0) : onDisk(p)), 0);
+        } else if (area.shape == AreaShape::cylinder) {
+            normal = frame * Vec3(0, std::cos(2 * kPi * p.y), std::sin(2 * kPi * p.y));
+            offset = area.radius * normal + (p.x - 0.5) * area.width * frame[0];
         } else {
             normal = onCap(p, -1);
             offset = area.radius * normal;
@@ -144,8 +148,9 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     // 0.2 / N. All of these are about the square root of the light's share of the sky.
     constexpr double kPerRoot = 1;
     const double share = solidAngle(light, wsCorners(scene)) / (4 * kPi);
-    // Half of a sphere's sub-lights are on its far side.
-    const double used = light.area() && light.area()->shape == AreaShape::sphere ? 0.5 : 1;
+    // Half of the sub-lights of a sphere or a cylinder are on its far side.
+    const auto shape = light.area() ? light.area()->shape : AreaShape::disk;
+    const double used = shape == AreaShape::sphere || shape == AreaShape::cylinder ? 0.5 : 1;
     const double count = kPerRoot * std::sqrt(share) / (used * scene.dials.lightError);
     return static_cast<int>(std::clamp(std::ceil(count), 1.0, double(kMostSubLights)));
 }
@@ -183,6 +188,19 @@ int SubLights::countOf(int owner) const {
     return static_cast<int>(last - first);
 }
 
+std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome) {
+    std::vector<Light> suns;
+    if (!dome.dome() || !dome.slide || !dome.slide->parts.smooth) return suns;
+    for (const SkySun& sun : dome.slide->parts.suns) {
+        Light whole = sunFrom(dome, -domeDirection(dome, sun.u, sun.v), dome.intensity * sun.light);
+        whole.kind = Light::Distant(sun.angle);
+        whole.slide.reset();
+        whole.samples = 0;
+        addSun(whole, sun.angle, subLightCount(scene, whole), suns);
+    }
+    return suns;
+}
+
 SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
     SubLights all;
     const bool extended =
@@ -193,7 +211,7 @@ SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
         const int count = subLightCount(scene, light);
         const bool onCell = std::find(onCells.begin(), onCells.end(), static_cast<int>(i)) != onCells.end();
         if (onCell || (light.dome() && skiesFromBorder(scene))) {
-            // A black light has the place of this one; it is culled below, and takes no sweep.
+            // Only its suns take sweeps.
         } else if (light.area())
             addSurface(light, count, all.lights);
         else if (light.dome())
@@ -202,7 +220,11 @@ SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells) {
             addSun(light, std::get<Light::Distant>(light.kind).angle, count, all.lights);
         else
             all.lights.push_back(light);
-        if (all.lights.size() == all.owners.size()) {  // its picture is black, or it is on cells
+        all.suns.resize(all.lights.size(), false);
+        for (const Light& sun : sunsOfSky(scene, light)) all.lights.push_back(sun);
+        all.suns.resize(all.lights.size(), true);
+        if (all.lights.size() == all.owners.size()) {  // its picture is black, or it is on cells: it is culled
+            all.suns.push_back(false);
             all.lights.push_back(sunFrom(light, light.wsDirection, Rgb(0)));
             all.lights.back().slide.reset();
         }
@@ -231,9 +253,11 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
         if (volume.lights.empty() && !noSky) continue;
         const std::vector<bool> byOwner = volume.lights;
         volume.lights.clear();
-        for (const int owner : lights.owners)
-            volume.lights.push_back((byOwner.empty() || byOwner[std::size_t(owner)]) &&
-                                    !(noSky && scene.lights[std::size_t(owner)].dome()));
+        for (std::size_t i = 0; i < lights.owners.size(); ++i) {
+            const auto owner = std::size_t(lights.owners[i]);
+            volume.lights.push_back((byOwner.empty() || byOwner[owner]) &&
+                                    !(noSky && scene.lights[owner].dome() && !lights.suns[i]));
+        }
     }
     return plain;
 }

@@ -16,6 +16,7 @@ struct SubLights {
     /// None is extended; empty if the scene has no extended lights: then the scene's own lights are used.
     std::vector<Light> lights;
     std::vector<int> owners;  ///< for each of them the index into the lights of the scene, ascending
+    std::vector<bool> suns;   ///< for each of them whether it belongs to a sun in the picture of a sky
 
     /// The scene's light that light `i` of the plan belongs to.
     int ownerOf(int i) const { return owners.empty() ? i : owners[std::size_t(i)]; }
@@ -36,13 +37,16 @@ int pointsOnCells(const ViewScene& scene, const Light& light);
 /// that is small beside the volumes.
 bool isLampOnCells(const ViewScene& scene, const Light& light);
 
-/// `count` points whose mean transmittance is that of a lamp on cells. Those of a sphere have the same spread across any
-/// line of sight as its disk: a quarter of the radius squared.
+/// `count` points whose mean transmittance is that of a lamp on cells. Those of a sphere have the same spread across
+/// any line of sight as its disk: a quarter of the radius squared.
 std::vector<Vec3> pointsOfLamp(const Light& light, int count);
 
+/// The directions of the suns in the picture of a dome, which cast shadows as sharp as other suns do.
+std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome);
+
 /// All lights of the scene, with the extended ones replaced by their sub-lights; those of `onCells`, indices into the
-/// lights of the scene, become black. Slides must be loaded. The result depends only on the lights, the dial
-/// light_error and the volumes' bounds.
+/// lights of the scene, become black, or suns if they are skies with suns. Slides must be loaded. The result depends
+/// only on the lights, the dial light_error and the volumes' bounds.
 SubLights subLights(const ViewScene& scene, const std::vector<int>& onCells = {});
 
 /// The scene with each extended light replaced by about `count` lights, for a rough look at it. Pictures need not be

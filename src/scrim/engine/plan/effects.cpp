@@ -119,7 +119,7 @@ Effect depthPicture(const ViewScene& scene) {
 std::string extent(const Light& light) {
     if (light.dome()) return light.slide ? "a dome with a picture" : "a dome";
     if (!light.area()) return fmt::format("a sun of {:.3g} degrees", std::get<Light::Distant>(light.kind).angle);
-    constexpr const char* kShapes[] = {"a rectangle", "a disk", "a sphere"};
+    constexpr const char* kShapes[] = {"a rectangle", "a disk", "a sphere", "a cylinder"};
     return kShapes[std::size_t(light.area()->shape)];
 }
 

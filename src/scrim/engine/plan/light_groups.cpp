@@ -294,8 +294,8 @@ Beam beamOf(const Light& light) {
         beam.angle = glm::radians(0.5 * spot->coneAngle);
         beam.directions = rimOfCone(light.wsDirection, beam.angle);
     }
-    if (light.element()) {
-        beam.angle = 0.5 * pi;
+    if (const Light::Element* element = light.element()) {
+        beam.angle = glm::radians(0.5 * element->spread);
         beam.directions = rimOfCone(light.wsDirection, beam.angle);
     }
     if (!light.slide) return beam;

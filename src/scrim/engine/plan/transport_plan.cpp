@@ -160,7 +160,7 @@ void nameLightsOnCells(const ViewScene& scene, const CellLightPlan& cells, std::
         if (black(light.intensity)) continue;
         if (cells.has(i))
             reasons[i].clear();
-        else if (border && light.dome())
+        else if (border && light.dome() && !reasons[i].empty())
             reasons[i] = "no sweep, because its light enters at the border of the cells that scatter it";
     }
 }

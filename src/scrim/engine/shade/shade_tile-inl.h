@@ -89,9 +89,20 @@ HWY_ATTR void limitToCone(const SheetLight& light, Incidence& in) {
     });
 }
 
-// Applies Lambert's cosine, for an element of a surface.
+// Applies Lambert's cosine, for an element of a surface, and its spread.
 HWY_ATTR void limitToFront(const SheetLight& light, Incidence& in) {
     const DF d;
+    if (light.spreadScale > 0) {
+        const auto tangent = constant(light.spreadTangent), scale = constant(light.spreadScale);
+        forSamples([&](int k) HWY_ATTR {
+            const auto cosine = hn::Max(cosineTo(light.axisU, light.axisV, light.axisW, in, k), constant(0));
+            const auto sine = hn::Sqrt(hn::Max(hn::NegMulAdd(cosine, cosine, constant(1)), constant(0)));
+            // cosine times (tangent - sine / cosine)
+            const auto part = hn::Mul(hn::Max(hn::MulSub(cosine, tangent, sine), constant(0)), scale);
+            hn::Store(hn::Mul(load(in.irradiance, k), part), d, in.irradiance + k);
+        });
+        return;
+    }
     forSamples([&](int k) HWY_ATTR {
         const auto cosine = hn::Max(cosineTo(light.axisU, light.axisV, light.axisW, in, k), constant(0));
         hn::Store(hn::Mul(load(in.irradiance, k), cosine), d, in.irradiance + k);

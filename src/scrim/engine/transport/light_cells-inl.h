@@ -57,8 +57,9 @@ struct CellRays {
     Vec3 from{0};                        ///< the place of a source that is not parallel
     double radius2 = 0, decayScale = 0;  ///< irradiance is weight / max(r2, radius2) * decayScale; 0: no decay
     bool oneSided = false;               ///< an element: irradiance has the cosine to its normal as factor
-    bool attenuated = true;              ///< false: only surfaces hold the light back
-    bool blocked = false;                ///< surfaces hold the light back
+    double spreadTangent = 0, spreadScale = 0;  ///< of an element (see Spread); scale 0: none
+    bool attenuated = true;                     ///< false: only surfaces hold the light back
+    bool blocked = false;                       ///< surfaces hold the light back
     Real weight[3] = {0, 0, 0};
 };
 
@@ -369,7 +370,7 @@ class PointRaster {
             if (m_rays.oneSided) {
                 const VC facing = hn::MulAdd(wx, value8(m_rays.way.x),
                                              hn::MulAdd(wy, value8(m_rays.way.y), hn::Mul(wz, value8(m_rays.way.z))));
-                light = hn::Mul(light, hn::Max(facing, hn::Zero(d)));
+                light = hn::Mul(light, throughSpread(hn::Max(facing, hn::Zero(d))));
             }
             light = hn::Mul(light, constant ? phase : towards.at(wx, wy, wz, center, j + 0.5, k + 0.5));
             // Cells beyond the face belong to another one.
@@ -379,6 +380,13 @@ class PointRaster {
     }
 
   private:
+    // The cosine to an element's normal, and what its spread lets through.
+    HWY_ATTR VC throughSpread(VC facing) const {
+        if (m_rays.spreadScale == 0) return facing;
+        const VC sine = hn::Sqrt(hn::Max(hn::NegMulAdd(facing, facing, value8(1)), hn::Zero(DC())));
+        const VC part = hn::MulSub(facing, value8(m_rays.spreadTangent), sine);
+        return hn::Mul(hn::Max(part, hn::Zero(DC())), value8(m_rays.spreadScale));
+    }
     // From the source to the middle of a slice, and to the middle of the part of it that lies ahead of the source.
     double distance(int step) const { return (slice(step) + 0.5 - m_rays.from.z) * (m_down ? -1 : 1); }
     double middle(int step) const { return std::max(distance(step), 0.5 * (distance(step) + 0.5)); }

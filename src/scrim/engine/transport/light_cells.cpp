@@ -127,8 +127,9 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     Sources out;
     out.blocked = scene.solids && scene.solids->any(SolidRole::shadow);
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
-    out.lights = subLights(alone).lights;
-    std::erase_if(out.lights, [](const Light& light) { return light.intensity == Rgb(0); });
+    const SubLights parts = subLights(alone);
+    for (std::size_t i = 0; i < parts.lights.size(); ++i)
+        if (parts.lights[i].intensity != Rgb(0) && !parts.suns[i]) out.lights.push_back(parts.lights[i]);
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
@@ -260,7 +261,7 @@ class Pass {
     void add(const Sources& sources, const Phase& phase, const Light* lamp, int colour, Slices& slices,
              CellField& field) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
-        CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours};
+        CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
         view.eye = view.parallelEye ? reordered(-viewingAxis(m_scene.camera), slices.box.axes)
                                     : slices.place(m_scene.camera.wsPosition);
         if (sources.blocked)
@@ -325,6 +326,9 @@ class Pass {
         rays.from = slices.place(light.wsPosition + edge * Vec3(1e-4, 1.1e-4, 1.2e-4));
         rays.oneSided = light.element() != nullptr;
         if (!rays.oneSided) return rays;  // a lamp, whose distance the field divides by
+        const Spread spread(light.element()->spread);
+        rays.spreadTangent = spread.tangent();
+        rays.spreadScale = spread.scale();
         rays.radius2 = light.point().radius * light.point().radius / (edge * edge);
         rays.decayScale = light.point().decay ? 1 / (edge * edge) : 0;
         return rays;

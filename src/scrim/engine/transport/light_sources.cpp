@@ -2,6 +2,7 @@
 #include <scrim/engine/transport/light_sources.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/engine/model/picture_cells.h>
 #include <scrim/engine/model/sub_lights.h>
 #include <scrim/engine/transport/first_collisions.h>
 
@@ -29,7 +30,7 @@ void addSky(const Light& sky, const Ordinates& ordinates, int colour, std::vecto
         for (double& r : radiance) r += sky.intensity[colour];
         return;
     }
-    const auto& levels = sky.slide->image->levels();
+    const auto& levels = smoothPicture(*sky.slide).levels();
     std::size_t level = 0;
     while (level + 1 < levels.size() && levels[level].width > kSkyColumns) ++level;
     const Texture::Level& picture = levels[level];
@@ -155,8 +156,8 @@ std::vector<std::vector<Real>> fillSource(const ViewScene& scene, const CellMedi
     if (!media.straight.empty()) straight.assign(classes.size(), std::vector<Real>(solver.rows(), Real(0)));
     for (const int light : target.lights) {
         const auto owner = std::size_t(light);
-        if (scene.lights[owner].dome()) continue;
-        for (const Light& point : pointsOf(scene, scene.lights[owner]))
+        const Light& whole = scene.lights[owner];
+        for (const Light& point : whole.dome() ? sunsOfSky(scene, whole) : pointsOf(scene, whole))
             Collisions{scene, media, classes, owner, colour, ordinates, simd}.addTo(solver, point, source, straight);
     }
     if (!target.emission || media.emission.empty()) return straight;
