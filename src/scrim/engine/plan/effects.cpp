@@ -53,6 +53,11 @@ std::string quoted(const std::string& name) {
     return "'" + name + "'";
 }
 
+// The name of a light or volume that has a property; otherwise nothing.
+std::string nameIf(bool has, const std::string& name) {
+    return has ? quoted(name) : std::string();
+}
+
 // Finds the lights of the plan, or the volumes, for which say() returns a text.
 template <class Say>
 Finder lightsThat(const ViewScene& scene, const Plan& plan, const std::string& key, const Say& say) {
@@ -74,10 +79,9 @@ Finder volumesThat(const ViewScene& scene, const std::string& key, const Say& sa
 
 Effect shadows(const ViewScene& scene, const Plan& plan) {
     if (scene.lights.empty()) return {"shadows", false, "there are no lights", {}};
-    const Finder with =
-        lightsThat(scene, plan, "", [](const Light& l) { return l.shadows ? quoted(l.name) : std::string(); });
+    const Finder with = lightsThat(scene, plan, "", [](const Light& l) { return nameIf(l.shadows, l.name); });
     const Finder without =
-        lightsThat(scene, plan, ".shadows", [](const Light& l) { return l.shadows ? std::string() : quoted(l.name); });
+        lightsThat(scene, plan, ".shadows", [](const Light& l) { return nameIf(!l.shadows, l.name); });
     Effect effect =
         with.effect("shadows", "of ", without.any() ? "every light has shadows = false" : "no light is used");
     if (without.any()) {
@@ -88,7 +92,7 @@ Effect shadows(const ViewScene& scene, const Plan& plan) {
 }
 
 Effect slides(const ViewScene& scene, const Plan& plan) {
-    return lightsThat(scene, plan, ".slide", [](const Light& l) { return l.slide ? quoted(l.name) : std::string(); })
+    return lightsThat(scene, plan, ".slide", [](const Light& l) { return nameIf(bool(l.slide), l.name); })
         .effect("slides", "of ", "no light has a slide");
 }
 
@@ -103,8 +107,7 @@ Effect solids(const ViewScene& scene, SolidRole role, const std::string& name, c
 }
 
 Effect heldVolumes(const ViewScene& scene) {
-    return volumesThat(scene, ".holdout",
-                       [](const ViewVolume& v) { return v.holdout ? quoted(v.name) : std::string(); })
+    return volumesThat(scene, ".holdout", [](const ViewVolume& v) { return nameIf(v.holdout, v.name); })
         .effect("volumes held out", "", "every volume is seen");
 }
 
@@ -174,8 +177,7 @@ Effect culledVolumes(const ViewScene& scene) {
 }
 
 Effect surfaces(const ViewScene& scene) {
-    return volumesThat(scene, ".classified",
-                       [](const ViewVolume& v) { return v.classified ? quoted(v.name) : std::string(); })
+    return volumesThat(scene, ".classified", [](const ViewVolume& v) { return nameIf(bool(v.classified), v.name); })
         .effect("surfaces", "gradients and a transfer function of ",
                 "no volume is classified: no gradients, no transfer function");
 }
@@ -211,9 +213,8 @@ Effect emission(const ViewScene& scene) {
 
 Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
     Effect effect = ofMedia(
-        scene, ".medium.scattering",
-        [](const ViewVolume& v) { return scattersFully(v) ? quoted(v.name) : std::string(); }, "multiple scattering",
-        "in ", "no medium has scattering = \"full\": light scatters once");
+        scene, ".medium.scattering", [](const ViewVolume& v) { return nameIf(scattersFully(v), v.name); },
+        "multiple scattering", "in ", "no medium has scattering = \"full\": light scatters once");
     const TransportPlan& t = plan.transport;
     const int solves = static_cast<int>(t.targets.size()) * t.colours;
     if (effect.on)
@@ -226,8 +227,8 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
 void addMediumEffects(const ViewScene& scene, const Plan& plan, std::vector<Effect>& effects) {
     Effect coloured = ofMedia(
         scene, ".medium.extinction_tint",
-        [](const ViewVolume& v) { return v.medium.relativeTint() == Rgb(1) ? "" : quoted(v.name); },
-        "coloured extinction", "of ", "every extinction_tint is grey: one optical depth for all channels");
+        [](const ViewVolume& v) { return nameIf(v.medium.relativeTint() != Rgb(1), v.name); }, "coloured extinction",
+        "of ", "every extinction_tint is grey: one optical depth for all channels");
     if (coloured.on)
         coloured.reason +=
             fmt::format("; {} extinction channel{}", plan.extinction.count(), plan.extinction.count() > 1 ? "s" : "");

@@ -86,11 +86,10 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
     plan.work.pixelSheets = counted(pixelSheets);
 }
 
-// The owners of the group's lights, as indices into the scene's lights.
-std::vector<int> ownersOf(const Plan& plan, const GroupPlan& group) {
+SweepOutputs outputsOf(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
     std::vector<int> owners;
     for (const PlannedLight& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
-    return owners;
+    return chooseOutputs(scene, plan.extinction.coloured, group.primary > 0, owners, plan.lightsOnCells());
 }
 
 std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
@@ -138,7 +137,7 @@ GroupPlan planGroup(const ViewScene& scene, const std::vector<Vec3>& corners, co
         checkpoint();
         light = planLight(scene, corners, g.sheets, g.slant, std::move(light));
     }
-    g.outputs = chooseOutputs(scene, plan.extinction.coloured, g.primary > 0, ownersOf(plan, g), plan.lightsOnCells());
+    g.outputs = outputsOf(scene, plan, g);
     checkPlanFits(scene, plan, g.sheets.count);
     g.needed = neededTiles(scene, part.window, g.sheets, shadowedLights(scene, g), checkpoint);
     g.lattice = plan.perView ? eyeLattice(scene, part.window, g.sheets) : sharedLattice(g.sheets);
@@ -169,8 +168,7 @@ void splitIntoPasses(const ViewScene& scene, std::size_t frameBytes, Plan& plan)
             rest.primary = 0;
             one.lights.erase(middle, one.lights.end());
             for (GroupPlan* half : {&rest, &one}) {
-                half->outputs = chooseOutputs(scene, plan.extinction.coloured, half->primary > 0, ownersOf(plan, *half),
-                                              plan.lightsOnCells());
+                half->outputs = outputsOf(scene, plan, *half);
                 open.push_back(std::move(*half));
             }
         }

@@ -22,12 +22,9 @@ constexpr double kWidestEye = 0.7854;  // 45 degrees: half the opening angle tha
 constexpr double kPartAngle = 1.0472;  // 60 degrees: largest opening angle of a part along x or y
 constexpr double kOverlap = 0.0698;    // 4 degrees: width of the overlap of two parts
 
-// A box around the raster positions that the volume may cover.
-Box2<double> coveredRaster(const ViewScene& scene, const RayFamily& rays, const std::vector<Vec3>& corners) {
-    // A crop does not count, because its pixels must equal those of the whole picture.
-    const Box2<double> all{double(std::min(0, scene.region.x0)), double(std::min(0, scene.region.y0)),
-                           double(std::max(scene.camera.resolution.x, scene.region.x1)),
-                           double(std::max(scene.camera.resolution.y, scene.region.y1))};
+// A box around the raster positions of `window` that the volume may cover.
+Box2<double> coveredRaster(const PixelWindow& window, const RayFamily& rays, const std::vector<Vec3>& corners) {
+    const Box2<double> all{double(window.x0), double(window.y0), double(window.x1), double(window.y1)};
     const Mat3 rasterFromWs = glm::inverse(Mat3(rays.direction0, rays.directionX, rays.directionY));
     Box2<double> seen{all.x1, all.y1, all.x0, all.y0};
     for (const Vec3& corner : corners) {
@@ -87,6 +84,7 @@ int addressable(double count, const std::string& what) {
 
 std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& corners) {
     const RayFamily rays = wsRays(scene.camera);
+    // A crop does not count, because its pixels must equal those of the whole picture.
     const PixelWindow everywhere{std::min(0, scene.region.x0), std::min(0, scene.region.y0),
                                  std::max(scene.camera.resolution.x, scene.region.x1),
                                  std::max(scene.camera.resolution.y, scene.region.y1)};
@@ -96,7 +94,7 @@ std::vector<EyePart> eyeParts(const ViewScene& scene, const std::vector<Vec3>& c
         whole.wsDirections = {glm::normalize(rays.direction0)};
         return {whole};
     }
-    const Box2<double> box = coveredRaster(scene, rays, corners);
+    const Box2<double> box = coveredRaster(everywhere, rays, corners);
     whole.wsDirections = directionsTo(rays, box);
     if (enclosingCone(whole.wsDirections).cosAngle >= std::cos(kWidestEye)) return {whole};
 
