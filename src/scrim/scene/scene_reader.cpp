@@ -5,7 +5,7 @@
 #include <scrim/scene/check_scene.h>
 #include <scrim/scene/read_sections.h>
 #include <scrim/scene/quality.h>
-#include <scrim/scene/toml_text.h>
+#include <scrim/scene/toml_writer.h>
 
 #include <fmt/format.h>
 
@@ -239,9 +239,7 @@ Camera readCameraText(const std::string& text, const std::string& name, const Co
 std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides) {
     const toml::table root = parsed(text, overrides);
     if (overrides.empty()) return text.text;
-    std::ostringstream out;
-    out << toml::toml_formatter(root) << '\n';
-    return withShortNumbers(out.str());
+    return tomlText(root);
 }
 
 }  // namespace scrim

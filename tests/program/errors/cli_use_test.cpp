@@ -270,7 +270,7 @@ TEST_F(CliUse, PlanSaysWhatARenderTakesAndWrites) {
     ProgramOptions there;
     there.shell = "cd 'a##b$'; exec \"$0\" \"$@\"";
     const std::string printed = runWell({"render", "../scene.toml", "-o", "x.####.exr", "--print-scene"}, there).out;
-    EXPECT_NE(printed.find("file = '" + patternOf(folder) + "/x.####.exr'"), std::string::npos) << printed;
+    EXPECT_NE(printed.find("file = \"" + patternOf(folder) + "/x.####.exr\""), std::string::npos) << printed;
 }
 
 TEST_F(CliUse, InfoIsJsonOrATable) {

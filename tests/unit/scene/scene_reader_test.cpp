@@ -324,7 +324,7 @@ TEST(SceneAsToml, KeepsNumbersAsTheyWereSaid) {
     EXPECT_NE(text.find("near = 1.6\n"), std::string::npos) << text;
     EXPECT_NE(text.find("fov = 35.3\n"), std::string::npos) << text;
     EXPECT_NE(text.find("scale = 0.1 "), std::string::npos) << text;
-    EXPECT_NE(text.find("1.6000000000000001 \"x"), std::string::npos) << text;
+    EXPECT_NE(text.find("1.6000000000000001 \\\"x"), std::string::npos) << text;
     EXPECT_EQ(text.find("30000000"), std::string::npos) << text;
 }
 
