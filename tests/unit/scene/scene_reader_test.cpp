@@ -231,7 +231,7 @@ TEST(SceneOverride, ReplacesAddsAndSelects) {
     EXPECT_EQ(scene.lights[1].name, "rim");
     EXPECT_EQ(scene.quality, "high");
     EXPECT_EQ(scene.output.file, "/shots/out.0001.exr");
-    EXPECT_EQ(scene.volumes[0].medium.densityScale, 7);
+    EXPECT_EQ(scene.volumes[0].densityScale, 7);
     EXPECT_EQ(scene.ambient, Rgb(2));
 }
 
