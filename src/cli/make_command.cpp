@@ -43,12 +43,12 @@ std::vector<std::pair<std::string, std::string>> split(const std::vector<std::st
     return out;
 }
 
-/// Checks the output's name, and that it is not a file that the source reads: any parameter may hold such a name.
+/// Checks the output's name, and that it is not the file that the source reads.
 void checkOutput(const std::string& output, const std::vector<std::pair<std::string, std::string>>& parameters) {
     if (lowerExtension(output) != ".vdb")
         throw Error(ErrorKind::usage, fmt::format("the output '{}' does not end in '.vdb'", shortened(output)));
     FileClaims claims;
-    for (const auto& [name, value] : parameters) claims.reads(value, fmt::format("the source's '{}'", name));
+    claims.reads(fileIn(parameters), "the source's 'file'");
     claims.writesAlone(output, "--output");
     const AtomicFile probe(output);
     for (const std::string& folder : claims.folders()) removeAbandonedFiles(folder);

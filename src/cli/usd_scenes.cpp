@@ -3,6 +3,8 @@
 
 #include "interrupt.h"
 
+#include <scrim/base/child_process.h>
+#include <scrim/base/descriptor.h>
 #include <scrim/base/error.h>
 #include <scrim/shot/shot_text.h>
 
@@ -22,7 +24,6 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -60,62 +61,48 @@ std::vector<std::string> argumentsFor(const std::string& path, const std::string
     return words;
 }
 
-/// A child process whose standard output is read here; its standard error is ours.
-class Child {
-  public:
-    explicit Child(std::vector<std::string> words) {
-        int ends[2];
-        if (::pipe2(ends, O_CLOEXEC) != 0)
-            throw Error(ErrorKind::render, std::string("cannot make a pipe: ") + std::strerror(errno));
-        m_output = ends[0];
-        posix_spawn_file_actions_t actions;
-        posix_spawn_file_actions_init(&actions);
-        posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-        posix_spawn_file_actions_adddup2(&actions, ends[1], 1);
-        std::vector<char*> arguments;
-        for (std::string& word : words) arguments.push_back(word.data());
-        arguments.push_back(nullptr);
-        const int error = ::posix_spawnp(&m_pid, arguments[0], &actions, nullptr, arguments.data(), environ);
-        posix_spawn_file_actions_destroy(&actions);
-        ::close(ends[1]);
-        if (error == 0) return;
-        ::close(m_output);
-        throw Error(ErrorKind::input,
-                    fmt::format("cannot start '{}': {}; {}", words[0], std::strerror(error), kHowToInstall));
-    }
-    ~Child() {
-        ::close(m_output);
-        if (m_pid > 0) ::kill(m_pid, SIGTERM);  // only after an exception; otherwise the child has been waited for
-        if (m_pid > 0) status();
-    }
-    Child(const Child&) = delete;
-    Child& operator=(const Child&) = delete;
+/// A pipe: the end to read from, and the one to write to.
+std::pair<Descriptor, Descriptor> makePipe() {
+    int ends[2];
+    if (::pipe2(ends, O_CLOEXEC) != 0)
+        throw Error(ErrorKind::render, std::string("cannot make a pipe: ") + std::strerror(errno));
+    return {Descriptor(ends[0]), Descriptor(ends[1])};
+}
 
-    /// Reads the child's output until it ends.
-    std::string output() const {
-        std::string text;
-        char part[4096];
-        for (;;) {
-            throwIfInterrupted();
-            const ssize_t count = ::read(m_output, part, sizeof part);
-            if (count < 0 && errno == EINTR) continue;
-            if (count <= 0) return text;
-            text.append(part, static_cast<std::size_t>(count));
-        }
+/// Starts a program whose standard output is `output`; its standard error is ours.
+ChildProcess startPython(const std::vector<std::string>& words, const Descriptor& output) {
+    try {
+        return ChildProcess({words, "", {{0, ProgramStart::kNothing}, {1, output.fd()}}}, SIGTERM);
+    } catch (const std::system_error& error) {
+        throw Error(ErrorKind::input, fmt::format("cannot start '{}': {}; {}", words[0],
+                                                  std::strerror(error.code().value()), kHowToInstall));
     }
-    /// The child's exit status.
-    int status() {
-        int status = 0;
-        while (::waitpid(m_pid, &status, 0) < 0 && errno == EINTR) {
-        }
-        m_pid = -1;
-        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    }
+}
 
-  private:
-    pid_t m_pid = -1;
-    int m_output = -1;
-};
+/// What comes out of a pipe until it is closed.
+std::string readAll(const Descriptor& pipe) {
+    std::string text;
+    char part[4096];
+    for (;;) {
+        throwIfInterrupted();
+        const ssize_t count = ::read(pipe.fd(), part, sizeof part);
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) return text;
+        text.append(part, static_cast<std::size_t>(count));
+    }
+}
+
+/// What a program writes on standard output, and its exit status.
+std::pair<std::string, int> outputOf(const std::vector<std::string>& words) {
+    auto [ours, theirs] = makePipe();
+    ChildProcess program = startPython(words, theirs);
+    theirs = Descriptor();  // else the pipe stays open when the program ends
+    const Descriptor pipe =
+        std::move(ours);  // below the program, so that it is closed before the program is waited for
+    std::string text = readAll(pipe);
+    const int status = program.wait().status;
+    return {std::move(text), WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status)};
+}
 
 std::vector<std::string> fieldsOf(const std::string& line) {
     std::vector<std::string> fields(1);
@@ -168,9 +155,8 @@ UsdScenes readStage(const std::string& path, const SceneOptions& options) {
     UsdScenes out;
     out.folder = std::make_shared<TemporaryFolder>();
     const std::vector<std::string> words = argumentsFor(path, out.folder->path(), options);
-    Child child(words);
-    std::istringstream lines(child.output());
-    const int status = child.status();
+    const auto [output, status] = outputOf(words);
+    std::istringstream lines(output);
     std::string first, last;
     for (std::string line; std::getline(lines, line);) {
         const std::vector<std::string> fields = fieldsOf(line);

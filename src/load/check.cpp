@@ -3,6 +3,7 @@
 
 #include "answered_calls.h"
 #include "confine.h"
+#include "fork.h"
 
 #include <scrim/guard/load_protocol.h>
 #include <scrim/volume/loaded_source.h>
@@ -37,24 +38,20 @@ constexpr int kWrongAnswer = 4;
 
 constexpr Limits kLimits{std::size_t{1} << 30, 10};
 
-/// The exit status of a child that runs `task` while confined.
+/// The status of a child that runs `task` while confined.
 template <typename Task>
 int statusOf(Files files, const Task& task) {
-    const pid_t child = ::fork();
-    if (child == 0) {
+    ChildProcess child = forked([&] {
         const int file = ::open("/dev/null", O_RDONLY);
         if (files == Files::answered) {
             AnsweredCalls::install("scan.nhdr", file);
             AnsweredCalls::add("scan.raw", file);
         }
-        if (confine(kLimits, files) != 0) ::_exit(kNotConfined);
+        if (confine(kLimits, files) != 0) return kNotConfined;
         task();
-        ::_exit(0);
-    }
-    int status = 0;
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    return status;
+        return 0;
+    });
+    return child.wait().status;
 }
 
 class Check {

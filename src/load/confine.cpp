@@ -3,6 +3,8 @@
 
 #include "answered_calls.h"
 
+#include <scrim/base/process_limits.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
@@ -15,7 +17,6 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <unistd.h>
 
@@ -41,16 +42,6 @@ namespace {
 constexpr rlim_t kMostAnsweredFiles = 64;
 /// Seconds between SIGXCPU, which identifies the time limit as the cause, and SIGKILL, which does not.
 constexpr rlim_t kGrace = 2;
-
-/// Lowers a limit to `most`, or to the limit that this process was given if that is lower, since only root can raise
-/// it. The hard limit is `beyond` higher; it acts without a signal that can be handled. Returns 0 or the errno.
-int limit(__rlimit_resource resource, rlim_t most, rlim_t beyond = 0) {
-    rlimit given{};
-    if (::getrlimit(resource, &given) != 0) return errno;
-    const rlim_t soft = std::min({most, given.rlim_cur, given.rlim_max});  // "infinity" is the largest number
-    const rlimit both{soft, std::min(soft + beyond, given.rlim_max)};
-    return ::setrlimit(resource, &both) == 0 ? 0 : errno;
-}
 
 /// Drops the capabilities of root, which could raise its limits again. Returns 0 or the errno.
 int dropCapabilities() {
@@ -102,12 +93,8 @@ class Filter {
     static scmp_arg_cmp hasBits(unsigned argument, std::uint32_t mask, std::uint32_t value) {
         return {argument, SCMP_CMP_MASKED_EQ, mask, value};
     }
-    void add(std::uint32_t action, long call) {
-        addRule(action, call, 0, nullptr);
-    }
-    void add(std::uint32_t action, long call, const scmp_arg_cmp& where) {
-        addRule(action, call, 1, &where);
-    }
+    void add(std::uint32_t action, long call) { addRule(action, call, 0, nullptr); }
+    void add(std::uint32_t action, long call, const scmp_arg_cmp& where) { addRule(action, call, 1, &where); }
     void addRule(std::uint32_t action, long call, unsigned conditions, const scmp_arg_cmp* where) {
         if (m_problem == 0)
             m_problem = -::seccomp_rule_add_array(m_context, action, static_cast<int>(call), conditions, where);
@@ -174,15 +161,15 @@ int confine(const Limits& limits, Files files) {
     const auto keep = [&problem](int next) {
         if (problem == 0) problem = next;
     };
-    keep(limit(RLIMIT_CORE, 0));
-    keep(limit(RLIMIT_CPU, limits.seconds, kGrace));
+    keep(lowerLimit(RLIMIT_CORE, 0));
+    keep(lowerLimit(RLIMIT_CPU, limits.seconds, kGrace));
     keep(dropCapabilities());
     // The data it sends lies in memory, too. Exceeding the limit is an error, not a crash.
     std::signal(SIGXFSZ, SIG_IGN);
-    keep(limit(RLIMIT_FSIZE, limits.memory));
+    keep(lowerLimit(RLIMIT_FSIZE, limits.memory));
     if (!hasFilter()) return problem;  // sanitizers also take huge address spaces
-    keep(limit(RLIMIT_AS, addressSpace() + limits.memory));
-    keep(limit(RLIMIT_NOFILE, files == Files::answered ? kMostAnsweredFiles : 0));
+    keep(lowerLimit(RLIMIT_AS, addressSpace() + limits.memory));
+    keep(lowerLimit(RLIMIT_NOFILE, files == Files::answered ? kMostAnsweredFiles : 0));
     return problem != 0 ? problem : filterCalls(files);
 }
 

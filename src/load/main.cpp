@@ -8,11 +8,14 @@
 //   scrim-load --check                    tests whether children are confined (check.h)
 #include "check.h"
 #include "confine.h"
+#include "fork.h"
 #include "read_mesh.h"
 #include "read_picture.h"
 #include "read_source.h"
 #include "read_volume.h"
 
+#include <scrim/base/child_process.h>
+#include <scrim/base/descriptor.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/load_protocol.h>
 
@@ -21,16 +24,15 @@
 #include <csignal>
 #include <cstdio>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/signalfd.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 namespace scrim::load {
@@ -42,8 +44,8 @@ constexpr int kChildTransfer = 3, kChildInput = 4, kChildBeside = 5, kChildEnd =
 
 /// A child, and the control descriptor of the process that waits for it.
 struct Job {
-    pid_t child = -1;
-    int control = -1;
+    ChildProcess child;
+    Descriptor control;
 };
 
 /// One message as received, with its descriptors.
@@ -52,8 +54,9 @@ struct Request {
     int descriptors[kMostDescriptors] = {-1, -1, -1, -1, -1};
 
     bool complete() const { return descriptors[kBeside] >= 0; }
-    void close(bool control) {
-        for (int i = control ? 0 : 1; i < static_cast<int>(kMostDescriptors); ++i)
+    /// Closes all of them but the control.
+    void close() {
+        for (int i = 1; i < static_cast<int>(kMostDescriptors); ++i)
             if (descriptors[i] >= 0) ::close(descriptors[i]);
     }
 };
@@ -142,7 +145,7 @@ class Server {
     int serve() {
         for (;;) {
             std::vector<pollfd> events{{kLoadSocket, POLLIN, 0}, {m_ended, POLLIN, 0}};
-            for (const Job& job : m_jobs) events.push_back({job.control, 0, 0});  // a hang-up is always reported
+            for (const Job& job : m_jobs) events.push_back({job.control.fd(), 0, 0});  // a hang-up is always reported
             if (::poll(events.data(), events.size(), -1) < 0) {
                 if (errno == EINTR) continue;
                 return 1;
@@ -160,51 +163,49 @@ class Server {
         Request request;
         if (!receive(request)) return false;
         const pid_t self = ::getpid();
+        Descriptor control(request.descriptors[kControl]);
         // Descriptors are missing where they exceed the limit of this process.
-        const pid_t child = request.complete() ? ::fork() : -1;
-        const int problem = request.complete() ? errno : EMFILE;
-        if (child == 0) runChild(request, m_pictures, self);
-        request.close(false);
-        if (child < 0)
-            refuse(request.descriptors[kControl], problem);
+        int problem = request.complete() ? 0 : EMFILE;
+        try {
+            if (request.complete())
+                m_jobs.push_back({forked([&]() -> int { runChild(request, m_pictures, self); }), Descriptor()});
+        } catch (const std::system_error& error) {
+            problem = error.code().value();
+        }
+        request.close();
+        if (problem != 0)
+            refuse(control, problem);
         else
-            m_jobs.push_back({child, request.descriptors[kControl]});
+            m_jobs.back().control = std::move(control);
         return true;
     }
     /// Reports the problem. Without a control descriptor, the waiting process will report that this program is lost.
-    static void refuse(int control, int problem) {
-        if (control < 0) return;
+    static void refuse(const Descriptor& control, int problem) {
         LoadAnswer answer;
         answer.problem = problem;
-        (void)::send(control, &answer, sizeof answer, MSG_NOSIGNAL);
-        ::close(control);
+        tell(control, answer);
+    }
+    static void tell(const Descriptor& control, const LoadAnswer& answer) {
+        if (control.fd() >= 0) (void)::send(control.fd(), &answer, sizeof answer, MSG_NOSIGNAL);
     }
     /// Ends a job for which nobody waits any more.
     static void cancel(Job& job) {
-        ::kill(job.child, SIGKILL);
-        ::close(job.control);
-        job.control = -1;
+        job.child.signal(SIGKILL);
+        job.control = Descriptor();
     }
     void reap() {
         signalfd_siginfo ignored;
         while (::read(m_ended, &ignored, sizeof ignored) > 0) {
         }
-        LoadAnswer answer;
-        int status = 0;
-        rusage used{};
-        const auto microseconds = [](const timeval& t) { return std::int64_t{1000000} * t.tv_sec + t.tv_usec; };
-        for (pid_t ended; (ended = ::wait4(-1, &status, WNOHANG, &used)) > 0;)
-            for (std::size_t i = 0; i < m_jobs.size(); ++i) {
-                if (m_jobs[i].child != ended) continue;
-                answer.status = status;
-                answer.microseconds = microseconds(used.ru_utime) + microseconds(used.ru_stime);
-                if (m_jobs[i].control >= 0) {
-                    (void)::send(m_jobs[i].control, &answer, sizeof answer, MSG_NOSIGNAL);
-                    ::close(m_jobs[i].control);
-                }
-                m_jobs.erase(m_jobs.begin() + static_cast<std::ptrdiff_t>(i));
-                break;
-            }
+        std::erase_if(m_jobs, [](Job& job) {
+            const auto end = job.child.ended();
+            if (!end) return false;
+            LoadAnswer answer;
+            answer.status = end->status;
+            answer.microseconds = end->used.count();
+            tell(job.control, answer);
+            return true;
+        });
     }
 
     const PictureModule* m_pictures;

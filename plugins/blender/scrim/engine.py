@@ -149,8 +149,7 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         top = height - y0 - high
         if (wide, high) != (width, height):
             arguments += ["--crop", f"{x0},{top},{x0 + wide},{top + high}"]
-        self.run(arguments)
-        self.memory(stats)
+        self.run(arguments, stats)
         self.put(exr.read(picture), (x0, top, wide, high), passes, depsgraph)
 
     def window(self, render, width, height):
@@ -183,7 +182,9 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
         whole = int(np.floor(time))
         self.frame_set(whole, time - whole)
 
-    def run(self, arguments):
+    def run(self, arguments, stats):
+        """Runs the program, which writes its statistics into the file `stats`, and shows what it tells."""
+
         def progress(part):
             self.update_progress(part)
             self.update_stats("", f"Scrim: {100 * part:.0f} %")
@@ -195,18 +196,15 @@ class ScrimRenderEngine(bpy.types.RenderEngine):
             raise Failure(ended.reason)
         if ended.status == program.Status.INACCURATE:
             self.warn(ended.reason)
-        # The last one: a long verification tells of itself before.
-        summary = next((line for line in reversed(ended.told) if line.startswith("frame ")), "")
-        last_run["text"] = summary.partition(", ")[2]
-        self.update_stats("", f"Scrim: {last_run['text']}")
+        with open(stats, encoding="utf-8") as file:
+            frame = json.load(file)[0]
+        last_run["text"] = frame["summary"]
+        self.update_stats("", f"Scrim: {frame['summary']}")
+        peak = frame["peak_memory_bytes"] / 2**20
+        self.update_memory_stats(memory_used=peak, memory_peak=peak)
 
     def cancelled(self):
         return self.test_break()
-
-    def memory(self, stats):
-        with open(stats, encoding="utf-8") as file:
-            peak = json.load(file)[0]["peak_memory_bytes"] / 2**20
-        self.update_memory_stats(memory_used=peak, memory_peak=peak)
 
     def put(self, picture, window, light_names, depsgraph):
         """The picture's channels into Blender's passes, whose rows begin at the bottom."""

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/base/system_error.h>
 
+#include <scrim/base/process_limits.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <new>
@@ -8,19 +10,9 @@
 #include <system_error>
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 namespace scrim {
-namespace {
-
-rlim_t limitOf(__rlimit_resource resource) {
-    rlimit limits{};
-    return ::getrlimit(resource, &limits) == 0 ? limits.rlim_cur : RLIM_INFINITY;
-}
-
-}  // namespace
-
 ErrorKind kindOfSystemError(int errorNumber, ErrorKind otherwise) {
     switch (errorNumber) {
         case ENOMEM:

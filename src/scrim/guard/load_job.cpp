@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/guard/load_job.h>
 
+#include <scrim/base/child_process.h>
 #include <scrim/base/error.h>
 #include <scrim/base/installed.h>
 #include <scrim/base/parallel.h>
@@ -19,11 +20,11 @@
 #include <map>
 #include <mutex>
 #include <span>
+#include <system_error>
 #include <vector>
 
 #include <fcntl.h>
 #include <poll.h>
-#include <spawn.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -64,48 +65,31 @@ std::vector<std::string> argumentsFor(LoadedFiles files) {
 /// Identifies a program: its path and the kind of files.
 using ServerKey = std::pair<std::string, LoadedFiles>;
 
-/// A running loader program. Boost.Process is not used because it handles SIGCHLD for the whole process, which belongs
-/// to the application that links the library.
+/// Starts a loader program with that end of its socket. Throws an Error that names the program.
+ChildProcess startLoader(const ServerKey& key, const Descriptor& socket) {
+    const auto& [program, files] = key;
+    constexpr int kNothing = ProgramStart::kNothing;
+    ProgramStart start{argumentsFor(files), program, {{0, kNothing}, {1, kNothing}, {2, kNothing}}};
+    start.descriptors.emplace_back(kLoadSocket, socket.fd());
+    // Trees consist of many small pieces of memory, and mapping it page by page takes a fifth of the time of reading
+    // them.
+    if (std::getenv("GLIBC_TUNABLES") == nullptr) start.variables = {"GLIBC_TUNABLES=glibc.malloc.hugetlb=1"};
+    try {
+        return ChildProcess(start, 0);
+    } catch (const std::system_error& error) {
+        const int number = error.code().value();
+        if (number == ENOMEM || number == EAGAIN)
+            throw Error(ErrorKind::memory,
+                        fmt::format("cannot start a process to read {}: {}", readsText(files), std::strerror(number)));
+        throw Error(ErrorKind::render, fmt::format("cannot start '{}' to read {}: {}", shortened(program),
+                                                   readsText(files), std::strerror(number)));
+    }
+}
+
+/// A running loader program, which ends when the socket is closed.
 class Server {
   public:
-    explicit Server(const ServerKey& key) {
-        const auto& [program, files] = key;
-        auto [ours, theirs] = socketPair();
-        posix_spawn_file_actions_t actions;
-        posix_spawn_file_actions_init(&actions);
-        posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
-        posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
-        posix_spawn_file_actions_addopen(&actions, 2, "/dev/null", O_WRONLY, 0);
-        posix_spawn_file_actions_adddup2(&actions, theirs.fd(), kLoadSocket);
-        std::vector<std::string> words = argumentsFor(files);
-        std::vector<char*> arguments;
-        for (std::string& word : words) arguments.push_back(word.data());
-        arguments.push_back(nullptr);
-        std::vector<char*> environment;
-        for (char** variable = environ; *variable != nullptr; ++variable) environment.push_back(*variable);
-        // Trees consist of many small pieces of memory, and mapping it page by page takes a fifth of the time of
-        // reading them. If a variable occurs twice, glibc uses the first.
-        std::string tunables = "GLIBC_TUNABLES=glibc.malloc.hugetlb=1";
-        if (std::getenv("GLIBC_TUNABLES") == nullptr) environment.push_back(tunables.data());
-        environment.push_back(nullptr);
-        const int error =
-            ::posix_spawn(&m_pid, program.c_str(), &actions, nullptr, arguments.data(), environment.data());
-        posix_spawn_file_actions_destroy(&actions);
-        if (error == ENOMEM || error == EAGAIN)
-            throw Error(ErrorKind::memory,
-                        fmt::format("cannot start a process to read {}: {}", readsText(files), std::strerror(error)));
-        if (error != 0)
-            throw Error(ErrorKind::render, fmt::format("cannot start '{}' to read {}: {}", shortened(program),
-                                                       readsText(files), std::strerror(error)));
-        m_socket = std::move(ours);
-    }
-    ~Server() {
-        m_socket = Descriptor();  // closing the socket makes the program end
-        while (::waitpid(m_pid, nullptr, 0) < 0 && errno == EINTR) {
-        }
-    }
-    Server(const Server&) = delete;
-    Server& operator=(const Server&) = delete;
+    explicit Server(const ServerKey& key) : Server(key, socketPair()) {}
 
     /// Returns false where the program has ended.
     bool send(LoadMessage message, std::span<const int> descriptors) const {
@@ -129,8 +113,11 @@ class Server {
     }
 
   private:
-    pid_t m_pid = -1;
-    Descriptor m_socket;
+    Server(const ServerKey& key, std::pair<Descriptor, Descriptor> ends)
+        : m_program(startLoader(key, ends.second)), m_socket(std::move(ends.first)) {}
+
+    ChildProcess m_program;
+    Descriptor m_socket;  // below the program, so that it is closed before the program is waited for
 };
 
 /// The loader programs of this process.
@@ -236,16 +223,6 @@ void checkStatus(const LoadAnswer& answer, const std::string& path, const LoadLi
 }
 
 }  // namespace
-
-Descriptor::~Descriptor() {
-    if (m_fd >= 0) ::close(m_fd);
-}
-
-Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
-    const Descriptor before(m_fd);
-    m_fd = other.release();
-    return *this;
-}
 
 std::string ownLoader() {
     const std::filesystem::path folder = std::filesystem::path(libraryFolder()) / SCRIM_LIBEXEC_FROM_LIB;

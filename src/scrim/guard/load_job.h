@@ -4,6 +4,7 @@
 // sources) and one for pictures.
 #pragma once
 
+#include <scrim/base/descriptor.h>
 #include <scrim/base/error.h>
 #include <scrim/base/messages.h>
 
@@ -13,24 +14,6 @@
 #include <string>
 
 namespace scrim {
-
-/// Owns an open file descriptor and closes it.
-class Descriptor {
-  public:
-    explicit Descriptor(int fd = -1) : m_fd(fd) {}
-    ~Descriptor();
-    Descriptor(Descriptor&& other) noexcept : m_fd(other.release()) {}
-    Descriptor& operator=(Descriptor&& other) noexcept;
-    int fd() const { return m_fd; }
-    int release() {
-        const int fd = m_fd;
-        m_fd = -1;
-        return fd;
-    }
-
-  private:
-    int m_fd;
-};
 
 /// Path of the loader program that belongs to this library.
 std::string ownLoader();

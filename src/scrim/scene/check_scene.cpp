@@ -49,6 +49,20 @@ class Check {
         if (!range.holds(value)) refuse(key.name, fmt::format("{}", value), "a number" + range.text());
     }
     void number(const Key& key, double value) const { number(key, value, key.range); }
+    /// Checks the members of `object` that keys of `section` set. Keys that are known in some cases only are left out.
+    template <typename Object>
+    void members(const SectionOf<Object>& section, const Object& object) const {
+        for (const Key& key : section.keys())
+            if (key.member && key.only.empty()) member(key, object);
+    }
+    template <typename Object>
+    void member(const Key& key, const Object& object) const {
+        const double value = key.member.get(object);
+        if (key.type == Key::Type::number || key.type == Key::Type::integer) return number(key, value);
+        const std::size_t count = key.type == Key::Type::boolean ? 2 : key.words.size();
+        if (!(value >= 0 && value < static_cast<double>(count)))
+            refuse(key.name, fmt::format("number {}", value), choices(key.words));
+    }
     /// Checks all numbers of a key that has more than one.
     void numbers(const Key& key, const std::vector<double>& values) const {
         for (const double value : values)
@@ -109,15 +123,10 @@ void checkCamera(const Check& check, const Scene& scene) {
         if (!(glm::length(product[i] - Mat3(1.0)[i]) <= kRounding))
             check.refuse(k.matrix.name, "not orthonormal", "three perpendicular axes of length 1");
     if (!(glm::determinant(camera.wsFromCamera) > 0)) check.refuse(k.matrix.name, "mirrored", "a right-handed frame");
-    if (camera.type == CameraType::perspective)
-        check.number(k.fov, camera.fov);
-    else
-        check.number(k.height, camera.height);
-    check.number(k.near, camera.near);
+    check.members(k, scene);
+    check.member(camera.type == CameraType::perspective ? k.fov : k.height, scene);
     check.numbers(k.resolution, {double(camera.resolution.x), double(camera.resolution.y)});
-    check.number(k.pixelAspect, camera.pixelAspect);
     check.numbers(k.shift, {camera.shift.x, camera.shift.y});
-    check.number(k.overscan, scene.overscan);
     if (!scene.shutter) return;
     check.numbers(k.shutter, {scene.shutter->open, scene.shutter->close});
     if (!(scene.shutter->close > scene.shutter->open))
@@ -163,9 +172,9 @@ void checkLight(const Check& check, const Light& light) {
 void checkPhase(const Check& check, const Phase& phase) {
     const PhaseKeys& k = keysOf<PhaseKeys>();
     const bool twoLobe = phase.type == PhaseType::twoLobe;
-    if (phase.type != PhaseType::rayleigh) check.number(twoLobe ? k.g1 : k.g, phase.g);
-    if (twoLobe) check.number(k.g2, phase.g2);
-    check.number(k.blend, phase.blend);
+    if (phase.type != PhaseType::rayleigh) check.member(twoLobe ? k.g1 : k.g, phase);
+    if (twoLobe) check.member(k.g2, phase);
+    check.member(k.blend, phase);
     // Files cannot state the strength. Code may, for mixtures of Rayleigh's phase function with an isotropic one.
     if (!(phase.strength >= 0 && phase.strength <= 1))
         check.refuse("strength", fmt::format("{}", phase.strength), "a number from 0 to 1");
@@ -173,29 +182,23 @@ void checkPhase(const Check& check, const Phase& phase) {
 
 void checkEmission(const Check& check, const Emission& emission) {
     const EmissionKeys& k = keysOf<EmissionKeys>();
-    check.number(k.scale, emission.scale);
+    check.members(k, emission);
     const auto ends = [](const Rgb& rgb) {
         return isFinite(rgb) ? std::pair(std::min({rgb.x, rgb.y, rgb.z}), std::max({rgb.x, rgb.y, rgb.z}))
                              : std::pair(std::nan(""), std::nan(""));
     };
     if (!emission.blackbody) return check.ramp(k.ramp, emission.ramp, kMostLight, ends);
-    const BlackbodyKeys& b = keysOf<BlackbodyKeys>();
-    check.number(b.scale, emission.kelvinScale);
-    check.number(b.offset, emission.kelvinOffset);
+    check.members(keysOf<BlackbodyKeys>(), emission);
 }
 
 void checkMedium(const Check& check, const SceneVolume& volume) {
     const MediumKeys& k = keysOf<MediumKeys>();
-    const OctavesKeys& o = keysOf<OctavesKeys>();
     const Medium& medium = volume.medium;
     check.colour(k.albedo, medium.albedo, 1);
     check.colour(k.extinctionTint, medium.extinctionTint, kMostTint);
     checkPhase(check, medium.phase);
-    check.number(o.count, medium.octaves.count);
-    check.number(o.extinction, medium.octaves.extinction);
-    check.number(o.contribution, medium.octaves.contribution);
-    check.number(o.phase, medium.octaves.phase);
-    if (volume.albedoGrid) check.number(keysOf<AlbedoGridKeys>().scale, volume.albedoGrid->scale);
+    check.members(keysOf<OctavesKeys>(), medium.octaves);
+    if (volume.albedoGrid) check.members(keysOf<AlbedoGridKeys>(), *volume.albedoGrid);
     for (const Emission& emission : volume.emission) checkEmission(check, emission);
 }
 
@@ -204,8 +207,7 @@ void checkClassified(const Check& check, const Classified& classified) {
     const TransferKeys& t = keysOf<TransferKeys>();
     const std::vector<TransferPoint>& points = classified.transfer;
     for (std::size_t i = 0; i < points.size(); ++i) {
-        check.number(t.value, points[i].value);
-        check.number(t.extinction, points[i].extinction);
+        check.members(t, points[i]);
         check.light(t.color, points[i].color);
         if (i > 0 && points[i].value < points[i - 1].value)
             check.refuse(k.transfer.name, fmt::format("{} after {}", points[i].value, points[i - 1].value),
@@ -215,20 +217,16 @@ void checkClassified(const Check& check, const Classified& classified) {
     if (points.back().value <= 0) check.refuse(k.transfer.name, "without a value above 0", "a last value above 0");
     if (classify(classified, 0).extinction > 0)
         check.refuse(k.transfer.name, "above 0 at grid value 0", "extinction 0 there, because empty space is skipped");
-    check.number(k.ambient, classified.ambient);
-    check.number(k.diffuse, classified.diffuse);
-    check.number(k.specular, classified.specular);
-    check.number(k.exponent, classified.exponent);
+    check.members(k, classified);
 }
 
 void checkVolume(const Check& check, const SceneVolume& volume) {
     const DensityKeys& d = keysOf<DensityKeys>();
     check.transform(keysOf<TransformKeys>().matrix, volume.wsFromAsset);
-    check.number(keysOf<FrameKeys>().speed, volume.frameMap.speed);
-    check.number(keysOf<FrameKeys>().offset, volume.frameMap.offset);
-    check.number(d.scale, volume.densityScale);
+    check.members(keysOf<FrameKeys>(), volume);
+    check.members(d, volume);
     check.ramp(d.ramp, volume.ramp, std::numeric_limits<double>::max(), [](double v) { return std::pair(v, v); });
-    if (volume.velocity) check.number(keysOf<VelocityKeys>().scale, volume.velocity->scale);
+    if (volume.velocity) check.members(keysOf<VelocityKeys>(), *volume.velocity);
     checkMedium(check, volume);
     if (volume.classified) checkClassified(check, *volume.classified);
 }
@@ -236,9 +234,8 @@ void checkVolume(const Check& check, const SceneVolume& volume) {
 void checkOutput(const Check& check, const Scene& scene) {
     const OutputKeys& k = keysOf<OutputKeys>();
     const SceneOutput& output = scene.output;
-    check.number(k.fps, output.fps);
-    check.number(k.deepTolerance, output.deep.tolerance);
-    check.number(keysOf<HoldoutKeys>().background, output.holdout.background);
+    check.members(k, output);
+    check.members(keysOf<HoldoutKeys>(), output.holdout);
     if (!scene.shutter || output.deep.file.empty()) return;
     const std::string line = scene.lines ? scene.lines->of("output.deep") : "";
     const std::string& where = line.empty() ? scene.file : line;
@@ -260,7 +257,7 @@ void checkScene(const Scene& scene) {
     for (const Light& light : scene.lights) checkLight(named("light", light.name), light);
     Check(scene, "[ambient]").light(keysOf<AmbientKeys>().color, scene.ambient);
     checkDials(scene.dials, scene.file.empty() ? "[render]" : scene.file + ": [render]");
-    Check(scene, "[render]").number(keysOf<RenderKeys>().tolerance, scene.tolerance);
+    Check(scene, "[render]").members(keysOf<RenderKeys>(), scene);
     checkOutput(Check(scene, "[output]"), scene);
 }
 

@@ -43,6 +43,7 @@ VolumeOptics::VolumeOptics(const ViewVolume& volume, Kernel kernel, FieldSampler
     const auto placed = [&](const ViewField& field) { return FieldInWorld(field, kernel, samplers); };
     if (!volume.field->empty()) {
         m_density = placed({volume.field, volume.wsFromIs});
+        m_wsFromIs = glm::inverse(Mat3(m_density->isFromWs));
         const Mat3 rows = glm::transpose(Mat3(m_density->isFromWs));
         m_voxels = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});
     }
@@ -75,7 +76,6 @@ Rgb VolumeOptics::emission(const Vec3& ws) const {
 }
 
 Vec3 VolumeOptics::gradient(const Vec3& ws) const {
-    const Mat3 isFromWs(m_density->isFromWs), wsFromIs = glm::inverse(isFromWs);
     Vec3 difference;
     for (int axis = 0; axis < 3; ++axis) {
         if (m_velocity.empty()) {
@@ -84,10 +84,10 @@ Vec3 VolumeOptics::gradient(const Vec3& ws) const {
             step[axis] = 1;
             difference[axis] = m_density->field->value(is + step) - m_density->field->value(is - step);
         } else {
-            difference[axis] = density(ws + wsFromIs[axis]) - density(ws - wsFromIs[axis]);
+            difference[axis] = density(ws + m_wsFromIs[axis]) - density(ws - m_wsFromIs[axis]);
         }
     }
-    return glm::transpose(isFromWs) * (0.5 * difference);
+    return glm::transpose(Mat3(m_density->isFromWs)) * (0.5 * difference);
 }
 
 double VolumeOptics::emptyDistance(const Vec3& ws) const {

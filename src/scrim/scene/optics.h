@@ -74,6 +74,7 @@ class VolumeOptics {
     std::vector<FieldInWorld> m_scatter, m_emission;  // in the order of ViewVolume
     // In the order of ViewVelocity::parts; always linear, whatever kernel the fields have.
     std::vector<FieldInWorld> m_velocity;
+    Mat3 m_wsFromIs{1.0};  // of the density: its columns are the steps from voxel to voxel
     double m_mostWay = 0;  // longest displacement, world units
     double m_voxels = 0;   // the most voxels of the density grid that one world unit can span along an axis
 };

@@ -140,38 +140,34 @@ Int2 readResolution(const TomlValue& value) {
 
 }  // namespace
 
-CameraSection readCamera(TomlTable table, const ReadContext& context) {
-    CameraSection out;
-    Camera& camera = out.camera;
-    camera.near = table.numberAt(context.frame, k.near);
-    out.overscan = table.integer(k.overscan);
-    if (const auto shutter = table.find(k.shutter)) out.shutter = readShutter(*shutter);
+void readCamera(TomlTable table, const ReadContext& context, Scene& scene) {
+    Camera& camera = scene.camera;
+    for (const Key* key : {&k.near, &k.overscan}) table.read(*key, context.frame, scene);
+    if (const auto shutter = table.find(k.shutter)) scene.shutter = readShutter(*shutter);
     const auto resolution = table.find(k.resolution);
     if (resolution) camera.resolution = readResolution(*resolution);
     if (const auto exr = table.find(k.exr)) {
         table.describe("[camera] of a picture");
         const FramePath path = context.path(*exr);
-        out.moves = path.hasFrame();
-        out.plate = PlateCamera{path.at(context.fileFrame()), exr->where(), static_cast<NdcRange>(table.choice(k.ndc)),
-                                !resolution};
-        table.finish();
-        return out;
+        scene.moves = path.hasFrame();
+        scene.plate = PlateCamera{path.at(context.fileFrame()), exr->where(),
+                                  static_cast<NdcRange>(table.choice(k.ndc)), !resolution};
+        return table.finish();
     }
-    const bool perspective = table.choice(k.type) == 0;
-    camera.type = perspective ? CameraType::perspective : CameraType::orthographic;
+    table.read(k.type, context.frame, scene);
+    const bool perspective = camera.type == CameraType::perspective;
     table.describe(fmt::format("[camera] of type '{}'", k.type.words[perspective ? 0 : 1]));
     if (const auto matrix = table.find(k.matrix))
         readPose(*matrix, context, camera);
     else
         readView(table, context, camera);
-    camera.pixelAspect = table.numberAt(context.frame, k.pixelAspect);
+    table.read(k.pixelAspect, context.frame, scene);
     if (perspective)
         camera.fov = readFov(table, context, pictureAspect(camera));
     else
-        camera.height = table.require(k.height).numberAt(context.frame);
+        table.read(k.height, context.frame, scene);
     if (const auto shift = table.find(k.shift)) camera.shift = shift->pairAt(context.frame);
     table.finish();
-    return out;
 }
 
 }  // namespace scrim

@@ -9,9 +9,8 @@ namespace {
 TransferPoint readPoint(TomlTable table, const ReadContext& context) {
     const TransferKeys& k = keysOf<TransferKeys>();
     TransferPoint point;
-    point.value = table.require(k.value).number();
     if (const auto color = table.find(k.color)) point.color = color->colour(context.colour);
-    point.extinction = table.require(k.extinction).number();
+    table.read(k, context.frame, point);
     table.finish();
     return point;
 }
@@ -43,11 +42,7 @@ Classified readClassified(TomlTable table, const ReadContext& context) {
     const ClassifiedKeys& k = keysOf<ClassifiedKeys>();
     Classified out;
     out.transfer = readTransfer(table.require(k.transfer), context);
-    out.ambient = table.number(k.ambient);
-    out.diffuse = table.number(k.diffuse);
-    out.specular = table.number(k.specular);
-    out.exponent = table.number(k.exponent);
-    out.twoSided = table.boolean(k.twoSided);
+    table.read(k, context.frame, out);
     table.finish();
     return out;
 }

@@ -25,37 +25,31 @@ Rgb readBounded(const TomlValue& value, const ReadContext& context, double most)
     return colour;
 }
 
-Phase readPhase(TomlTable table) {
+Phase readPhase(TomlTable table, double frame) {
     const PhaseKeys& k = keysOf<PhaseKeys>();
     table.require(k.type);
     const std::string type = k.type.words[table.choice(k.type)];
     table.describe(fmt::format("{} of type '{}'", table.description(), type));
     Phase phase;
-    if (type == k.g.only) phase.g = table.require(k.g).number();
+    if (type == k.g.only) table.read(k.g, frame, phase);
     if (type == k.g1.only) {
         phase.type = PhaseType::twoLobe;
-        phase.g = table.require(k.g1).number();
-        phase.g2 = table.require(k.g2).number();
-        phase.blend = table.number(k.blend);
+        for (const Key* key : {&k.g1, &k.g2, &k.blend}) table.read(*key, frame, phase);
     }
     if (type == k.type.words.back()) phase.type = PhaseType::rayleigh;
     table.finish();
     return phase;
 }
 
-Octaves readOctaves(TomlTable table) {
-    const OctavesKeys& k = keysOf<OctavesKeys>();
+Octaves readOctaves(TomlTable table, double frame) {
     Octaves octaves;
-    octaves.count = table.integer(k.count);
-    octaves.extinction = table.number(k.extinction);
-    octaves.contribution = table.number(k.contribution);
-    octaves.phase = table.number(k.phase);
+    table.read(keysOf<OctavesKeys>(), frame, octaves);
     table.finish();
     return octaves;
 }
 
 // A table of octaves alone means that scattering is octaves; beside another word it is a contradiction.
-void readScattering(TomlTable& table, const MediumKeys& k, Medium& medium) {
+void readScattering(TomlTable& table, const MediumKeys& k, const ReadContext& context, Medium& medium) {
     const auto octaves = table.find(k.octaves);
     const auto word = table.find(k.scattering);
     medium.scattering = word      ? static_cast<Scattering>(table.choice(k.scattering))
@@ -65,7 +59,8 @@ void readScattering(TomlTable& table, const MediumKeys& k, Medium& medium) {
         if (medium.scattering != Scattering::octaves)
             octaves->fail(fmt::format("{} has {} = \"{}\" and {}; expected one of them", table.description(),
                                       k.scattering, k.scattering.words[std::size_t(medium.scattering)], k.octaves));
-        medium.octaves = readOctaves(octaves->table(fmt::format("'{}' of {}", octaves->name(), table.description())));
+        medium.octaves =
+            readOctaves(octaves->table(fmt::format("'{}' of {}", octaves->name(), table.description())), context.frame);
     } else if (medium.scattering == Scattering::octaves) {
         medium.octaves.count = static_cast<int>(*keysOf<OctavesKeys>().count.value);
     }
@@ -77,7 +72,7 @@ ColourGrid readColourGrid(TomlTable table, const ReadContext& context) {
     ColourGrid out;
     out.grid = grid.string();
     out.where = grid.where();
-    out.scale = table.numberAt(context.frame, k.scale);
+    table.read(k, context.frame, out);
     if (const auto space = table.find(k.colorspace))
         out.workingFromGrid = located(*space, [&] { return context.colour.workingFrom(space->string()); });
     table.finish();
@@ -108,7 +103,7 @@ Emission readEmissionGrid(TomlTable& table, const Key& key) {
 Emission readEmission(TomlTable table, const ReadContext& context) {
     const EmissionKeys& k = keysOf<EmissionKeys>();
     Emission emission = readEmissionGrid(table, k.grid);
-    emission.scale = table.numberAt(context.frame, k.scale);
+    table.read(k, context.frame, emission);
     if (const auto ramp = table.find(k.ramp)) {
         emission.ramp = readRamp<Rgb>(*ramp, "[grid value, colour]",
                                       [&](const TomlValue& y) { return readBounded(y, context, kMostLight); });
@@ -120,14 +115,10 @@ Emission readEmission(TomlTable table, const ReadContext& context) {
     return emission;
 }
 
-/// Reads how grid values convert to Kelvin: by the temperatures of 0 and 1, or by scale and offset.
-void readKelvin(TomlTable& table, const BlackbodyKeys& k, const ReadContext& context, Emission& emission) {
+/// Reads the temperatures of grid values 0 and 1, which replace scale and offset.
+void readKelvin(TomlTable& table, const BlackbodyKeys& k, Emission& emission) {
     const auto kelvin = table.find(k.kelvin);
-    if (!kelvin) {
-        emission.kelvinScale = table.numberAt(context.frame, k.scale);
-        emission.kelvinOffset = table.numberAt(context.frame, k.offset);
-        return;
-    }
+    if (!kelvin) return;
     const auto ends = kelvin->items(2);
     const double cold = ends[0].number(), hot = ends[1].number();
     if (!(hot - cold >= 1e-3))
@@ -142,8 +133,8 @@ Emission readBlackbody(const TomlValue& value, const std::string& of, const Read
     TomlTable table = value.table(fmt::format("'{}' of {}", value.name(), of));
     Emission emission = readEmissionGrid(table, k.grid);
     emission.blackbody = true;
-    readKelvin(table, k, context, emission);
-    emission.scale = table.numberAt(context.frame, k.intensity);
+    table.read(k, context.frame, emission);
+    readKelvin(table, k, emission);
     const auto normalize = table.find(k.normalize);
     const bool normalized = normalize && normalize->boolean();
     table.finish();
@@ -166,8 +157,8 @@ void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume
     Medium& medium = volume.medium;
     if (const auto albedo = table.find(k.albedo)) readAlbedo(*albedo, of, context, volume);
     if (const auto tint = table.find(k.extinctionTint)) medium.extinctionTint = readBounded(*tint, context, kMostTint);
-    if (const auto phase = table.find(k.phase)) medium.phase = readPhase(inner(*phase));
-    readScattering(table, k, medium);
+    if (const auto phase = table.find(k.phase)) medium.phase = readPhase(inner(*phase), context.frame);
+    readScattering(table, k, context, medium);
     if (const auto emission = table.find(k.emission))
         volume.emission.push_back(readEmission(inner(*emission), context));
     if (const auto blackbody = table.find(k.blackbody))

@@ -14,9 +14,7 @@ SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadCo
     if (const auto transform = table.find(k.transform))
         mesh.wsFromMesh =
             readTransform(transform->table(fmt::format("{} of {}", k.transform, table.description())), context);
-    mesh.holdout = table.boolean(k.holdout);
-    mesh.shadows = table.boolean(k.shadows);
-    mesh.catches = table.boolean(k.catches);
+    table.read(k, context.frame, mesh);
     table.finish();
     return mesh;
 }

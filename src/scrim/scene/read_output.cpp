@@ -66,8 +66,6 @@ ScenePreview readPreview(const TomlValue& value, const ReadContext& context) {
 void readDeep(TomlTable& table, const ReadContext& context, SceneOutput& output) {
     const OutputKeys& k = keysOf<OutputKeys>();
     const auto path = table.find(k.deep);
-    output.deep.tolerance = table.number(k.deepTolerance);
-    output.deep.half = table.choice(k.deepType) == 0;
     for (const Key* key : {&k.deepTolerance, &k.deepType})
         if (const auto value = table.find(*key); value && !path)
             value->fail(fmt::format("{} is set without {}; expected the path of the deep picture, too", *key, k.deep));
@@ -85,9 +83,7 @@ SceneHoldout readHoldout(TomlTable table, const ReadContext& context) {
     holdout.where = depth.where();
     holdout.file = context.path(depth).at(context.fileFrame());
     holdout.channel = table.string(k.channel);
-    holdout.alongRay = table.choice(k.kind) == 1;
-    holdout.background = table.number(k.background);
-    holdout.dataWindow = table.choice(k.window) == 1;
+    table.read(k, context.frame, holdout);
     table.finish();
     return holdout;
 }
@@ -103,16 +99,15 @@ SceneOutput defaultOutput(const ReadContext& context) {
 SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     const OutputKeys& k = keysOf<OutputKeys>();
     SceneOutput output = defaultOutput(context);
+    table.read(k, context.frame, output);
     if (const auto file = table.find(k.file)) {
         output.path = context.path(*file);
         output.file = output.path.at(context.fileFrame());
     }
     if (const auto space = table.find(k.colorspace))
         output.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
-    output.half = table.choice(k.type) == 0;
     if (const auto layers = table.find(k.layers)) output.layers = readLayers(*layers, output, context.colour);
     output.compression = k.compression.words[table.choice(k.compression)];
-    output.fps = table.number(k.fps);
     if (const auto preview = table.find(k.preview)) output.preview = readPreview(*preview, context);
     readDeep(table, context, output);
     if (const auto holdout = table.find(k.holdout))
@@ -121,27 +116,26 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     return output;
 }
 
-RenderSection readRender(TomlTable table) {
+void readRender(TomlTable table, const ReadContext& context, Scene& scene) {
     const RenderKeys& k = keysOf<RenderKeys>();
-    RenderSection out;
-    out.quality = k.quality.words[table.choice(k.quality)];
-    out.dials = *presetDials(out.quality);
-    out.tolerance = table.number(k.tolerance);
+    scene.quality = k.quality.words[table.choice(k.quality)];
+    scene.dials = *presetDials(scene.quality);
+    table.read(k, context.frame, scene);
+    scene.keepsPromise = scene.tolerance == 0;
     for (const DialInfo& dial : dialTable()) {
         const auto value = table.find(k.dial(dial.name));
         if (!value) continue;
-        if (dial.chosen) out.keepsPromise = false;
-        if (out.tolerance > 0 && dial.chosen)
+        if (dial.chosen) scene.keepsPromise = false;
+        if (scene.tolerance > 0 && dial.chosen)
             value->fail(fmt::format("'{}' cannot be combined with {}, which chooses it", dial.name, k.tolerance));
         if (value->isString())
-            setDial(out.dials, dial.name, value->string(), value->where());
+            setDial(scene.dials, dial.name, value->string(), value->where());
         else if (value->isNumber())
-            setDial(out.dials, dial.name, value->number(), value->where());
+            setDial(scene.dials, dial.name, value->number(), value->where());
         else
             value->failExpecting(dial.allowed);
     }
     table.finish();
-    return out;
 }
 
 std::vector<std::pair<std::string, std::string>> readVariables(TomlTable table) {

@@ -35,14 +35,6 @@ struct ReadContext {
     int fileFrame() const;
 };
 
-struct CameraSection {
-    Camera camera;
-    int overscan = 0;
-    std::optional<PlateCamera> plate;
-    std::optional<Shutter> shutter = {};
-    bool moves = false;  ///< the camera's file depends on the frame
-};
-
 /// A place on a sphere.
 struct Orbit {
     Vec3 wsCenter{0};
@@ -50,14 +42,9 @@ struct Orbit {
     Vec3 toPlace{0, 0, 1};  ///< unit, from the centre to the place
 };
 
-struct RenderSection {
-    std::string quality = "standard";
-    bool keepsPromise = true;
-    Dials dials;
-    double tolerance = 0;
-};
-
-CameraSection readCamera(TomlTable table, const ReadContext& context);
+/// Reads [camera] into `camera`, `plate`, `overscan` and `shutter` of `scene`. `moves` becomes true where the camera's
+/// file depends on the frame.
+void readCamera(TomlTable table, const ReadContext& context, Scene& scene);
 /// `defaultName` names a volume or light without a name of its own.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
 /// Reads [volume.medium] into the medium, albedoGrid and emission of `volume`.
@@ -80,7 +67,8 @@ Mat4 readTransform(TomlTable table, const ReadContext& context);
 SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadContext& context);
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context);
 Rgb readAmbient(TomlTable table, const ReadContext& context);
-RenderSection readRender(TomlTable table);
+/// Reads [render] into `quality`, `keepsPromise`, `dials` and `tolerance` of `scene`.
+void readRender(TomlTable table, const ReadContext& context, Scene& scene);
 /// The output of a scene without [output]: the defaults.
 SceneOutput defaultOutput(const ReadContext& context);
 SceneOutput readOutput(TomlTable table, const ReadContext& context);

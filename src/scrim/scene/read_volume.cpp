@@ -41,8 +41,7 @@ std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table,
 void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume) {
     const FrameKeys& f = keysOf<FrameKeys>();
     FrameMap& map = volume.frameMap;
-    map.speed = table.number(f.speed);
-    map.offset = table.number(f.offset);
+    table.read(f, context.frame, volume);
     if (const auto keys = table.find(f.keys)) {
         map.keys.keys = readRamp<double>(
             *keys, "[frame, file number]", [](const TomlValue& y) { return y.number(); }, 1);
@@ -52,14 +51,13 @@ void readFrame(TomlTable table, const ReadContext& context, SceneVolume& volume)
         table.fail(fmt::format("{} is file {:g} at frame {}; expected one of at most {}", table.description(), number,
                                context.wholeFrame, 2 * kLastFrame));
     volume.frame = static_cast<int>(number);
-    volume.outside = static_cast<OutsidePolicy>(table.choice(f.outside));
     table.finish();
 }
 
-void readDensity(TomlTable table, SceneVolume& volume) {
+void readDensity(TomlTable table, const ReadContext& context, SceneVolume& volume) {
     const DensityKeys& d = keysOf<DensityKeys>();
     volume.densityGrid = table.string(d.grid);
-    volume.densityScale = table.number(d.scale);
+    table.read(d, context.frame, volume);
     if (const auto ramp = table.find(d.ramp)) {
         volume.ramp = readRamp<double>(*ramp, "[grid value, value]", [](const TomlValue& y) { return y.number(); });
         if (!keepsZero(volume.ramp))
@@ -78,8 +76,7 @@ Velocity readVelocity(TomlTable table, const ReadContext& context) {
         velocity.grids = {grid.string()};
     else
         for (const TomlValue& item : grid.items(3)) velocity.grids.push_back(item.string());
-    velocity.scale = table.numberAt(context.frame, v.scale);
-    velocity.perSecond = table.choice(v.unit) == 0;
+    table.read(v, context.frame, velocity);
     table.finish();
     return velocity;
 }
@@ -141,19 +138,17 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     readAsset(table, context, volume);
     if (const auto transform = table.find(k.transform))
         volume.wsFromAsset = readTransform(of(*transform, fmt::format("{}", k.transform)), context);
-    if (const auto density = table.find(k.density)) readDensity(of(*density, fmt::format("{}", k.density)), volume);
+    if (const auto density = table.find(k.density))
+        readDensity(of(*density, fmt::format("{}", k.density)), context, volume);
     if (const auto velocity = table.find(k.velocity))
         volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);
-    if (const auto classified = table.find(k.classified)) {
-        Classified c = readClassified(of(*classified, keysOf<ClassifiedKeys>().title()), context);
-        c.densityScale = volume.densityScale;
-        volume.classified = std::make_shared<const Classified>(std::move(c));
-    }
+    if (const auto classified = table.find(k.classified))
+        volume.classified = std::make_shared<const Classified>(
+            readClassified(of(*classified, keysOf<ClassifiedKeys>().title()), context));
     if (const auto medium = table.find(k.medium))
         readMedium(of(*medium, keysOf<MediumKeys>().title()), context, volume);
-    volume.medium.densityScale = volume.densityScale;
-    volume.holdout = table.boolean(k.holdout);
+    table.read(k, context.frame, volume);
     if (volume.holdout) {  // nobody sees its colours, so their grids are not needed
         volume.albedoGrid.reset();
         volume.emission.clear();

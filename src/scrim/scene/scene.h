@@ -99,12 +99,12 @@ struct SceneVolume {
     double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
     /// Maps grid values (ascending) to values; constant outside; empty: no ramp.
     std::vector<std::pair<double, double>> ramp;
-    Medium medium;                                   ///< its densityScale equals the member above
+    Medium medium;                                   ///< its densityScale does not count, but the member above
     std::optional<ColourGrid> albedoGrid;            ///< replaces medium.albedo
     std::vector<Emission> emission;                  ///< sources of emission of a medium; they add up
     std::optional<Velocity> velocity = {};           ///< moves all grids of the volume
     std::optional<std::vector<std::string>> lights;  ///< names of the lights that light it; none: all do
-    /// Shades the volume in place of `medium`; its densityScale equals the member above.
+    /// Shades the volume in place of `medium`; its densityScale does not count, but the member above.
     std::shared_ptr<const Classified> classified = nullptr;
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::string where;     ///< where the scene says `file` or `source`: "scene.toml:12:8"

@@ -70,6 +70,12 @@ Key& Key::startingWith(const std::string& word) {
     return *this;
 }
 
+Key& Key::otherwise(int number) {
+    value = number;
+    fallback = fmt::format("{}", number);
+    return *this;
+}
+
 Section::Section(std::string topic, std::string title, std::string meaning)
     : m_topic(std::move(topic)), m_title(std::move(title)), m_meaning(std::move(meaning)) {}
 

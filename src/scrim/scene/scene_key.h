@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-// A key of a scene's table: its name, range, default and meaning. The reader's checks, `scrim help`, examples/SCENES.md
-// and the JSON schema all use it.
+// A key of a scene's table: its name, range, default, meaning, and the member that it sets. Reading a scene, checking
+// one that was made in code, `scrim help`, examples/SCENES.md and the JSON schema all use it.
 #pragma once
+
+#include <scrim/scene/key_member.h>
 
 #include <deque>
 #include <limits>
@@ -54,12 +56,15 @@ struct Key {
     bool isRequired = false;
     const Section* inner = nullptr;  ///< the section of a table, also where a table is one of two forms
     std::string schema;              ///< JSON schema, for the type `other`
+    KeyMember member;                ///< the member that it sets; none where that takes more than a number
 
     Key& keyed() { return isKeyed = true, *this; }
     Key& required() { return isRequired = true, *this; }
     Key& onlyFor(std::string what) { return only = std::move(what), *this; }
     Key& unless(std::string text) { return fallback = std::move(text), *this; }
-    Key& startingWith(const std::string& word);  ///< sets the default of a choice
+    Key& startingWith(const std::string& word);                       ///< sets the default of a choice
+    Key& otherwise(int number);                                       ///< sets the default of a whole number
+    Key& needed() { return value.reset(), fallback.clear(), *this; }  ///< no default, in the case that knows the key
     Key& orTable(const Section& section) { return inner = &section, *this; }
 };
 
@@ -103,6 +108,47 @@ class Section {
     std::string m_topic, m_title, m_meaning;
     std::deque<Key> m_keys;
     std::vector<std::pair<std::string, std::string>> m_rivals;
+};
+
+/// A section whose keys set members of an Object. Their defaults are those of the Object, which states them alone.
+template <typename Object>
+class SectionOf : public Section {
+  protected:
+    using Section::boolean;
+    using Section::choice;
+    using Section::integer;
+    using Section::number;
+
+    SectionOf(std::string topic, std::string title, std::string meaning)
+        : Section(std::move(topic), std::move(title), std::move(meaning)) {}
+
+    // In place of the default, each of the following takes the member, as KeyMember does.
+    template <MemberOf<Object> Member>
+    Key& number(std::string name, Range range, Member member, std::string meaning) {
+        const KeyMember bound = KeyMember::of<Object>(member);
+        return with(bound, number(std::move(name), std::move(range), bound.get(Object()), std::move(meaning)));
+    }
+    template <MemberOf<Object> Member>
+    Key& integer(std::string name, int low, int high, std::string unit, Member member, std::string meaning) {
+        const KeyMember bound = KeyMember::of<Object>(member);
+        const int value = static_cast<int>(bound.get(Object()));
+        return with(bound, integer(std::move(name), low, high, std::move(unit), value, std::move(meaning)));
+    }
+    template <MemberOf<Object> Member>
+    Key& boolean(std::string name, Member member, std::string meaning) {
+        const KeyMember bound = KeyMember::of<Object>(member);
+        return with(bound, boolean(std::move(name), bound.get(Object()) != 0, std::move(meaning)));
+    }
+    /// A boolean member is true at the word number `yes`.
+    template <MemberOf<Object> Member>
+    Key& choice(std::string name, std::vector<std::string> words, Member member, std::string meaning, int yes = 1) {
+        const KeyMember bound = KeyMember::of<Object>(member, yes);
+        const std::string word = words[static_cast<std::size_t>(bound.get(Object()))];
+        return with(bound, choice(std::move(name), std::move(words), std::move(meaning)).startingWith(word));
+    }
+
+  private:
+    static Key& with(const KeyMember& member, Key& key) { return key.member = member, key; }
 };
 
 /// The single object of each class of keys.

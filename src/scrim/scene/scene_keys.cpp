@@ -11,11 +11,11 @@
 namespace scrim {
 
 RenderKeys::RenderKeys()
-    : Section("render", "[render]",
-              "The accuracy of the picture, and its cost. A preset promises an error (relative RMSE against brute "
-              "force) of 3, 1, 0.3 or 0.1 %, or of 5, 2, 1 or 0.5 % for classified volumes, and chooses 'texel' and "
-              "'sheet_thickness' for it. There is no promise if the scene gives either of these."),
-      quality(choice("quality", presetNames(), "The preset of the dials.").startingWith("standard")) {
+    : SectionOf("render", "[render]",
+                "The accuracy of the picture, and its cost. A preset promises an error (relative RMSE against brute "
+                "force) of 3, 1, 0.3 or 0.1 %, or of 5, 2, 1 or 0.5 % for classified volumes, and chooses 'texel' and "
+                "'sheet_thickness' for it. There is no promise if the scene gives either of these."),
+      quality(choice("quality", presetNames(), "The preset of the dials.").startingWith(Scene().quality)) {
     for (const DialInfo& dial : dialTable()) {
         const std::string unit = dial.unit.empty() ? "" : " (" + dial.unit + ")";
         other(dial.name, dial.allowed + unit, R"({"type":["number","string"]})", {}, dial.meaning)
@@ -28,9 +28,9 @@ const Key& RenderKeys::dial(const std::string& name) const {
 }
 
 OutputKeys::OutputKeys()
-    : Section("output", "[output]",
-              "The EXR: premultiplied, scene-linear, with its data window cropped to the pixels that are not empty. "
-              "Missing folders are made."),
+    : SectionOf("output", "[output]",
+                "The EXR: premultiplied, scene-linear, with its data window cropped to the pixels that are not empty. "
+                "Missing folders are made."),
       layers(other("layers", "a list of layers: " + choices(layerNames()), kStrings, {},
                    "Layers beside the beauty. light (one for each light), ambient and emission add up to the beauty, "
                    "and so does volume (one for each volume); motion is in pixels until the next frame.")

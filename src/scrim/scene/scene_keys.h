@@ -3,6 +3,7 @@
 // classes, so it reads nothing that is not listed here, and `scrim help` prints exactly what is read.
 #pragma once
 
+#include <scrim/scene/output_keys.h>
 #include <scrim/scene/scene_key.h>
 #include <scrim/scene/volume_keys.h>
 
@@ -34,9 +35,9 @@ struct OrbitKeys : Section {
                              .keyed();
 };
 
-struct CameraKeys : Section {
+struct CameraKeys : SectionOf<Scene> {
     CameraKeys()
-        : Section(
+        : SectionOf(
               "camera", "[camera]",
               "The position and lens of the camera. A camera looks along -z of its own frame, with y up. 'position' "
               "and 'target' give its place, or 'matrix', or 'orbit', or the header of a picture ('exr').") {
@@ -46,7 +47,8 @@ struct CameraKeys : Section {
         exclude({&orbit}, {&position});
         exclude({&fov, &fovAxis}, {&focalLength, &aperture, &fit});
     }
-    const Key& type = choice("type", {"perspective", "orthographic"}, "The projection of the camera.");
+    const Key& type = choice("type", {"perspective", "orthographic"}, within(&Scene::camera, &Camera::type),
+                             "The projection of the camera.");
     const Key& position =
         vector("position", "a point [x, y, z]", Range::coordinate(), "The position of the eye.").keyed();
     const Key& target =
@@ -67,7 +69,8 @@ struct CameraKeys : Section {
     const Key& ndc = choice("ndc", {"auto", "-1..1", "0..1"},
                             "The range that the picture's worldToNDC maps its width and height to. auto: decided by "
                             "its projection; it is an error if that leaves it open.");
-    const Key& fov = number("fov", Range::between(0, 180, "degrees"), 35, "Angle of view along 'fov_axis'.")
+    const Key& fov = number("fov", Range::between(0, 180, "degrees"), within(&Scene::camera, &Camera::fov),
+                            "Angle of view along 'fov_axis'.")
                          .onlyFor("perspective")
                          .keyed();
     const Key& fovAxis =
@@ -86,7 +89,9 @@ struct CameraKeys : Section {
                             "width, keeps its height, shows no more than the film ('fill'), or shows all of the film "
                             "('overscan'). Needs 'aperture' = [width, height].")
                          .onlyFor("perspective");
-    const Key& height = number("height", Range::positiveLength(), {}, "Height of the picture in the world; needed.")
+    const Key& height = number("height", Range::positiveLength(), within(&Scene::camera, &Camera::height),
+                               "Height of the picture in the world; needed.")
+                            .needed()
                             .onlyFor("orthographic")
                             .keyed();
     const Key& shift =
@@ -95,7 +100,9 @@ struct CameraKeys : Section {
               "wider than high, and USD's aperture offset / aperture.")
             .unless("[0, 0]")
             .keyed();
-    const Key& near = number("near", Range::length(), 0, "The near clipping distance along the viewing axis.").keyed();
+    const Key& near = number("near", Range::length(), within(&Scene::camera, &Camera::near),
+                             "The near clipping distance along the viewing axis.")
+                          .keyed();
     const Key& shutter =
         other("shutter", "two times [opens, closes], in frames about the frame", kTwoNumbers,
               Range::fromTo(-1000, 1000, "frames"),
@@ -105,10 +112,11 @@ struct CameraKeys : Section {
     const Key& resolution = other("resolution", "[width, height] in pixels", kTwoNumbers,
                                   Range::fromTo(1, kMostPixels, "pixels"), "Size of the picture.")
                                 .unless("[512, 512]");
-    const Key& pixelAspect =
-        number("pixel_aspect", Range::fromTo(0.01, 100), 1, "Width of a pixel over its height.").keyed();
+    const Key& pixelAspect = number("pixel_aspect", Range::fromTo(0.01, 100),
+                                    within(&Scene::camera, &Camera::pixelAspect), "Width of a pixel over its height.")
+                                 .keyed();
     const Key& overscan = integer(
-        "overscan", 0, kMostPixels, "pixels", 0,
+        "overscan", 0, kMostPixels, "pixels", &Scene::overscan,
         "Pixels that are rendered beyond each side of the picture. In the EXR they lie outside of the display window.");
 };
 
@@ -282,69 +290,13 @@ struct AmbientKeys : Section {
         number("intensity", Range::fromTo(0, 1e30), {}, "Factor on 'color'; 1 if only 'color' is given.").keyed();
 };
 
-struct RenderKeys : Section {
+struct RenderKeys : SectionOf<Scene> {
     RenderKeys();
     const Key& quality;
     const Key& tolerance =
-        number("tolerance", Range{0, 1, false, false, "as relative RMSE; 0 for none"}, 0,
+        number("tolerance", Range{0, 1, false, false, "as relative RMSE; 0 for none"}, &Scene::tolerance,
                "Replaces 'quality': texels and sheets are chosen for this error, and the error is measured.");
     const Key& dial(const std::string& name) const;  ///< one of dialTable()
-};
-
-struct PreviewKeys : Section {
-    PreviewKeys()
-        : Section("preview", "preview = { ... } of [output]", "A picture for viewing, made through a view transform.") {
-    }
-    const Key& file =
-        path("file", "a path such as \"plume.####.png\"", "A file in any format that OpenImageIO writes.").required();
-    const Key& display =
-        text("display", "the name of a display", "A display of the colour config.").unless("the config's");
-    const Key& view = text("view", "the name of a view", "A view of the display.").unless("the display's");
-};
-
-struct HoldoutKeys : Section {
-    HoldoutKeys()
-        : Section("holdout", "holdout = { ... } of [output]",
-                  "A depth or deep picture of another renderer, taken by the same camera. It hides what is behind it, "
-                  "to a fraction of a sheet, so that the picture can be composited over that renderer's picture. A "
-                  "deep one (Z, ZBack, A) hides by its alpha. It adds neither colour nor alpha.") {}
-    const Key& depth = path("depth", "a path such as \"z.####.exr\"",
-                            "It must have as many pixels as the picture; #### makes it a sequence.")
-                           .required();
-    const Key& channel =
-        text("channel", "the name of a channel", "The channel of depths; \"PART.NAME\" in files with several parts.")
-            .unless("Z, or else the only one named Z or depth");
-    const Key& kind =
-        choice("kind", {"z", "distance"},
-               "How depths are measured, in world units: along the viewing axis, or along each pixel's ray.");
-    const Key& background = number("background", Range::above(0), 1e9,
-                                   "Depths from this one on mean that nothing is there: Blender writes 1e10, Arnold "
-                                   "1e30, Karma infinity. So do depths of 0 and below, and NaN.");
-    const Key& window =
-        choice("window", {"display", "data"},
-               "The window of the file that has the picture's resolution. The other one may be larger or smaller.");
-};
-
-struct OutputKeys : Section {
-    OutputKeys();
-    const Key& file = path("file", "a path such as \"plume.####.exr\"", "The picture, an EXR; -o replaces it.");
-    const Key& colorspace = text("colorspace", "the name of a colour space", "Colour space of the picture.")
-                                .unless("the config's scene_linear: ACEScg");
-    const Key& type = choice("type", {"half", "float"}, "16 or 32 bits per channel. Depth always has 32.");
-    const Key& layers;
-    const Key& compression;
-    const Key& fps = number("fps", Range::aboveTo(0, 1e6, "frames a second"), 24,
-                            "Frames per second, for the header and for velocities per second.");
-    const Key& preview = path("preview", "a path, or a table with 'file', 'display' and 'view'",
-                              "A picture for viewing, written beside the picture.")
-                             .orTable(keysOf<PreviewKeys>());
-    const Key& deep = path("deep", "a path such as \"plume.deep.####.exr\"",
-                           "A deep picture, written beside the picture: an EXR of volume samples (Z, ZBack).");
-    const Key& deepTolerance = number("deep_tolerance", Range::fromTo(0, 1, ""), 0.01,
-                                      "Largest change that merging samples may cause in front of any depth: of alpha, "
-                                      "and of colours relative to the pixel's. 0 keeps one sample per sheet.");
-    const Key& deepType = choice("deep_type", {"half", "float"}, "16 or 32 bits for the deep picture's colours.");
-    const Key& holdout = table(keysOf<HoldoutKeys>(), "holdout", "A depth or deep picture that hides the volumes.");
 };
 
 struct KeyedKeys : Section {

@@ -5,7 +5,7 @@
 #include <scrim/scene/check_scene.h>
 #include <scrim/scene/read_sections.h>
 #include <scrim/scene/quality.h>
-#include <scrim/scene/toml_text.h>
+#include <scrim/scene/toml_writer.h>
 
 #include <fmt/format.h>
 
@@ -188,11 +188,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     scene.file = text.file;
     scene.frame = frame;
     root.require(k.camera, "a table [camera]");
-    const CameraSection camera = readCamera(*section(k.camera), context);
-    scene.camera = camera.camera;
-    scene.overscan = camera.overscan;
-    scene.plate = camera.plate;
-    scene.shutter = camera.shutter;
+    readCamera(*section(k.camera), context, scene);
     const std::string atLeastOne = "at least one [[volume]]";
     root.require(k.volume, atLeastOne);
     scene.lights = readNamed<Light>(root, k.light, [&](const TomlTable& table, const std::string& name) {
@@ -206,14 +202,10 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
         root, k.mesh, [&](const TomlTable& table, const std::string& name) { return readMesh(table, name, context); });
     if (scene.volumes.empty()) root.require(k.volume).failExpecting(atLeastOne);
     if (const auto ambient = section(k.ambient)) scene.ambient = readAmbient(*ambient, context);
-    RenderSection render;
-    render.dials = *presetDials(render.quality);
-    if (const auto table = section(k.render)) render = readRender(*table);
-    scene.quality = render.quality;
-    scene.keepsPromise = render.keepsPromise && render.tolerance == 0;
-    scene.tolerance = render.tolerance;
-    scene.dials = render.dials;
-    scene.moves = hasKeys(tree) || camera.moves;
+    scene.dials = *presetDials(scene.quality);
+    scene.keepsPromise = true;
+    if (const auto table = section(k.render)) readRender(*table, context, scene);
+    scene.moves = scene.moves || hasKeys(tree);
     scene.movesOn = hasKeys(tree);
     for (const SceneMesh& mesh : scene.meshes) scene.moves = scene.moves || mesh.sequence.hasFrame();
     const auto output = section(k.output);
@@ -233,15 +225,15 @@ Camera readCameraText(const std::string& text, const std::string& name, const Co
     const CameraKeys& k = keysOf<CameraKeys>();
     // A camera text may not refer to a picture in turn. It needs no colours, so any config will do.
     if (tree.contains(k.exr.name)) throw Error(ErrorKind::input, fmt::format("{}: {} is not known here", name, k.exr));
-    return readCamera(TomlTable(tree, "[camera]", &k), ReadContext{1, 1, colour, "", lookupIn({})}).camera;
+    Scene scene;
+    readCamera(TomlTable(tree, "[camera]", &k), ReadContext{1, 1, colour, "", lookupIn({})}, scene);
+    return scene.camera;
 }
 
 std::string sceneAsToml(const SceneText& text, const std::vector<std::string>& overrides) {
     const toml::table root = parsed(text, overrides);
     if (overrides.empty()) return text.text;
-    std::ostringstream out;
-    out << toml::toml_formatter(root) << '\n';
-    return withShortNumbers(out.str());
+    return tomlText(root);
 }
 
 }  // namespace scrim

@@ -245,6 +245,20 @@ std::size_t TomlTable::choice(const Key& key) {
     return value ? value->choice() : static_cast<std::size_t>(*key.value);
 }
 
+double TomlTable::plainValue(const Key& key, double frame) {
+    if (key.isRequired || !key.value) require(key);
+    switch (key.type) {
+        case Key::Type::boolean:
+            return boolean(key) ? 1 : 0;
+        case Key::Type::integer:
+            return integer(key);
+        case Key::Type::choice:
+            return static_cast<double>(choice(key));
+        default:
+            return key.isKeyed ? numberAt(frame, key) : number(key);
+    }
+}
+
 std::vector<TomlValue> TomlTable::all() {
     std::vector<TomlValue> values;
     for (const auto& [key, node] : *m_table) {

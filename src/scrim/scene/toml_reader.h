@@ -99,6 +99,19 @@ class TomlTable {
     std::string string(const Key& key);  ///< "" where it is missing
     std::size_t choice(const Key& key);
 
+    /// Sets the members of `object` that keys of `section` set, each to the key's value, at `frame` where it is keyed,
+    /// or to its default. Keys that are known in some cases only are left out: see below.
+    template <typename Object>
+    void read(const SectionOf<Object>& section, double frame, Object& object) {
+        for (const Key& key : section.keys())
+            if (key.member && key.only.empty()) read(key, frame, object);
+    }
+    /// The same for one key. Throws where it has no default and is missing.
+    template <typename Object>
+    void read(const Key& key, double frame, Object& object) {
+        key.member.set(object, plainValue(key, frame));
+    }
+
     /// All values in the order of the text. All keys are known from now on.
     std::vector<TomlValue> all();
 
@@ -108,6 +121,8 @@ class TomlTable {
     [[noreturn]] void fail(const std::string& problem) const;  ///< "where: problem"
 
   private:
+    /// A number, 0 or 1, or the index of a word.
+    double plainValue(const Key& key, double frame);
     /// The keys that were asked for, in the order of the section.
     std::vector<std::string> known() const;
 

@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 
 namespace scrim {
@@ -88,39 +86,6 @@ std::string tomlRounded(const Vec3& v, int exponent) {
 
 std::string tomlSignificant(double v, int digits) {
     return v == 0 ? "0" : tomlRounded(v, static_cast<int>(std::floor(std::log10(std::abs(v)))) - digits + 1);
-}
-
-std::string withShortNumbers(const std::string& toml) {
-    const auto isWord = [](char c) {
-        return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '+' || c == '.';
-    };
-    std::string out;
-    for (std::size_t i = 0; i < toml.size();) {
-        const char c = toml[i];
-        std::size_t end = i + 1;
-        if (c == '"' || c == '\'') {
-            const bool three = toml.compare(i, 3, std::string(3, c)) == 0;
-            const std::string quote(three ? 3 : 1, c);
-            end = i + quote.size();
-            while (end < toml.size() && toml.compare(end, quote.size(), quote) != 0)
-                end += c == '"' && toml[end] == '\\' ? 2 : 1;
-            end = std::min(end + quote.size(), toml.size());
-        } else if (isWord(c)) {
-            while (end < toml.size() && isWord(toml[end])) ++end;
-            double value = 0;
-            const auto [stop, error] = std::from_chars(toml.data() + i, toml.data() + end, value);
-            if (error == std::errc() && stop == toml.data() + end &&
-                toml.substr(i, end - i).find('.') != std::string::npos) {
-                const std::string text = fmt::format("{}", value);
-                out += text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
-                i = end;
-                continue;
-            }
-        }
-        out.append(toml, i, end - i);
-        i = end;
-    }
-    return out;
 }
 
 }  // namespace scrim

@@ -26,7 +26,4 @@ bool isUtf8(const std::string& text);
 /// `text` with '?' in place of each byte that is not part of valid UTF-8.
 std::string asUtf8(std::string text);
 
-/// TOML from a formatter, with every number in its shortest form: 1.6 for 1.6000000000000001.
-std::string withShortNumbers(const std::string& toml);
-
 }  // namespace scrim

@@ -2,6 +2,7 @@
 // The part of the table of keys (scene_keys.h) that is about volumes.
 #pragma once
 
+#include <scrim/scene/scene.h>
 #include <scrim/scene/scene_key.h>
 
 namespace scrim {
@@ -30,110 +31,124 @@ struct TransformKeys : Section {
                               "translation and the last row 0, 0, 0, 1.");
 };
 
-struct FrameKeys : Section {
+struct FrameKeys : SectionOf<SceneVolume> {
     FrameKeys()
-        : Section("frame", "frame = { ... } of a [[volume]] with a file",
-                  "The file of the sequence that a volume shows: number = (the value of 'keys', or else frame * "
-                  "'speed') + 'offset', rounded to the nearest whole number.") {
+        : SectionOf("frame", "frame = { ... } of a [[volume]] with a file",
+                    "The file of the sequence that a volume shows: number = (the value of 'keys', or else frame * "
+                    "'speed') + 'offset', rounded to the nearest whole number.") {
         exclude({&keys}, {&speed});
     }
-    const Key& offset = number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"), 0, "Offset of the number.");
-    const Key& speed = number("speed", Range::fromTo(-1e6, 1e6), 1, "Files per frame; 0.5 shows each file twice.");
+    const Key& offset = number("offset", Range::fromTo(-kLastFrame, kLastFrame, "frames"),
+                               within(&SceneVolume::frameMap, &FrameMap::offset), "Offset of the number.");
+    const Key& speed = number("speed", Range::fromTo(-1e6, 1e6), within(&SceneVolume::frameMap, &FrameMap::speed),
+                              "Files per frame; 0.5 shows each file twice.");
     const Key& keys =
         other("keys", "a list of [frame, file number]", kPoints, Range::fromTo(-kLastFrame, kLastFrame, "frames"),
               "Retimes freely, in place of 'speed': linear between keys, constant outside of them.");
     const Key& outside =
-        choice("outside", {"error", "hold", "black"},
+        choice("outside", {"error", "hold", "black"}, &SceneVolume::outside,
                "What happens before the first and after the last file: an error, that file is shown, or no volume.");
 };
 
-struct DensityKeys : Section {
+struct DensityKeys : SectionOf<SceneVolume> {
     DensityKeys()
-        : Section("density", "density = { ... } of a [[volume]]",
-                  "Extinction per world unit = ramp(grid value) * scale. An optical depth of 1 takes away 63 % of the "
-                  "light.") {}
+        : SectionOf(
+              "density", "density = { ... } of a [[volume]]",
+              "Extinction per world unit = ramp(grid value) * scale. An optical depth of 1 takes away 63 % of the "
+              "light.") {}
     const Key& grid = text(
         "grid", "the name of a grid",
         "\"density[1]\" selects the second of that name. Without it, the grid is 'density', or the only scalar grid.");
-    const Key& scale =
-        number("scale", Range::fromTo(0, 1e30, "per world unit"), 1, "Extinction for a grid value of 1.");
+    const Key& scale = number("scale", Range::fromTo(0, 1e30, "per world unit"), &SceneVolume::densityScale,
+                              "Extinction for a grid value of 1.");
     const Key& ramp =
         other("ramp", "a list of at least two [grid value, value]", kPoints, Range::atLeast(0),
               "Maps the grid's values, which ascend: linear between points, constant outside of them, 0 at 0.");
 };
 
-struct VelocityKeys : Section {
+struct VelocityKeys : SectionOf<Velocity> {
     VelocityKeys()
-        : Section("velocity", "velocity = { ... } of a [[volume]] with a file",
-                  "Moves the volume while the shutter of [camera] is open, in world units of the file: at time t its "
-                  "grids are taken at x - v(x) t. Nothing moves where the velocity grid has no voxels, so it should "
-                  "extend beyond the smoke as far as that moves.") {}
+        : SectionOf("velocity", "velocity = { ... } of a [[volume]] with a file",
+                    "Moves the volume while the shutter of [camera] is open, in world units of the file: at time t its "
+                    "grids are taken at x - v(x) t. Nothing moves where the velocity grid has no voxels, so it should "
+                    "extend beyond the smoke as far as that moves.") {}
     const Key& grid = other("grid", "the name of a vec3 grid, or a list of the names of three scalar grids [x, y, z]",
                             R"({"type":["string","array"],"items":{"type":"string"},"minItems":3,"maxItems":3})", {},
                             "NAME may also mean three float grids NAME.x, NAME.y, NAME.z. The components of a "
                             "staggered grid lie on faces of voxels.")
                           .required();
-    const Key& scale = number("scale", Range::fromTo(-1e12, 1e12), 1, "Factor on the grid's values.").keyed();
-    const Key& unit = choice("unit", {"second", "frame"},
-                             "The time that the velocity refers to; 'fps' of [output] converts seconds to frames.");
+    const Key& scale =
+        number("scale", Range::fromTo(-1e12, 1e12), &Velocity::scale, "Factor on the grid's values.").keyed();
+    const Key& unit = choice("unit", {"second", "frame"}, &Velocity::perSecond,
+                             "The time that the velocity refers to; 'fps' of [output] converts seconds to frames.", 0);
 };
 
-struct AlbedoGridKeys : Section {
-    AlbedoGridKeys() : Section("albedo", "albedo = { grid = ... } of [volume.medium]", "An albedo from a grid.") {}
+struct AlbedoGridKeys : SectionOf<ColourGrid> {
+    AlbedoGridKeys() : SectionOf("albedo", "albedo = { grid = ... } of [volume.medium]", "An albedo from a grid.") {}
     const Key& grid =
         text("grid", "the name of a grid of colours", "A vec3 grid, or NAME for three floats NAME.r, NAME.g, NAME.b.")
             .required();
-    const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Factor on the grid's values.").keyed();
+    const Key& scale =
+        number("scale", Range::fromTo(0, 1e30), &ColourGrid::scale, "Factor on the grid's values.").keyed();
     const Key& colorspace =
         text("colorspace", "the name of a colour space", "Colour space of the grid; without it, the working space.");
 };
 
-struct PhaseKeys : Section {
+struct PhaseKeys : SectionOf<Phase> {
     PhaseKeys()
-        : Section("phase", "phase = { ... } of [volume.medium]",
-                  "The distribution of scattered light over directions.") {}
+        : SectionOf("phase", "phase = { ... } of [volume.medium]",
+                    "The distribution of scattered light over directions.") {}
     const Key& type = choice("type", {"isotropic", "hg", "two-lobe", "rayleigh"},
                              "Isotropic; Henyey-Greenstein; two such lobes; Rayleigh, as in air.")
                           .required();
     const Key& g =
-        number("g", Range::between(-1, 1), {},
+        number("g", Range::between(-1, 1), &Phase::g,
                "The mean cosine; needed. 0 is isotropic, above 0 is forward: smoke has about 0.3, clouds 0.8.")
+            .needed()
             .onlyFor("hg");
-    const Key& g1 =
-        number("g1", Range::between(-1, 1), {}, "Mean cosine of the first lobe; needed.").onlyFor("two-lobe");
-    const Key& g2 =
-        number("g2", Range::between(-1, 1), {}, "Mean cosine of the second lobe; needed.").onlyFor("two-lobe");
-    const Key& blend = number("blend", Range::fromTo(0, 1), 0.5, "Weight of the second lobe.").onlyFor("two-lobe");
+    const Key& g1 = number("g1", Range::between(-1, 1), &Phase::g, "Mean cosine of the first lobe; needed.")
+                        .needed()
+                        .onlyFor("two-lobe");
+    const Key& g2 = number("g2", Range::between(-1, 1), &Phase::g2, "Mean cosine of the second lobe; needed.")
+                        .needed()
+                        .onlyFor("two-lobe");
+    const Key& blend =
+        number("blend", Range::fromTo(0, 1), &Phase::blend, "Weight of the second lobe.").onlyFor("two-lobe");
 };
 
-struct OctavesKeys : Section {
+struct OctavesKeys : SectionOf<Octaves> {
     OctavesKeys()
-        : Section("octaves", "octaves = { ... } of [volume.medium]",
-                  "An approximation of multiple scattering: octave n adds single scattering with thinner shadows. With "
-                  "contribution <= extinction no octave creates light.") {}
-    const Key& count = integer("count", 1, 16, "", 8, "Number of octaves; 1 is single scattering.");
-    const Key& extinction =
-        number("extinction", Range::fromTo(0, 1), 0.5, "Factor on the extinction towards the light, for each octave.");
-    const Key& contribution = number("contribution", Range::fromTo(0, 1), 0.5, "Factor on the light, for each octave.");
-    const Key& phase = number("phase", Range::fromTo(0, 1), 0.5, "Factor on mean cosines, for each octave.");
+        : SectionOf(
+              "octaves", "octaves = { ... } of [volume.medium]",
+              "An approximation of multiple scattering: octave n adds single scattering with thinner shadows. With "
+              "contribution <= extinction no octave creates light.") {}
+    const Key& count =
+        integer("count", 1, 16, "", &Octaves::count, "Number of octaves; 1 is single scattering.").otherwise(8);
+    const Key& extinction = number("extinction", Range::fromTo(0, 1), &Octaves::extinction,
+                                   "Factor on the extinction towards the light, for each octave.");
+    const Key& contribution =
+        number("contribution", Range::fromTo(0, 1), &Octaves::contribution, "Factor on the light, for each octave.");
+    const Key& phase =
+        number("phase", Range::fromTo(0, 1), &Octaves::phase, "Factor on mean cosines, for each octave.");
 };
 
-struct EmissionKeys : Section {
+struct EmissionKeys : SectionOf<Emission> {
     EmissionKeys()
-        : Section("emission", "emission = { ... } of [volume.medium]",
-                  "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
-                  "scattering = \"full\".") {}
+        : SectionOf("emission", "emission = { ... } of [volume.medium]",
+                    "Radiance per world unit = ramp(grid value) * scale, whatever the density. It lights volumes whose "
+                    "scattering = \"full\".") {}
     const Key& grid = text("grid", "the name of a grid", "The grid that glows.").required();
-    const Key& scale = number("scale", Range::fromTo(0, 1e30), 1, "Factor on the grid's values.").keyed();
+    const Key& scale =
+        number("scale", Range::fromTo(0, 1e30), &Emission::scale, "Factor on the grid's values.").keyed();
     const Key& ramp =
         other("ramp", "a list of at least two [grid value, colour]", R"({"type":"array","minItems":2})", {},
               "Maps grid values, which ascend, to colours: linear between points, constant outside of them, black at "
               "0. Without it, the value itself is emitted, in white.");
 };
 
-struct BlackbodyKeys : Section {
+struct BlackbodyKeys : SectionOf<Emission> {
     BlackbodyKeys()
-        : Section(
+        : SectionOf(
               "blackbody", "blackbody = { ... } of [volume.medium]",
               "Fire: the light of a blackbody at the grid's temperature (Planck's law as seen by the CIE's observer). "
               "It lights volumes whose scattering = \"full\". Nothing glows below about 700 K. Caches of Houdini, "
@@ -144,11 +159,13 @@ struct BlackbodyKeys : Section {
     const Key& kelvin =
         other("kelvin", "two temperatures [of grid value 0, of grid value 1] in Kelvin", kTwoNumbers,
               Range::fromTo(-1e6, 1e6, "Kelvin"), "For fire: [500, 1900]. Replaces 'scale' and 'offset'.");
-    const Key& scale =
-        number("scale", Range::fromTo(1e-9, 1e9, "Kelvin"), 1, "Kelvin = grid value * scale + offset.").keyed();
-    const Key& offset = number("offset", Range::fromTo(-1e6, 1e6, "Kelvin"), 0, "See 'scale'.").keyed();
+    const Key& scale = number("scale", Range::fromTo(1e-9, 1e9, "Kelvin"), &Emission::kelvinScale,
+                              "Kelvin = grid value * scale + offset.")
+                           .keyed();
+    const Key& offset =
+        number("offset", Range::fromTo(-1e6, 1e6, "Kelvin"), &Emission::kelvinOffset, "See 'scale'.").keyed();
     const Key& intensity =
-        number("intensity", Range::fromTo(0, 1e30), 1,
+        number("intensity", Range::fromTo(0, 1e30), &Emission::scale,
                "Radiance per world unit = this * sigma T^4 / pi in MW/(m^2 sr), which is 0.09 at 1500 K.")
             .keyed();
     const Key& normalize = boolean("normalize", false,
@@ -180,58 +197,61 @@ struct MediumKeys : Section {
     const Key& blackbody = table(keysOf<BlackbodyKeys>(), "blackbody", "Emission, from temperature.");
 };
 
-struct TransferKeys : Section {
+struct TransferKeys : SectionOf<TransferPoint> {
     TransferKeys()
-        : Section("transfer", "transfer = [ { ... }, ... ] of [volume.classified]",
-                  "Points of a transfer function: linear between points, constant outside of them; two points of one "
-                  "value make a step.") {}
-    const Key& value = number("value", {}, {}, "A value of the grid.").required();
+        : SectionOf("transfer", "transfer = [ { ... }, ... ] of [volume.classified]",
+                    "Points of a transfer function: linear between points, constant outside of them; two points of one "
+                    "value make a step.") {}
+    const Key& value = number("value", {}, &TransferPoint::value, "A value of the grid.").needed().required();
     const Key& color = colour("color", "[1, 1, 1]", "Colour at this value.");
-    const Key& extinction = number("extinction", Range::fromTo(0, 1e30, "per world unit"), {},
+    const Key& extinction = number("extinction", Range::fromTo(0, 1e30, "per world unit"), &TransferPoint::extinction,
                                    "Extinction at this value, which the density's 'scale' multiplies.")
+                                .needed()
                                 .required();
 };
 
-struct ClassifiedKeys : Section {
+struct ClassifiedKeys : SectionOf<Classified> {
     ClassifiedKeys()
-        : Section("classified", "[volume.classified]",
-                  "Scans and surfaces, in place of a medium: a transfer function, and Phong shading by gradients (ZC02 "
-                  "section 3.1).") {}
+        : SectionOf(
+              "classified", "[volume.classified]",
+              "Scans and surfaces, in place of a medium: a transfer function, and Phong shading by gradients (ZC02 "
+              "section 3.1).") {}
     const Key& transfer = other("transfer", "a list of { value, color, extinction }",
                                 R"({"type":"array","minItems":2,"items":{"$ref":"#/$defs/transfer"}})", {},
                                 "At least two points, ascending, with no extinction at 0.")
                               .required()
                               .orTable(keysOf<TransferKeys>());
-    const Key& ambient = number("ambient", Range::fromTo(0, 1e6), 0.2, "Factor on ambient light.");
-    const Key& diffuse = number("diffuse", Range::fromTo(0, 1e6), 0.7, "Factor on diffusely reflected light.");
-    const Key& specular = number("specular", Range::fromTo(0, 1e6), 0.3, "Factor on the highlight.");
-    const Key& exponent =
-        number("exponent", Range::fromTo(0, 1e4), 20, "Phong's exponent: the larger, the smaller the highlight.");
-    const Key& twoSided = boolean("two_sided", false, "Surfaces are also lit from behind.");
+    const Key& ambient = number("ambient", Range::fromTo(0, 1e6), &Classified::ambient, "Factor on ambient light.");
+    const Key& diffuse =
+        number("diffuse", Range::fromTo(0, 1e6), &Classified::diffuse, "Factor on diffusely reflected light.");
+    const Key& specular = number("specular", Range::fromTo(0, 1e6), &Classified::specular, "Factor on the highlight.");
+    const Key& exponent = number("exponent", Range::fromTo(0, 1e4), &Classified::exponent,
+                                 "Phong's exponent: the larger, the smaller the highlight.");
+    const Key& twoSided = boolean("two_sided", &Classified::twoSided, "Surfaces are also lit from behind.");
 };
 
-struct MeshKeys : Section {
+struct MeshKeys : SectionOf<SceneMesh> {
     MeshKeys()
-        : Section("mesh", "[[mesh]]",
-                  "A solid made of triangles, which another renderer draws. Here it hides the volumes, casts shadows "
-                  "into them, and shows their shadows. An open surface acts from both sides.") {}
+        : SectionOf("mesh", "[[mesh]]",
+                    "A solid made of triangles, which another renderer draws. Here it hides the volumes, casts shadows "
+                    "into them, and shows their shadows. An open surface acts from both sides.") {}
     const Key& name = text("name", "a name", "Names the mesh in messages, and in --set mesh.NAME.shadows=false.")
                           .unless("\"mesh1\", ...");
     const Key& file = path("file", "an .obj or .ply file", "\"actor.####.obj\" is a sequence.").required();
     const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
     const Key& holdout =
-        boolean("holdout", true, "The mesh hides what is behind it, and adds neither colour nor alpha.");
-    const Key& shadows = boolean("shadows", true, "Casts shadows into volumes.");
-    const Key& catches = boolean("catch", false,
+        boolean("holdout", &SceneMesh::holdout, "The mesh hides what is behind it, and adds neither colour nor alpha.");
+    const Key& shadows = boolean("shadows", &SceneMesh::shadows, "Casts shadows into volumes.");
+    const Key& catches = boolean("catch", &SceneMesh::catches,
                                  "Shows the shadows of volumes. The picture then has layers 'shadow.LIGHT': the "
                                  "fraction of each light that reaches the first such surface; 1 where there is none.");
 };
 
-struct VolumeKeys : Section {
+struct VolumeKeys : SectionOf<SceneVolume> {
     VolumeKeys()
-        : Section("volume", "[[volume]]",
-                  "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
-                  "reads something else (`scrim make --list`).") {
+        : SectionOf("volume", "[[volume]]",
+                    "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
+                    "reads something else (`scrim make --list`).") {
         exclude({&source, &parameters}, {&file, &frame, &velocity});
         exclude({&medium}, {&classified});
     }
@@ -256,7 +276,7 @@ struct VolumeKeys : Section {
                               "The lights that light it. It casts shadows in all other lights, too.")
                             .unless("all");
     const Key& holdout = boolean(
-        "holdout", false,
+        "holdout", &SceneVolume::holdout,
         "The volume hides and shadows others, but adds neither colour nor alpha, because another picture shows it.");
     const Key& medium = table(keysOf<MediumKeys>(), "medium", "Smoke, clouds, fire.");
     const Key& classified = table(keysOf<ClassifiedKeys>(), "classified", "Scans and surfaces, in place of 'medium'.");

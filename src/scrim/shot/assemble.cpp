@@ -81,6 +81,16 @@ std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const Spar
                                               density.empty() && glows != fields.emission.end() ? **glows : density);
 }
 
+/// Gives the volume its look, with the scale of its extinction.
+void addLook(const SceneVolume& volume, ViewVolume& out) {
+    out.medium = volume.medium;
+    out.medium.densityScale = volume.densityScale;
+    if (!volume.classified) return;
+    Classified look = *volume.classified;
+    look.densityScale = volume.densityScale;
+    out.classified = std::make_shared<const Classified>(std::move(look));
+}
+
 // A volume with all fields that are derived from its grids; no value where all of it is empty.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
                                  Moved moved) {
@@ -94,8 +104,7 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     };
     ViewVolume out;
     out.name = volume.name;
-    out.medium = volume.medium;
-    out.classified = volume.classified;
+    addLook(volume, out);
     out.lights = lightsOf(scene, volume);
     out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/frame_report.h>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <sys/resource.h>
@@ -73,6 +74,23 @@ void eraseThreads(Json& json) {
         for (Json& value : json) eraseThreads(value);
 }
 
+std::string verificationText(const VerificationReport& v) {
+    if (v.pixels == 0) return fmt::format("; nothing to verify: all {} pixels that were examined are empty", v.looked);
+    if (v.complete)
+        return fmt::format("; error {:.2f} %, of alpha {:.2f} %, at all {} pixels that are not empty", 100 * v.error,
+                           100 * v.alphaError, v.pixels);
+    return fmt::format("; error {:.2f} % (95 %: {:.2f} to {:.2f}), of alpha {:.2f} %, at {} pixels", 100 * v.error,
+                       100 * v.lower, 100 * v.upper, 100 * v.alphaError, v.pixels);
+}
+
+/// What the picture was promised to be, and with which dials it is.
+std::string toleranceText(const ToleranceReport& t) {
+    return fmt::format(
+        "; {}below {:.2f} % with 97.5 % confidence; predicted {:.2f} % with texel {} and sheet_thickness {}{}",
+        t.met ? "" : fmt::format("MISSED {:g} %, ", 100 * t.wanted), 100 * t.bound, 100 * t.predicted, t.texel,
+        t.sheetThickness, t.attempts > 1 ? fmt::format(", attempt {}", t.attempts) : "");
+}
+
 /// `text` as JSON; null where it is empty, as in a skipped frame.
 Json parsed(const std::string& text) {
     return text.empty() ? Json() : Json::parse(text);
@@ -101,10 +119,18 @@ std::string workAsJson(const RenderWork& work) {
     return workJson(work).dump();
 }
 
+std::string summaryOf(const ShotReport& r) {
+    const ShotTimes& s = r.seconds;
+    return fmt::format("{:.2f} s (load {:.2f}, render {:.2f}, write {:.2f}){}{}", s.total(), s.load, s.plan + s.render,
+                       s.write, r.verification ? verificationText(*r.verification) : "",
+                       r.tolerance ? toleranceText(*r.tolerance) : "");
+}
+
 std::string reportAsJson(const ShotReport& r) {
     Json out{{"input", r.input},
              {"frame", r.frame},
              {"file", r.file},
+             {"summary", summaryOf(r)},
              {"resolution", {r.resolution.x, r.resolution.y}},
              {"seconds", secondsJson(r.seconds)},
              {"render_seconds", stagesJson(r.seconds)},

@@ -55,16 +55,6 @@ bool allowsMissing(int frame, std::vector<VolumeFile>& files, const RenderOption
     return true;
 }
 
-/// Copies a volume's scale to its medium or its classified look, so that code that changes a scene need change it in
-/// one place only.
-void keepOneScale(SceneVolume& volume) {
-    volume.medium.densityScale = volume.densityScale;
-    if (!volume.classified || volume.classified->densityScale == volume.densityScale) return;
-    Classified scaled = *volume.classified;
-    scaled.densityScale = volume.densityScale;
-    volume.classified = std::make_shared<const Classified>(std::move(scaled));
-}
-
 /// Checks the volumes of a scene that was built in code, as the reader checks those of a file.
 void checkVolumes(const Scene& scene, const FieldStore& store) {
     if (scene.volumes.empty()) throw Error(ErrorKind::usage, "the scene has no volume");
@@ -186,7 +176,6 @@ Scene withOptions(Scene scene, const RenderOptions& options, const ShotStores& s
     if (options.tolerance) scene.tolerance = *options.tolerance;
     if (options.change) options.change(scene);
     if (scene.output.colorspace.empty()) scene.output.colorspace = stores.colour.workingSpace();
-    for (SceneVolume& volume : scene.volumes) keepOneScale(volume);
     checkScene(scene);
     return scene;
 }

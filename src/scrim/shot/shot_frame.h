@@ -78,7 +78,10 @@ struct ShotReport {
     std::optional<ScatteringReport> scattering;  ///< none where light scatters once at most
 };
 
-/// `report` as one JSON object.
+/// Times and accuracy in words: "0.21 s (load 0.05, render 0.12, write 0.04); error 0.31 %, ...".
+std::string summaryOf(const ShotReport& report);
+
+/// `report` as one JSON object, with the summary, too.
 std::string reportAsJson(const ShotReport& report);
 
 /// Movable. Its const members may be called from several threads at once.

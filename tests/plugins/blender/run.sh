@@ -24,7 +24,7 @@ trap 'rm -rf "$BLENDER_USER_RESOURCES"' EXIT
 log="$BLENDER_USER_RESOURCES/log"
 cd "$here"
 
-plain=(mapping_test.py nodes_test.py exporter_test.py)
+plain=(mapping_test.py nodes_test.py exporter_test.py engine_test.py)
 # Blender tells of every step on standard output: shown only where a test fails.
 tests() { # COMMAND...: runs pytest, and shows what it makes of it
     "$@" >"$log" 2>&1 || {

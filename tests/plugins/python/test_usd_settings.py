@@ -216,7 +216,7 @@ def test_the_program_leaves_nothing_behind(scrim_on, tmp_path):
 def test_the_program_prints_the_scene_of_a_frame(scrim_on, foggy):
     done = scrim_on("--print-scene", "--frames", 2, "--res", "16x16", "-v", "--set", "render.quality=draft")
     assert done.returncode == 0, done.stderr
-    assert "intensity = 2.0" in done.stdout and "quality = 'draft'" in done.stdout
+    assert "intensity = 2.0" in done.stdout and 'quality = "draft"' in done.stdout
     assert "/key: irradiance 2 on what faces it" in done.stderr
     shot = scrim.loads(done.stdout, folder=foggy.folder)
     assert shot.render().image.shape == (16, 16, 4)

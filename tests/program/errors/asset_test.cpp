@@ -44,7 +44,7 @@ TEST_F(Asset, TheVolumeIsNamedAfterItsFile) {
     EXPECT_TRUE(contains(printed({"smoke.vdb"}), "name = \"smoke\"\n"));
     EXPECT_TRUE(contains(printed({"a b$$1.####.vdb"}), "name = \"a_b_1\"\n")) << printed({"a b$$1.####.vdb"});
     const std::string changed = printed({"smoke.vdb", "--set", "volume.smoke.medium.albedo=[1, 0, 0]"});
-    EXPECT_TRUE(contains(changed, "albedo = [ 1, 0, 0 ]")) << changed;
+    EXPECT_TRUE(contains(changed, "albedo = [1, 0, 0]")) << changed;
 }
 
 TEST_F(Asset, SaysWhatIsUpAndWhatIsNotUsed) {

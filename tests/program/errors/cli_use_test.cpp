@@ -176,6 +176,15 @@ TEST_F(CliUse, StatsTellEachFrame) {
     EXPECT_TRUE(stats[0].at("plan").contains("groups"));
 }
 
+TEST_F(CliUse, StatsSumUpAFrameInTheWordsOfItsLine) {
+    const auto run = runWell({"render", "scene.toml", "-o", "o.exr", "--stats", "s.json", "--verify", "5"});
+    const auto stats = nlohmann::json::parse(readBytes(file("s.json")));
+    const std::string summary = stats.at(0).at("summary");
+    EXPECT_NE(summary.find(" s (load "), std::string::npos) << summary;
+    EXPECT_NE(summary.find("; error "), std::string::npos) << summary;
+    EXPECT_NE(run.err.find("frame 1: o.exr 32x24, " + summary + "\n"), std::string::npos) << run.err;
+}
+
 TEST_F(CliUse, ProgressAlf) {
     const auto lines = linesOf(runWell({"render", "scene.toml", "--progress", "alf"}).out);
     ASSERT_GE(lines.size(), 2u);
@@ -261,7 +270,7 @@ TEST_F(CliUse, PlanSaysWhatARenderTakesAndWrites) {
     ProgramOptions there;
     there.shell = "cd 'a##b$'; exec \"$0\" \"$@\"";
     const std::string printed = runWell({"render", "../scene.toml", "-o", "x.####.exr", "--print-scene"}, there).out;
-    EXPECT_NE(printed.find("file = '" + patternOf(folder) + "/x.####.exr'"), std::string::npos) << printed;
+    EXPECT_NE(printed.find("file = \"" + patternOf(folder) + "/x.####.exr\""), std::string::npos) << printed;
 }
 
 TEST_F(CliUse, InfoIsJsonOrATable) {

@@ -17,7 +17,7 @@
 namespace scrim::test {
 namespace {
 
-constexpr int kUsage = 2;
+constexpr int kUsage = 2, kInput = 3;
 
 std::string overwrites(const std::string& what, const std::string& file, const std::string& role) {
     return what + " '" + file + "' would overwrite " + role + ", which is read; write to another file";
@@ -100,6 +100,8 @@ TEST_F(Outputs, OfMakeAreVolumesAndNotItsInput) {
     expectRefusal({"make", "noise", "-o", "scene.toml"}, "the output 'scene.toml' does not end in '.vdb'");
     expectRefusal({"make", "mesh", "file=./smoke.vdb", "-o", "smoke.vdb"},
                   overwrites("--output", "smoke.vdb", "the source's 'file'"));
+    // No other parameter is a path.
+    expectFailure({"make", "noise", "shape=b.vdb", "-o", "b.vdb"}, kInput, "parameter 'shape' is 'b.vdb', expected");
     expectRefusal({"make", "noise", "-o", ""}, "make: expected -o OUT.vdb, the file to write");
 }
 

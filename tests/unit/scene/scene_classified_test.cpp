@@ -31,7 +31,6 @@ TEST(SceneClassified, HasDefaults) {
     EXPECT_EQ(look->specular, 0.3);
     EXPECT_EQ(look->exponent, 20);
     EXPECT_FALSE(look->twoSided);
-    EXPECT_EQ(look->densityScale, 1);
 }
 
 TEST(SceneClassified, ReadsEverything) {
@@ -47,7 +46,6 @@ TEST(SceneClassified, ReadsEverything) {
     EXPECT_EQ(look->specular, 0.4);
     EXPECT_EQ(look->exponent, 7);
     EXPECT_TRUE(look->twoSided);
-    EXPECT_EQ(look->densityScale, 4) << "density.scale multiplies the extinction";
 }
 
 TEST(SceneClassified, ErrorsAreLocated) {

@@ -2,17 +2,22 @@
 // The table of keys is what the reader reads, no more and no less, and what documents say.
 #include "read_scene.h"
 
+#include <scrim/base/error.h>
+#include <scrim/scene/check_scene.h>
 #include <scrim/scene/scene_help.h>
 #include <scrim/scene/scene_keys.h>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <set>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -156,12 +161,9 @@ TEST(SceneKeys, StandInTheTableAndNotInTheReader) {
     EXPECT_GE(files, 9u);
 }
 
+// Defaults of keys that set a member are those of the member. These keys set none.
 TEST(SceneKeys, HaveTheDefaultsOfScenesThatAreBuiltInCode) {
-    const CameraKeys& c = keysOf<CameraKeys>();
-    EXPECT_EQ(*c.fov.value, Camera().fov);
-    EXPECT_EQ(*c.near.value, Camera().near);
-    EXPECT_EQ(*c.pixelAspect.value, Camera().pixelAspect);
-    EXPECT_EQ(c.resolution.fallback, "[512, 512]");
+    EXPECT_EQ(keysOf<CameraKeys>().resolution.fallback, "[512, 512]");
     EXPECT_EQ(Camera().resolution, Int2(512, 512));
     const LightKeys& l = keysOf<LightKeys>();
     EXPECT_EQ(*l.cone.value, Light::Spot().coneAngle);
@@ -170,19 +172,75 @@ TEST(SceneKeys, HaveTheDefaultsOfScenesThatAreBuiltInCode) {
     EXPECT_EQ(*keysOf<SlideKeys>().fov.value, Slide().fov);
     EXPECT_EQ(keysOf<MediumKeys>().albedo.fallback, "[0.9, 0.9, 0.9]");
     EXPECT_EQ(Medium().albedo, Rgb(0.9));
-    EXPECT_EQ(*keysOf<PhaseKeys>().blend.value, Phase().blend);
-    EXPECT_EQ(*keysOf<OctavesKeys>().extinction.value, Octaves().extinction);
-    EXPECT_EQ(*keysOf<OctavesKeys>().contribution.value, Octaves().contribution);
-    EXPECT_EQ(*keysOf<OctavesKeys>().phase.value, Octaves().phase);
-    const ClassifiedKeys& s = keysOf<ClassifiedKeys>();
-    EXPECT_EQ(*s.ambient.value, Classified().ambient);
-    EXPECT_EQ(*s.diffuse.value, Classified().diffuse);
-    EXPECT_EQ(*s.specular.value, Classified().specular);
-    EXPECT_EQ(*s.exponent.value, Classified().exponent);
-    EXPECT_EQ(*s.twoSided.value != 0, Classified().twoSided);
-    EXPECT_EQ(*keysOf<OutputKeys>().fps.value, SceneOutput().fps);
     EXPECT_EQ(keysOf<OutputKeys>().compression.fallback, '"' + SceneOutput().compression + '"');
     EXPECT_EQ(keysOf<RenderKeys>().quality.fallback, '"' + Scene().quality + '"');
+}
+
+TEST(SceneKeys, StateTheDefaultsOfTheirMembers) {
+    EXPECT_EQ(*keysOf<CameraKeys>().fov.value, 35);
+    EXPECT_EQ(keysOf<OutputKeys>().type.fallback, "\"half\"");
+    EXPECT_EQ(keysOf<VelocityKeys>().unit.fallback, "\"second\"");
+    EXPECT_EQ(keysOf<HoldoutKeys>().kind.fallback, "\"z\"");
+    EXPECT_EQ(keysOf<MeshKeys>().holdout.fallback, "true");
+    EXPECT_EQ(*keysOf<OctavesKeys>().count.value, 8) << "a table of octaves asks for some, a medium without one has 1";
+    EXPECT_FALSE(keysOf<PhaseKeys>().g.value) << "it is needed";
+}
+
+TEST(SceneKeys, SetTheirMembersAndNoOthers) {
+    SceneOutput output;
+    const OutputKeys& k = keysOf<OutputKeys>();
+    k.type.member.set(output, 1);
+    k.fps.member.set(output, 30);
+    EXPECT_FALSE(output.half);
+    EXPECT_EQ(k.type.member.get(output), 1);
+    EXPECT_EQ(output.fps, 30);
+    EXPECT_TRUE(output.deep.half);
+    SceneVolume volume;
+    keysOf<FrameKeys>().outside.member.set(volume, 2);
+    EXPECT_EQ(volume.outside, OutsidePolicy::black);
+    EXPECT_THROW(k.fps.member.set(volume, 30), std::logic_error) << "a key of [output] set a member of a volume";
+    EXPECT_FALSE(k.file.member);
+}
+
+/// Expects that a scene in code is held to every key of `section` that sets a member, as a file is: by the key's name
+/// and its range. `part` finds in a scene what the section describes.
+template <typename Object, typename Part>
+void expectHeldTo(const SectionOf<Object>& section, const Part& part) {
+    for (const Key& key : section.keys()) {
+        if (!key.member || !key.only.empty() || key.type == Key::Type::boolean) continue;
+        for (const double value : {key.range.low - 1, key.range.high + 1, double(key.words.size())}) {
+            const bool isChoice = key.type == Key::Type::choice;
+            if (isChoice ? value != double(key.words.size()) || key.words.size() == 2 : key.range.holds(value))
+                continue;
+            if (key.type == Key::Type::integer && !std::isfinite(value)) continue;
+            Scene scene;
+            scene.volumes.emplace_back();
+            key.member.set(part(scene), value);
+            try {
+                checkScene(scene);
+                ADD_FAILURE() << section.title() << ": " << key.name << " = " << value;
+            } catch (const Error& error) {
+                const std::string text = error.what(), name = fmt::format("{} is ", key);
+                EXPECT_NE(text.find(name), std::string::npos) << text;
+                EXPECT_NE(text.find(isChoice ? choices(key.words) : key.range.text()), std::string::npos) << text;
+            }
+        }
+    }
+}
+
+TEST(SceneKeys, HoldScenesInCodeToWhatTheyAllowInFiles) {
+    const auto scene = [](Scene& s) -> Scene& { return s; };
+    const auto volume = [](Scene& s) -> SceneVolume& { return s.volumes[0]; };
+    expectHeldTo(keysOf<CameraKeys>(), scene);
+    expectHeldTo(keysOf<RenderKeys>(), scene);
+    expectHeldTo(keysOf<FrameKeys>(), volume);
+    expectHeldTo(keysOf<DensityKeys>(), volume);
+    expectHeldTo(keysOf<VelocityKeys>(), [](Scene& s) -> Velocity& { return s.volumes[0].velocity.emplace(); });
+    expectHeldTo(keysOf<AlbedoGridKeys>(), [](Scene& s) -> ColourGrid& { return s.volumes[0].albedoGrid.emplace(); });
+    expectHeldTo(keysOf<OctavesKeys>(), [](Scene& s) -> Octaves& { return s.volumes[0].medium.octaves; });
+    expectHeldTo(keysOf<EmissionKeys>(), [](Scene& s) -> Emission& { return s.volumes[0].emission.emplace_back(); });
+    expectHeldTo(keysOf<OutputKeys>(), [](Scene& s) -> SceneOutput& { return s.output; });
+    expectHeldTo(keysOf<HoldoutKeys>(), [](Scene& s) -> SceneHoldout& { return s.output.holdout; });
 }
 
 TEST(SceneHelp, IsTheDocument) {

@@ -231,7 +231,7 @@ TEST(SceneOverride, ReplacesAddsAndSelects) {
     EXPECT_EQ(scene.lights[1].name, "rim");
     EXPECT_EQ(scene.quality, "high");
     EXPECT_EQ(scene.output.file, "/shots/out.0001.exr");
-    EXPECT_EQ(scene.volumes[0].medium.densityScale, 7);
+    EXPECT_EQ(scene.volumes[0].densityScale, 7);
     EXPECT_EQ(scene.ambient, Rgb(2));
 }
 
@@ -324,7 +324,7 @@ TEST(SceneAsToml, KeepsNumbersAsTheyWereSaid) {
     EXPECT_NE(text.find("near = 1.6\n"), std::string::npos) << text;
     EXPECT_NE(text.find("fov = 35.3\n"), std::string::npos) << text;
     EXPECT_NE(text.find("scale = 0.1 "), std::string::npos) << text;
-    EXPECT_NE(text.find("1.6000000000000001 \"x"), std::string::npos) << text;
+    EXPECT_NE(text.find("1.6000000000000001 \\\"x"), std::string::npos) << text;
     EXPECT_EQ(text.find("30000000"), std::string::npos) << text;
 }
 

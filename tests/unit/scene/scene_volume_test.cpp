@@ -211,7 +211,6 @@ TEST(SceneVolume, ReadsDensityAndMedium) {
         "[volume.medium]\nalbedo = [1, 0.5, 0]\nphase = { type = \"hg\", g = -0.4 }\n");
     EXPECT_EQ(v.densityGrid, "density[1]");
     EXPECT_EQ(v.densityScale, 4);
-    EXPECT_EQ(v.medium.densityScale, 4);
     EXPECT_EQ(v.ramp, (std::vector<std::pair<double, double>>{{0, 0}, {0.1, 1}}));
     EXPECT_EQ(v.medium.albedo, Rgb(1, 0.5, 0));
     EXPECT_EQ(v.medium.phase.g, -0.4);

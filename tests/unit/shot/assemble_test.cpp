@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -23,7 +24,7 @@ Scene someScene() {
     scene.camera.wsPosition = {0, 0, 100};
     scene.volumes.push_back({});
     scene.volumes[0].name = "smoke";
-    scene.volumes[0].densityScale = scene.volumes[0].medium.densityScale = 0.25;
+    scene.volumes[0].densityScale = 0.25;
     return scene;
 }
 
@@ -52,6 +53,17 @@ TEST(Assemble, HandsOverWhatTheSceneSays) {
     EXPECT_EQ(view.dials.texel, 0.75);
     EXPECT_EQ(view.memoryLimit, 12345u);
     EXPECT_EQ(view.region, (PixelWindow{0, 0, 200, 100}));
+}
+
+TEST(Assemble, ScalesAMediumAndALookByTheOneScaleOfTheVolume) {
+    Scene scene = someScene();
+    Classified look;
+    look.transfer = {{1, Rgb(1), 0}, {2, Rgb(1), 3}};
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    scene.volumes[0].medium.densityScale = 9;  // does not count
+    const ViewScene view = assembled(scene, {smokeField(6, 0.5)});
+    EXPECT_EQ(view.volumes.at(0).medium.densityScale, 0.25);
+    EXPECT_EQ(classify(*view.volumes[0].classified, 2).extinction, 0.75);
 }
 
 TEST(Assemble, FadesLightsAcrossThePerpendicularOnlyWhereSomethingMoves) {

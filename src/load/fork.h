@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+// Copies of this process. Only a program without active threads may make them, so the library cannot.
+#pragma once
+
+#include <scrim/base/child_process.h>
+
+#include <cerrno>
+#include <csignal>
+#include <system_error>
+
+#include <unistd.h>
+
+namespace scrim::load {
+
+/// Makes a copy of this process that runs `task` and exits with the status that it returns; nothing is cleaned up
+/// there. It is killed with the returned object. Throws std::system_error where no process can be made.
+template <typename Task>
+ChildProcess forked(const Task& task) {
+    const pid_t child = ::fork();
+    if (child < 0) throw std::system_error(errno, std::generic_category());
+    if (child == 0) ::_exit(task());
+    return ChildProcess(child, SIGKILL);
+}
+
+}  // namespace scrim::load
