@@ -228,7 +228,7 @@ TEST(SceneLight, HasTheColourOfItsTemperature) {
 }
 
 TEST(SceneLight, SaysWhatAnAreaLightOrDomeLacks) {
-    EXPECT_NE(lightError(kBox + "shape = \"cylinder\"\n").find("expected 'rectangle', 'disk' or 'sphere'"),
+    EXPECT_NE(lightError(kBox + "shape = \"cylinder\"\n").find("expected 'rectangle', 'disk', 'sphere' or 'cylinder'"),
               std::string::npos);
     EXPECT_NE(lightError(kBox).find("'shape'"), std::string::npos);
     EXPECT_NE(lightError(kBox + "shape = \"rectangle\"\nwidth = 1\n").find("'height'"), std::string::npos);

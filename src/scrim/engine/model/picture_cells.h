@@ -20,7 +20,8 @@ inline const Texture& smoothPicture(const Slide& slide) {
     return slide.parts.smooth ? *slide.parts.smooth : *slide.image;
 }
 
-/// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark. Deterministic.
+/// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark.
+/// Deterministic.
 std::vector<PictureCell> domeCells(const Light& light, int count);
 
 /// The fraction, in [0, 1], of a dome's light that comes from spots much smaller than one of `directions` directions

@@ -126,6 +126,14 @@ std::string extent(const Light& light) {
     return kShapes[std::size_t(light.area()->shape)];
 }
 
+// " and 2 suns in its picture of 0.53 and 1.2 degrees"
+std::string sunsText(const SkyParts& parts) {
+    std::vector<std::string> angles;
+    for (const SkySun& sun : parts.suns) angles.push_back(fmt::format("{:.2g}", sun.angle));
+    return fmt::format(" and {} sun{} in its picture, of {} degrees", angles.size(), angles.size() == 1 ? "" : "s",
+                       fmt::join(angles, ", "));
+}
+
 Effect extendedLights(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -134,8 +142,10 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
         const bool cells = plan.cellLights.has(i);
         const int count = cells ? pointsOnCells(scene, light) : plan.subLights.countOf(static_cast<int>(i));
         const std::string what = fmt::format("{} ({}): {}", quoted(light.name), extent(light), count);
-        found.add(cells ? fmt::format("{} {} on cells", what, light.area() ? "points" : "directions")
-                        : fmt::format("{} sub-light{}", what, count == 1 ? "" : "s"),
+        std::string text = cells ? fmt::format("{} {} on cells", what, light.area() ? "points" : "directions")
+                                 : fmt::format("{} sub-light{}", what, count == 1 ? "" : "s");
+        if (light.dome() && light.slide && !light.slide->parts.suns.empty()) text += sunsText(light.slide->parts);
+        found.add(text,
                   "light." + light.name);
     }
     Effect effect = found.effect("extended lights", "", "every light shines from one point or direction");

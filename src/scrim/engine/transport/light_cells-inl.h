@@ -9,6 +9,7 @@
 #define SCRIM_LIGHT_CELLS_BOX
 
 #include <scrim/base/real.h>
+#include <scrim/engine/transport/cell_slices.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/medium.h>
 
@@ -19,36 +20,6 @@
 #include <vector>
 
 namespace scrim {
-
-/// Elements behind each row that vectors may read or add zeros to.
-inline constexpr int kRowSlack = 16;
-
-struct CellSpan {
-    int begin = 0, end = 0;
-    bool empty() const { return begin >= end; }
-    /// The smallest span that contains both.
-    CellSpan with(const CellSpan& o) const {
-        return empty() ? o : o.empty() ? *this : CellSpan{std::min(begin, o.begin), std::max(end, o.end)};
-    }
-};
-
-/// A box of cells as slices along one axis; within a slice there are rows along `i`, one beside the other along `j`.
-/// Coordinates are in cells from the corner of the box.
-struct CellSlices {
-    std::array<int, 3> axes{};              ///< the axes of the world along which i, j and the slices run
-    std::array<int, 3> size{};              ///< in cells: along i, along j, number of slices
-    std::vector<Real> extinction;           ///< per cell edge; rows and slices have a zero cell around them
-    std::vector<CellSpan> full;             ///< for each row, likewise padded: where there is extinction
-    std::vector<CellSpan> wanted;           ///< for each row, not padded: cells whose light is looked up
-    std::array<std::vector<Real>, 3> sums;  ///< the result: light in each cell, not padded but for the slack
-
-    std::size_t stride() const { return std::size_t(size[0] + 2 + kRowSlack); }
-    std::size_t paddedRow(int j, int k) const { return std::size_t(k) * std::size_t(size[1] + 2) + std::size_t(j + 1); }
-    /// The extinction of row j of slice k from i = 0 on; -1 is also valid, and so is i = -1.
-    const Real* row(int j, int k) const { return extinction.data() + paddedRow(j, k) * stride() + 1; }
-    std::size_t sumStride() const { return std::size_t(size[0] + kRowSlack); }
-    std::size_t rowIndex(int j, int k) const { return std::size_t(k) * std::size_t(size[1]) + std::size_t(j); }
-};
 
 /// A source of light without extent, in the axes of CellSlices and in cells.
 struct CellRays {

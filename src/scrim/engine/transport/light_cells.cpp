@@ -87,14 +87,6 @@ HWY_EXPORT(sweepCells);
 
 namespace {
 
-// The order of a world vector's components in slices across `axis`.
-std::array<int, 3> axesAcross(int axis) {
-    return {axis == 0 ? 1 : 0, axis == 2 ? 1 : 2, axis};
-}
-Vec3 reordered(const Vec3& v, const std::array<int, 3>& axes) {
-    return {v[axes[0]], v[axes[1]], v[axes[2]]};
-}
-
 // Sub-lights as sources of rays, and the light that they send if it has one colour.
 struct Sources {
     std::vector<Light> lights;
@@ -140,116 +132,6 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     return out;
 }
 
-// The cells of a grid as slices. The box of the cells is one larger on each side than the stored blocks, because light
-// is looked up between their centres.
-class Slices {
-  public:
-    Slices(const CellGrid& grid, int axis) : m_grid(grid) {
-        box.axes = axesAcross(axis);
-        for (std::size_t a = 0; a < 3; ++a) box.size[a] = grid.blocks()[box.axes[a]] * kCellEdge + 2;
-        const std::size_t rows = std::size_t(box.size[1] + 2) * std::size_t(box.size[2]);
-        box.extinction.assign(rows * box.stride(), Real(0));
-        box.full.assign(rows, {});
-        box.wanted.assign(std::size_t(box.size[1]) * std::size_t(box.size[2]), {});
-    }
-
-    // Takes the cells' extinction, in units of 1 / edge. Light is wanted up to `reach` cells from where there is any.
-    void fill(const std::vector<Real>& extinction, int reach) {
-        std::fill(box.full.begin(), box.full.end(), CellSpan{});
-        forRuns([&](std::size_t cell, std::size_t step, const std::array<int, 3>& at) {
-            const auto edge = static_cast<Real>(m_grid.edge());
-            Real* to = box.extinction.data() + box.paddedRow(at[1], at[2]) * box.stride() + 1 + at[0];
-            CellSpan& span = box.full[box.paddedRow(at[1], at[2])];
-            for (int i = 0; i < kCellEdge; ++i, cell += step) {
-                to[i] = edge * extinction[cell];
-                if (to[i] != 0) span = span.with({at[0] + i, at[0] + i + 1});
-            }
-        });
-        std::vector<CellSpan> along(box.wanted.size());
-        for (int k = 0; k < box.size[2]; ++k)
-            for (int j = 0; j < box.size[1]; ++j)
-                for (int near = std::max(j - reach, 0); near <= std::min(j + reach, box.size[1] - 1); ++near)
-                    along[box.rowIndex(j, k)] = along[box.rowIndex(j, k)].with(box.full[box.paddedRow(near, k)]);
-        for (int k = 0; k < box.size[2]; ++k)
-            for (int j = 0; j < box.size[1]; ++j) {
-                CellSpan span;
-                for (int near = std::max(k - reach, 0); near <= std::min(k + reach, box.size[2] - 1); ++near)
-                    span = span.with(along[box.rowIndex(j, near)]);
-                CellSpan& wanted = box.wanted[box.rowIndex(j, k)];
-                if (!span.empty())
-                    wanted = wanted.with({std::max(span.begin - reach, 0), std::min(span.end + reach, box.size[0])});
-            }
-    }
-    void clearSums(std::size_t colours) {
-        for (std::size_t c = 0; c < colours; ++c)
-            box.sums[c].assign(std::size_t(box.size[1]) * std::size_t(box.size[2]) * box.sumStride(), Real(0));
-    }
-    // Adds the sums to a field, from colour `to` on.
-    void keep(std::size_t colours, std::size_t to, CellField& field) const {
-        const int edge = CellField::kPadded;
-        parallelFor(m_grid.storedBlocks().size(), [&](std::size_t b) {
-            const Int3 first = m_grid.storedBlocks()[b] * kCellEdge;  // with the border of the block, and of the box
-            Real* out = field.block(b);
-            for (int z = 0; z < edge; ++z)
-                for (int y = 0; y < edge; ++y)
-                    for (int x = 0; x < edge; ++x, out += field.colours()) {
-                        const Int3 at = first + Int3(x, y, z);
-                        const std::size_t from = box.rowIndex(at[box.axes[1]], at[box.axes[2]]) * box.sumStride() +
-                                                 std::size_t(at[box.axes[0]]);
-                        for (std::size_t c = 0; c < colours; ++c) out[to + c] += box.sums[c][from];
-                    }
-        });
-    }
-    // Takes out the extinction within a sphere, so that rays from within begin at its surface. Returns what to restore.
-    std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius) {
-        std::vector<std::pair<std::size_t, Real>> before;
-        const Vec3 center = place(ws) - 0.5;
-        const double cells = radius / m_grid.edge();
-        const Int3 first(glm::max(glm::floor(center - cells), Vec3(0))),
-            last(glm::min(glm::ceil(center + cells), Vec3(box.size[0], box.size[1], box.size[2]) - 1.0));
-        for (int k = first.z; k <= last.z; ++k)
-            for (int j = first.y; j <= last.y; ++j)
-                for (int i = first.x; i <= last.x; ++i) {
-                    const double kept = std::clamp(glm::distance(Vec3(i, j, k), center) - cells + 0.5, 0.0, 1.0);
-                    const std::size_t at = box.paddedRow(j, k) * box.stride() + 1 + std::size_t(i);
-                    if (kept == 1) continue;
-                    before.emplace_back(at, box.extinction[at]);
-                    box.extinction[at] *= static_cast<Real>(kept);
-                }
-        return before;
-    }
-    // The place of a world point in cells of the box, and that of a place in the world.
-    Vec3 place(const Vec3& ws) const { return reordered(m_grid.csFromWs(ws) + 1.0, box.axes); }
-    Vec3 wsPlace(const Vec3& at) const {
-        Vec3 cs;
-        for (int a = 0; a < 3; ++a) cs[box.axes[std::size_t(a)]] = at[a] - 1;
-        return m_grid.wsFromCs(cs);
-    }
-    std::size_t bytes() const {
-        return (box.extinction.size() + box.sums[0].size() + box.sums[1].size() + box.sums[2].size()) * sizeof(Real);
-    }
-
-    CellSlices box;
-
-  private:
-    // Calls run(first cell, step from cell to cell, place of the first cell in the box) for each row of 8 cells.
-    template <class Run>
-    void forRuns(const Run& run) {
-        constexpr std::array<std::size_t, 3> kStep{1, kCellEdge, std::size_t(kCellEdge) * kCellEdge};
-        for (std::size_t b = 0; b < m_grid.storedBlocks().size(); ++b) {
-            const Int3 first = m_grid.storedBlocks()[b] * kCellEdge + 1;
-            for (int k = 0; k < kCellEdge; ++k)
-                for (int j = 0; j < kCellEdge; ++j)
-                    run(b * kBlockCells + std::size_t(j) * kStep[std::size_t(box.axes[1])] +
-                            std::size_t(k) * kStep[std::size_t(box.axes[2])],
-                        kStep[std::size_t(box.axes[0])],
-                        {first[box.axes[0]], first[box.axes[1]] + j, first[box.axes[2]] + k});
-        }
-    }
-
-    const CellGrid& m_grid;
-};
-
 // One pass of some sources of light through the cells, for one or all colours.
 class Pass {
   public:
@@ -258,12 +140,12 @@ class Pass {
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
     // `lamp`: what the sources stand for, if it is a lamp.
-    void add(const Sources& sources, const Phase& phase, const Light* lamp, int colour, Slices& slices,
+    void add(const Sources& sources, const Phase& phase, const Light* lamp, int colour, CellSlices& slices,
              CellField& field) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
-        view.eye = view.parallelEye ? reordered(-viewingAxis(m_scene.camera), slices.box.axes)
-                                    : slices.place(m_scene.camera.wsPosition);
+        view.eye =
+            view.parallelEye ? slices.reordered(-viewingAxis(m_scene.camera)) : slices.place(m_scene.camera.wsPosition);
         if (sources.blocked)
             view.darkFrom = [&](const Vec3& from, const Vec3& perStep, bool parallel) {
                 const Vec3 ws = slices.wsPlace(from);
@@ -282,14 +164,14 @@ class Pass {
                         static_cast<Real>(weightOf(sources, light, colour < 0 ? static_cast<int>(c) : colour));
                 if (!rays.parallel)
                     points.push_back(rays);
-                else if (mainAxis(light.wsDirection) == slices.box.axes[2] && (rays.way.z < 0) == down)
+                else if (mainAxis(light.wsDirection) == slices.axes[2] && (rays.way.z < 0) == down)
                     suns.push_back(rays);
             }
-            SCRIM_ON_TARGET(m_simd, sweepCells)(suns, view, true, down, slices.box, m_checkpoint);
-            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices.box, m_checkpoint);
+            SCRIM_ON_TARGET(m_simd, sweepCells)(suns, view, true, down, slices, m_checkpoint);
+            SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices, m_checkpoint);
         }
-        for (const auto& [at, extinction] : before) slices.box.extinction[at] = extinction;
-        slices.keep(colours, colour < 0 ? 0 : std::size_t(colour), field);
+        for (const auto& [at, extinction] : before) slices.extinction[at] = extinction;
+        slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
     }
 
   private:
@@ -314,12 +196,12 @@ class Pass {
         if (sources.colours == 3) return light.intensity[colour];
         return std::max({light.intensity.x, light.intensity.y, light.intensity.z});
     }
-    CellRays raysOf(const Sources& sources, const Light& light, const Slices& slices) const {
+    CellRays raysOf(const Sources& sources, const Light& light, const CellSlices& slices) const {
         CellRays rays;
         rays.parallel = light.distant();
         rays.attenuated = sources.attenuated;
         rays.blocked = sources.blocked;
-        rays.way = reordered(light.wsDirection, slices.box.axes);
+        rays.way = slices.reordered(light.wsDirection);
         if (rays.parallel) return rays;
         const double edge = m_grid.edge();
         // A lamp exactly at the centre of a cell would belong to no face of the cube around it.
@@ -438,7 +320,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
     std::size_t most = 0;
     const Pass pass(scene, *grid, simd, checkpoint);
     for (int axis = 0; axis < 3; ++axis) {
-        Slices slices(*grid, axis);
+        CellSlices slices(*grid, axis);
         for (std::size_t c = 0; c < media.extinction.size(); ++c) {
             slices.fill(media.extinction[c], reach);
             for (const Job& job : jobs)
