@@ -101,7 +101,9 @@ TEST_F(Outputs, OfMakeAreVolumesAndNotItsInput) {
     expectRefusal({"make", "mesh", "file=./smoke.vdb", "-o", "smoke.vdb"},
                   overwrites("--output", "smoke.vdb", "the source's 'file'"));
     // No other parameter is a path.
-    expectFailure({"make", "noise", "shape=b.vdb", "-o", "b.vdb"}, kInput, "parameter 'shape' is 'b.vdb', expected");
+    expectFailure({"make", "noise", "shape=b.vdb", "-o", "b.vdb"}, kInput,
+                  "source 'noise': parameter 'shape' is 'b.vdb', expected 'plume', 'ball', 'slab', 'box' or "
+                  "'hypertexture'");
     expectRefusal({"make", "noise", "-o", ""}, "make: expected -o OUT.vdb, the file to write");
 }
 
