@@ -223,13 +223,14 @@ TEST(LightOnCells, OfASphereIsThatOfItsManyPoints) {
         Vec3 from;
         double radius, g, most;
     } kCases[] = {{{17, 6, 5}, 3, 0, 0.015},
+                  {{20, 10, 7}, 7, 0.6, 0.015},
                   {{17, 6, 5}, 2, 0.6, 0.015},
                   {{3.3, -2.2, 1.7}, 0.4, 0.6, 0.02},
                   {{3.3, -2.2, 1.7}, 3, 0.6, 0.12}};
     for (const auto& c : kCases) {
         ViewScene scene = perspectiveSmoke({c.g});
         scene.lights = {areaLight(AreaShape::sphere, c.from, c.radius, 0)};
-        EXPECT_EQ(pointsOnCells(scene, scene.lights[0]), 12);
+        EXPECT_EQ(pointsOnCells(scene, scene.lights[0]), c.radius > 6 ? 26 : 12);
         const Image image = renderScene(scene).image;
         scene.lights[0].samples = 400;
         EXPECT_LT(summarise(samplePixels(scene, image, 60, 7)).error, c.most)
@@ -401,6 +402,22 @@ TEST(LightOnCells, OfACropIsThatOfThePicture) {
     const Frame whole = renderScene(scene);
     scene.region = {9, 11, 27, 30};
     EXPECT_EQ(renderScene(scene).image.rgba, reframed(whole.image, scene.region).rgba);
+}
+
+// Lamps have fields of their own, and two each where solids block them.
+TEST(LightOnCells, TakesAboutTheMemoryThatThePlanSays) {
+    for (const int lamps : {1, 12})
+        for (const bool solids : {false, true}) {
+            ViewScene scene = solids ? smokeWithSolids(true) : smokeScene();
+            for (int i = 0; i < lamps; ++i) scene.lights.push_back(lamp({0.5 * i - 3, 1, 2}, 1));
+            const CellLightPlan plan = planCellLights(scene);
+            ASSERT_EQ(plan.lights.size(), std::size_t(lamps));
+            std::size_t bytes = 0;
+            lightOnCells(
+                scene, plan.lights, plan.edges[0], {}, [] {}, bytes);
+            EXPECT_LT(double(bytes), 1.6 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
+            EXPECT_GT(double(bytes), 0.4 * double(plan.bytes)) << lamps << " lamps, solids " << solids;
+        }
 }
 
 TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {

@@ -300,13 +300,15 @@ TEST(MultipleScattering, IsNowhereBelowZero) {
     SampleTile samples{};
     std::array<Real, kTileSize> rows[3];
     Real* const rgb[3] = {rows[0].data(), rows[1].data(), rows[2].data()};
+    const std::vector<Real> everywhere(kTileSize, Real(1));
     for (int i = 0; i < kTileSize; ++i) {
         samples.u[i] = static_cast<Real>(i % 16 * 3 - 24);
         samples.v[i] = static_cast<Real>(i / 16 * 3 - 24);
     }
     double most = 0;
     for (double z = -22; z < 22; z += 0.7) {
-        light.front().ofVolume.front()->lookUp({{0, 0, z}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, samples, rgb);
+        light.front().ofVolume.front()->lookUp({{0, 0, z}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, samples, everywhere.data(),
+                                               rgb);
         for (const Real value : rows[0]) {
             EXPECT_GE(value, 0);
             most = std::max(most, double(value));

@@ -18,6 +18,11 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
+double longest(const Bounds& box) {
+    const Vec3 size = box.size();
+    return std::max({size.x, size.y, size.z});
+}
+
 Bounds boxOf(const std::vector<Vec3>& wsPoints) {
     Bounds box;
     for (const Vec3& p : wsPoints) box.include(p);
@@ -160,7 +165,11 @@ int pointsOnCells(const ViewScene& scene, const Light& light) {
     if (light.samples > 0 || !light.extended()) return count;
     // How much of a sphere's light arrives is known, only its transmittance is sampled, which differs little.
     constexpr int kOfSphere = 12;
-    if (isLampOnCells(scene, light)) return std::min(count, kOfSphere);
+    constexpr double kPerSize = 120;
+    if (isLampOnCells(scene, light)) {
+        const double points = kPerSize * light.area()->radius / longest(wsBounds(scene));
+        return std::min(count, std::max(kOfSphere, static_cast<int>(std::ceil(points))));
+    }
     // Measured on a plume of noise: a dome of 128 directions instead of 200 has the same error, as have 16 points of a
     // soft box instead of 35.
     return std::max(static_cast<int>(std::ceil(count * (light.dome() ? 0.65 : 0.5))), std::min(count, 8));
@@ -169,9 +178,8 @@ int pointsOnCells(const ViewScene& scene, const Light& light) {
 bool isLampOnCells(const ViewScene& scene, const Light& light) {
     if (!light.extended()) return true;
     if (!light.area() || light.area()->shape != AreaShape::sphere) return false;
-    constexpr double kSmall = 0.1;
-    const Vec3 size = boxOf(wsCorners(scene)).size();
-    return light.area()->radius <= kSmall * std::max({size.x, size.y, size.z});
+    constexpr double kSmall = 0.25;
+    return light.area()->radius <= kSmall * longest(wsBounds(scene));
 }
 
 std::vector<Vec3> pointsOfLamp(const Light& light, int count) {

@@ -170,8 +170,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     plan.unfit = unfitForCells(scene);
     if (!plan.unfit.empty()) return plan;
     const std::vector<Vec3> corners = wsCorners(scene);
-    Bounds box;
-    for (const Vec3& corner : corners) box.include(corner);
+    const Bounds box = wsBounds(scene);
     std::vector<bool> inView;  // empty until it is needed, because it takes time where there are many lights
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
@@ -187,7 +186,13 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     if (plan.lights.empty()) return plan;
     const Vec3 cells = box.size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
-    const double fields = 2 * colours * (wants(scene, Layer::light) ? double(plan.lights.size()) : 1.0);
+    // Every lamp has a field of its own, and one more where solids block it; others share one unless layers part them.
+    double lamps = 0;
+    for (const int i : plan.lights) lamps += isLampOnCells(scene, scene.lights[std::size_t(i)]) ? 1 : 0;
+    const double others = double(plan.lights.size()) - lamps;
+    const double blocked = scene.solids && scene.solids->any(SolidRole::shadow) ? lamps : 0;
+    const double fields =
+        2 * (colours * (lamps + (wants(scene, Layer::light) ? others : std::min(others, 1.0))) + blocked);
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
     const double bytes = sizeof(Real) * (cells.x * cells.y * cells.z * (1 + colours) + stored * (fields + 1));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));

@@ -140,11 +140,15 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     const Vec3 origin = sheets.wsPoint({0, 0, middle});
     const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin,
                             sheets.wsPoint({0, 0, middle + 1}) - origin, sheets.thickness / sheets.texel};
+    // Most samples of a tile at the border of a volume lie beside it.
+    Row medium = rows.total[0];
+    for (int c = 1; c < m_plan.extinction.count(); ++c)
+        for (int k = 0; k < kTileSize; ++k) medium.values[k] += rows.total[std::size_t(c)].values[k];
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
         SheetScattered& part = rows.scattered.emplace_back(m_scatteredParts[i]);
         Row* const own = rows.onCells.data() + 3 * i;
         Real* const rgb[3] = {own[0].values, own[1].values, own[2].values};
-        m_scatteredFields[i]->lookUp(plane, samples, rgb);
+        m_scatteredFields[i]->lookUp(plane, samples, medium.values, rgb);
         std::copy(rgb, rgb + 3, part.radiance);
     }
 }

@@ -194,8 +194,9 @@ void CellField::lampAt(const Vec3& ws, Real (&rgb)[3]) const {
     // A sphere fills a cone of the solid angle 2 pi (1 - cosine).
     const double radius = radiusOfSphere(*m_lamp);
     const double cosine = r > radius ? std::sqrt(1 - radius * radius / (r * r)) : 0;
-    double factor = m_phase.isotropic() ? phaseValue(m_phase, 0)
-                                        : phaseOver(m_phase, cosine, glm::dot(travel, travelToEye(m_camera, ws)));
+    constexpr double kEven = 1 / (4 * std::numbers::pi);
+    double factor =
+        m_phase.isotropic() ? kEven : phaseOver(m_phase, cosine, glm::dot(travel, travelToEye(m_camera, ws)));
     if (m_open) {
         Real part[3];
         m_open->sample(ws, part);
@@ -287,11 +288,16 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
 }
 
-void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const {
+void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* medium,
+                       Real* const rgb[3]) const {
     const Vec3 origin = m_grid->csFromWs(plane.wsOrigin) - 0.5;
     const Vec3 perU = plane.wsPerU / m_grid->edge(), perV = plane.wsPerV / m_grid->edge();
     for (int k = 0; k < kTileSize; ++k) {
         Real found[3];
+        if (medium[k] == 0) {
+            for (int c = 0; c < 3; ++c) rgb[c][k] = 0;
+            continue;
+        }
         const double u = double(samples.u[k]), v = double(samples.v[k]);
         sampleAt(origin + u * perU + v * perV, found);
         Real factor = 1;

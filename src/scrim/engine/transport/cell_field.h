@@ -51,8 +51,8 @@ class CellField {
     Real* cell(std::size_t index);
     /// The light at a point, 0 beyond the stored cells; of a lamp, times r^2.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
-    /// The light at a tile of samples: kTileSize values for each colour.
-    void lookUp(const SamplePlane& plane, const SampleTile& samples, Real* const rgb[3]) const;
+    /// The light at a tile of samples: kTileSize values for each colour, 0 where `medium`, likewise kTileSize values, is.
+    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* medium, Real* const rgb[3]) const;
 
     /// What is kept is transmittance from `lamp`, a point light or a sphere. Makes it the mean extinction on the way
     /// from there, which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute
