@@ -3,7 +3,7 @@
 """Do presets keep what they promise? Error and time of each, in scenes by lot.
 
     tests/tools/bench/promises.py SEED [--scenes N] [--first I] [--preset P]... [--pixels N] [--limit SECONDS]
-                                  [--out FOLDER]
+                                  [--extended] [--out FOLDER]
 
 Draws N scenes (promises_scenes.py): noise, primitives, .vdb volumes and classified scans of $SCRIM_DATA (without it:
 sources alone), thin to nearly opaque in a voxel, voxels of a fraction of a pixel to many, one to four shadowed lights
@@ -120,7 +120,8 @@ def least(settings, error):
 
 def measure_scene(index, options, folder):
     """Rows of COLUMNS, one a preset."""
-    asset, facts, text = promises_scenes.draw(options.seed, index, BIN / "scrim", folder / "assets")
+    asset, facts, text = promises_scenes.draw(options.seed, index, BIN / "scrim", folder / "assets",
+                                              options.extended)
     scene = folder / f"{options.seed}-{index:03}.toml"
     scene.write_text(f"# {asset.label}\n{text}")
     measure = Measure(scene, options)
@@ -196,6 +197,7 @@ def main():
     parser.add_argument("--limit", type=float, default=60, help="seconds for the reference of a scene")
     parser.add_argument("--slow", type=float, default=8, help="seconds of a setting after which no finer one is tried")
     parser.add_argument("--no-search", dest="search", action="store_false", help="presets alone")
+    parser.add_argument("--extended", action="store_true", help="skies, surfaces and lamps in the smoke instead of suns")
     parser.add_argument("--threads", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("promises"))
     options = parser.parse_args()

@@ -120,10 +120,33 @@ def light_text(lot, asset, index, to_eye):
     return text if kind == "point" else text + f"target = {numbers(asset.middle)}\ncone = {lot.uniform(30, 80):.3g}\n"
 
 
-def draw(seed, index, scrim, folder):
-    """The n-th scene: its asset, what is worth knowing about it, and its text."""
+def extended_light_text(lot, asset, index):
+    """A sky, a surface beside the asset, or a lamp in it."""
+    way = [lot.gauss(0, 1) for _ in range(3)]
+    way = [c / (math.hypot(*way) or 1) for c in way]
+    kind = lot.choice(("dome", "rectangle", "disk", "sphere", "cylinder", "lamp", "lamp"))
+    text = f'\n[[light]]\nname = "{kind}{index}"\n'
+    if kind == "dome":
+        return text + f'type = "dome"\nintensity = {lot.uniform(0.5, 2):.3g}\n'
+    if kind == "lamp":
+        place = add(asset.middle, way, lot.uniform(0, 0.7) * asset.radius)
+        radius = f'"area"\nshape = "sphere"\nradius = {lot.uniform(0.01, 0.1) * asset.radius:.4g}'
+        shape = lot.choice(('"point"', radius))
+        return text + f"type = {shape}\nposition = {numbers(place)}\nintensity = {asset.radius**2:.4g}\n"
+    distance, size = lot.uniform(1.1, 2.5) * asset.radius, lot.uniform(0.1, 0.8) * asset.radius
+    extent = {"rectangle": f"width = {size:.4g}\nheight = {lot.uniform(0.3, 1) * size:.4g}\n",
+              "cylinder": f"width = {size:.4g}\nradius = {0.1 * size:.4g}\n"}.get(kind, f"radius = {0.5 * size:.4g}\n")
+    aim = "" if kind == "sphere" else f"target = {numbers(asset.middle)}\n"
+    return (text + f'type = "area"\nshape = "{kind}"\n{extent}position = {numbers(add(asset.middle, way, distance))}\n'
+            f"{aim}intensity = {10 * (distance / size)**2:.4g}\n")
+
+
+def draw(seed, index, scrim, folder, extended=False):
+    """The n-th scene: its asset, what is worth knowing about it, and its text. `extended`: lit by skies, surfaces and
+    lamps in the smoke, and by a sun now and then; scans have none of these."""
     lot = random.Random(f"{seed}/{index}")
-    asset = draw_asset(lot, KINDS[index % len(KINDS)], scrim, folder)
+    kinds = [kind for kind in KINDS if not extended or kind != "scan"]
+    asset = draw_asset(lot, kinds[index % len(kinds)], scrim, folder)
     opacity = log_uniform(lot, 0.1, 4) if asset.classified else log_uniform(lot, 0.004, 2.5)
     # The camera orbits; zoomed out the volume fills less than the picture, zoomed in more.
     turn, rise, fov = lot.uniform(0, 2 * math.pi), lot.uniform(-0.5, 0.9), lot.choice((20, 35, 60))
@@ -132,7 +155,11 @@ def draw(seed, index, scrim, folder):
     eye = add(asset.middle, to_eye, max(distance, 1.15 * asset.radius))
     pixels = lot.choice(PIXELS)
     per_voxel = asset.voxel / math.dist(eye, asset.middle) * pixels / (2 * math.tan(math.radians(fov / 2)))
-    lights = "".join(light_text(lot, asset, i, to_eye) for i in range(lot.randint(1, 4)))
+    if extended:
+        lights = "".join(extended_light_text(lot, asset, i) for i in range(lot.randint(1, 2)))
+        lights += light_text(lot, asset, 9, to_eye) if lot.random() < 0.3 else ""
+    else:
+        lights = "".join(light_text(lot, asset, i, to_eye) for i in range(lot.randint(1, 4)))
     ambient = "\n[ambient]\ncolor = [0.05, 0.06, 0.08]\n" if lot.random() < 0.3 else ""
     text = (f"[camera]\nposition = {numbers(eye)}\ntarget = {numbers(asset.middle)}\nfov = {fov}\n"
             f"resolution = [{pixels}, {pixels}]\n\n[[volume]]\nfile = \"{asset.path}\"\n"

@@ -175,6 +175,12 @@ TEST(SceneLight, ReadsEveryAreaLight) {
     EXPECT_EQ(box.wsUp, Vec3(1, 0, 0));
     EXPECT_EQ(box.intensity, Rgb(6));
     EXPECT_EQ(box.samples, 12);
+    const Light tube = light(kBox + "shape = \"cylinder\"\nwidth = 3\nradius = 0.1\n");
+    EXPECT_EQ(tube.area()->shape, AreaShape::cylinder);
+    EXPECT_NEAR(tube.area()->area(), 2 * std::acos(-1.0) * 0.1 * 3, 1e-12);
+    EXPECT_EQ(light(kBox + "shape = \"disk\"\nradius = 2\nspread = 40\n").area()->spread, 40);
+    EXPECT_NE(lightError(kBox + "shape = \"cylinder\"\nwidth = 3\nradius = 1\nspread = 40\n").find("'spread'"),
+              std::string::npos);
     const Light disk = light(kBox + "shape = \"disk\"\nradius = 2\nsamples = \"auto\"\n");
     EXPECT_NEAR(disk.area()->area(), 4 * std::acos(-1.0), 1e-12);
     EXPECT_EQ(disk.samples, 0);
@@ -228,7 +234,7 @@ TEST(SceneLight, HasTheColourOfItsTemperature) {
 }
 
 TEST(SceneLight, SaysWhatAnAreaLightOrDomeLacks) {
-    EXPECT_NE(lightError(kBox + "shape = \"cylinder\"\n").find("expected 'rectangle', 'disk', 'sphere' or 'cylinder'"),
+    EXPECT_NE(lightError(kBox + "shape = \"cone\"\n").find("expected 'rectangle', 'disk', 'sphere' or 'cylinder'"),
               std::string::npos);
     EXPECT_NE(lightError(kBox).find("'shape'"), std::string::npos);
     EXPECT_NE(lightError(kBox + "shape = \"rectangle\"\nwidth = 1\n").find("'height'"), std::string::npos);

@@ -138,12 +138,18 @@ void SheetShader::lookUpScattered(int sheet, const SampleTile& samples, Rows& ro
     const Sheets& sheets = m_group.sheets;
     const double middle = sheet + 0.5;
     const Vec3 origin = sheets.wsPoint({0, 0, middle});
-    const SamplePlane plane{origin, sheets.wsPoint({1, 0, middle}) - origin, sheets.wsPoint({0, 1, middle}) - origin,
-                            sheets.wsPoint({0, 0, middle + 1}) - origin, sheets.thickness / sheets.texel};
+    const SamplePlane plane{origin,
+                            sheets.wsPoint({1, 0, middle}) - origin,
+                            sheets.wsPoint({0, 1, middle}) - origin,
+                            sheets.wsPoint({0, 0, middle + 1}) - origin,
+                            sheets.thickness / sheets.texel,
+                            m_group.sameSide ? -1.0 : 1.0};
     // Most samples of a tile at the border of a volume lie beside it.
-    Row medium = rows.total[0];
-    for (int c = 1; c < m_plan.extinction.count(); ++c)
+    Row medium = rows.total[0];  // mean extinction
+    const int channels = m_plan.extinction.count();
+    for (int c = 1; c < channels; ++c)
         for (int k = 0; k < kTileSize; ++k) medium.values[k] += rows.total[std::size_t(c)].values[k];
+    for (Real& extinction : medium.values) extinction /= static_cast<Real>(channels);
     for (std::size_t i = 0; i < m_scatteredParts.size(); ++i) {
         SheetScattered& part = rows.scattered.emplace_back(m_scatteredParts[i]);
         Row* const own = rows.onCells.data() + 3 * i;

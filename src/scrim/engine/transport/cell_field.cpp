@@ -235,19 +235,29 @@ double CellField::meanDecay(const Vec3& way, const Vec3& path) const {
 // Near a sphere its solid angle and the way from it change within a sheet, too: the factor by which the mean over the
 // eye's path through the sheet, of solid angle and attenuation, differs from those in its middle, times 1/r^2 there.
 double CellField::meanNearSphere(const Vec3& way, const Vec3& path, double extinction) const {
-    constexpr int kSteps = 8;
-    const double radius2 = std::pow(radiusOfSphere(*m_lamp), 2), middle2 = glm::dot(way, way);
-    const auto light = [&](double r2) {  // as lampAt has it, but for what the middle shares
+    const double radius2 = std::pow(radiusOfSphere(*m_lamp), 2), t = glm::length(path), d = glm::dot(way, path) / t;
+    const double b2 = std::max(glm::dot(way, way) - d * d, 1e-12 * radius2);
+    const double inside = std::sqrt(std::max(radius2 - b2, 0.0));  // half the way through the sphere
+    const auto light = [&](double r2) {                            // as lampAt has it, but for what the middle shares
         const double cosine = std::sqrt(std::max(1 - radius2 / r2, 0.0));
         return std::exp(-extinction * wayFrom(*m_lamp, std::sqrt(r2))) / (1 + cosine);
     };
-    double sum = 0;
-    for (int i = 0; i < kSteps; ++i) {
-        const Vec3 at = way + ((i + 0.5) / kSteps - 0.5) * path;
-        const double r2 = glm::dot(at, at);
-        if (r2 > radius2) sum += light(r2) / r2;
-    }
-    return sum / (kSteps * light(std::max(middle2, 1e-30)));
+    // From the sphere on, where light changes as a square root does, by Gauss and Legendre in the root.
+    const auto outside = [&](double nearest, double farthest) {
+        if (farthest <= nearest) return 0.0;
+        double sum = 0;
+        for (const auto& [u, weight] : {std::pair(0.0694318442, 0.1739274226),
+                                        {0.3300094782, 0.3260725774},
+                                        {0.6699905218, 0.3260725774},
+                                        {0.9305681558, 0.1739274226}}) {
+            const double z = nearest + (farthest - nearest) * u * u, r2 = std::max(b2 + z * z, radius2);
+            sum += 2 * u * weight * light(r2) / r2;
+        }
+        return sum * (farthest - nearest);
+    };
+    const double begin = d - 0.5 * t, end = d + 0.5 * t;
+    const double sum = outside(std::max(begin, inside), end) + outside(std::max(-end, inside), -begin);
+    return sum / (t * light(std::max(glm::dot(way, way), 1e-30)));
 }
 
 void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
@@ -288,30 +298,40 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
 }
 
-void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* medium,
+namespace {
+
+// The eye sees more of the nearer part of a sheet. Light that changes evenly along its path, of optical depth `tau`,
+// counts as it is at coth(tau / 2) / 2 - 1 / tau of the path before the middle.
+double nearerThanMiddle(double tau) {
+    return tau < 0.1 ? tau / 12 : 0.5 / std::tanh(0.5 * tau) - 1 / tau;
+}
+
+}  // namespace
+
+void CellField::lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
                        Real* const rgb[3]) const {
-    const Vec3 origin = m_grid->csFromWs(plane.wsOrigin) - 0.5;
-    const Vec3 perU = plane.wsPerU / m_grid->edge(), perV = plane.wsPerV / m_grid->edge();
     for (int k = 0; k < kTileSize; ++k) {
         Real found[3];
-        if (medium[k] == 0) {
+        if (extinction[k] == 0) {
             for (int c = 0; c < 3; ++c) rgb[c][k] = 0;
             continue;
         }
         const double u = double(samples.u[k]), v = double(samples.v[k]);
-        sampleAt(origin + u * perU + v * perV, found);
+        const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
+                                                               double(samples.eyeB[k]) * plane.wsPerV);
+        const Vec3 middle = plane.wsOrigin + u * plane.wsPerU + v * plane.wsPerV;
+        const Vec3 ws = middle + plane.towardsEye * nearerThanMiddle(double(extinction[k]) * glm::length(path)) * path;
+        sampleAt(m_grid->csFromWs(ws) - 0.5, found);
         Real factor = 1;
         if (m_lamp) {
             constexpr double kNear = 4;
-            const Vec3 ws = plane.wsOrigin + u * plane.wsPerU + v * plane.wsPerV, way = ws - m_lamp->wsPosition;
-            const Vec3 path = plane.wsPerSheet + plane.toTexels * (double(samples.eyeA[k]) * plane.wsPerU +
-                                                                   double(samples.eyeB[k]) * plane.wsPerV);
+            const Vec3 way = middle - m_lamp->wsPosition;
             const double radius = radiusOfSphere(*m_lamp);
             if (radius > 0 && glm::dot(way, way) < kNear * kNear * (radius * radius + glm::dot(path, path)))
                 factor = static_cast<Real>(meanNearSphere(way, path, double(found[1])));
             else if (radius > 0 || m_lamp->point().decay)
                 factor = static_cast<Real>(meanDecay(way, path));
-            lampAt(ws, found);
+            lampAt(middle, found);
         }
         for (int c = 0; c < 3; ++c) rgb[c][k] = factor * found[c];
     }

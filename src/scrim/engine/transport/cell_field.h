@@ -30,6 +30,7 @@ void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& co
 struct SamplePlane {
     Vec3 wsOrigin{0}, wsPerU{0}, wsPerV{0}, wsPerSheet{0};
     double toTexels = 1;
+    double towardsEye = 0;  ///< 1 if the next sheet is nearer to the eye, -1 if it is farther; 0: it does not matter
 };
 
 /// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that of an equivalent
@@ -51,8 +52,9 @@ class CellField {
     Real* cell(std::size_t index);
     /// The light at a point, 0 beyond the stored cells; of a lamp, times r^2.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
-    /// The light at a tile of samples: kTileSize values for each colour, 0 where `medium`, likewise kTileSize values, is.
-    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* medium, Real* const rgb[3]) const;
+    /// The light at a tile of samples: kTileSize values for each colour, 0 where `extinction`, likewise kTileSize
+    /// values per world unit, is. Within a sheet the light counts as the eye sees it through the part before.
+    void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
 
     /// What is kept is transmittance from `lamp`, a point light or a sphere. Makes it the mean extinction on the way
     /// from there, which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute
