@@ -256,7 +256,7 @@ def test_a_cylinder_lies_along_its_x_axis_and_is_seen_under_its_solid_angle(dust
     area = 2 * math.pi * r * l if normalize else 1
     assert arrives(dusty)[0] == pytest.approx([5.0 * solid / area] * 3, rel=0.02)
     light.GetPrim().GetAttribute("xformOp:rotateXYZ").Set(Gf.Vec3f(0, 90, 0))
-    assert arrives(dusty)[0][0] < 0.01 * 5.0 * solid / area
+    assert arrives(dusty)[0][0] < 0.1 * 5.0 * solid / area
 
 
 @pytest.mark.parametrize(
