@@ -350,7 +350,8 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.scattered = rows.scattered;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn[0].values;
-    input.unblocked = m_lights.passSolids() ? rows.unblocked.front().values : nullptr;
+    const bool blocks = m_lights.passSolids() && !rows.unblocked.empty();  // all lights may be on cells
+    input.unblocked = blocks ? rows.unblocked.front().values : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
     if (m_motion) {
         fillMotion(p, samples, rows);
