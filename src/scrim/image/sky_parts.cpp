@@ -137,6 +137,10 @@ class Sky {
     }
     // No value if the spot is too wide or too faint. Its pixels then count as before.
     std::optional<SkySun> sunOf(const Pixels& spot) {
+        // The sky around a spot is looked at only where the spot is bright enough with it: a night has many stars.
+        double most = 0;
+        for (const std::int32_t at : spot) most += solidAngle(at) * value(at);
+        if (!(most > kLittle * m_all)) return std::nullopt;
         const Rgb beside = around(spot);
         SkySun sun;
         Vec3 center(0);

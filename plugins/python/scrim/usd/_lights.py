@@ -107,11 +107,14 @@ class Light:
             out["angle"] = min(angle, 180.0)
         return out
 
-    def sphere_radius(self, time: float) -> float:
-        scales = self.scales(time)
+    def round_radius(self, time: float, scales: list[float], what: str) -> float:
+        """The radius under the geometric mean of these scales; `what` becomes of it where they differ."""
         if max(scales) - min(scales) > _EVEN * max(scales):
-            self.warn("its scale differs along axes: an ellipsoid is rendered as a sphere of the same volume")
-        return float(self.input("radius", time)) * math.prod(scales) ** (1 / 3)
+            self.warn(f"its scale differs along axes: {what}")
+        return float(self.input("radius", time)) * math.prod(scales) ** (1 / len(scales))
+
+    def sphere_radius(self, time: float) -> float:
+        return self.round_radius(time, self.scales(time), "an ellipsoid is rendered as a sphere of the same volume")
 
     def cone(self) -> tuple[float, float] | None:
         """(half angle, softness) of ShapingAPI; None where it is not there."""
@@ -177,10 +180,7 @@ class Light:
 
     def disk(self) -> dict:
         def radius(time: float) -> float:
-            x, y, _ = self.scales(time)
-            if abs(x - y) > _EVEN * max(x, y):
-                self.warn("its scale differs along axes: an ellipse is rendered as a disk of the same area")
-            return float(self.input("radius", time)) * math.sqrt(x * y)
+            return self.round_radius(time, self.scales(time)[:2], "an ellipse is rendered as a disk of the same area")
 
         out = self.flat("disk")
         return {**out, "radius": self.reading.moving(radius)}
@@ -189,10 +189,7 @@ class Light:
         """Its length is along x, as that of a scene's cylinder is across `up`."""
 
         def radius(time: float) -> float:
-            _, y, z = self.scales(time)
-            if abs(y - z) > _EVEN * max(y, z):
-                self.warn("its scale differs along axes: an elliptic cylinder is rendered as a round one")
-            return float(self.input("radius", time)) * math.sqrt(y * z)
+            return self.round_radius(time, self.scales(time)[1:], "an elliptic cylinder is rendered as a round one")
 
         out = self.flat("cylinder")
         if self.reading.get(self.prim.GetAttribute("treatAsLine"), otherwise=False):

@@ -23,12 +23,6 @@ double longest(const Bounds& box) {
     return std::max({size.x, size.y, size.z});
 }
 
-Bounds boxOf(const std::vector<Vec3>& wsPoints) {
-    Bounds box;
-    for (const Vec3& p : wsPoints) box.include(p);
-    return box;
-}
-
 // Points in the unit square that are evenly distributed along every line through it: one in each of `count` columns and
 // of `count` rows. A shadow's edge in any direction is thus divided into about `count` fine steps, where a square grid
 // would show the square root of that as bands. From column to column the row advances by the golden section, which
@@ -84,11 +78,10 @@ Light sunFrom(const Light& whole, const Vec3& travel, const Rgb& irradiance) {
     return light;
 }
 
-// The solid angle of a light as seen from the point of the corners' box that is closest to it.
-double solidAngle(const Light& light, const std::vector<Vec3>& wsCorners) {
+// The solid angle of a light as seen from the point of the box `ws` that is closest to it.
+double solidAngle(const Light& light, const Bounds& ws) {
     if (light.dome()) return 4 * kPi;
     if (!light.area()) return 2 * kPi * (1 - std::cos(glm::radians(0.5 * std::get<Light::Distant>(light.kind).angle)));
-    const Bounds ws = boxOf(wsCorners);
     if (ws.empty()) return 0;
     const double distance = glm::distance(light.wsPosition, glm::clamp(light.wsPosition, ws.lower, ws.upper));
     // The solid angle of a disk of the same area, seen from its axis.
@@ -152,7 +145,7 @@ int subLightCount(const ViewScene& scene, const Light& light) {
     // dense smoke, a sky left 0.85 / N, a sun of 20 degrees 0.09 / N, one of 5 degrees 0.02 / N and a soft box near by
     // 0.2 / N. All of these are about the square root of the light's share of the sky.
     constexpr double kPerRoot = 1;
-    const double share = solidAngle(light, wsCorners(scene)) / (4 * kPi);
+    const double share = solidAngle(light, wsBounds(scene)) / (4 * kPi);
     // Half of the sub-lights of a sphere or a cylinder are on its far side.
     const auto shape = light.area() ? light.area()->shape : AreaShape::disk;
     const double used = shape == AreaShape::sphere || shape == AreaShape::cylinder ? 0.5 : 1;
@@ -263,8 +256,7 @@ const ViewScene& withSubLights(const ViewScene& scene, const SubLights& lights, 
         volume.lights.clear();
         for (std::size_t i = 0; i < lights.owners.size(); ++i) {
             const auto owner = std::size_t(lights.owners[i]);
-            volume.lights.push_back((byOwner.empty() || byOwner[owner]) &&
-                                    !(noSky && scene.lights[owner].dome() && !lights.suns[i]));
+            volume.lights.push_back(litBy(byOwner, owner) && !(noSky && scene.lights[owner].dome() && !lights.suns[i]));
         }
     }
     return plain;

@@ -67,8 +67,9 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     grow(rows.flow, m_motion ? 3 * m_media.size() : 0);
     grow(rows.motion, m_motion ? 2 : 0);
     grow(rows.emission, m_extinction.emissions().size());
-    grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));  // there is always a first one
-    grow(rows.unblocked, m_lights.passSolids() ? lights : 0);
+    // There is always a first row, even if all lights are on cells.
+    grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));
+    grow(rows.unblocked, m_lights.passSolids() ? std::max<std::size_t>(lights, 1) : 0);
     grow(rows.onCells, 3 * m_scatteredParts.size());
     grow(rows.outputs, 3 * std::size_t(m_group.outputs.layout.outputs - 1) + 1);
     grow(rows.classified, m_surfaces.size());
@@ -350,8 +351,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.scattered = rows.scattered;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn[0].values;
-    const bool blocks = m_lights.passSolids() && !rows.unblocked.empty();  // all lights may be on cells
-    input.unblocked = blocks ? rows.unblocked.front().values : nullptr;
+    input.unblocked = m_lights.passSolids() ? rows.unblocked.front().values : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
     if (m_motion) {
         fillMotion(p, samples, rows);

@@ -281,7 +281,7 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     for (const VolumeClass& cls : classesOf(scene)) {
         std::vector<int> lit;
         for (const int i : group)
-            if (cls.lights.empty() || cls.lights[std::size_t(i)]) lit.push_back(i);
+            if (litBy(cls.lights, std::size_t(i))) lit.push_back(i);
         if (lit.empty()) continue;
         Sources sources = sourcesOf(scene, lit);
         if (sources.lights.empty()) continue;
