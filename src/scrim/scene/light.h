@@ -3,7 +3,6 @@
 #pragma once
 
 #include <scrim/geometry/spaces.h>
-#include <scrim/image/sky_parts.h>
 #include <scrim/image/texture.h>
 
 #include <memory>
@@ -13,6 +12,8 @@
 #include <variant>
 
 namespace scrim {
+
+struct SkyParts;
 
 /// What the slide lets through beyond the picture's border.
 enum class SlideOutside { black, clamp, repeat };
@@ -30,7 +31,8 @@ struct Slide {
     SlideOutside outside = SlideOutside::black;
     std::shared_ptr<const Texture> image;  ///< null until it is loaded
     bool split = true;                     ///< domes: suns in the picture become lights of their own
-    SkyParts parts = {};                   ///< domes: its suns and the rest, found where the picture is loaded
+    /// Domes: the picture's suns and the rest (`image/sky_parts.h`), found where it is loaded; null: it is whole.
+    std::shared_ptr<const SkyParts> parts = {};
 };
 
 enum class AreaShape { rectangle, disk, sphere, cylinder };

@@ -49,7 +49,7 @@ void SlideStore::loadInto(Scene& scene, const LoadOptions& load, const MessageSi
         if (!light.dome() || !slide.split) continue;
         std::shared_ptr<const SkyParts>& parts = m_skies[{slide.file, slide.colorspace}];
         if (!parts) parts = std::make_shared<const SkyParts>(skyParts(*image));
-        slide.parts = *parts;
+        slide.parts = parts;
     }
 }
 

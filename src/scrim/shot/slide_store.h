@@ -4,6 +4,7 @@
 
 #include <scrim/base/messages.h>
 #include <scrim/image/colour.h>
+#include <scrim/image/sky_parts.h>
 #include <scrim/scene/scene.h>
 #include <scrim/guard/load_options.h>
 

@@ -10,6 +10,7 @@
 #include <scrim/engine/plan/make_plan.h>
 #include <scrim/engine/plan/transport_plan.h>
 #include <scrim/engine/transport/light_cells.h>
+#include <scrim/image/sky_parts.h>
 
 #include <gtest/gtest.h>
 
@@ -342,7 +343,7 @@ Light skyLight(bool sun) {
                 part += 1.0 / 16;
         return Rgb(1 + 0.5 * std::cos(std::numbers::pi * (y + 0.5) / kHeight)) + part * radiance * Rgb(1, 0.9, 0.7);
     });
-    sky.slide->parts = skyParts(*sky.slide->image);
+    sky.slide->parts = std::make_shared<const SkyParts>(skyParts(*sky.slide->image));
     return sky;
 }
 // Relative RMSE of colours.

@@ -3,6 +3,7 @@
 // bright window, a few large ones for a dark wall. Every pixel's light is in exactly one cell, so no light is lost.
 #pragma once
 
+#include <scrim/image/sky_parts.h>
 #include <scrim/scene/light.h>
 
 #include <vector>
@@ -17,7 +18,7 @@ struct PictureCell {
 
 /// The picture of a dome without its suns.
 inline const Texture& smoothPicture(const Slide& slide) {
-    return slide.parts.smooth ? *slide.parts.smooth : *slide.image;
+    return slide.parts && slide.parts->smooth ? *slide.parts->smooth : *slide.image;
 }
 
 /// At most `count` cells of a dome with a loaded picture, its suns left out, without those that are dark.

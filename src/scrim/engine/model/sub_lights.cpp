@@ -191,8 +191,8 @@ int SubLights::countOf(int owner) const {
 
 std::vector<Light> sunsOfSky(const ViewScene& scene, const Light& dome) {
     std::vector<Light> suns;
-    if (!dome.dome() || !dome.slide || !dome.slide->parts.smooth) return suns;
-    for (const SkySun& sun : dome.slide->parts.suns) {
+    if (!dome.dome() || !dome.slide || !dome.slide->parts || !dome.slide->parts->smooth) return suns;
+    for (const SkySun& sun : dome.slide->parts->suns) {
         Light whole = sunFrom(dome, -domeDirection(dome, sun.u, sun.v), dome.intensity * sun.light);
         whole.kind = Light::Distant(sun.angle);
         whole.slide.reset();

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/plan/transport_plan.h>
+#include <scrim/image/sky_parts.h>
 #include <scrim/scene/layer_names.h>
 
 #include <algorithm>
@@ -144,9 +145,9 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
         const std::string what = fmt::format("{} ({}): {}", quoted(light.name), extent(light), count);
         std::string text = cells ? fmt::format("{} {} on cells", what, light.area() ? "points" : "directions")
                                  : fmt::format("{} sub-light{}", what, count == 1 ? "" : "s");
-        if (light.dome() && light.slide && !light.slide->parts.suns.empty()) text += sunsText(light.slide->parts);
-        found.add(text,
-                  "light." + light.name);
+        if (light.dome() && light.slide && light.slide->parts && !light.slide->parts->suns.empty())
+            text += sunsText(*light.slide->parts);
+        found.add(text, "light." + light.name);
     }
     Effect effect = found.effect("extended lights", "", "every light shines from one point or direction");
     if (effect.on && !plan.cellLights.unfit.empty())
