@@ -436,5 +436,23 @@ TEST(LightOnCells, IsChosenForWhatShinesFromManyPlacesOrFromWithin) {
     EXPECT_EQ(planCellLights(scene).unfit, "volume '" + scene.volumes[0].name + "' scatters in octaves");
 }
 
+// Dense voxels cast shadows with edges of a voxel, which cells blur; a thin medium has none.
+TEST(LightOnCells, AreLeftToShadowBuffersWhereAFewPointsLightDenseVoxels) {
+    ViewScene scene = uniformCube();
+    scene.lights = {areaLight(AreaShape::disk, {60, 40, 30}, 3, 0)};
+    const int points = subLightCount(scene, scene.lights[0]);
+    ASSERT_GE(points, 4);
+    ASSERT_LT(points, 16);
+    const auto onCells = [&](double depth) {
+        scene.volumes[0].medium.densityScale = depth / double(scene.volumes[0].field->maxValue);
+        return !planCellLights(scene).lights.empty();
+    };
+    EXPECT_TRUE(onCells(0.25));
+    EXPECT_FALSE(onCells(0.35));
+    scene.lights[0] = areaLight(AreaShape::disk, {60, 40, 30}, 30, 0);
+    ASSERT_GE(subLightCount(scene, scene.lights[0]), 16);
+    EXPECT_TRUE(onCells(0.35));
+}
+
 }  // namespace
 }  // namespace scrim::test

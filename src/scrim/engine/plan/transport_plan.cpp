@@ -104,14 +104,26 @@ std::vector<bool> lightsInView(const ViewScene& scene) {
     return seen;
 }
 
+// The largest optical depth of a voxel.
+double depthOfVoxel(const ViewScene& scene) {
+    double depth = 1e-9;
+    for (const ViewVolume& v : scene.volumes)
+        depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxelUnit(scene));
+    return depth;
+}
+
+constexpr double kDepth = 0.3;  // optical depth of a cell that is as good as a thin one
+
 // Whether a light is better kept on cells, or is told to be. A light of few points or directions, or far away, has
-// shadows that are sharper than cells.
+// shadows that are sharper than cells; where voxels are dense, shadows have edges of a voxel, and more points are few.
+// Measured on solid shapes of 0.52 per voxel under a disk of 11 sub-lights: 2.8 % on cells, 0.6 % in buffers.
 bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec3>& wsCorners) {
-    constexpr int kMany = 4;
+    constexpr int kMany = 4, kManyAtEdges = 16;
     if (!light.shadows || black(light.intensity) || light.shadow == ShadowMethod::buffers) return false;
     if (light.dome() && skiesFromBorder(scene)) return false;
     const bool forced = light.shadow == ShadowMethod::cells;
-    if (light.area() || light.dome()) return forced || subLightCount(scene, light) >= kMany;
+    if (light.area() || light.dome())
+        return forced || subLightCount(scene, light) >= (depthOfVoxel(scene) > kDepth ? kManyAtEdges : kMany);
     if (light.distant()) return forced && light.extended();
     // A lamp in the smoke would need windows of directions with a sweep each.
     if (light.spot() || light.slide) return false;
@@ -126,13 +138,9 @@ bool fitsCells(const ViewScene& scene, const Light& light, const std::vector<Vec
 // cells of 1.5, 2 and 3 voxels, beside those of 0.7: 0.3, 0.5 and 1.1 % for a dome, 0.6, 1.0 and 2.2 % for a soft box.
 double lightCell(const ViewScene& scene, const Light& light, const Vec3& wsSize) {
     if (scene.dials.lightCell) return *scene.dials.lightCell;
-    constexpr double kFine = 0.004, kDepth = 0.3, kFeatures = 1.0 / 120;
-    const double voxel = voxelUnit(scene);
-    double depth = 1e-9;
-    for (const ViewVolume& v : scene.volumes)
-        depth = std::max(depth, double(v.field->maxValue) * v.medium.mostExtinction() * voxel);
-    const double longest = std::max({wsSize.x, wsSize.y, wsSize.z}) / voxel;
-    const double whole = std::clamp(std::floor(std::min(kDepth / depth, kFeatures * longest)), 1.0, 4.0);
+    constexpr double kFine = 0.004, kFeatures = 1.0 / 120;
+    const double longest = std::max({wsSize.x, wsSize.y, wsSize.z}) / voxelUnit(scene);
+    const double whole = std::clamp(std::floor(std::min(kDepth / depthOfVoxel(scene), kFeatures * longest)), 1.0, 4.0);
     return whole * (scene.dials.lightError < kFine ? 0.5 : 1) *
            (light.area() && !isLampOnCells(scene, light) ? 0.7 : 1);
 }
