@@ -79,6 +79,19 @@ double Reference::slideStep(const Vec3& ws, const Vec3& direction, double step) 
     return step / std::min(most, kMostSlideSteps);
 }
 
+// Near a lamp its light changes over the distance to it, and at the surface of a sphere it begins.
+double Reference::lampStep(const Vec3& ws, double step) const {
+    constexpr double kOfDistance = 0.25, kLeast = 0.02;
+    for (const Light& light : m_scene.lights) {
+        const Light::Area* area = light.area();
+        if (light.distant() || light.dome() || (area && area->shape != AreaShape::sphere)) continue;
+        const double size = area ? area->radius : 0.1 * m_voxel;
+        const double distance = std::abs(glm::distance(ws, light.wsPosition) - (area ? size : 0));
+        step = std::min(step, std::max(kOfDistance * distance, kLeast * size));
+    }
+    return step;
+}
+
 Rgb Reference::extinction(const Vec3& ws) const {
     Rgb sum(0);
     for (const VolumeOptics& v : m_volumes) sum += v.extinction(ws);
@@ -246,7 +259,7 @@ std::array<double, 4> Reference::ray(double x, double y) const {
         }
         // The step's optical depth limits its length.
         double step = slideStep(origin + t * direction, direction, std::min(m_step, end - t));
-        step = held.limited(t, step, m_options.mostTau);
+        step = held.limited(t, lampStep(origin + t * direction, step), m_options.mostTau);
         for (int halvings = 0; halvings < 40; ++halvings) {
             const double densest = std::max({most(extinction(origin + t * direction)),
                                              most(extinction(origin + (t + 0.5 * step) * direction)),

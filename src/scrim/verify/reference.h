@@ -60,6 +60,7 @@ class Reference {
     double emptyDistance(const Vec3& ws) const;
     Rgb reflect(const VolumeOptics& volume, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const;
     double slideStep(const Vec3& ws, const Vec3& wsDirection, double step) const;
+    double lampStep(const Vec3& ws, double step) const;
     bool blocked(const Vec3& ws, const Vec3& toLight, double distance) const;
     Rgb scatter(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;
     Rgb scatterExtended(std::size_t light, const Vec3& ws, const Vec3& wsDirection) const;

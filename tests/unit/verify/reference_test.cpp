@@ -179,6 +179,41 @@ TEST(Steps, AreShortWhereTheMediumIsDense) {
     EXPECT_NEAR(Reference(scene).pixel(16, 16)[0], expected, 1e-3 * expected);
 }
 
+// A ray that passes a lamp at a small fraction of a voxel, where its light changes within a step: a point's adds up to
+// I sigma / (4 pi) times the angle that the ray is seen under, divided by its distance; that of a sphere of radiance L
+// begins at the surface, with half of all directions. The medium is so thin that it attenuates nothing. Steps of a
+// quarter of the distance miss 0.1 %.
+TEST(Lamps, LightARayThatPassesThemByTheirClosedForm) {
+    constexpr double kDepth = 1e-4, kBeside = 0.05;
+    ViewScene scene = slab(kDepth, {0, 0, -1});
+    const double sigma = kAlbedo * kDepth / kThickness, half = 0.5 * kThickness;
+    const Vec3 ray = wsRays(scene.camera).origin(16.5, 16.5);
+    Light& light = scene.lights.front();
+    light.kind = Light::Point();
+    light.wsPosition = Vec3(ray.x + kBeside, ray.y, -0.5);  // the slab is from -5.5 to 4.5
+    light.intensity = Rgb(1);
+    const double point = sigma / (4 * kPi) * 2 * std::atan(half / kBeside) / kBeside;
+    EXPECT_NEAR(Reference(scene).ray(16.5, 16.5)[1], point, 3e-3 * point);
+
+    for (const double radius : {0.04, 0.2, 0.7}) {
+        Light::Area area;
+        area.shape = AreaShape::sphere;
+        area.radius = radius;
+        light.kind = area;
+        // The integral of 2 pi (1 - sqrt(1 - R^2 / r^2)) over the ray outside of the sphere, by r dr = t dt.
+        const double from = std::sqrt(std::max(0.0, radius * radius - kBeside * kBeside));
+        double sum = 0;
+        constexpr int kSteps = 200000;
+        for (int i = 0; i < kSteps; ++i) {
+            const double u = (i + 0.5) / kSteps, t = from + (half - from) * u * u * u;  // finer at the surface
+            const double r2 = t * t + kBeside * kBeside;
+            sum += (1 - std::sqrt(std::max(0.0, 1 - radius * radius / r2))) * 3 * u * u * (half - from) / kSteps;
+        }
+        const double sphere = sigma / (4 * kPi) * 2 * 2 * kPi * sum;
+        EXPECT_NEAR(Reference(scene).ray(16.5, 16.5)[1], sphere, 1e-2 * sphere) << radius;
+    }
+}
+
 // Two islands, and the same with the space between them filled with blocks of zeros, which are not skipped.
 TEST(EmptySpace, SkippedDoesNotChangeAValue) {
     const auto islands = [](bool filled) {
