@@ -175,6 +175,14 @@ bool isLampOnCells(const ViewScene& scene, const Light& light) {
     return light.area()->radius <= kSmall * longest(wsBounds(scene));
 }
 
+bool lampsShareCells(const ViewScene& scene) {
+    return !wants(scene, Layer::light) && !(scene.solids && scene.solids->any(SolidRole::shadow));
+}
+
+bool sameColour(const Rgb& a, const Rgb& b) {
+    return glm::length(glm::cross(a, b)) <= 1e-12 * glm::length(a) * glm::length(b);
+}
+
 std::vector<Vec3> pointsOfLamp(const Light& light, int count) {
     if (!light.extended() || count == 1) return {light.wsPosition};
     const double spread = std::sqrt(0.75) * light.area()->radius;

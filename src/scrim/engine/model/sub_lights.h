@@ -37,6 +37,13 @@ int pointsOnCells(const ViewScene& scene, const Light& light);
 /// that is small beside the volumes.
 bool isLampOnCells(const ViewScene& scene, const Light& light);
 
+/// True if lamps on cells keep their light together, but for that near each: no layer wants one alone, and no solid
+/// casts a shadow, whose edges near a lamp are too fine for that.
+bool lampsShareCells(const ViewScene& scene);
+
+/// True if two lights differ in brightness only.
+bool sameColour(const Rgb& a, const Rgb& b);
+
 /// `count` points whose mean transmittance is that of a lamp on cells. Those of a sphere have the same spread across
 /// any line of sight as its disk: a quarter of the radius squared.
 std::vector<Vec3> pointsOfLamp(const Light& light, int count);

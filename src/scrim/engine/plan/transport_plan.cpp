@@ -5,6 +5,7 @@
 #include <scrim/engine/model/picture_cells.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/engine/plan/light_groups.h>
+#include <scrim/engine/transport/cell_field.h>
 #include <scrim/engine/transport/cell_media.h>
 
 #include <algorithm>
@@ -56,7 +57,7 @@ bool oneColour(const ViewScene& scene) {
     Rgb colour(0);  // colour of the first light
     const auto same = [&](const Rgb& light) {
         if (black(colour)) colour = light;
-        return glm::length(glm::cross(colour, light)) <= 1e-12 * glm::length(colour) * glm::length(light);
+        return sameColour(colour, light);
     };
     for (const Light& light : scene.lights)
         if (light.slide || !same(light.intensity)) return false;
@@ -194,15 +195,24 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     if (plan.lights.empty()) return plan;
     const Vec3 cells = box.size() / least + 2.0 * kCellEdge;
     const double colours = oneColour(scene) ? 1 : 3;
-    // Every lamp has a field of its own, and one more where solids block it; others share one unless layers part them.
-    double lamps = 0;
-    for (const int i : plan.lights) lamps += isLampOnCells(scene, scene.lights[std::size_t(i)]) ? 1 : 0;
-    const double others = double(plan.lights.size()) - lamps;
-    const double blocked = scene.solids && scene.solids->any(SolidRole::shadow) ? lamps : 0;
-    const double fields =
-        2 * (colours * (lamps + (wants(scene, Layer::light) ? others : std::min(others, 1.0))) + blocked);
+    // Lights share fields unless layers or solids part them; lamps also have fields of their own, and where solids
+    // block them another one.
     const double stored = 2 * occupied(scene, 0.5 * least) / (least * least * least);
-    const double bytes = sizeof(Real) * (cells.x * cells.y * cells.z * (1 + colours) + stored * (fields + 1));
+    double lamps = 0, near = 0;
+    for (const int i : plan.lights) {
+        const Light& light = scene.lights[std::size_t(i)];
+        if (!isLampOnCells(scene, light)) continue;
+        ++lamps;
+        near += std::min(std::pow(2 * nearestFar(light, least) / least + kCellEdge, 3), stored);
+    }
+    const double others = double(plan.lights.size()) - lamps;
+    const bool shared = lampsShareCells(scene);
+    const double blocked = scene.solids && scene.solids->any(SolidRole::shadow) ? lamps : 0;
+    const double fields = 2 * (colours * ((shared ? std::min(lamps, 1.0) : lamps) +
+                                          (wants(scene, Layer::light) ? others : std::min(others, 1.0))) +
+                               blocked);
+    const double bytes = sizeof(Real) * (cells.x * cells.y * cells.z * (1 + colours) + stored * (fields + 1) +
+                                         (shared ? 2 * colours * near : 0));
     plan.bytes = static_cast<std::size_t>(std::min(bytes, 1e18));
     constexpr double kMostBytes = 4e9;
     if (bytes <= (scene.memoryLimit > 0 ? 0.5 * double(scene.memoryLimit) : kMostBytes)) return plan;

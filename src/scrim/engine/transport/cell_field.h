@@ -50,22 +50,32 @@ class CellField {
     Real* block(std::size_t b) { return m_values.data() + b * kPaddedCells * m_colours; }
     /// The values of a stored cell, in its own block.
     Real* cell(std::size_t index);
-    /// The light at a point, 0 beyond the stored cells; of a lamp, times r^2.
+    /// The light at a point, 0 beyond the stored cells.
     void sample(const Vec3& ws, Real (&rgb)[3]) const;
     /// The light at a tile of samples: kTileSize values for each colour, 0 where `extinction`, likewise kTileSize
     /// values per world unit, is. Within a sheet the light counts as the eye sees it through the part before.
     void lookUp(const SamplePlane& plane, const SampleTile& samples, const Real* extinction, Real* const rgb[3]) const;
 
-    /// What is kept is transmittance from `lamp`, a point light or a sphere. Makes it the mean extinction on the way
-    /// from there, which, unlike irradiance, transmittance and direction, changes slowly near a lamp. Look-ups compute
-    /// the others from it, with the phase function towards the camera, and the mean of 1/r^2 over the eye's path
+    /// What is kept is transmittance from `lamp`, a point light or a sphere; the phase function is towards the camera.
+    /// `nearby`: only near the lamp, because cells that many lamps share keep the light of places far from it.
+    void setLamp(const Light& lamp, const Phase& phase, const Camera& camera, bool nearby);
+    /// Makes it the mean extinction on the way from the lamp, which, unlike irradiance, transmittance and direction,
+    /// changes slowly near a lamp. Look-ups compute the others from it, and the mean of 1/r^2 over the eye's path
     /// through the sheet. `open`: the fraction of the light that passes solids; null: there are none.
-    void makeLamp(const Light& lamp, const Phase& phase, const Camera& camera,
-                  std::shared_ptr<const CellField> open = nullptr);
+    void makeMean(std::shared_ptr<const CellField> open = nullptr);
+    /// The lamp's light at a point, with a transmittance of the way there, but for the part that is kept near the lamp.
+    Rgb farLight(const Vec3& ws, double transmittance) const;
+    /// Look-ups also find what `lamp` keeps near it.
+    void addNear(std::shared_ptr<const CellField> lamp) { m_lamps.push_back(std::move(lamp)); }
 
     std::size_t bytes() const { return m_values.size() * sizeof(Real); }
 
   private:
+    double nearShare(double r) const;
+    double lampFactor(const Vec3& ws) const;
+    double lampDecay(double r2) const;
+    void addNearLamps(const SamplePlane& plane, const SampleTile& samples, const Real* extinction,
+                      Real* const rgb[3]) const;
     void sampleAt(const Vec3& at, Real (&rgb)[3]) const;
     void lampAt(const Vec3& ws, Real (&rgb)[3]) const;
     double meanDecay(const Vec3& way, const Vec3& path) const;
@@ -76,14 +86,19 @@ class CellField {
     Real m_tint[3];
     std::optional<Light> m_lamp;
     std::shared_ptr<const CellField> m_open;
+    double m_near = 0;    // of a lamp that shares cells: how far those of its own reach, world units; 0: it is alone
     double m_beyond = 0;  // of a sphere that is hollow: what is added to all ways from it, world units
     Phase m_phase;        // towards the camera, of a lamp's light
     Camera m_camera;
-    std::vector<Real> m_values;  // [block][padded cell][colour]
+    std::vector<std::shared_ptr<const CellField>> m_lamps;  // of lamps that share this
+    std::vector<Real> m_values;                             // [block][padded cell][colour]
 };
 
 /// True if cells of this edge resolve a sphere, so that its light must begin at its surface.
 bool hollowOnCells(const Light& lamp, double edge);
+
+/// The distance from a lamp from which on cells that many lamps share keep all of its light, world units.
+double nearestFar(const Light& lamp, double edge);
 
 /// The light on cells that belongs to one output.
 struct CellLight {

@@ -84,19 +84,41 @@ void CellSlices::clearSums(std::size_t colours) {
         sums[c].assign(std::size_t(size[1]) * std::size_t(size[2]) * sumStride(), Real(0));
 }
 
-void CellSlices::addTo(std::size_t colours, std::size_t to, CellField& field) const {
+template <class Visit>
+void CellSlices::visitCells(CellField& field, const Visit& visit) const {
     const int edge = CellField::kPadded;
-    parallelFor(m_grid.storedBlocks().size(), [&](std::size_t b) {
-        const Int3 first = m_grid.storedBlocks()[b] * kCellEdge;  // with the border of the block, and of the box
+    const CellGrid& grid = field.grid();
+    const Int3 shift(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0)))));
+    parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {
+        // The border of the block and that of the box are one cell each.
+        const Int3 first = grid.storedBlocks()[b] * kCellEdge;
         Real* out = field.block(b);
         for (int z = 0; z < edge; ++z)
             for (int y = 0; y < edge; ++y)
                 for (int x = 0; x < edge; ++x, out += field.colours()) {
-                    const Int3 at = first + Int3(x, y, z);
+                    const Int3 at = first + Int3(x, y, z), own = at + shift;
                     const std::size_t from =
-                        rowIndex(at[axes[1]], at[axes[2]]) * sumStride() + std::size_t(at[axes[0]]);
-                    for (std::size_t c = 0; c < colours; ++c) out[to + c] += sums[c][from];
+                        rowIndex(own[axes[1]], own[axes[2]]) * sumStride() + std::size_t(own[axes[0]]);
+                    visit(Vec3(at) - 0.5, from, out);
                 }
+    });
+}
+
+void CellSlices::addTo(std::size_t colours, std::size_t to, CellField& field) const {
+    visitCells(field, [&](const Vec3&, std::size_t from, Real* out) {
+        for (std::size_t c = 0; c < colours; ++c) out[to + c] += sums[c][from];
+    });
+}
+
+void CellSlices::addFarLight(const CellField& lamp, int colour, CellField& far) const {
+    visitCells(far, [&](const Vec3& cs, std::size_t from, Real* out) {
+        if (sums[0][from] == 0) return;
+        const Rgb light = lamp.farLight(far.grid().wsFromCs(cs), double(sums[0][from]));
+        if (far.colours() == 1)
+            out[0] += static_cast<Real>(std::max({light.x, light.y, light.z}));
+        else
+            for (int c = 0; c < 3; ++c)
+                if (colour < 0 || colour == c) out[c] += static_cast<Real>(light[c]);
     });
 }
 

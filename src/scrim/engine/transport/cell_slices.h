@@ -61,12 +61,18 @@ class CellSlices {
     /// to restore.
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
     void clearSums(std::size_t colours);
-    /// Adds the sums to a field, from its colour `to` on.
+    /// Adds the sums to a field, from its colour `to` on. Its grid may have other blocks of the same cells.
     void addTo(std::size_t colours, std::size_t to, CellField& field) const;
+    /// Adds to `far` the light of `lamp`, whose transmittance the sums are, at cells far from it. `colour`: the only
+    /// one that the sums are for; -1: all.
+    void addFarLight(const CellField& lamp, int colour, CellField& far) const;
     std::size_t bytes() const;
 
   private:
     void findWanted(int reach);
+    // Calls visit(ws, index into sums, values of the field) for all cells of the field, in parallel.
+    template <class Visit>
+    void visitCells(CellField& field, const Visit& visit) const;
 
     const CellGrid& m_grid;
 };

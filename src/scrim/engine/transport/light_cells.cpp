@@ -96,6 +96,10 @@ struct Sources {
     bool blocked = false;     // by solids
 };
 
+double brightest(const Rgb& light) {
+    return std::max({light.x, light.y, light.z});
+}
+
 // Of a lamp, which stands alone, the transmittance is kept: the mean of light of 4 pi from its points, scattered to all
 // sides alike.
 Sources sourcesOfLamp(const Light& light, int count) {
@@ -125,10 +129,8 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     if (out.lights.empty()) return out;
     out.tint = out.lights.front().intensity;
     for (const Light& light : out.lights)
-        if (glm::length(glm::cross(out.tint, light.intensity)) >
-            1e-12 * glm::length(out.tint) * glm::length(light.intensity))
-            out.colours = 3;
-    if (out.colours == 1) out.tint /= std::max({out.tint.x, out.tint.y, out.tint.z});
+        if (!sameColour(out.tint, light.intensity)) out.colours = 3;
+    if (out.colours == 1) out.tint /= brightest(out.tint);
     return out;
 }
 
@@ -139,9 +141,9 @@ class Pass {
         : m_scene(scene), m_grid(grid), m_simd(simd), m_checkpoint(checkpoint) {}
 
     // `colour`: the only one that the slices' extinction is for; -1: all.
-    // `lamp`: what the sources stand for, if it is a lamp.
+    // `lamp`: what the sources stand for, if it is a lamp. `far`: what it shares with other lamps, if it does.
     void add(const Sources& sources, const Phase& phase, const Light* lamp, int colour, CellSlices& slices,
-             CellField& field) const {
+             CellField& field, CellField* far = nullptr) const {
         const std::size_t colours = colour < 0 ? field.colours() : 1;
         CellView view{phase, m_scene.camera.type == CameraType::orthographic, {}, colours, {}};
         view.eye =
@@ -172,6 +174,7 @@ class Pass {
         }
         for (const auto& [at, extinction] : before) slices.extinction[at] = extinction;
         slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
+        if (far) slices.addFarLight(field, colour, *far);
     }
 
   private:
@@ -193,8 +196,7 @@ class Pass {
     }
     // Relative to the tint where there is one value for all colours.
     static double weightOf(const Sources& sources, const Light& light, int colour) {
-        if (sources.colours == 3) return light.intensity[colour];
-        return std::max({light.intensity.x, light.intensity.y, light.intensity.z});
+        return sources.colours == 3 ? light.intensity[colour] : brightest(light.intensity);
     }
     CellRays raysOf(const Sources& sources, const Light& light, const CellSlices& slices) const {
         CellRays rays;
@@ -257,19 +259,53 @@ struct Job {
     Phase phase;
     std::shared_ptr<CellField> field;
     const Light* lamp;                          // the only light, if it is a lamp
+    std::shared_ptr<CellField> far = nullptr;   // of a lamp: what it shares with others; null: it is alone
     std::shared_ptr<CellField> open = nullptr;  // of a lamp: what solids let through; null: there are none
 };
 
-// Lights share a field unless layers tell them apart; a lamp has one of its own.
+// Lights share a field unless layers tell them apart. Lamps share one with each other, and have small ones of their
+// own.
 std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector<int>& lights) {
+    std::vector<int> lamps, others;
+    for (const int light : lights)
+        (isLampOnCells(scene, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
     std::vector<std::vector<int>> groups;
-    const auto lamp = [&](int light) { return isLampOnCells(scene, scene.lights[std::size_t(light)]); };
-    for (const int light : lights) {
-        const bool apart = wants(scene, Layer::light) || lamp(light);
-        if (groups.empty() || apart || lamp(groups.back().front())) groups.emplace_back();
-        groups.back().push_back(light);
-    }
+    const auto add = [&](const std::vector<int>& some, bool shared) {
+        if (shared && !some.empty()) groups.push_back(some);
+        for (std::size_t i = 0; !shared && i < some.size(); ++i) groups.push_back({some[i]});
+    };
+    add(others, !wants(scene, Layer::light));
+    add(lamps, lampsShareCells(scene));
     return groups;
+}
+
+// The blocks of cells in which a lamp has a field of its own.
+std::shared_ptr<const CellGrid> cellsNear(const Light& lamp, const CellGrid& all, const Vec3& wsCorner) {
+    const double reach = nearestFar(lamp, all.edge()) + all.edge(), half = 0.5 * kCellEdge * all.edge();
+    std::vector<Bounds> boxes;
+    for (const Int3& block : all.storedBlocks()) {
+        const Vec3 center = all.wsFromCs(Vec3(block * kCellEdge) + 0.5 * kCellEdge);
+        const Vec3 beside = glm::max(glm::abs(lamp.wsPosition - center) - half, Vec3(0));
+        if (glm::dot(beside, beside) <= reach * reach) boxes.push_back({center - all.edge(), center + all.edge()});
+    }
+    return std::make_shared<const CellGrid>(all.edge(), boxes, wsCorner);
+}
+
+// The field that lamps share, and the jobs for each of them.
+std::shared_ptr<CellField> addLamps(const ViewScene& scene, const std::vector<int>& lamps, const Phase& phase,
+                                    const std::shared_ptr<const CellGrid>& grid, bool grey, std::vector<Job>& jobs) {
+    bool coloured = !grey;
+    const Rgb tint = scene.lights[std::size_t(lamps.front())].intensity;
+    for (const int i : lamps) coloured = coloured || !sameColour(tint, scene.lights[std::size_t(i)].intensity);
+    const auto far = std::make_shared<CellField>(grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / brightest(tint));
+    for (const int i : lamps) {
+        const Light& lamp = scene.lights[std::size_t(i)];
+        const auto near = std::make_shared<CellField>(cellsNear(lamp, *grid, cornerOfVoxels(scene)), grey ? 1 : 3);
+        near->setLamp(lamp, phase, scene.camera, true);
+        far->addNear(near);
+        jobs.push_back({sourcesOf(scene, {i}), phase, near, &lamp, far});
+    }
+    return far;
 }
 
 // The jobs of one group of lights, whose fields become those of `light`.
@@ -283,14 +319,21 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
         for (const int i : group)
             if (litBy(cls.lights, std::size_t(i))) lit.push_back(i);
         if (lit.empty()) continue;
-        Sources sources = sourcesOf(scene, lit);
-        if (sources.lights.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
-        if (!grey) sources.colours = 3;
-        if (sources.colours == 3) sources.tint = Rgb(1);
-        const auto field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
+        const bool lamps = isLampOnCells(scene, first);
+        std::shared_ptr<CellField> field;
+        if (lamps && lampsShareCells(scene)) {
+            field = addLamps(scene, lit, cls.phase, grid, grey, jobs);
+        } else {
+            Sources sources = sourcesOf(scene, lit);
+            if (sources.lights.empty()) continue;
+            if (!grey) sources.colours = 3;
+            if (sources.colours == 3) sources.tint = Rgb(1);
+            field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
+            if (lamps) field->setLamp(first, cls.phase, scene.camera, false);
+            jobs.push_back({std::move(sources), cls.phase, field, lamps ? &first : nullptr});
+        }
         for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
-        jobs.push_back({std::move(sources), cls.phase, field, isLampOnCells(scene, first) ? &first : nullptr});
     }
     return jobs;
 }
@@ -310,6 +353,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
     for (const std::vector<int>& group : groupsOf(scene, lights))
         for (Job& job : jobsOf(scene, group, grid, grey, all.emplace_back())) {
             bytes += job.field->bytes();
+            if (job.far && (jobs.empty() || jobs.back().far != job.far)) bytes += job.far->bytes();
             jobs.push_back(std::move(job));
         }
     for (Job& job : jobs)
@@ -325,7 +369,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             slices.fill(media.extinction[c], reach);
             for (const Job& job : jobs)
                 pass.add(job.sources, job.lamp ? Phase() : job.phase, job.lamp, grey ? -1 : static_cast<int>(c), slices,
-                         *job.field);
+                         *job.field, job.far.get());
         }
         for (const Job& job : jobs) {
             if (!job.open) continue;
@@ -338,7 +382,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
         most = std::max(most, slices.bytes());
     }
     for (const Job& job : jobs)
-        if (job.lamp) job.field->makeLamp(*job.lamp, job.phase, scene.camera, job.open);
+        if (job.lamp) job.field->makeMean(job.open);
     bytes += most + media.bytes();
     return all;
 }
