@@ -32,7 +32,7 @@ nb::list rowsOf(const Mat4& m) {
 
 nb::dict cameraOf(const Camera& camera) {
     Mat4 wsFromCamera(camera.wsFromCamera);
-    wsFromCamera[3] = Vec4(camera.wsPosition, 1.0);
+    wsFromCamera[3] = {camera.wsPosition, 1.0};
     nb::dict out;
     out["type"] = camera.type == CameraType::perspective ? "perspective" : "orthographic";
     out["matrix"] = rowsOf(wsFromCamera);
