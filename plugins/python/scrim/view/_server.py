@@ -21,7 +21,6 @@ import tempfile
 import urllib.parse
 
 import tornado.httpserver
-import tornado.iostream
 import tornado.netutil
 import tornado.web
 import tornado.websocket
@@ -268,9 +267,12 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
     def tell(self, text: str | bytes, binary: bool = False) -> None:
         try:
-            self.write_message(text, binary=binary)
-        except (tornado.websocket.WebSocketClosedError, tornado.iostream.StreamClosedError):
+            sent = self.write_message(text, binary=binary)
+        except tornado.websocket.WebSocketClosedError:
             self.server.browsers.discard(self)
+            return
+        # A browser that leaves meanwhile is no error; it is discarded in `on_close`.
+        sent.add_done_callback(lambda done: done.cancelled() or done.exception())
 
     def show(self) -> None:
         """Sends the newest pictures and the view's table, as far as the browser has not got them."""
