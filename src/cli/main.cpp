@@ -208,7 +208,7 @@ std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
         }
     }
     if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-        text = fmt::format("{}: expected one or more {}", command.get_name(),
+        text = fmt::format("{}: expected {}{}", command.get_name(), command.get_name() == "view" ? "" : "one or more ",
                            command.get_name() == "info"    ? "ASSET.vdb"
                            : command.get_name() == "merge" ? "TILE.exr"
                                                            : "SCENE.toml or ASSET.vdb");

@@ -16,7 +16,6 @@ _STAGES = (".usd", ".usda", ".usdc", ".usdz")
 
 def opened(
     path: str,
-    sets: list[str] | None = None,
     *,
     frame: int | None = None,
     ocio: str = "",
@@ -24,32 +23,28 @@ def opened(
     resolution: tuple[int, int] | None = None,
 ) -> Opened:
     """Raises scrim.Error where it cannot be opened. An asset becomes the scene that `scrim render` makes of it, and a
-    stage that of one of its frames; both have no file until they are saved."""
+    stage that of one of its frames; both have no file until they are saved. `up` and `resolution` are for assets."""
     folder = os.path.dirname(os.path.abspath(path))
+    options = ["--ocio", ocio] if ocio else []
     if os.path.splitext(path)[1].lower() in _STAGES:
-        return _stage(path, folder, frame, ocio)
+        return _stage(path, folder, frame, ocio, options)
     shot = scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
     frames = shot.frames
     number = frame if frame is not None else frames[0]
     if shot.is_asset:
-        return Opened(shot.toml(), "", folder, path, frames, number, ocio, _with(sets, ocio))
+        return Opened(shot.toml(), "", folder, path, frames, number, ocio, options)
+    if up or resolution:
+        raise scrim.UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
     with open(path, encoding="utf-8", newline="") as file:
         text = file.read()
-    if sets or resolution:
-        raise scrim.UsageError("--set and --res are for assets; a scene is changed on the page, and saved from there")
-    return Opened(text, path, folder, path, frames, number, ocio, _with(sets, ocio))
+    return Opened(text, path, folder, path, frames, number, ocio, options)
 
 
-def _with(sets: list[str] | None, ocio: str) -> list[str]:
-    words = [word for one in sets or [] for word in ("--set", one)]
-    return [*words, "--ocio", ocio] if ocio else words
-
-
-def _stage(path: str, folder: str, frame: int | None, ocio: str) -> Opened:
+def _stage(path: str, folder: str, frame: int | None, ocio: str, options: list[str]) -> Opened:
     import scrim.usd
 
     shot = scrim.usd.open(path, ocio=ocio)
     number = frame if frame is not None else shot.frames[0]
     text = toml_text.document(shot.scene(number))
     # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
-    return Opened(text, "", folder, path, [number], number, ocio, _with(None, ocio), keeps=shot)
+    return Opened(text, "", folder, path, [number], number, ocio, options, keeps=shot)

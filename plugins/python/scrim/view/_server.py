@@ -176,7 +176,7 @@ class _Guarded(tornado.web.RequestHandler):
         return f"scrim-view-{self.server.port}"  # cookies of all ports of a host are one
 
     def set_default_headers(self) -> None:
-        self.set_header("Content-Security-Policy", "default-src 'self'; frame-ancestors 'self'; base-uri 'none'")
+        self.set_header("Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'; base-uri 'none'")
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
         self.set_header("Cache-Control", "no-store")

@@ -104,8 +104,11 @@ class Session:
             pose = pose.dollied(dy)
         else:
             raise scrim.UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
+        is_new = self._pose is None
         self._pose = pose
         self._update(moves=True)
+        if is_new:
+            self.send_state()
 
     def _on_rest(self, message: Mapping) -> None:
         self._moved = 0.0
@@ -279,18 +282,21 @@ class Session:
         )
 
     def _update(self, moves: bool) -> None:
-        """Renders and tells what follows from a change."""
+        """Renders and tells what follows from a change; while something is held, in few words."""
+        self._wanted = self._now(moves)
+        self._renderer.want(self._wanted)
         if moves:
             self._moved = time.monotonic()
             self._later(_STILL, self._rest_if_still)
-        self._wanted = self._now(moves)
-        self._renderer.want(self._wanted)
-        self.send_state()
+            self._tell({"type": "weights", "weights": self.weights(), "serial": self._serial})
+        else:
+            self.send_state()
 
     def _rest_if_still(self) -> None:
         if self._wanted.moves and time.monotonic() - self._moved >= 0.9 * _STILL:
             self._wanted = replace(self._wanted, moves=False)
             self._renderer.want(self._wanted)
+            self.send_state()
 
     # ---- what browsers are told
 

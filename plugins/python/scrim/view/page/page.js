@@ -54,6 +54,7 @@ function connect() {
 function hear(message) {
     if (message.type === "state") return showState(message);
     if (message.type === "error") return fail(message.text);
+    if (message.type === "weights") return weigh(message.weights, message.serial);
     if (message.type === "progress") {
         by("progress").value = message.part ?? 0;
         by("progress").style.visibility = message.part === null ? "hidden" : "visible";
@@ -70,11 +71,8 @@ function receive(buffer) {
         stage = head;
         showStage();
     }
-    redraw(() => {
-        if (head.type !== "pictures") return;
-        settle(head.serial, times.picture);
-        socket.send(JSON.stringify({ type: "have" }));
-    });
+    if (head.type === "pictures") socket.send(JSON.stringify({ type: "have" }));
+    redraw(() => head.type === "pictures" && settle(head.serial, times.picture));
 }
 
 function settle(upTo, list) {
@@ -86,6 +84,7 @@ function settle(upTo, list) {
     }
 }
 
+/** Draws before the next picture of the screen. `after` is called before the one behind it: what was drawn is then shown. */
 let waiting = [];
 function redraw(after) {
     if (after) waiting.push(after);
@@ -96,7 +95,7 @@ function redraw(after) {
         picture?.draw();
         const all = waiting;
         waiting = [];
-        for (const call of all) call();
+        if (all.length) requestAnimationFrame(() => all.forEach((call) => call()));
     });
 }
 
@@ -126,12 +125,15 @@ function showState(message) {
     if (!frame.matches(":active")) frame.value = state.frame;
     by("frame-number").textContent = state.frame;
     panel.update(state.groups, state.muted);
-    if (picture && picture.slots.beauty !== undefined) {
-        picture.setWeights(state.weights);
-        const upTo = state.serial;
-        redraw(() => state.weights && settle(upTo, times.weights));
-    }
+    weigh(state.weights, state.serial);
     resize();
+}
+
+/** Shows other weights of the layers that are here. */
+function weigh(weights, upTo) {
+    if (!picture || picture.slots.beauty === undefined || JSON.stringify(weights) === JSON.stringify(picture.weights)) return;
+    picture.setWeights(weights);
+    redraw(() => weights && settle(upTo, times.weights));
 }
 
 function fillViews() {
@@ -146,13 +148,16 @@ function fillViews() {
 function resize() {
     if (!state) return;
     const [width, height] = state.resolution;
-    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     const box = by("stage").getBoundingClientRect();
     const scale = Math.min(box.width / (height * state.aspect), box.height / height);
-    canvas.style.width = `${Math.floor(height * state.aspect * scale)}px`;
-    canvas.style.height = `${Math.floor(height * scale)}px`;
+    const [across, down] = [Math.floor(height * state.aspect * scale), Math.floor(height * scale)];
+    const before = `${canvas.style.width} ${canvas.width}`;
+    Object.assign(canvas.style, { width: `${across}px`, height: `${down}px` });
+    // No more pixels than the picture has, nor than the screen shows.
+    const share = Math.min(1, (down * devicePixelRatio) / height);
+    picture?.resize(Math.max(Math.round(width * share), 1), Math.max(Math.round(height * share), 1));
+    if (before !== `${canvas.style.width} ${canvas.width}`) redraw();
     placeWipe();
-    redraw();
 }
 
 // ---- what the user does
@@ -183,13 +188,12 @@ canvas.addEventListener("pointerdown", (event) => {
     event.preventDefault();
 });
 canvas.addEventListener("pointermove", (event) => {
-    showPixel(event);
-    if (!drag) return;
+    if (!drag) return showPixel(event);
     const height = canvas.getBoundingClientRect().height;
     moved.dx += (event.clientX - drag.x) / height;
     moved.dy += (event.clientY - drag.y) / height;
     [drag.x, drag.y] = [event.clientX, event.clientY];
-    requestAnimationFrame(flush);
+    flush(); // browsers give one such event for each picture of the screen
 });
 const drop = () => {
     if (!drag) return;
@@ -216,10 +220,10 @@ canvas.addEventListener("keydown", (event) => {
 function showPixel(event) {
     const box = canvas.getBoundingClientRect();
     const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
-    if (!picture || drag || x < 0 || y < 0 || x >= 1 || y >= 1) return;
+    if (!picture || x < 0 || y < 0 || x >= 1 || y >= 1) return;
     const value = picture.valueAt(x, y);
     if (!value) return;
-    const place = `${Math.floor(x * canvas.width)}, ${Math.floor(y * canvas.height)}`;
+    const place = `${Math.floor(x * state.resolution[0])}, ${Math.floor(y * state.resolution[1])}`;
     by("pixel").textContent = `${place}:  ${[...value].map((v) => v.toPrecision(3)).join("  ")}`;
 }
 

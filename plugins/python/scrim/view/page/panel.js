@@ -88,9 +88,9 @@ function element(name, values = {}) {
     return Object.assign(document.createElement(name), values);
 }
 
-// Numbers as the viewer writes them: six digits.
-function short(value) {
-    return String(Number(Number(value).toPrecision(6)));
+// Numbers as the viewer writes them, six digits, and as there is room for them.
+function short(value, digits = 6) {
+    return String(Number(Number(value).toPrecision(digits)));
 }
 
 function slider(control, label, change) {
@@ -108,7 +108,7 @@ function slider(control, label, change) {
     range.addEventListener("dblclick", () => field.focus());
     field.addEventListener("change", () => field.value !== "" && change(Number(field.value), true));
     const set = ({ value }) => {
-        if (document.activeElement !== field) field.value = short(value);
+        if (document.activeElement !== field) field.value = short(value, 5);
         if (!range.matches(":active")) range.value = toPlace(value);
     };
     return { parts: [range, field], set };
@@ -120,8 +120,10 @@ function triple(control, label, change) {
     const box = element("div", { className: isColour ? "triple" : "triple plain" });
     const fields = ["red", "green", "blue"].map((name, i) =>
         element("input", { type: "number", step: isColour ? 0.01 : "any", ariaLabel: `${label} ${isColour ? name : "xyz"[i]}` }));
-    const say = () => fields.every((f) => f.value !== "") && change(fields.map((f) => Number(f.value)), true);
-    for (const field of fields) field.addEventListener("change", say);
+    let exact = [0, 0, 0]; // fields show fewer digits
+    fields.forEach((field, i) => field.addEventListener("change", () => {
+        if (field.value !== "") change(exact.map((v, at) => (at === i ? Number(field.value) : v)), true);
+    }));
     box.append(...fields);
     const patch = element("input", { type: "color", className: "swatch", ariaLabel: `${label} patch` });
     const choose = (done) => {
@@ -134,8 +136,9 @@ function triple(control, label, change) {
     patch.addEventListener("change", () => choose(true));
     if (isColour) box.append(patch);
     const set = ({ value }) => {
+        exact = [...value];
         fields.forEach((field, i) => {
-            if (document.activeElement !== field) field.value = short(value[i]);
+            if (document.activeElement !== field) field.value = short(value[i], isColour ? 4 : 6);
         });
         const most = Math.max(...value, 1e-6);
         if (!patch.matches(":active")) patch.value = "#" + value.map((v) => encoded(Math.max(v, 0) / most)).join("");

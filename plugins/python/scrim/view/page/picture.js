@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws pictures with WebGL 2: sums layers by their weights, and shows the sum through exposure, a view's table and gamma.
 //
-// The sum is kept in a texture of half floats of the picture's size. Other weights need one pass over it, another exposure
-// none.
+// The sum is kept in a texture of half floats, no larger than what the canvas shows. Other weights need one pass over it,
+// another exposure none.
 
 const LAYERS_A_PASS = 12; // every WebGL 2 has 16 textures
 const CORNERS = `#version 300 es
@@ -62,6 +62,7 @@ export class Picture {
         this.show = this.#program(SHOW);
         this.sum = this.#target();
         this.snapshot = this.#target();
+        this.probe = this.#target();
         this.frames = gl.createFramebuffer();
         this.isStale = true;
     }
@@ -113,16 +114,24 @@ export class Picture {
         return this.slots.beauty !== undefined && this.table !== undefined;
     }
 
+    /** Width and height of the picture that was rendered. */
     get size() {
         const { width, height } = this.textures.get(this.slots.beauty);
         return [width, height];
     }
 
+    /** Sets how many pixels the canvas has. */
+    resize(width, height) {
+        const { canvas } = this;
+        if (canvas.width === width && canvas.height === height) return;
+        [canvas.width, canvas.height] = [width, height];
+        this.isStale = true;
+    }
+
     draw() {
         if (!this.isReady) return;
         const gl = this.gl;
-        if (this.isStale) this.#addUp();
-        this.isStale = false;
+        this.#bringUp();
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         gl.viewport(0, 0, this.canvas.width, this.canvas.height);
         gl.useProgram(this.show.program);
@@ -144,8 +153,7 @@ export class Picture {
     /** Keeps the picture as the one to compare with. */
     keepSnapshot() {
         const gl = this.gl;
-        if (this.isStale) this.#addUp();
-        this.isStale = false;
+        this.#bringUp();
         const { width, height } = this.sum;
         this.#resize(this.snapshot, width, height);
         gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.#framed(this.sum));
@@ -153,21 +161,31 @@ export class Picture {
         gl.copyTexSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 0, 0, width, height);
     }
 
-    /** Premultiplied scene-linear R, G, B, A of the picture at (0..1, 0..1 from the top). */
+    /** Premultiplied scene-linear R, G, B, A of the rendered picture at (0..1, 0..1 from the top), to half floats. */
     valueAt(x, y) {
+        if (this.slots.beauty === undefined) return null;
         const gl = this.gl;
-        const { width, height } = this.sum;
-        if (!width) return null;
-        gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framed(this.sum));
+        const [width, height] = this.size;
+        const at = [Math.min(Math.floor(x * width), width - 1), Math.min(Math.floor(y * height), height - 1)];
+        // The pixel is the only one of the sum that falls into the target.
+        this.#resize(this.probe, 1, 1);
+        this.#addUp(this.probe, -at[0], -at[1], width, height);
         const value = new Float32Array(4);
-        gl.readPixels(Math.min(Math.floor(x * width), width - 1), Math.min(Math.floor(y * height), height - 1), 1, 1, gl.RGBA, gl.FLOAT, value);
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.FLOAT, value);
         return value;
     }
 
-    #addUp() {
-        const gl = this.gl;
+    #bringUp() {
+        if (!this.isStale) return;
+        this.isStale = false;
         const [width, height] = this.size;
-        this.#resize(this.sum, width, height);
+        const size = [Math.min(width, this.canvas.width), Math.min(height, this.canvas.height)];
+        this.#resize(this.sum, ...size);
+        this.#addUp(this.sum, 0, 0, ...size);
+    }
+
+    #addUp(target, left, top, width, height) {
+        const gl = this.gl;
         // The beauty gives the alpha, and the colour where no weight differs from 1.
         const all = [[this.slots.beauty, this.weights ? [0, 0, 0, 1] : [1, 1, 1, 1]]];
         if (this.weights) {
@@ -176,8 +194,8 @@ export class Picture {
                 if (this.slots[name] !== undefined && weight.some((w) => w !== 0)) all.push([this.slots[name], [...weight, 0]]);
             }
         }
-        gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framed(this.sum));
-        gl.viewport(0, 0, width, height);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framed(target));
+        gl.viewport(left, top, width, height);
         gl.blendFunc(gl.ONE, gl.ONE);
         for (let first = 0; first < all.length; first += LAYERS_A_PASS) {
             const some = all.slice(first, first + LAYERS_A_PASS);
