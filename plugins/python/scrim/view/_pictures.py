@@ -107,9 +107,10 @@ class Texture:
 
 @dataclass(frozen=True)
 class Layer:
-    """What one light gives, with the strength and the shape that it was rendered with."""
+    """What one light gives, with the strength and the shape that it was rendered with. `texture`: None where it is
+    black."""
 
-    texture: Texture
+    texture: Texture | None
     strength: np.ndarray
     shape: str
     stage: str
@@ -180,7 +181,8 @@ def pictures_of(frame: object, shape: Shape, strengths: Strengths, stage: str, s
             pixels = frame[name][inside][..., :3]
             rest -= pixels
             own = shape.lights.get(name.removeprefix("light."), "") if name.startswith("light.") else ""
-            layers[name] = Layer(Texture.of(pixels), strengths.of.get(name, np.ones(3)), own, stage)
+            texture = Texture.of(pixels) if pixels.any() else None
+            layers[name] = Layer(texture, strengths.of.get(name, np.ones(3)), own, stage)
     # What remains of the sum is rounding, unless something shines that has no layer.
     something = layers and float(np.abs(rest).max(initial=0)) > 1e-4 * max(float(beauty.max(initial=0)), 1e-6)
     return Pictures(

@@ -291,7 +291,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         slots: dict[str, Texture] = {"beauty": pictures.beauty}
         if pictures.rest is not None:
             slots["rest"] = pictures.rest
-        slots |= {name: layer.texture for name, layer in pictures.layers.items()}
+        slots |= {name: layer.texture for name, layer in pictures.layers.items() if layer.texture}
         fresh = [texture for texture in slots.values() if texture.number not in self._has]
         self._has = {texture.number for texture in slots.values()}
         head = {

@@ -84,18 +84,26 @@ function settle(upTo, list) {
     }
 }
 
-/** Draws before the next picture of the screen. `after` is called before the one behind it: what was drawn is then shown. */
+/** Draws before the next picture of the screen. `after` is called before the one behind it: what was drawn is then shown.
+    `isQuick`: more of the same will follow at once; if not, a better picture follows soon. */
+const SOON_MS = 150;
 let waiting = [];
-function redraw(after) {
+let better = 0;
+function redraw(after, isQuick = false) {
     if (after) waiting.push(after);
     if (!isDrawn) return;
     isDrawn = false;
-    requestAnimationFrame(() => {
+    requestAnimationFrame((then) => {
         isDrawn = true;
-        picture?.draw();
+        picture?.draw(isQuick);
         const all = waiting;
         waiting = [];
-        if (all.length) requestAnimationFrame(() => all.forEach((call) => call()));
+        requestAnimationFrame((now) => {
+            if (isQuick) picture?.tookTo(now - then);
+            all.forEach((call) => call());
+        });
+        clearTimeout(better);
+        if (isQuick) better = setTimeout(() => redraw(), SOON_MS);
     });
 }
 
@@ -133,7 +141,7 @@ function showState(message) {
 function weigh(weights, upTo) {
     if (!picture || picture.slots.beauty === undefined || JSON.stringify(weights) === JSON.stringify(picture.weights)) return;
     picture.setWeights(weights);
-    redraw(() => weights && settle(upTo, times.weights));
+    redraw(() => weights && settle(upTo, times.weights), true);
 }
 
 function fillViews() {
@@ -151,12 +159,12 @@ function resize() {
     const box = by("stage").getBoundingClientRect();
     const scale = Math.min(box.width / (height * state.aspect), box.height / height);
     const [across, down] = [Math.floor(height * state.aspect * scale), Math.floor(height * scale)];
-    const before = `${canvas.style.width} ${canvas.width}`;
+    const before = `${canvas.style.width} ${picture?.full}`;
     Object.assign(canvas.style, { width: `${across}px`, height: `${down}px` });
     // No more pixels than the picture has, nor than the screen shows.
     const share = Math.min(1, (down * devicePixelRatio) / height);
     picture?.resize(Math.max(Math.round(width * share), 1), Math.max(Math.round(height * share), 1));
-    if (before !== `${canvas.style.width} ${canvas.width}`) redraw();
+    if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
     placeWipe();
 }
 

@@ -5,6 +5,10 @@
 // another exposure none.
 
 const LAYERS_A_PASS = 12; // every WebGL 2 has 16 textures
+// When quick sums become coarser or finer: at less than half of 60 draws a second, or at nearly all of them.
+const SLOW_MS = 40;
+const FAST_MS = 18;
+const MOST_DIVISOR = 4;
 const CORNERS = `#version 300 es
 out vec2 uv;
 void main() {
@@ -58,6 +62,9 @@ export class Picture {
         this.exposure = 0;
         this.gamma = 1;
         this.wipe = 0;
+        this.full = [canvas.width, canvas.height];
+        this.divisor = 1; // of the pixels of quick sums
+        this.drawn = 1; // that of the sum that is there
         this.programs = new Map();
         this.show = this.#program(SHOW);
         this.sum = this.#target();
@@ -120,18 +127,21 @@ export class Picture {
         return [width, height];
     }
 
-    /** Sets how many pixels the canvas has. */
+    /** Sets how many pixels the canvas has, unless a draw is quick. */
     resize(width, height) {
-        const { canvas } = this;
-        if (canvas.width === width && canvas.height === height) return;
-        [canvas.width, canvas.height] = [width, height];
-        this.isStale = true;
+        const [before, below] = this.full;
+        this.full = [width, height];
+        this.isStale ||= before !== width || below !== height;
     }
 
-    draw() {
+    /** `isQuick`: coarser where the graphics unit is slow (`tookTo`); the next draw makes up for it. */
+    draw(isQuick = false) {
         if (!this.isReady) return;
         const gl = this.gl;
-        this.#bringUp();
+        this.#bringUp(isQuick);
+        const { canvas } = this;
+        const [across, down] = this.full.map((n) => Math.ceil(n / this.drawn));
+        if (canvas.width !== across || canvas.height !== down) [canvas.width, canvas.height] = [across, down];
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
         gl.viewport(0, 0, this.canvas.width, this.canvas.height);
         gl.useProgram(this.show.program);
@@ -175,11 +185,19 @@ export class Picture {
         return value;
     }
 
-    #bringUp() {
-        if (!this.isStale) return;
+    /** Hears how many milliseconds a draw took to the screen. Without a graphics unit a sum of layers takes long. */
+    tookTo(milliseconds) {
+        if (milliseconds > SLOW_MS) this.divisor = Math.min(this.divisor + 1, MOST_DIVISOR);
+        else if (milliseconds < FAST_MS) this.divisor = Math.max(this.divisor - 1, 1);
+    }
+
+    #bringUp(isQuick = false) {
+        const divisor = isQuick ? this.divisor : 1;
+        if (!this.isStale && divisor >= this.drawn) return;
         this.isStale = false;
+        this.drawn = divisor;
         const [width, height] = this.size;
-        const size = [Math.min(width, this.canvas.width), Math.min(height, this.canvas.height)];
+        const size = [Math.min(width, this.full[0]), Math.min(height, this.full[1])].map((n) => Math.ceil(n / divisor));
         this.#resize(this.sum, ...size);
         this.#addUp(this.sum, 0, 0, ...size);
     }
@@ -202,7 +220,13 @@ export class Picture {
             const { program, places } = this.#sumOf(some.length);
             if (first > 0) gl.enable(gl.BLEND);
             gl.useProgram(program);
-            some.forEach(([number], i) => this.#unit(i, this.textures.get(number).texture, places[`layer${i}`]));
+            some.forEach(([number], i) => {
+                const it = this.textures.get(number);
+                this.#unit(i, it.texture, places[`layer${i}`]);
+                // Coarse sums and those of the same size take one texel, which is cheaper.
+                const isPlain = this.drawn > 1 || (it.width === width && it.height === height);
+                gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, isPlain ? gl.NEAREST : gl.LINEAR);
+            });
             gl.uniform4fv(places["weights[0]"], some.flatMap(([, weight]) => weight));
             gl.drawArrays(gl.TRIANGLES, 0, 3);
         }
