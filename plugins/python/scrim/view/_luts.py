@@ -14,7 +14,7 @@ import numpy as np
 import scrim
 
 SIZE = 65
-KNEE = 1024.0  # K
+KNEE = 256.0  # K
 MOST = 64.0  # M: what is brighter is shown like this
 
 

@@ -175,7 +175,7 @@ class Session:
         file = os.path.join(self.opened.folder, name) if name else ""
         self.document.save(file)
         self._message = f"saved {self.document.file}"
-        self.send_state()
+        self._update(moves=False)
 
     def _on_display(self, message: Mapping) -> None:
         display, view = message.get("display"), message.get("view")
@@ -183,7 +183,7 @@ class Session:
             raise scrim.UsageError(f"there is no view {view!r} of a display {display!r}")
         self.display, self.view = display, view
         self._show()
-        self.send_state()
+        self._update(moves=False)
 
     # ---- the state
 
@@ -289,8 +289,11 @@ class Session:
             self._moved = time.monotonic()
             self._later(_STILL, self._rest_if_still)
             self._tell({"type": "weights", "weights": self.weights(), "serial": self._serial})
-        else:
-            self.send_state()
+            return
+        if self.exact_frame() is not None:  # no picture will come of this event: the one that is there is right
+            self.serial_shown = self._serial
+            self._show()
+        self.send_state()
 
     def _rest_if_still(self) -> None:
         if self._wanted.moves and time.monotonic() - self._moved >= 0.9 * _STILL:

@@ -109,7 +109,8 @@ function redraw(after, isQuick = false) {
 
 function showStage() {
     const words = { motion: "moving", draft: "draft", final: "finished" };
-    const text = stage.exact ? "finished, as the file renders" : words[stage.stage] ?? "";
+    const isFile = stage.exact && state && !state.free && !state.changed && !state.muted.length;
+    const text = isFile ? "finished: the file's picture" : words[stage.stage] ?? "";
     by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s)` : text;
     document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
     by("download").style.visibility = stage.exact ? "visible" : "hidden";
@@ -308,5 +309,14 @@ addEventListener("keydown", (event) => {
     }
 });
 
-globalThis.scrim = { times, get picture() { return picture; }, get state() { return state; } };
+// For tests and measurements.
+globalThis.scrim = {
+    times,
+    get picture() { return picture; },
+    get state() { return state; },
+    get isConnected() { return socket?.readyState === WebSocket.OPEN; },
+    get isSettled() { return stage.serial >= (state?.serial ?? Infinity) && serial === state.serial; },
+    cut: () => socket.close(),
+    readPixels: () => picture.readPixels(),
+};
 connect();

@@ -191,6 +191,16 @@ export class Picture {
         else if (milliseconds < FAST_MS) this.divisor = Math.max(this.divisor - 1, 1);
     }
 
+    /** What the canvas shows: R, G, B, A from 0 to 255, rows from bottom to top. */
+    readPixels() {
+        const gl = this.gl;
+        this.draw();
+        const { width, height } = this.canvas;
+        const bytes = new Uint8Array(4 * width * height);
+        gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+        return [...bytes];
+    }
+
     #bringUp(isQuick = false) {
         const divisor = isQuick ? this.divisor : 1;
         if (!this.isStale && divisor >= this.drawn) return;
