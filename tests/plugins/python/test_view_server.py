@@ -195,6 +195,16 @@ def test_a_file_that_somebody_else_changed_is_not_overwritten(view, tmp_path):
     browser.close()
 
 
+def test_a_verification_finds_the_error_that_the_program_finds(view, tmp_path):
+    browser = view().browser()
+    browser.send(type="verify")
+    browser.until(lambda m: m["type"] == "pictures" and m["error"])
+    found = browser.head["error"]
+    stats = scrim.open(tmp_path / "shot.toml").render(verify=400).stats["verification"]
+    assert found == stats and 0 < found["error"] < 0.05
+    browser.close()
+
+
 def test_two_browsers_see_the_same(view):
     viewer = view()
     one, two = viewer.browser(), viewer.browser()

@@ -36,13 +36,15 @@ _FIRST_SIZE = 200  # pixels of the longer side of the first picture
 _SLOW, _FAST = 0.09, 0.035  # seconds of a coarse render from which on the next one is coarser or finer
 _PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
+_VERIFIED = 400  # pixels that are compared with brute force on request
 _POLL = 0.01
 
 
 @dataclass(frozen=True)
 class Wanted:
     """What is looked at. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not shine;
-    `moves`: the user holds something; `serial`: number of the last event; `since`: when it came."""
+    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `serial`: number of the
+    last event; `since`: when it came."""
 
     text: str
     shape: Shape
@@ -53,13 +55,15 @@ class Wanted:
     is_draft: bool  # the scene asks for no more
     muted: frozenset[str] = frozenset()
     moves: bool = False
+    verify: bool = False
     serial: int = 0
     since: float = 0.0
 
 
 @dataclass(frozen=True)
 class Task:
-    """A render. `kind`: whole, light (one light alone), or exact: what the scene's file says, with its own layers."""
+    """A render. `kind`: whole, light (one light alone), exact (what the scene's file says, with its own layers), or
+    verify: the same, and some pixels by brute force."""
 
     kind: str
     stage: str
@@ -89,8 +93,10 @@ def next_task(wanted: Wanted, pictures: Pictures | None, now: float) -> Task | N
     for name, layer in pictures.layers.items():
         if layer.stage != pictures.stage:
             return Task("light", pictures.stage, name.removeprefix("light."))
-    rests = now - wanted.since >= _REST
-    return Task("exact", "final") if rests and not is_exact(wanted, pictures) else None
+    if not is_exact(wanted, pictures):
+        rests = wanted.verify or now - wanted.since >= _REST
+        return Task("exact", "final") if rests else None
+    return Task("verify", "final") if wanted.verify and pictures.frame.error is None else None
 
 
 def is_exact(wanted: Wanted, pictures: Pictures | None) -> bool:
@@ -187,7 +193,7 @@ class Renderer:
             size = (max(1, round(size[0] / divisor)), max(1, round(size[1] / divisor)))
         elif task.stage == "draft":
             over |= _DRAFT
-        if task.kind != "exact":
+        if task.kind not in ("exact", "verify"):
             over["camera.overscan"] = 0
             over["output.layers"] = [] if task.kind == "whole" and task.stage == "motion" else LAYERS
         if task.kind == "light":
@@ -212,7 +218,7 @@ class Renderer:
             wanted.text, over, resolution=size, sharing=self._shot, checked_frame=wanted.frame, **self._given
         )
         self._shot = shot
-        job = self._job = shot.start(wanted.frame)
+        job = self._job = shot.start(wanted.frame, verify=_VERIFIED if task.kind == "verify" else 0)
         while not job.wait(_POLL):
             with self._changed:
                 if self._stopped or not self._serves(task, wanted, time.monotonic() - started):
@@ -238,7 +244,10 @@ class Renderer:
             return False
         if task.kind == "light":
             return newest.shape.lights == wanted.shape.lights
-        return newest.shape == wanted.shape and (task.kind != "exact" or newest.strengths is wanted.strengths)
+        if newest.shape != wanted.shape:
+            return False
+        same = all((newest.strengths.of[n] == rgb).all() for n, rgb in wanted.strengths.of.items())
+        return task.kind == "whole" or (same and (task.kind == "exact" or newest.verify))
 
     def _adapt(self, seconds: float) -> None:
         if seconds > _SLOW:
@@ -251,7 +260,7 @@ class Renderer:
         made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds)
         if task.kind == "whole":
             self._pictures = made
-        elif task.kind == "exact":
+        elif task.kind in ("exact", "verify"):
             # The layers stay; the sum without them is rounded otherwise.
             self._pictures = replace(pictures, beauty=made.beauty, strengths=wanted.strengths, shape=wanted.shape,
                                      frame=frame, is_whole=True, seconds=seconds)  # fmt: skip

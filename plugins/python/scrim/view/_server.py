@@ -302,6 +302,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             "stage": pictures.stage,
             "exact": session.exact_frame() is not None,
             "seconds": pictures.seconds,
+            "error": session.error(),
             "serial": session.serial_shown,
         }
         self.tell(_packed(head, [texture.pixels.tobytes() for texture in fresh]), binary=True)

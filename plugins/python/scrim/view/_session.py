@@ -66,7 +66,7 @@ class Session:
         self._muted: frozenset[str] = frozenset()
         self._serial = 0
         self._moved = 0.0  # when something was last held and moved
-        self._message = ""
+        self._message, self._verify = "", False
         self._luts: dict[tuple[str, str], bytes] = {}
         self.pictures: Pictures | None = None
         self.serial_shown = 0
@@ -90,7 +90,7 @@ class Session:
         if do is None:
             raise scrim.UsageError(f"the page asks for '{kind}', which this viewer does not know")
         self._serial = max(self._serial, _whole(message.get("serial", 0)))
-        self._message = ""
+        self._message, self._verify = "", kind == "verify"
         do(message)
 
     def _on_navigate(self, message: Mapping) -> None:
@@ -153,6 +153,10 @@ class Session:
             self.frame = before
             raise
         self._update(moves=not message.get("done", True))
+
+    def _on_verify(self, message: Mapping) -> None:
+        self._message = "comparing pixels with brute force"
+        self._update(moves=False)
 
     def _on_undo(self, message: Mapping) -> None:
         self._move_in_history(self.document.undo, "there is nothing to undo")
@@ -277,6 +281,7 @@ class Session:
             data.get("render", {}).get("quality") == "draft",
             self._muted,
             moves,
+            self._verify,
             self._serial,
             time.monotonic(),
         )
@@ -367,6 +372,11 @@ class Session:
     def exact_frame(self) -> scrim.Frame | None:
         """The frame that the scene's file makes; None while it is not there."""
         return self.pictures.frame if is_exact(self._wanted, self.pictures) else None
+
+    def error(self) -> dict | None:
+        """What a verification of the picture found: see `verification` of `--stats`. None where there was none."""
+        frame = self.exact_frame()
+        return frame.stats["verification"] if frame is not None and frame.error is not None else None
 
     def progress(self) -> float | None:
         return self._renderer.progress

@@ -111,7 +111,9 @@ function showStage() {
     const words = { motion: "moving", draft: "draft", final: "finished" };
     const isFile = stage.exact && state && !state.free && !state.changed && !state.muted.length;
     const text = isFile ? "finished: the file's picture" : words[stage.stage] ?? "";
-    by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s)` : text;
+    const percent = (part) => `${(100 * part).toPrecision(2)} %`;
+    const error = stage.error ? `, error ${percent(stage.error.error)} of ${stage.error.pixels} pixels` : "";
+    by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text;
     document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
     by("download").style.visibility = stage.exact ? "visible" : "hidden";
 }
@@ -237,7 +239,7 @@ function showPixel(event) {
 }
 
 const click = (id, call) => by(id).addEventListener("click", call);
-for (const type of ["undo", "redo", "save"]) click(type, () => send({ type }));
+for (const type of ["undo", "redo", "save", "verify"]) click(type, () => send({ type }));
 click("save-as", () => {
     const name = prompt("Name of the new scene, in the same folder:", state.file || state.title.replace(/\.[^.]*$/, "") + ".toml");
     if (name) send({ type: "save", name });
