@@ -16,7 +16,6 @@ pytest.importorskip("tornado")
 pytest.importorskip("tomlkit")
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser: pip install playwright")
 
-from conftest import SMOKE  # noqa: E402
 from viewing import Viewer  # noqa: E402
 
 CHROMIUM = os.environ.get("SCRIM_CHROMIUM") or shutil.which("chromium")
@@ -84,11 +83,11 @@ class Page:
         self.page.evaluate("new Promise((drawn) => setTimeout(() => requestAnimationFrame(drawn), 300))")
 
     def pixels(self):
-        """What the screen shows of the picture: (height, width, 3), 0 to 255."""
+        """What the screen shows of the picture, without its frame: (height, width, 3), 0 to 255."""
         path = str(self._folder / "shown.png")
         self.page.mouse.move(2, 2)
         self.page.locator("#picture").screenshot(path=path)
-        return OpenImageIO.ImageBuf(path).get_pixels(OpenImageIO.UINT8)[3:-3, 3:-3, :3].astype(float)  # without its frame
+        return OpenImageIO.ImageBuf(path).get_pixels(OpenImageIO.UINT8)[3:-3, 3:-3, :3].astype(float)
 
     def drag(self, dx, dy, button="left"):
         """Drags over a part of the picture's height."""

@@ -279,7 +279,10 @@ def test_the_program_says_what_its_viewer_lacks(tmp_path):
     environment = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
     for python, text in [(empty, "No module named 'scrim'"), (tmp_path / "none", "cannot start")]:
         done = subprocess.run(
-            [PROGRAM, "view", "shot.toml"], env={**environment, "SCRIM_PYTHON": str(python)}, capture_output=True, text=True
+            [PROGRAM, "view", "shot.toml"],
+            env={**environment, "SCRIM_PYTHON": str(python)},
+            capture_output=True,
+            text=True,
         )
         assert done.returncode == 3 and text in done.stderr and "pip install tornado tomlkit" in done.stderr
 

@@ -84,6 +84,7 @@ std::vector<std::string> shellWords(const std::string& line) {
 }
 
 bool isCommand(const std::string& line) {
+    if (startsWith(line, "scrim view ")) return false;  // it does not end by itself
     return startsWith(line, "scrim ") || startsWith(line, "build/bin/scrim ");
 }
 

@@ -3,8 +3,8 @@
 
     python view.py SCENE.toml [PICTURE.jpg]
 
-Needs the package scrim, tornado, tomlkit, playwright and chromium. Every time is from an event in the page to the screen:
-to the first animation frame after the one that drew its picture. PICTURE: where a picture of the page goes.
+Needs the package scrim, tornado, tomlkit, playwright and chromium. Every time is from an event in the page to the
+screen: to the first animation frame after the one that drew its picture. PICTURE: where a picture of the page goes.
 """
 
 import shutil
@@ -27,7 +27,8 @@ def described(name, times, seconds):
         return f"{name:<28} nothing was shown"
     late = times[min(int(0.9 * len(times)), len(times) - 1)]
     middle = statistics.median(times)
-    return f"{name:<28} {len(times):4d} shown, {len(times) / seconds:5.1f}/s, median {middle:5.0f} ms, 90 % {late:5.0f} ms"
+    rate = len(times) / seconds
+    return f"{name:<28} {len(times):4d} shown, {rate:5.1f}/s, median {middle:5.0f} ms, 90 % {late:5.0f} ms"
 
 
 def drag(page, start, steps, kind):

@@ -16,13 +16,16 @@ from ._camera import angles_of, direction_of
 from ._document import Change, Place, name_of
 
 _QUALITIES = ("draft", "standard", "high", "ultra")
+# The errors that these promise, for media and for classified volumes, in per cent: `scrim help render`.
+_PROMISES = ("3", "1", "0.3", "0.1"), ("5", "2", "1", "0.5")
 _WHITE = [1.0, 1.0, 1.0]
 
 
 @dataclass(frozen=True)
 class Control:
     """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice or switch.
-    `least`, `most`: ends of a slider; `log`: whether it goes by factors. `is_keyed`: the scene animates it, so the page
+    `least`, `most`: ends of a slider; `log`: whether it goes by factors. `labels`: what the page writes for
+    the choices, if not themselves. `is_keyed`: the scene animates it, so the page
     only shows that. `changes`: what a value from the page changes in the scene."""
 
     id: str
@@ -35,6 +38,7 @@ class Control:
     log: bool = False
     unit: str = ""
     choices: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
     is_keyed: bool = False
 
     def accepts(self, value: object) -> bool:
@@ -61,6 +65,7 @@ class Control:
             "log": self.log,
             "unit": self.unit,
             "choices": list(self.choices),
+            "labels": list(self.labels or self.choices),
             "keyed": self.is_keyed,
         }
 
@@ -113,10 +118,8 @@ class _Maker:
             return  # a grid or another form that has no slider
         if kind in ("colour", "vector") and not is_keyed and not _is_triple(value):
             return
-        changes = lambda it, place=place: [(place, it)]  # noqa: E731
-        self.controls.append(
-            Control(f"{self._path}.{name}", label, kind, value, changes, is_keyed=is_keyed, **more)  # type: ignore[arg-type]
-        )
+        given: dict = {"is_keyed": is_keyed, **more}
+        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, lambda it: [(place, it)], **given))
 
     def add_angles(self, label: str, key: str, up: np.ndarray) -> None:
         """Two sliders for a direction."""
@@ -159,8 +162,10 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     }
     for key, kinds in sizes.items():
         if kind in kinds and (make.has(key) or key == "angle"):
-            most = 10.0 if key == "angle" else 4.0 * max(float(light.get(key, 1.0) or 1.0), 0.25)
-            make.add(key, "number", (key,), 0.0, most=most, unit="°" if key == "angle" else "")
+            if key == "angle":
+                make.add(key, "number", (key,), 0.0, most=10.0, unit="°")
+            else:
+                make.add(key, "number", (key,), 0.0, least=0.01, most=1000.0, log=True)
     if kind == "spot":
         make.add("cone", "number", ("cone",), 45.0, least=1.0, most=180.0, unit="°")
         make.add("blend", "number", ("blend",), 0.15)
@@ -175,9 +180,7 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
 def _volume(index: int, volume: Mapping) -> Group:
     name = name_of("volume", index, volume)
     make = _Maker(volume, ("volume", index), f"volume.{name}")
-    scale = _read(volume, ("density", "scale"), 1.0)
-    reach = max(float(scale), 1e-6) if _is_number(scale) else 1.0
-    make.add("density", "number", ("density", "scale"), 1.0, least=1e-3 * reach, most=100.0 * reach, log=True)
+    make.add("density", "number", ("density", "scale"), 1.0, least=1e-4, most=1e4, log=True)
     if "classified" not in volume:
         make.add("albedo", "colour", ("medium", "albedo"), [0.9, 0.9, 0.9])
         make.add("extinction tint", "colour", ("medium", "extinction_tint"), _WHITE)
@@ -188,8 +191,8 @@ def _volume(index: int, volume: Mapping) -> Group:
                 Control(f"volume.{name}.{'.'.join(keys)}", "phase g", "number", g,
                         lambda it: [((*place, "type"), "hg"), ((*place, "g"), it)], -0.95, 0.95, is_keyed=_is_keyed(g))
             )  # fmt: skip
-        make.add("scattering", "choice", ("medium", "scattering"),
-                 "octaves" if make.has("medium", "octaves") else "single", choices=("single", "octaves", "full"))  # fmt: skip
+        usual = "octaves" if make.has("medium", "octaves") else "single"
+        make.add("scattering", "choice", ("medium", "scattering"), usual, choices=("single", "octaves", "full"))
         for key in ("emission", "blackbody"):
             factor = "scale" if key == "emission" else "intensity"
             if make.has("medium", key):
@@ -199,7 +202,10 @@ def _volume(index: int, volume: Mapping) -> Group:
 
 def _render(scene: Mapping) -> Group:
     make = _Maker(scene, (), "scene")
-    make.add("quality", "choice", ("render", "quality"), "standard", choices=_QUALITIES)
+    promises = _PROMISES[any("classified" in volume for volume in scene.get("volume", []))]
+    has_promise = not (make.has("render", "texel") or make.has("render", "sheet_thickness"))
+    labels = tuple(f"{q} ({p} % of error)" for q, p in zip(_QUALITIES, promises)) if has_promise else ()
+    make.add("quality", "choice", ("render", "quality"), "standard", choices=_QUALITIES, labels=labels)
     if not any(make.has("camera", key) for key in ("focal_length", "exr", "height")):
         make.add("field of view", "number", ("camera", "fov"), 35.0, least=5.0, most=120.0, unit="°")
     return Group("render", "render", "Picture", make.controls)

@@ -2,9 +2,9 @@
 """A view of a display as a table that the browser's graphics unit looks up.
 
 The table has N^3 entries over the cube of encoded colours: s = log2(1 + K x) / log2(1 + K M) for x from 0 to M in each
-channel. So steps are even in stops where it is bright, even in x where it is dark, and 0 is exactly 0. The table is off by
-less than a step of 8 bits; at colours of which a channel just leaves what the display can show, by up to 10, since it
-rounds that corner off.
+channel. So steps are even in stops where it is bright, even in x where it is dark, and 0 is exactly 0. The table is off
+by less than a step of 8 bits; at colours of which a channel just leaves what the display can show, by up to 12, since
+it rounds that corner off.
 """
 
 from __future__ import annotations

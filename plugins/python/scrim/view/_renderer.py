@@ -268,7 +268,9 @@ class Renderer:
             name = f"light.{task.light}"
             layers = dict(pictures.layers)
             layers[name] = replace(made.layers[name], strength=wanted.strengths.of[name])
-            shape = replace(pictures.shape, lights={**pictures.shape.lights, task.light: wanted.shape.lights[task.light]})
+            shape = replace(
+                pictures.shape, lights={**pictures.shape.lights, task.light: wanted.shape.lights[task.light]}
+            )
             self._pictures = replace(pictures, layers=layers, shape=shape, frame=None, is_whole=False, seconds=seconds)
 
 

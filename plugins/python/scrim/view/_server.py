@@ -74,7 +74,7 @@ class Server:
 
         def later(seconds: float, call: object) -> None:
             try:
-                loop.call_soon_threadsafe(loop.call_later, seconds, call) if seconds else loop.call_soon_threadsafe(call)
+                loop.call_soon_threadsafe(*((loop.call_later, seconds, call) if seconds else (call,)))
             except RuntimeError:  # the loop has ended
                 pass
 
@@ -176,7 +176,10 @@ class _Guarded(tornado.web.RequestHandler):
         return f"scrim-view-{self.server.port}"  # cookies of all ports of a host are one
 
     def set_default_headers(self) -> None:
-        self.set_header("Content-Security-Policy", "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'; base-uri 'none'")
+        self.set_header(
+            "Content-Security-Policy",
+            "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'; base-uri 'none'",
+        )
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
         self.set_header("Cache-Control", "no-store")
@@ -184,7 +187,9 @@ class _Guarded(tornado.web.RequestHandler):
     def prepare(self) -> None:
         if not self.server.allows(self.request):
             raise tornado.web.HTTPError(403, reason="Foreign host or origin")
-        if not (self.server.knows(self.get_cookie(self._cookie)) or self.server.knows(self.get_argument("token", None))):
+        if not (
+            self.server.knows(self.get_cookie(self._cookie)) or self.server.knows(self.get_argument("token", None))
+        ):
             raise tornado.web.HTTPError(403, reason="The token is missing")
 
     def write_error(self, status_code: int, **more: object) -> None:

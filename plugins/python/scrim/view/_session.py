@@ -7,7 +7,6 @@ Everything here runs in the thread of the server's event loop, except for what `
 from __future__ import annotations
 
 import os
-import re
 import shlex
 import time
 from collections.abc import Callable, Mapping
@@ -18,7 +17,7 @@ from scrim_kit import toml_text
 
 import scrim
 
-from . import _bounds, _luts
+from . import _bounds, _luts, _messages
 from ._camera import Lens, Pose, world_up
 from ._controls import Control, groups_of
 from ._document import Document
@@ -26,14 +25,13 @@ from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._renderer import Renderer, Task, Wanted, is_exact
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
-_NAME = re.compile(r"[A-Za-z0-9_][A-Za-z0-9_.-]*\.toml\Z")
 
 
 @dataclass(frozen=True)
 class Opened:
-    """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths are
-    relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it; `keeps`: what the
-    scene's files live as long as."""
+    """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
+    are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it; `keeps`:
+    what the scene's files live as long as."""
 
     text: str
     file: str
@@ -89,12 +87,12 @@ class Session:
         do = getattr(self, f"_on_{kind}", None) if isinstance(kind, str) and kind.isidentifier() else None
         if do is None:
             raise scrim.UsageError(f"the page asks for '{kind}', which this viewer does not know")
-        self._serial = max(self._serial, _whole(message.get("serial", 0)))
+        self._serial = max(self._serial, _messages.whole(message.get("serial", 0)))
         self._message, self._verify = "", kind == "verify"
         do(message)
 
     def _on_navigate(self, message: Mapping) -> None:
-        dx, dy = _number(message.get("dx")), _number(message.get("dy"))
+        dx, dy = _messages.number(message.get("dx")), _messages.number(message.get("dy"))
         pose, mode = self._pose or self._scene_pose(), message.get("mode")
         if mode == "orbit":
             pose = pose.orbited(self._up, dx, dy)
@@ -145,7 +143,7 @@ class Session:
         self._update(moves=False)
 
     def _on_frame(self, message: Mapping) -> None:
-        number = _whole(message.get("number"))
+        number = _messages.whole(message.get("number"))
         before, self.frame = self.frame, number
         try:
             self._read(self.document.text)
@@ -171,9 +169,7 @@ class Session:
         self._update(moves=False)
 
     def _on_save(self, message: Mapping) -> None:
-        name = message.get("name") or ""
-        if name and not (isinstance(name, str) and _NAME.match(name)):
-            raise scrim.UsageError(f"the name {name!r}: expected one such as shot.toml, without folders")
+        name = _messages.file_name(message.get("name"))
         if not name and not self.document.file:
             raise scrim.UsageError("the scene has no file yet: save it under a name")
         file = os.path.join(self.opened.folder, name) if name else ""
@@ -235,7 +231,9 @@ class Session:
     def _frame_all(self) -> None:
         box = _bounds.of(self._resolved["volumes"])
         if box is None:
-            raise scrim.UsageError("the volumes of this scene are not files, so their size is not known before a render")
+            raise scrim.UsageError(
+                "the volumes of this scene are not files, so their size is not known before a render"
+            )
         self._pose = (self._pose or self._scene_pose()).framed(*box)
 
     def _view_overrides(self) -> dict:
@@ -391,15 +389,3 @@ class Session:
 
     def _lost(self, text: str) -> None:
         self._later(0.0, lambda: self._tell({"type": "error", "text": text}))
-
-
-def _number(value: object) -> float:
-    if not isinstance(value, (int, float)) or isinstance(value, bool) or not abs(value) < 1e3:
-        raise scrim.UsageError(f"the page gives {value!r}; expected a number")
-    return float(value)
-
-
-def _whole(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or abs(value) > 2**31:
-        raise scrim.UsageError(f"the page gives {value!r}; expected a whole number")
-    return value

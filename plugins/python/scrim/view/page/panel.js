@@ -157,7 +157,7 @@ function encoded(v) {
 
 function choice(control, label, change) {
     const select = element("select", { ariaLabel: label });
-    select.append(...control.choices.map((name) => element("option", { value: name, textContent: name })));
+    select.append(...control.choices.map((name, i) => element("option", { value: name, textContent: control.labels[i] })));
     select.addEventListener("change", () => change(select.value, true));
     return { parts: [select], set: ({ value }) => (select.value = value) };
 }
