@@ -157,8 +157,10 @@ struct CommandLine {
     }
     void addView() {
         CLI::App* command = app.add_subcommand("view", "show a scene or an asset in the browser, and change it there");
-        command->add_option("input", view.input, "a scene (.toml), asset (.vdb), scan (.nrrd, .nii) or stage (.usd)")
-            ->type_name("SCENE|ASSET")
+        command
+            ->add_option("input", view.input,
+                         "a scene (.toml), asset (.vdb), scan (.nrrd, .nii), stage (.usd), or a folder of them")
+            ->type_name("SCENE|ASSET|FOLDER")
             ->required();
         command->add_option("--frame", view.frame, "frame to begin with (default: the first)")
             ->type_name("N")

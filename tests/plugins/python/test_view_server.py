@@ -258,12 +258,14 @@ def test_it_ends_when_told_and_leaves_no_child(view, how):
         (["bad.toml", "--up=w"], 2, "--up 'w': expected x, y, z"),
         (["bad.toml", "--res=64"], 2, "--res '64': expected WxH"),
         (["good.toml", "--res=64x64"], 2, "--up and --res are for assets"),
+        (["empty"], 3, "empty: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii"),
         (["good.toml", "--listen=203.0.113.1:0"], 4, "cannot listen on 203.0.113.1:0"),
     ],
 )
 def test_a_viewer_that_cannot_start_says_why(tmp_path, python_path, words, status, text):
     (tmp_path / "bad.toml").write_text(SMOKE.replace("fov", "fow"))
     (tmp_path / "good.toml").write_text(SMOKE)
+    (tmp_path / "empty").mkdir()
     environment = {**python_path, "SCRIM_PYTHON": sys.executable}
     done = subprocess.run(
         [PROGRAM, "view", *words], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=PATIENCE
@@ -285,6 +287,27 @@ def test_the_program_says_what_its_viewer_lacks(tmp_path):
             text=True,
         )
         assert done.returncode == 3 and text in done.stderr and "pip install tornado tomlkit" in done.stderr
+
+
+def test_a_folder_opens_its_first_scene_and_then_the_others(tmp_path, program, python_path):
+    assert program("make", "noise", "resolution=16", "-q", "-o", tmp_path / "a.vdb").returncode == 0
+    (tmp_path / "absent.toml").write_text("[camera]")
+    (tmp_path / "b.toml").write_text(COMMENTED)
+    (tmp_path / "c.toml").write_text(COMMENTED.replace("[64, 48]", "[32, 24]"))
+    (tmp_path / "notes.txt").write_text("mine")
+    viewer = Viewer(tmp_path, python_path)
+    browser = viewer.browser()
+    assert browser.until_exact().shape == (48, 64, 4)
+    assert browser.state["title"] == "b.toml"
+    assert browser.state["others"] == ["absent.toml", "b.toml", "c.toml", "a.vdb"]
+    for name, text in [("absent.toml", "absent.toml:1:1: "), ("notes.txt", "there is no 'notes.txt'"), (3, "no 3")]:
+        browser.send(type="open", name=name)
+        assert text in browser.until(lambda m: m["type"] == "error")["text"]
+    for name, shape in [("c.toml", (24, 32, 4)), ("a.vdb", (512, 512, 4))]:
+        browser.send(type="open", name=name)
+        assert browser.until_exact().shape == shape and browser.state["title"] == name
+    browser.close()
+    viewer.close()
 
 
 def test_an_asset_is_framed_and_saved_as_a_scene_beside_it(tmp_path, program, python_path):

@@ -25,7 +25,7 @@ _STATUS = {
 
 def _arguments(words: list[str] | None) -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="scrim view", description="Shows a scene in the browser.")
-    parser.add_argument("scene", metavar="SCENE|ASSET")
+    parser.add_argument("scene", metavar="SCENE|ASSET|FOLDER")
     parser.add_argument("--listen", default="127.0.0.1:0", metavar="HOST:PORT")
     parser.add_argument("--frame", type=int)
     parser.add_argument("--up", default="")

@@ -19,6 +19,7 @@ import socket
 import struct
 import tempfile
 import urllib.parse
+from dataclasses import replace
 
 import tornado.httpserver
 import tornado.netutil
@@ -27,7 +28,8 @@ import tornado.websocket
 
 import scrim
 
-from . import _luts
+from . import _luts, _messages
+from ._opening import opened
 from ._pictures import Texture
 from ._session import Opened, Session
 
@@ -78,8 +80,9 @@ class Server:
             except RuntimeError:  # the loop has ended
                 pass
 
+        self._later = later
         try:
-            self.session = Session(self._opened, self.tell, self.show, later)
+            self.session = self._begin(self._opened)
         except BaseException:
             for one in self._sockets:
                 one.close()
@@ -104,6 +107,20 @@ class Server:
             await http.close_all_connections()
             self.session.close()
         return self.status
+
+    def _begin(self, opened: Opened, serial: int = 0) -> Session:
+        return Session(opened, self.tell, self.show, self._later, serial)
+
+    def open(self, name: object, serial: int) -> None:
+        """Shows another file of the folder. Raises scrim.Error where that cannot be; the scene stays then."""
+        others = self.session.opened.others
+        if name not in others:
+            raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
+        path = os.path.join(os.path.dirname(self._opened.input), name)
+        scene = replace(opened(path, ocio=self._opened.ocio), others=others)
+        before, self.session = self.session, self._begin(scene, serial)
+        before.close()
+        self.tell(self.session.state())
 
     def end(self, status: int = 0) -> None:
         """Ends `run`, from the loop's thread."""
@@ -265,7 +282,10 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             self.server.end()
         else:
             try:
-                self.server.session.handle(message)
+                if message.get("type") == "open":
+                    self.server.open(message.get("name"), _messages.whole(message.get("serial", 0)))
+                else:
+                    self.server.session.handle(message)
             except scrim.Error as error:
                 self.tell(json.dumps({"type": "error", "text": str(error)}))
                 self.tell(json.dumps(self.server.session.state()))

@@ -30,8 +30,8 @@ _STILL = 0.25  # seconds without an event after which a held mouse counts as res
 @dataclass(frozen=True)
 class Opened:
     """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
-    are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it; `keeps`:
-    what the scene's files live as long as."""
+    are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
+    `others`: files beside it that the page may open; `keeps`: what the scene's files live as long as."""
 
     text: str
     file: str
@@ -41,12 +41,14 @@ class Opened:
     frame: int = 1
     ocio: str = ""
     options: list[str] = field(default_factory=list)
+    others: list[str] = field(default_factory=list)
     keeps: object = None
 
 
 class Session:
     """`tell(message)`: sends a dict to all browsers. `show()`: sends them the newest pictures. `later(seconds, call)`:
-    calls in the event loop's thread, and may be called from any thread. Raises scrim.Error where the scene is bad."""
+    calls in the event loop's thread, and may be called from any thread.
+    `serial`: number of the last event. Raises scrim.Error where the scene is bad."""
 
     def __init__(
         self,
@@ -54,6 +56,7 @@ class Session:
         tell: Callable[[dict], object],
         show: Callable[[], object],
         later: Callable[[float, Callable[[], object]], object],
+        serial: int = 0,
     ) -> None:
         self.opened = opened
         self._tell, self._show, self._later = tell, show, later
@@ -62,7 +65,7 @@ class Session:
         self.frame = opened.frame
         self._pose: Pose | None = None  # of the free view; None: the scene's camera
         self._muted: frozenset[str] = frozenset()
-        self._serial = 0
+        self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
         self._luts: dict[tuple[str, str], bytes] = {}
@@ -77,6 +80,8 @@ class Session:
         self._renderer.want(self._wanted)
 
     def close(self) -> None:
+        """Ends it: browsers hear nothing more of it."""
+        self._tell = self._show = lambda *_: None
         self._renderer.stop()
 
     # ---- what browsers ask for
@@ -320,6 +325,7 @@ class Session:
             "type": "state",
             "title": os.path.basename(self.opened.input),
             "file": os.path.basename(self.document.file),
+            "others": self.opened.others,
             "groups": [
                 {"kind": g.kind, "name": g.name, "title": g.title, "controls": [c.as_data() for c in g.controls]}
                 for g in groups_of(self.document.data, self._up)

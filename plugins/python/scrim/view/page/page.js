@@ -130,6 +130,9 @@ function showState(message) {
     by("keep-view").disabled = by("scene-camera").disabled = !state.free;
     if (state.message) by("status").textContent = state.message;
     fillViews();
+    by("open").hidden = !state.others.length;
+    if (by("open").options.length !== state.others.length) by("open").replaceChildren(...state.others.map((name) => new Option(name)));
+    by("open").value = state.title;
     by("timeline").hidden = state.frames.length < 2;
     const frame = by("frame");
     [frame.min, frame.max] = [state.frames[0], state.frames[state.frames.length - 1]];
@@ -254,6 +257,10 @@ click("keep-view", () => send({ type: "view", to: "keep" }));
 click("end", () => {
     hasEnded = true;
     send({ type: "end" });
+});
+by("open").addEventListener("change", () => {
+    if (state.changed && state.undo && !confirm(`Leave ${state.title} without saving it?`)) return void (by("open").value = state.title);
+    send({ type: "open", name: by("open").value });
 });
 by("view").addEventListener("change", (event) => {
     const [display, view] = JSON.parse(event.target.value);
