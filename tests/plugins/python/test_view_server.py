@@ -125,6 +125,42 @@ def test_moving_a_light_renders_that_light_alone(view):
     browser.close()
 
 
+def camera_of(text):
+    return COMMENTED.replace("position = [0, 0.3, 5]\ntarget = [0, 0, 0]\nfov = 36", text)
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        'type = "orthographic"\nposition = [0, 0.3, 5]\ntarget = [0, 0, 0]\nheight = 3',
+        "matrix = [[1, 0, 0, 0], [0, 1, 0, 0.1], [0, 0, 1, 5], [0, 0, 0, 1]]\nfocal_length = 50\naperture = 36",
+        "orbit = { center = [0, 0, 0], radius = 5, elevation = 10, azimuth = 20 }",
+        "position = { keys = [[1, [0, 0.3, 5]], [9, [3, 0.3, 5]]] }\ntarget = [0, 0, 0]\nshutter = [-0.25, 0.25]",
+    ],
+    ids=["orthographic", "matrix", "orbit", "keyed"],
+)
+def test_every_kind_of_camera_is_moved_and_kept(view, tmp_path, camera):
+    viewer = view(camera_of(camera))
+    browser = viewer.browser()
+    start = browser.until_exact()
+    for mode in ("orbit", "pan", "dolly"):
+        browser.send(type="navigate", mode=mode, dx=0.05, dy=0.05)
+    browser.send(type="rest")
+    moved = browser.until_exact()
+    assert numpy.abs(moved - start).max() > 0.1
+    browser.send(type="view", to="keep")
+    if "keys" in camera:
+        assert "has keys" in browser.until(lambda m: m["type"] == "error")["text"]
+        browser.send(type="view", to="scene")
+        assert numpy.array_equal(browser.until_exact(), start)
+    else:
+        kept = browser.until_exact()
+        assert browser.state["free"] is False
+        # Six digits of the camera's place move the picture by a few thousandths of a pixel.
+        assert numpy.abs(kept - moved).mean() < 1e-3 * moved.mean()
+    browser.close()
+
+
 def test_a_light_that_was_dark_is_rendered_when_it_is_to_shine(view):
     browser = view(COMMENTED.replace("intensity = 4.5", "intensity = 0.0")).browser()
     assert "light.key" not in browser.pictures

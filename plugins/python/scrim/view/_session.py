@@ -256,6 +256,8 @@ class Session:
         """Writes the free view into the scene's camera."""
         if self._pose is None:
             raise scrim.UsageError("the view is that of the scene's camera")
+        if any(isinstance(value, dict) and "keys" in str(value) for value in self.document.data["camera"].values()):
+            raise scrim.UsageError("the scene's camera has keys, which a still view would replace: edit the file")
         pose, camera = self._pose, ("camera",)
         changes = [((*camera, key), None) for key in ("matrix", "orbit", "exr", "ndc")]
         places = {"position": pose.eye, "target": pose.pivot, "up": self._up}
