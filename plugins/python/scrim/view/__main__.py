@@ -11,15 +11,17 @@ import signal
 import sys
 import webbrowser
 
+from scrim_kit.program import Status, error_line
+
 import scrim
 
 from . import needs
 
 _STATUS = {
-    scrim.UsageError: 2,
-    scrim.InputError: 3,
-    scrim.OutputError: 4,
-    scrim.OutOfMemoryError: 33,
+    scrim.UsageError: Status.USAGE,
+    scrim.InputError: Status.INPUT,
+    scrim.OutputError: Status.OUTPUT,
+    scrim.OutOfMemoryError: Status.MEMORY,
 }
 
 
@@ -88,8 +90,8 @@ def main(words: list[str] | None = None) -> int:
     try:
         return _view(words)
     except scrim.Error as error:
-        print(f"scrim: error: {error}", file=sys.stderr)
-        return next((status for kind, status in _STATUS.items() if isinstance(error, kind)), 1)
+        print(error_line(str(error)), file=sys.stderr)
+        return next((status for kind, status in _STATUS.items() if isinstance(error, kind)), Status.RENDER)
     except KeyboardInterrupt:
         return 128 + signal.SIGINT
 

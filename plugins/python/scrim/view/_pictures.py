@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import copy
 import itertools
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -28,9 +27,9 @@ class Shape:
     """All of a scene that a change of strengths leaves alone. `common`: what concerns the whole picture; `lights`: what
     concerns each light alone; `render`: how exact the picture is. Two scenes with equal shapes differ by weights."""
 
-    common: str
-    lights: Mapping[str, str]
-    render: str
+    common: Mapping
+    lights: Mapping[str, Mapping]
+    render: Mapping
 
 
 @dataclass(frozen=True)
@@ -59,13 +58,12 @@ def _emitter(scene: Mapping) -> dict | None:
 def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
     """`view`: overrides of the camera."""
     common = copy.deepcopy(dict(scene))
-    lights = {}
-    for index, light in enumerate(common.pop("light", [])):
-        lights[name_of("light", index, light)] = json.dumps(
-            {k: v for k, v in light.items() if k not in _STRENGTHS}, sort_keys=True, default=str
-        )
+    lights = {
+        name_of("light", index, light): {key: value for key, value in light.items() if key not in _STRENGTHS}
+        for index, light in enumerate(common.pop("light", []))
+    }
     common.pop("output", None)
-    render = json.dumps(common.pop("render", {}), sort_keys=True, default=str)
+    render = common.pop("render", {})
     if isinstance(common.get("ambient"), dict):
         common["ambient"].pop("color", None)
         if not common["ambient"]:
@@ -73,8 +71,7 @@ def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
     if emitter := _emitter(common):
         emitter["table"].pop(emitter["key"], None)
     # Lights that come or go change the sums and the plan: they count as a change of everything.
-    common = {"scene": common, "view": dict(view), "frame": frame, "lights": list(lights)}
-    return Shape(json.dumps(common, sort_keys=True, default=str), lights, render)
+    return Shape({"scene": common, "view": dict(view), "frame": frame, "lights": list(lights)}, lights, render)
 
 
 def strengths_of(scene: Mapping, resolved: Mapping) -> Strengths:
@@ -112,7 +109,7 @@ class Layer:
 
     texture: Texture | None
     strength: np.ndarray
-    shape: str
+    shape: Mapping
     stage: str
 
 
@@ -180,7 +177,7 @@ def pictures_of(frame: object, shape: Shape, strengths: Strengths, stage: str, s
         if name.startswith("light.") or name in ("ambient", "emission"):
             pixels = frame[name][inside][..., :3]
             rest -= pixels
-            own = shape.lights.get(name.removeprefix("light."), "") if name.startswith("light.") else ""
+            own = shape.lights.get(name.removeprefix("light."), {}) if name.startswith("light.") else {}
             texture = Texture.of(pixels) if pixels.any() else None
             layers[name] = Layer(texture, strengths.of.get(name, np.ones(3)), own, stage)
     # What remains of the sum is rounding, unless something shines that has no layer.

@@ -25,6 +25,7 @@ import tornado.httpserver
 import tornado.netutil
 import tornado.web
 import tornado.websocket
+from tornado.escape import json_encode
 
 import scrim
 
@@ -129,7 +130,7 @@ class Server:
             self._ended.set()
 
     def tell(self, message: dict) -> None:
-        text = json.dumps(message)
+        text = json_encode(message)
         if message.get("type") == "error":
             logging.getLogger("scrim").error("%s", message["text"])
         for browser in list(self.browsers):
@@ -260,7 +261,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
     def open(self, *arguments: str) -> None:
         self.set_nodelay(True)
         self.server.browsers.add(self)
-        self.tell(json.dumps(self.server.session.state()))
+        self.tell(json_encode(self.server.session.state()))
         self.show()
 
     def on_close(self) -> None:
@@ -272,7 +273,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             if not isinstance(message, dict):
                 raise ValueError("a message is no object")
         except ValueError as error:
-            self.tell(json.dumps({"type": "error", "text": f"the page sent what is no message: {error}"}))
+            self.tell(json_encode({"type": "error", "text": f"the page sent what is no message: {error}"}))
             return
         if message.get("type") == "have":
             self._waits = False
@@ -287,8 +288,8 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
                 else:
                     self.server.session.handle(message)
             except scrim.Error as error:
-                self.tell(json.dumps({"type": "error", "text": str(error)}))
-                self.tell(json.dumps(self.server.session.state()))
+                self.tell(json_encode({"type": "error", "text": str(error)}))
+                self.tell(json_encode(self.server.session.state()))
 
     def tell(self, text: str | bytes, binary: bool = False) -> None:
         try:
@@ -335,6 +336,6 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
 
 def _packed(head: dict, parts: list[bytes]) -> bytes:
     """A binary message: the length of the head, the head as JSON with spaces up to a multiple of 8, and the parts."""
-    text = json.dumps(head).encode()
+    text = json_encode(head).encode()
     text += b" " * (-(len(text) + 4) % 8)
     return b"".join([struct.pack("<I", len(text)), text, *parts])
