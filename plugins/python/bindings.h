@@ -82,6 +82,7 @@ void bindFields(nb::module_& module);
 void bindFrames(nb::module_& module);
 void bindShots(nb::module_& module);
 void bindOpening(nb::module_& module);
+void bindLooking(nb::class_<ShotObject>& type);
 
 /// A frame as a Python object, which takes ownership; None where it was skipped.
 nb::object toPython(ShotFrame frame);

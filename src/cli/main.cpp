@@ -12,6 +12,7 @@
 #include "plan_command.h"
 #include "render_command.h"
 #include "study_command.h"
+#include "view_command.h"
 
 #include <scrim/base/system_error.h>
 #include <scrim/base/version.h>
@@ -79,6 +80,7 @@ struct CommandLine {
     InfoOptions info;
     MakeOptions make;
     MergeOptions merge;
+    ViewOptions view;
     HelpOptions help;
 
     CommandLine() {
@@ -91,6 +93,7 @@ struct CommandLine {
         addInfo();
         addMake();
         addMerge();
+        addView();
         addHelp();
     }
 
@@ -152,6 +155,26 @@ struct CommandLine {
         command->add_flag("--check", merge.check, "only print the incomplete pictures");
         command->add_flag("-q,--quiet", merge.quiet, "only warnings and errors");
     }
+    void addView() {
+        CLI::App* command = app.add_subcommand("view", "show a scene or an asset in the browser, and change it there");
+        command
+            ->add_option("input", view.input,
+                         "a scene (.toml), asset (.vdb), scan (.nrrd, .nii), stage (.usd), or a folder of them")
+            ->type_name("SCENE|ASSET|FOLDER")
+            ->required();
+        command->add_option("--frame", view.frame, "frame to begin with (default: the first)")
+            ->type_name("N")
+            ->each([this](const std::string&) { view.frameGiven = true; });
+        command->add_option("--res", view.resolution, "resolution of an asset alone")->type_name("WxH");
+        command->add_option("--up", view.up, "up axis of an asset: y, z, -z, ... (default: guessed)")
+            ->type_name("AXIS");
+        command->add_option("--ocio", view.ocio, "OpenColorIO config, in place of $OCIO")->type_name("FILE");
+        command
+            ->add_option("--listen", view.listen,
+                         "address to listen on (default: a free port of 127.0.0.1, for this machine alone)")
+            ->type_name("HOST:PORT");
+        command->add_flag("--no-browser", view.noBrowser, "only print the address");
+    }
     void addHelp() {
         CLI::App* command = app.add_subcommand("help", "explain a command, a section of a scene, a key");
         command->add_option("topic", help.topic, "render, camera, camera.fov")->type_name("TOPIC");
@@ -187,7 +210,7 @@ std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
         }
     }
     if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-        text = fmt::format("{}: expected one or more {}", command.get_name(),
+        text = fmt::format("{}: expected {}{}", command.get_name(), command.get_name() == "view" ? "" : "one or more ",
                            command.get_name() == "info"    ? "ASSET.vdb"
                            : command.get_name() == "merge" ? "TILE.exr"
                                                            : "SCENE.toml or ASSET.vdb");
@@ -213,6 +236,7 @@ int runCommand(CommandLine& line) {
     if (name == "info") infoCommand(line.info);
     if (name == "make") makeCommand(line.make);
     if (name == "merge") mergeCommand(line.merge);
+    if (name == "view") viewCommand(line.view);
     if (name == "help") helpCommand(line.help, line.app);
     if (name.empty()) {
         printOut(line.app.help());

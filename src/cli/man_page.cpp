@@ -32,7 +32,7 @@ constexpr std::array<std::pair<int, const char*>, 9> kStatuses{{
 constexpr std::array<std::pair<const char*, const char*>, 5> kVariables{{
     {"OCIO", "The OpenColorIO config, unless --ocio or the scene names one."},
     {"SCRIM_PLUGIN_PATH", "Folders of volume sources, searched before those that were installed; ':' between them."},
-    {"SCRIM_PYTHON", "The Python that reads OpenUSD stages: one with the module scrim and usd-core."},
+    {"SCRIM_PYTHON", "The Python that reads OpenUSD stages and runs the viewer: one with the module scrim."},
     {"SLURM_CPUS_PER_TASK", "The number of threads, unless --threads gives it."},
     {"TMPDIR", "The folder for temporary files."},
 }};

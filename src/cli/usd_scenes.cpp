@@ -2,6 +2,7 @@
 #include "usd_scenes.h"
 
 #include "interrupt.h"
+#include "python_program.h"
 
 #include <scrim/base/child_process.h>
 #include <scrim/base/descriptor.h>
@@ -33,15 +34,6 @@ namespace {
 constexpr const char* kHowToInstall =
     "stages are read by Scrim's Python package and usd-core (pip install usd-core); $SCRIM_PYTHON names the Python "
     "that has both";
-
-/// The Python program: the one named by the environment, or python3 beside this program, or the one in PATH.
-std::string pythonProgram() {
-    if (const char* const named = std::getenv("SCRIM_PYTHON"); named != nullptr && *named != '\0') return named;
-    std::error_code ignored;
-    const std::filesystem::path self = std::filesystem::read_symlink("/proc/self/exe", ignored);
-    const std::filesystem::path beside = self.parent_path() / "python3";
-    return !self.empty() && std::filesystem::exists(beside, ignored) ? beside.string() : "python3";
-}
 
 std::vector<std::string> argumentsFor(const std::string& path, const std::string& folder, const SceneOptions& options) {
     std::vector<std::string> words = {pythonProgram(), "-m", "scrim.usd"};

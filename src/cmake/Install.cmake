@@ -69,7 +69,7 @@ file(MAKE_DIRECTORY ${scrim_pages})
 set(scrim_page_files ${scrim_pages}/scrim.1 ${scrim_pages}/scrim-scene.5 ${scrim_pages}/completion)
 set(scrim_page_commands COMMAND scrim_cli help --man > scrim.1 COMMAND scrim_cli help --man scene > scrim-scene.5
                         COMMAND scrim_cli help --completion > completion)
-foreach(command render plan study bake info make merge help)
+foreach(command render plan study bake info make merge view help)
     list(APPEND scrim_page_files ${scrim_pages}/scrim-${command}.1)
     list(APPEND scrim_page_commands COMMAND scrim_cli help --man ${command} > scrim-${command}.1)
 endforeach()

@@ -47,6 +47,7 @@ scrim_package(debian_python python3-scrim python
               "renderer of OpenVDB volumes, Python module" "This package holds the module scrim of Python.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS scrim-pictures)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS python3-scrim)
+set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tornado, python3-tomlkit") # for scrim view
 # The dependency of packages that use the library, and the trigger that makes the library known: CPack's own way calls
 # ldconfig by hand.
 file(WRITE ${PROJECT_BINARY_DIR}/debian/shlibs "libscrim ${SCRIM_ABI} ${scrim_library} ${scrim_same}\n")

@@ -44,6 +44,11 @@ class Status(enum.IntEnum):
     MEMORY = 33  # the limit of memory does not suffice
 
 
+def error_line(reason: str) -> str:
+    """The last line on standard error of a program that fails: see `Ended.reason`."""
+    return _ERROR + reason
+
+
 class Cancelled(Exception):
     """The caller asked to stop."""
 

@@ -213,8 +213,7 @@ void ColourConfig::convert(Image& image, const std::string& fromSpace, const std
     });
 }
 
-DisplayImage ColourConfig::displayImage(const Image& working, const std::string& display,
-                                        const std::string& view) const {
+Image ColourConfig::displayed(const Image& working, const std::string& display, const std::string& view) const {
     const std::string toDisplay = resolvedDisplay(display);
     const std::string toView = resolvedView(toDisplay, view);
     const auto processor = translated(fmt::format("cannot make the view '{}' of display '{}'", toView, toDisplay), [&] {
@@ -222,18 +221,24 @@ DisplayImage ColourConfig::displayImage(const Image& working, const std::string&
             ->getProcessor(workingSpace().c_str(), toDisplay.c_str(), toView.c_str(), OCIO::TRANSFORM_DIR_FORWARD)
             ->getDefaultCPUProcessor();
     });
+    Image out = working;
+    forPixelRuns(out.window.pixelCount(), [&](std::size_t first, std::size_t count) {
+        applyToColour(*processor, out.rgba.data() + 4 * first, count);
+    });
+    return out;
+}
 
+DisplayImage ColourConfig::displayImage(const Image& working, const std::string& display,
+                                        const std::string& view) const {
+    const Image shown = displayed(working, display, view);
     DisplayImage out{working.window, std::vector<std::uint8_t>(working.rgba.size())};
     forPixelRuns(working.window.pixelCount(), [&](std::size_t first, std::size_t count) {
-        const float* begin = working.rgba.data() + 4 * first;
-        std::vector<float> pixels(begin, begin + 4 * count);
-        applyToColour(*processor, pixels.data(), count);
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t at = first + i, width = std::size_t(working.window.width());
+        for (std::size_t at = first; at < first + count; ++at) {
+            const std::size_t width = std::size_t(working.window.width());
             const double dither = ditherAt(working.window.x0 + static_cast<int>(at % width),
                                            working.window.y0 + static_cast<int>(at / width));
-            for (std::size_t c = 0; c < 3; ++c) out.rgba[4 * at + c] = toDitheredByte(pixels[4 * i + c], dither);
-            out.rgba[4 * at + 3] = toByte(pixels[4 * i + 3]);
+            for (std::size_t c = 0; c < 3; ++c) out.rgba[4 * at + c] = toDitheredByte(shown.rgba[4 * at + c], dither);
+            out.rgba[4 * at + 3] = toByte(shown.rgba[4 * at + 3]);
         }
     });
     return out;

@@ -64,6 +64,9 @@ class ColourConfig {
     /// empty `display` or `view` stands for the default. Throws for an unknown one.
     DisplayImage displayImage(const Image& working, const std::string& display, const std::string& view) const;
 
+    /// The same without clamping and rounding: display-encoded floats, for look-up tables. Alpha stays unchanged.
+    Image displayed(const Image& working, const std::string& display, const std::string& view) const;
+
     /// The active displays, the active views of a display, and the config's defaults.
     std::vector<std::string> displays() const;
     std::vector<std::string> views(const std::string& display) const;

@@ -64,6 +64,10 @@ def test_exit_statuses_are_those_of_the_program(shot, tmp_path):
             assert ended.told[-1] == f"scrim: error: {ended.reason}"
 
 
+def test_a_line_of_error_has_its_reason():
+    assert Ended(Status.INPUT, ["scrim: warning: w", program.error_line("a.toml:1:1: bad")]).reason == "a.toml:1:1: bad"
+
+
 def test_progress_and_warnings_are_the_programs(shot, tmp_path):
     parts = []
     words = ["render", shot, "-o", str(tmp_path / "out.####.exr"), "--frames", "1-2", "--progress", "json"]

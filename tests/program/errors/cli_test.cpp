@@ -273,7 +273,8 @@ TEST_F(CliErrors, UnknownOptionIsNamedWithTheNearest) {
 
 TEST_F(CliErrors, UnknownCommandListsTheCommands) {
     expectFailure({"rendr", "scene.toml"}, kUsage,
-                  "unknown command 'rendr'; expected 'render', 'plan', 'study', 'bake', 'info', 'make', 'merge' or 'help'");
+                  "unknown command 'rendr'; expected 'render', 'plan', 'study', 'bake', 'info', 'make', 'merge', "
+                  "'view' or 'help'");
 }
 
 TEST_F(CliErrors, UnknownQualityListsThePresets) {

@@ -27,6 +27,8 @@ const std::vector<std::pair<std::string, std::string>> kRunElsewhere = {
     {"openjd run ", "by tests/plugins/farm/run.sh"},
     {"/usr/bin/python3 -m venv venv", "by .ci/full: it compiles all of Scrim once more"},
     {"venv/bin/pip install '.[usd]'", "by hand, too"},
+    {"venv/bin/pip install '.[view]'", "by hand, too"},
+    {"scrim view ", "by tests/plugins/python/test_view_server.py: it serves until it is ended"},
     {"export SCRIM_PYTHON=venv/bin/python", "by tests/plugins/python/test_usd_settings.py"},
 };
 
@@ -82,6 +84,7 @@ std::vector<std::string> shellWords(const std::string& line) {
 }
 
 bool isCommand(const std::string& line) {
+    if (startsWith(line, "scrim view ")) return false;  // it does not end by itself
     return startsWith(line, "scrim ") || startsWith(line, "build/bin/scrim ");
 }
 

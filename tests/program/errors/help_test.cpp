@@ -54,7 +54,7 @@ std::string readAsText(const std::string& page) {
 TEST_F(Help, HasAManPageForEachCommandWithEachOfItsOptions) {
     const std::string overview = readAsText(runWell({"help", "--man"}).out);
     const std::regex option("--[a-z][a-z-]+");
-    for (const std::string command : {"render", "plan", "study", "bake", "info", "make", "merge", "help"}) {
+    for (const std::string command : {"render", "plan", "study", "bake", "info", "make", "merge", "view", "help"}) {
         EXPECT_NE(overview.find("\n.TP\n" + command + "\n"), std::string::npos) << command;
         const std::string page = readAsText(runWell({"help", "--man", command}).out);
         EXPECT_TRUE(page.starts_with(".TH SCRIM-")) << page.substr(0, 40);
@@ -68,7 +68,7 @@ TEST_F(Help, HasAManPageForEachCommandWithEachOfItsOptions) {
     EXPECT_EQ(wrong.status, 2);
     EXPECT_EQ(wrong.err,
               "scrim: error: there is no man page on 'rendr'; did you mean 'render'?; expected 'scene', 'render', "
-              "'plan', 'study', 'bake', 'info', 'make', 'merge' or 'help'\n");
+              "'plan', 'study', 'bake', 'info', 'make', 'merge', 'view' or 'help'\n");
 }
 
 TEST_F(Help, HasAManPageWithEveryKeyOfScenes) {

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The viewer, `scrim view`: a page in the browser that shows a scene, and changes it by looking.
+
+A `Session` holds the scene and renders it in a thread of its own; a `Server` shows it to browsers. Both keep to what
+`scrim.Shot` can do: they contain no law of light and no colour transform.
+"""
+
+from __future__ import annotations
+
+from .._errors import UsageError
+
+__all__ = ["needs"]
+
+_KITS = ("tornado", "tomlkit")
+
+
+def needs() -> None:
+    """Raises UsageError where a package is missing that the viewer uses."""
+    for name in _KITS:
+        try:
+            __import__(name)
+        except ImportError as missing:
+            raise UsageError(
+                f"the viewer needs {' and '.join(_KITS)} ({missing}); install them beside Scrim: "
+                f"pip install {' '.join(_KITS)}"
+            ) from missing

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: Apache-2.0
+"""`python -m scrim.view SCENE`: what `scrim view` runs. It ends with the exit statuses of the program `scrim`."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import logging
+import os
+import signal
+import sys
+import webbrowser
+
+from scrim_kit.program import Status, error_line
+
+import scrim
+
+from . import needs
+
+_STATUS = {
+    scrim.UsageError: Status.USAGE,
+    scrim.InputError: Status.INPUT,
+    scrim.OutputError: Status.OUTPUT,
+    scrim.OutOfMemoryError: Status.MEMORY,
+}
+
+
+def _arguments(words: list[str] | None) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="scrim view", description="Shows a scene in the browser.")
+    parser.add_argument("scene", metavar="SCENE|ASSET|FOLDER")
+    parser.add_argument("--listen", default="127.0.0.1:0", metavar="HOST:PORT")
+    parser.add_argument("--frame", type=int)
+    parser.add_argument("--up", default="")
+    parser.add_argument("--res", default="", metavar="WxH")
+    parser.add_argument("--ocio", default="")
+    parser.add_argument("--no-browser", action="store_true")
+    return parser.parse_args(words)
+
+
+def _address(text: str) -> tuple[str, int]:
+    host, _, port = text.rpartition(":")
+    if not port.isdigit() or int(port) > 65535 or not host:
+        raise scrim.UsageError(f"--listen '{text}': expected HOST:PORT, such as 127.0.0.1:8080, or 0 for a free port")
+    return host.strip("[]"), int(port)
+
+
+def _axis(text: str) -> tuple[float, float, float] | None:
+    if not text:
+        return None
+    sign, letter = (-1.0, text[1:]) if text.startswith("-") else (1.0, text)
+    if letter not in ("x", "y", "z"):
+        raise scrim.UsageError(f"--up '{text}': expected x, y, z, -x, -y or -z")
+    return tuple(sign * (letter == axis) for axis in "xyz")  # type: ignore[return-value]
+
+
+def _size(text: str) -> tuple[int, int] | None:
+    if not text:
+        return None
+    width, _, height = text.partition("x")
+    if not (width.isdigit() and height.isdigit()):
+        raise scrim.UsageError(f"--res '{text}': expected WxH, such as 512x512")
+    return int(width), int(height)
+
+
+async def _serve(server: object, opens_browser: bool) -> int:
+    loop = asyncio.get_running_loop()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        loop.add_signal_handler(number, server.end, 128 + number)
+    print(f"scrim view: {server.url}", flush=True)
+    if opens_browser and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")):
+        loop.call_later(0.1, webbrowser.open, server.url)
+    return await server.run()
+
+
+def _view(words: list[str] | None) -> int:
+    given = _arguments(words)
+    needs()
+    from ._opening import opened
+    from ._server import Server
+
+    listen = _address(given.listen)
+    scene = opened(
+        given.scene, frame=given.frame, ocio=given.ocio, up=_axis(given.up), resolution=_size(given.res)
+    )  # fmt: skip
+    return asyncio.run(_serve(Server(scene, listen), not given.no_browser))
+
+
+def main(words: list[str] | None = None) -> int:
+    logging.basicConfig(format="scrim: %(message)s", level=logging.WARNING)
+    try:
+        return _view(words)
+    except scrim.Error as error:
+        print(error_line(str(error)), file=sys.stderr)
+        return next((status for kind, status in _STATUS.items() if isinstance(error, kind)), Status.RENDER)
+    except KeyboardInterrupt:
+        return 128 + signal.SIGINT
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,221 @@
+# SPDX-License-Identifier: Apache-2.0
+"""What of a scene the page can change: a control for each key, as data. The page draws them, and cannot change what has
+no control.
+
+Ranges of sliders are habits, not limits: what a key may hold the library says when the scene is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ._camera import angles_of, direction_of
+from ._document import Change, Place, name_of
+
+_QUALITIES = ("draft", "standard", "high", "ultra")
+# The errors that these promise, for media and for classified volumes, in per cent: `scrim help render`.
+_PROMISES = ("3", "1", "0.3", "0.1"), ("5", "2", "1", "0.5")
+_WHITE = [1.0, 1.0, 1.0]
+
+
+@dataclass(frozen=True)
+class Control:
+    """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice or switch.
+    `least`, `most`: ends of a slider; `log`: whether it goes by factors. `labels`: what the page writes for
+    the choices, if not themselves. `is_keyed`: the scene animates it, so the page
+    only shows that. `changes`: what a value from the page changes in the scene."""
+
+    id: str
+    label: str
+    kind: str
+    value: object
+    changes: Callable[[object], list[Change]] = field(repr=False)
+    least: float = 0.0
+    most: float = 1.0
+    log: bool = False
+    unit: str = ""
+    choices: tuple[str, ...] = ()
+    labels: tuple[str, ...] = ()
+    is_keyed: bool = False
+
+    def accepts(self, value: object) -> bool:
+        """Whether `value` has the type that this kind has. Its range is checked where the scene is read."""
+        if self.is_keyed:
+            return False
+        if self.kind in ("colour", "vector"):
+            return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
+        if self.kind == "choice":
+            return value in self.choices
+        if self.kind == "switch":
+            return isinstance(value, bool)
+        return _is_number(value)
+
+    def as_data(self) -> dict:
+        """For the page."""
+        return {
+            "id": self.id,
+            "label": self.label,
+            "kind": self.kind,
+            "value": None if self.is_keyed else self.value,
+            "least": self.least,
+            "most": self.most,
+            "log": self.log,
+            "unit": self.unit,
+            "choices": list(self.choices),
+            "labels": list(self.labels or self.choices),
+            "keyed": self.is_keyed,
+        }
+
+
+@dataclass(frozen=True)
+class Group:
+    """Controls under one heading. `kind`: light, volume, ambient or render. `name`: of the light or volume."""
+
+    kind: str
+    name: str
+    title: str
+    controls: list[Control]
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and bool(np.isfinite(value))
+
+
+def _read(table: Mapping, keys: Place, default: object) -> object:
+    for key in keys:
+        if not isinstance(table, Mapping) or key not in table:
+            return default
+        table = table[key]
+    return table
+
+
+def _is_keyed(value: object) -> bool:
+    return isinstance(value, Mapping) and "keys" in value
+
+
+class _Maker:
+    """Makes the controls of one table of the scene."""
+
+    def __init__(self, table: Mapping, place: Place, path: str) -> None:
+        self._table, self._place, self._path = table, place, path
+        self.controls: list[Control] = []
+
+    def has(self, *keys: str) -> bool:
+        return _read(self._table, keys, None) is not None
+
+    def value(self, *keys: str) -> object:
+        return _read(self._table, keys, None)
+
+    def add(self, label: str, kind: str, keys: Place, default: object, **more: object) -> None:
+        value = _read(self._table, keys, default)
+        place = (*self._place, *keys)
+        name = ".".join(str(key) for key in keys)
+        is_keyed = _is_keyed(value)
+        if kind in ("number",) and not is_keyed and not _is_number(value):
+            return  # a grid or another form that has no slider
+        if kind in ("colour", "vector") and not is_keyed and not _is_triple(value):
+            return
+        given: dict = {"is_keyed": is_keyed, **more}
+        self.controls.append(Control(f"{self._path}.{name}", label, kind, value, lambda it: [(place, it)], **given))
+
+    def add_angles(self, label: str, key: str, up: np.ndarray) -> None:
+        """Two sliders for a direction."""
+        value = _read(self._table, (key,), None)
+        if not _is_triple(value):
+            return
+        azimuth, elevation = angles_of(value, up)
+        place = (*self._place, key)
+        self.controls += [
+            Control(f"{self._path}.azimuth", f"{label} azimuth", "number", azimuth,
+                    lambda a: [(place, direction_of(a, elevation, up))], -180.0, 180.0, unit="°"),
+            Control(f"{self._path}.elevation", "elevation", "number", elevation,
+                    lambda e: [(place, direction_of(azimuth, e, up))], -90.0, 90.0, unit="°"),
+        ]  # fmt: skip
+
+
+def _is_triple(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
+
+
+def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
+    name = name_of("light", index, light)
+    make = _Maker(light, ("light", index), f"light.{name}")
+    kind = light.get("type", "")
+    make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True)
+    make.add("exposure", "number", ("exposure",), 0.0, least=-8.0, most=8.0, unit="stops")
+    make.add("colour", "colour", ("color",), _WHITE)
+    if make.has("temperature"):
+        make.add("temperature", "number", ("temperature",), 6500.0, least=1000.0, most=15000.0, log=True, unit="K")
+    if "target" not in light and "orbit" not in light:
+        make.add_angles("from", "direction", up)
+    for key in ("position", "target"):
+        if make.has(key):
+            make.add(key, "vector", (key,), None)
+    sizes = {
+        "angle": ("distant",),
+        "width": ("area",),
+        "height": ("area",),
+        "radius": ("area", "point", "spot", "projector"),
+    }
+    for key, kinds in sizes.items():
+        if kind in kinds and (make.has(key) or key == "angle"):
+            if key == "angle":
+                make.add(key, "number", (key,), 0.0, most=10.0, unit="°")
+            else:
+                make.add(key, "number", (key,), 0.0, least=0.01, most=1000.0, log=True)
+    if kind == "spot":
+        make.add("cone", "number", ("cone",), 45.0, least=1.0, most=180.0, unit="°")
+        make.add("blend", "number", ("blend",), 0.15)
+    if kind == "dome":
+        make.add("rotation", "number", ("rotation",), 0.0, least=-180.0, most=180.0, unit="°")
+    if kind == "area" and light.get("shape") in ("rectangle", "disk"):
+        make.add("spread", "number", ("spread",), 180.0, least=1.0, most=180.0, unit="°")
+    make.add("shadows", "switch", ("shadows",), True)
+    return Group("light", name, f"{name} ({kind})", make.controls)
+
+
+def _volume(index: int, volume: Mapping) -> Group:
+    name = name_of("volume", index, volume)
+    make = _Maker(volume, ("volume", index), f"volume.{name}")
+    make.add("density", "number", ("density", "scale"), 1.0, least=1e-4, most=1e4, log=True)
+    if "classified" not in volume:
+        make.add("albedo", "colour", ("medium", "albedo"), [0.9, 0.9, 0.9])
+        make.add("extinction tint", "colour", ("medium", "extinction_tint"), _WHITE)
+        if _read(volume, ("medium", "phase", "type"), "hg") == "hg":
+            keys, g = ("medium", "phase", "g"), _read(volume, ("medium", "phase", "g"), 0.0)
+            place = ("volume", index, "medium", "phase")
+            make.controls.append(
+                Control(f"volume.{name}.{'.'.join(keys)}", "phase g", "number", g,
+                        lambda it: [((*place, "type"), "hg"), ((*place, "g"), it)], -0.95, 0.95, is_keyed=_is_keyed(g))
+            )  # fmt: skip
+        usual = "octaves" if make.has("medium", "octaves") else "single"
+        make.add("scattering", "choice", ("medium", "scattering"), usual, choices=("single", "octaves", "full"))
+        for key in ("emission", "blackbody"):
+            factor = "scale" if key == "emission" else "intensity"
+            if make.has("medium", key):
+                make.add(f"{key} {factor}", "number", ("medium", key, factor), 1.0, least=1e-3, most=1e3, log=True)
+    return Group("volume", name, name, make.controls)
+
+
+def _render(scene: Mapping) -> Group:
+    make = _Maker(scene, (), "scene")
+    promises = _PROMISES[any("classified" in volume for volume in scene.get("volume", []))]
+    has_promise = not (make.has("render", "texel") or make.has("render", "sheet_thickness"))
+    labels = tuple(f"{q} ({p} % of error)" for q, p in zip(_QUALITIES, promises)) if has_promise else ()
+    make.add("quality", "choice", ("render", "quality"), "standard", choices=_QUALITIES, labels=labels)
+    if not any(make.has("camera", key) for key in ("focal_length", "exr", "height")):
+        make.add("field of view", "number", ("camera", "fov"), 35.0, least=5.0, most=120.0, unit="°")
+    return Group("render", "render", "Picture", make.controls)
+
+
+def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
+    """The controls of a scene. `up`: the world's axis that angles of lights are measured from."""
+    groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
+    ambient = _Maker(scene, (), "scene")
+    ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0])
+    groups.append(Group("ambient", "ambient", "Ambient light", ambient.controls))
+    groups += [_volume(i, volume) for i, volume in enumerate(scene.get("volume", []))]
+    return [*groups, _render(scene)]

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: Apache-2.0
+"""The scene that is edited: its text, of which changes touch only the keys that change.
+
+Tomlkit keeps comments, order and spelling of everything else. The text is also what is rendered, so that a saved scene
+shows what the viewer showed.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping
+
+import tomlkit
+from scrim_kit import toml_text
+
+from .._errors import OutputError, UsageError
+
+# A place in a scene: names of tables and keys, and numbers of items in lists of tables.
+Place = tuple[str | int, ...]
+Change = tuple[Place, object]  # None removes the key
+
+_DIGITS = 6  # significant ones of numbers that sliders give
+
+
+def rounded(value: object) -> object:
+    """Numbers as a person would write them, in lists, too."""
+    if isinstance(value, float):
+        return float(f"{value:.{_DIGITS}g}")
+    if isinstance(value, (list, tuple)):
+        return [rounded(one) for one in value]
+    return value
+
+
+def name_of(kind: str, index: int, table: Mapping) -> str:
+    """The name by which --set knows an item of a list of tables: its own, else the default."""
+    return str(table.get("name", f"{kind}{index + 1}"))
+
+
+def _change(document: tomlkit.TOMLDocument, place: Place, value: object) -> None:
+    *tables, key = place
+    table = document
+    for name in tables:
+        if isinstance(table, Mapping) and name not in table:
+            if value is None:
+                return
+            # Beside the keys of a section a short table stays in its line; at the top it is a section.
+            table[name] = tomlkit.table() if table is document else tomlkit.inline_table()
+        table = table[name]
+    if value is None:
+        table.pop(key, None)
+    elif table.get(key) != value:
+        table[key] = value
+
+
+class Document:
+    """A scene's text with its history. `file`: where it was read and is saved; "": it is new. Not thread-safe."""
+
+    def __init__(self, text: str, file: str = "") -> None:
+        self.file = file
+        self._saved = text  # what the file holds
+        self._original = text  # what a command line begins with
+        self._past: list[str] = []
+        self._future: list[str] = []
+        self._step: object = None
+        self._set(text)
+
+    def _set(self, text: str) -> None:
+        self.text = text
+        self.data: dict = tomlkit.parse(text).unwrap()
+
+    @property
+    def can_undo(self) -> bool:
+        return bool(self._past)
+
+    @property
+    def can_redo(self) -> bool:
+        return bool(self._future)
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether the file holds something else."""
+        return not self.file or self.text != self._saved
+
+    def changed(self, changes: Iterable[Change]) -> str:
+        """The text with these changes."""
+        document = tomlkit.parse(self.text)
+        for place, value in changes:
+            _change(document, place, rounded(value))
+        return tomlkit.dumps(document)
+
+    def take(self, text: str, step: object = None) -> None:
+        """Makes `text` the scene. Changes of the same `step` that follow each other are undone together."""
+        if text == self.text:
+            return
+        if step is None or step != self._step:
+            self._past.append(self.text)
+        self._step = step
+        self._future.clear()
+        self._set(text)
+
+    def undo(self) -> bool:
+        return self._move(self._past, self._future)
+
+    def redo(self) -> bool:
+        return self._move(self._future, self._past)
+
+    def _move(self, source: list[str], target: list[str]) -> bool:
+        self._step = None
+        if not source:
+            return False
+        target.append(self.text)
+        self._set(source.pop())
+        return True
+
+    def save(self, file: str = "") -> None:
+        """Writes the scene to its own file or, where `file` is given, to a new one, which is its own from then on.
+        Raises OutputError where somebody else changed the file, where the new one exists, and where writing fails."""
+        try:
+            if file:
+                _write_new(file, self.text)
+                self.file = file
+            else:
+                with open(self.file, encoding="utf-8", newline="") as there:
+                    if there.read() != self._saved:
+                        raise OutputError(f"{self.file}: changed on disk since it was opened; save under a new name")
+                _replace(self.file, self.text)
+        except OSError as error:
+            raise OutputError(f"cannot write '{file or self.file}': {error.strerror}") from error
+        self._saved = self._original = self.text
+
+    def assignments(self) -> list[str]:
+        """What --set must say to make this scene of the one that was opened. Raises UsageError where --set cannot."""
+        before = dict(_values(tomlkit.parse(self._original).unwrap()))
+        now = dict(_values(self.data))
+        gone = [path for path in before if path not in now]
+        rivals = ("camera.",)  # a value of a camera replaces its rivals by itself
+        lost = [path for path in gone if not path.startswith(rivals)]
+        if lost:
+            raise UsageError(f"the command line cannot remove '{lost[0]}'; save the scene instead")
+        return [toml_text.assignment(path, value) for path, value in now.items() if before.get(path) != value]
+
+
+def _values(scene: Mapping) -> Iterator[tuple[str, object]]:
+    """(path as for --set, value) of every value of a scene."""
+    for key, value in scene.items():
+        if isinstance(value, Mapping):
+            for inner, it in _values(value):
+                yield f"{key}.{inner}", it
+        elif isinstance(value, list) and value and all(isinstance(one, Mapping) for one in value) and key in _LISTS:
+            for index, one in enumerate(value):
+                for inner, it in _values(one):
+                    yield f"{key}.{name_of(key, index, one)}.{inner}", it
+        else:
+            yield key, value
+
+
+_LISTS = ("volume", "light", "mesh")
+
+
+def _write_new(file: str, text: str) -> None:
+    try:
+        with open(file, "x", encoding="utf-8", newline="") as new:
+            new.write(text)
+    except FileExistsError:
+        raise OutputError(f"{file}: there is such a file already; choose another name") from None
+
+
+def _replace(file: str, text: str) -> None:
+    # Written beside its place and renamed, so that whoever reads it meanwhile sees a whole scene.
+    file = os.path.realpath(file)
+    mode = os.stat(file).st_mode & 0o7777
+    handle, part = tempfile.mkstemp(prefix=".scrim-view-", dir=os.path.dirname(file))
+    try:
+        with os.fdopen(handle, "w", encoding="utf-8", newline="") as new:
+            new.write(text)
+        os.chmod(part, mode)
+        os.replace(part, file)
+    except BaseException:
+        os.unlink(part)
+        raise

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Opens what the viewer is given: a scene, an asset, a scan, a stage, or a folder of them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+from scrim_kit import toml_text
+
+import scrim
+
+from ._session import Opened
+
+_STAGES = (".usd", ".usda", ".usdc", ".usdz")
+_ASSETS = (".vdb", ".nrrd", ".nhdr", ".nii", ".gz")  # .nii.gz
+
+
+def listed(folder: str) -> list[str]:
+    """The names of scenes, stages, volumes and scans in a folder; scenes come first. Raises InputError."""
+    try:
+        names = sorted(entry.name for entry in os.scandir(folder) if entry.is_file())
+    except OSError as error:
+        raise scrim.InputError(f"{folder}: {error.strerror}") from error
+    kinds = ((".toml",), _STAGES, _ASSETS)
+    found = [name for kind in kinds for name in names if os.path.splitext(name)[1].lower() in kind]
+    if not found:
+        raise scrim.InputError(f"{folder}: there is nothing to show; expected .toml, .usd, .vdb, .nrrd or .nii")
+    return found
+
+
+def opened(
+    path: str,
+    *,
+    frame: int | None = None,
+    ocio: str = "",
+    up: tuple[float, float, float] | None = None,
+    resolution: tuple[int, int] | None = None,
+) -> Opened:
+    """Raises scrim.Error where it cannot be opened. An asset becomes the scene that `scrim render` makes of it, and a
+    stage that of one of its frames; both have no file until they are saved. Of a folder it is the first file that
+    opens, and the others are listed. `up` and `resolution` are for assets."""
+    if os.path.isdir(path):
+        return _first_of(path, listed(path), frame, ocio)
+    folder = os.path.dirname(os.path.abspath(path))
+    options = ["--ocio", ocio] if ocio else []
+    if os.path.splitext(path)[1].lower() in _STAGES:
+        return _stage(path, folder, frame, ocio, options)
+    shot = scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
+    frames = shot.frames
+    number = frame if frame is not None else frames[0]
+    if shot.is_asset:
+        return Opened(shot.toml(), "", folder, path, frames, number, ocio, options)
+    if up or resolution:
+        raise scrim.UsageError(f"{path}: --up and --res are for assets; this scene says both itself")
+    with open(path, encoding="utf-8", newline="") as file:
+        text = file.read()
+    return Opened(text, path, folder, path, frames, number, ocio, options)
+
+
+def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Opened:
+    """The first file that opens, since one bad file shall not hide the others."""
+    problem: scrim.Error | None = None
+    for name in names:
+        try:
+            return replace(opened(os.path.join(folder, name), frame=frame, ocio=ocio), others=names)
+        except scrim.Error as error:
+            problem = problem or error
+    raise problem
+
+
+def _stage(path: str, folder: str, frame: int | None, ocio: str, options: list[str]) -> Opened:
+    import scrim.usd
+
+    shot = scrim.usd.open(path, ocio=ocio)
+    number = frame if frame is not None else shot.frames[0]
+    text = toml_text.document(shot.scene(number))
+    # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
+    return Opened(text, "", folder, path, [number], number, ocio, options, keeps=shot)

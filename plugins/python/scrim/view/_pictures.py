@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Rendered pictures, and how a scene with other strengths of its lights is made of them.
+
+Light adds up: a picture is the sum of a layer for each light, of ambient light and of emission, each in proportion to
+its strength. So other strengths are other weights, and need no render.
+"""
+
+from __future__ import annotations
+
+import copy
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ._document import name_of
+
+LAYERS = ["light", "ambient", "emission"]
+_STRENGTHS = ("intensity", "exposure", "color", "temperature")
+_HALF_MOST = 65504.0
+_numbers = itertools.count(1)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """All of a scene that a change of strengths leaves alone. `common`: what concerns the whole picture; `lights`: what
+    concerns each light alone; `render`: how exact the picture is. Two scenes with equal shapes differ by weights."""
+
+    common: Mapping
+    lights: Mapping[str, Mapping]
+    render: Mapping
+
+
+@dataclass(frozen=True)
+class Strengths:
+    """Strengths in the working space: three numbers for each light, "ambient" and "emission"."""
+
+    of: Mapping[str, np.ndarray]
+
+
+def _emitter(scene: Mapping) -> dict | None:
+    """The emission whose factor is the strength of the layer: none where several add up in it."""
+    found = [
+        (volume["medium"], key)
+        for volume in scene.get("volume", [])
+        for key in ("emission", "blackbody")
+        if isinstance(volume.get("medium"), Mapping) and isinstance(volume["medium"].get(key), Mapping)
+    ]
+    if len(found) != 1:
+        return None
+    medium, key = found[0]
+    factor = "scale" if key == "emission" else "intensity"
+    it = medium[key].get(factor, 1.0)
+    return {"table": medium[key], "key": factor, "value": it} if isinstance(it, (int, float)) else None
+
+
+def shape_of(scene: Mapping, view: Mapping, frame: int) -> Shape:
+    """`view`: overrides of the camera."""
+    common = copy.deepcopy(dict(scene))
+    lights = {
+        name_of("light", index, light): {key: value for key, value in light.items() if key not in _STRENGTHS}
+        for index, light in enumerate(common.pop("light", []))
+    }
+    common.pop("output", None)
+    render = common.pop("render", {})
+    if isinstance(common.get("ambient"), dict):
+        common["ambient"].pop("color", None)
+        if not common["ambient"]:
+            del common["ambient"]
+    if emitter := _emitter(common):
+        emitter["table"].pop(emitter["key"], None)
+    # Lights that come or go change the sums and the plan: they count as a change of everything.
+    return Shape({"scene": common, "view": dict(view), "frame": frame, "lights": list(lights)}, lights, render)
+
+
+def strengths_of(scene: Mapping, resolved: Mapping) -> Strengths:
+    """`resolved`: what `Shot.resolved` says of the scene."""
+    of = {f"light.{name}": np.array(rgb, float) for name, rgb in resolved["lights"].items()}
+    of["ambient"] = np.array(resolved["ambient"], float)
+    emitter = _emitter(scene)
+    of["emission"] = np.full(3, float(emitter["value"]) if emitter else 1.0)
+    return Strengths(of)
+
+
+def weight(wanted: np.ndarray, rendered: np.ndarray) -> np.ndarray | None:
+    """The factors on a layer, one a channel; None where a channel is to shine that was rendered dark."""
+    if np.any((rendered == 0) & (wanted != 0)):
+        return None
+    return np.divide(wanted, rendered, out=np.ones(3), where=rendered != 0)
+
+
+@dataclass(frozen=True)
+class Texture:
+    """A picture as the page takes it: float16, (height, width, 3 or 4). Its number is its own for good."""
+
+    pixels: np.ndarray
+    number: int = field(default_factory=lambda: next(_numbers))
+
+    @staticmethod
+    def of(pixels: np.ndarray) -> Texture:
+        return Texture(np.clip(pixels, -_HALF_MOST, _HALF_MOST).astype(np.float16))
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What one light gives, with the strength and the shape that it was rendered with. `texture`: None where it is
+    black."""
+
+    texture: Texture | None
+    strength: np.ndarray
+    shape: Mapping
+    stage: str
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """The newest pictures of a scene. `beauty`: the picture itself, whose colours count while every weight is 1 and
+    `is_whole` (no layer was rendered anew since). `rest`: what the layers leave of it, None where that is nothing.
+    `stage`: motion, draft or final, which is as exact as the
+    scene asks for. `frame`: the frame of the render that the scene's file makes, too,
+    bit for bit; None until it was made."""
+
+    shape: Shape
+    beauty: Texture
+    layers: Mapping[str, Layer]
+    rest: Texture | None
+    stage: str
+    strengths: Strengths
+    is_whole: bool = True
+    frame: object = None
+    seconds: float = 0.0
+
+    def weights(self, wanted: Strengths, muted: frozenset[str]) -> dict[str, list[float]] | None:
+        """Factors of the layers for these strengths; None where the beauty is the picture."""
+        if not self.layers:
+            return None
+        then = self.strengths.of
+        is_beauty = self.is_whole and not any(name in muted for name in self.layers)
+        is_beauty &= all(bool((rgb == then.get(name)).all()) for name, rgb in wanted.of.items() if name in self.layers)
+        out = {}
+        for name, layer in self.layers.items():
+            factors = weight(wanted.of.get(name, layer.strength), layer.strength)
+            if factors is None:
+                factors = np.ones(3)  # until its own render is there
+            if name in muted:
+                factors = np.zeros(3)
+            out[name] = [float(f) for f in factors]
+        return None if is_beauty else out
+
+    def stale_lights(self, wanted: Shape, strengths: Strengths) -> list[str]:
+        """Lights whose layers have to be rendered anew."""
+        if not self.layers:
+            return []
+        stale = []
+        for name, shape in wanted.lights.items():
+            layer = self.layers.get(f"light.{name}")
+            if layer is None or layer.shape != shape:
+                stale.append(name)
+            elif weight(strengths.of[f"light.{name}"], layer.strength) is None:
+                stale.append(name)
+        return stale
+
+    def lacks(self, strengths: Strengths) -> bool:
+        """Whether ambient light or emission is to shine that was rendered dark."""
+        names = ("ambient", "emission")
+        pairs = [(strengths.of[n], self.layers[n].strength) for n in names if n in self.layers]
+        return any(weight(wanted, rendered) is None for wanted, rendered in pairs)
+
+
+def pictures_of(frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float) -> Pictures:
+    """Of a rendered `scrim.Frame`, with the layers that it has."""
+    inside = _inside(frame)
+    beauty = frame.image[inside]
+    layers, rest = {}, beauty[..., :3].copy()
+    for name in frame.layers:
+        if name.startswith("light.") or name in ("ambient", "emission"):
+            pixels = frame[name][inside][..., :3]
+            rest -= pixels
+            own = shape.lights.get(name.removeprefix("light."), {}) if name.startswith("light.") else {}
+            texture = Texture.of(pixels) if pixels.any() else None
+            layers[name] = Layer(texture, strengths.of.get(name, np.ones(3)), own, stage)
+    # What remains of the sum is rounding, unless something shines that has no layer.
+    something = layers and float(np.abs(rest).max(initial=0)) > 1e-4 * max(float(beauty.max(initial=0)), 1e-6)
+    return Pictures(
+        shape, Texture.of(beauty), layers, Texture.of(rest) if something else None, stage, strengths, seconds=seconds
+    )
+
+
+def _inside(frame: object) -> tuple[slice, slice]:
+    """The pixels of the display window, without overscan."""
+    x0, y0, _, _ = frame.window
+    height, width = frame.image.shape[:2]
+    return slice(max(-y0, 0), height + min(y0, 0)), slice(max(-x0, 0), width + min(x0, 0))

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Renders what is looked at, in a thread of its own: coarse while things move, then better and better.
+
+What is wanted may change at any time. The thread decides anew, after every render and while one is under way, what is
+the most useful render now (`next_task`); a render that serves no longer is cancelled.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+
+import scrim
+
+from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, pictures_of
+
+# Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
+# keep a preset's promise, which takes longer than such a render.
+_MOTION = {
+    "render.quality": "draft",
+    "render.tolerance": 0.0,
+    "render.sheet_thickness": 4.0,
+    "render.texel": 2.0,
+    "render.lod": 4.0,
+    "render.antialias": 1,
+    "render.light_error": 0.05,
+    "render.scatter_cell": 8.0,
+    "render.scatter_error": 0.05,
+    "render.shutter_samples": 1,
+}
+_DRAFT = {"render.quality": "draft", "render.tolerance": 0.0}
+_DIVISORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # of the resolution while things move
+_FIRST_SIZE = 200  # pixels of the longer side of the first picture
+_SLOW, _FAST = 0.09, 0.035  # seconds of a coarse render from which on the next one is coarser or finer
+_PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
+_REST = 0.7  # seconds without a change after which the picture of the scene's file is made
+_VERIFIED = 400  # pixels that are compared with brute force on request
+_POLL = 0.01
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is looked at. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not shine;
+    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `serial`: number of the
+    last event; `since`: when it came."""
+
+    text: str
+    shape: Shape
+    strengths: Strengths
+    view: Mapping[str, object]
+    frame: int
+    resolution: tuple[int, int]
+    is_draft: bool  # the scene asks for no more
+    muted: frozenset[str] = frozenset()
+    moves: bool = False
+    verify: bool = False
+    serial: int = 0
+    since: float = 0.0
+
+
+@dataclass(frozen=True)
+class Task:
+    """A render. `kind`: whole, light (one light alone), exact (what the scene's file says, with its own layers), or
+    verify: the same, and some pixels by brute force."""
+
+    kind: str
+    stage: str
+    light: str = ""
+
+
+def next_task(wanted: Wanted, pictures: Pictures | None, now: float) -> Task | None:
+    """The render that helps most; None where there is nothing to do."""
+    if pictures is None or pictures.shape.common != wanted.shape.common:
+        return Task("whole", "motion")
+    stale = pictures.stale_lights(wanted.shape, wanted.strengths)
+    if not pictures.layers:  # those of a coarse picture are not kept
+        if not _same(pictures, wanted):
+            return Task("whole", "motion")
+        if wanted.moves:
+            return None
+    elif pictures.lacks(wanted.strengths):
+        return Task("whole", "motion" if wanted.moves else "draft")
+    elif stale:
+        return Task("light", "motion", stale[0])
+    if wanted.moves:
+        return None
+    if pictures.stage == "motion" and not wanted.is_draft:
+        return Task("whole", "draft")
+    if pictures.stage != "final" or pictures.shape.render != wanted.shape.render:
+        return Task("whole", "final")
+    for name, layer in pictures.layers.items():
+        if layer.stage != pictures.stage:
+            return Task("light", pictures.stage, name.removeprefix("light."))
+    if not is_exact(wanted, pictures):
+        rests = wanted.verify or now - wanted.since >= _REST
+        return Task("exact", "final") if rests else None
+    return Task("verify", "final") if wanted.verify and pictures.frame.error is None else None
+
+
+def is_exact(wanted: Wanted, pictures: Pictures | None) -> bool:
+    """Whether the picture is that of the scene's file, apart from muted layers."""
+    return pictures is not None and pictures.frame is not None and _same(pictures, wanted)
+
+
+def _same(pictures: Pictures, wanted: Wanted) -> bool:
+    now, then = wanted.strengths.of, pictures.strengths.of
+    return pictures.shape == wanted.shape and all((now[n] == then[n]).all() for n in now if n in then)
+
+
+class Renderer:
+    """`shown(pictures, wanted)` and `failed(text)` are called in this object's thread, `shown` also while a picture of
+    an older event is still useful. `folder`: what paths of the scene are relative to."""
+
+    def __init__(
+        self,
+        folder: str,
+        name: str,
+        ocio: str,
+        shown: Callable[[Pictures, Wanted, Task], object],
+        failed: Callable[[str], object],
+    ) -> None:
+        self._given = {"folder": folder, "name": name, "ocio": ocio}
+        self._shown, self._failed = shown, failed
+        self._shot: scrim.Shot | None = None
+        self._wanted: Wanted | None = None
+        self._pictures: Pictures | None = None
+        self._bad: Wanted | None = None  # what cannot be rendered
+        self._level: int | None = None
+        self._stopped = False
+        self._changed = threading.Condition()
+        self._job: scrim.Job | None = None
+        self._thread = threading.Thread(target=self._run, name="scrim-view-renderer", daemon=True)
+        self._thread.start()
+
+    def want(self, wanted: Wanted) -> None:
+        with self._changed:
+            self._wanted = wanted
+            self._changed.notify()
+
+    @property
+    def progress(self) -> float | None:
+        """The finished part of the render under way; None where there is none."""
+        job = self._job
+        return job.progress if job is not None else None
+
+    def stop(self) -> None:
+        """Cancels what runs, and ends the thread."""
+        with self._changed:
+            self._stopped = True
+            self._changed.notify()
+        self._thread.join()
+
+    def _next(self) -> tuple[Wanted, Task] | None:
+        with self._changed:
+            while not self._stopped:
+                wanted = self._wanted
+                if wanted is not None and not self._is_bad(wanted):
+                    task = next_task(wanted, self._pictures, time.monotonic())
+                    if task is not None:
+                        return wanted, task
+                    if not is_exact(wanted, self._pictures):  # time alone may ask for a render
+                        self._changed.wait(0.05)
+                        continue
+                self._changed.wait()
+        return None
+
+    def _is_bad(self, wanted: Wanted) -> bool:
+        bad = self._bad
+        return bad is not None and (bad.text, bad.view, bad.frame) == (wanted.text, wanted.view, wanted.frame)
+
+    def _run(self) -> None:
+        while (work := self._next()) is not None:
+            wanted, task = work
+            try:
+                self._render(wanted, task)
+            except scrim.Cancelled:
+                pass
+            except scrim.Error as error:
+                self._bad = wanted
+                self._failed(str(error))
+            finally:
+                self._job = None
+        self._shot = self._pictures = None
+
+    def _overrides(self, wanted: Wanted, task: Task) -> tuple[dict, tuple[int, int]]:
+        over: dict[str, object] = dict(wanted.view)
+        size = wanted.resolution
+        if task.stage == "motion":
+            over |= _MOTION
+            divisor = _DIVISORS[self._level_of(size)]
+            size = (max(1, round(size[0] / divisor)), max(1, round(size[1] / divisor)))
+        elif task.stage == "draft":
+            over |= _DRAFT
+        if task.kind not in ("exact", "verify"):
+            over["camera.overscan"] = 0
+            over["output.layers"] = [] if task.kind == "whole" and task.stage == "motion" else LAYERS
+        if task.kind == "light":
+            over["output.layers"] = ["light"]
+            over["ambient.color"] = [0.0, 0.0, 0.0]
+            over |= {f"light.{name}.intensity": 0.0 for name in wanted.shape.lights if name != task.light}
+        elif task.kind == "whole" and task.stage == "motion":
+            over |= {f"{n}.intensity": 0.0 for n in wanted.muted if n.startswith("light.")}
+            over |= {"ambient.color": [0.0, 0.0, 0.0]} if "ambient" in wanted.muted else {}
+        return over, size
+
+    def _level_of(self, size: tuple[int, int]) -> int:
+        if self._level is None:
+            wanted = max(size) / _FIRST_SIZE
+            self._level = next((i for i, d in enumerate(_DIVISORS) if d >= wanted), len(_DIVISORS) - 1)
+        return self._level
+
+    def _render(self, wanted: Wanted, task: Task) -> None:
+        over, size = self._overrides(wanted, task)
+        started = time.monotonic()
+        shot = scrim.loads(
+            wanted.text, over, resolution=size, sharing=self._shot, checked_frame=wanted.frame, **self._given
+        )
+        self._shot = shot
+        job = self._job = shot.start(wanted.frame, verify=_VERIFIED if task.kind == "verify" else 0)
+        while not job.wait(_POLL):
+            with self._changed:
+                if self._stopped or not self._serves(task, wanted, time.monotonic() - started):
+                    job.cancel()
+                    break
+        frame = job.result()
+        seconds = time.monotonic() - started
+        if task.stage == "motion":
+            self._adapt(seconds)
+        with self._changed:
+            self._take(frame, wanted, task, seconds)
+            pictures, newest = self._pictures, self._wanted
+        self._shown(pictures, replace(newest, serial=wanted.serial), task)
+
+    def _serves(self, task: Task, wanted: Wanted, seconds: float) -> bool:
+        """Whether the render under way is still wanted."""
+        newest = self._wanted
+        if newest is wanted:
+            return True
+        if task.stage == "motion":  # else nothing would ever appear while the mouse moves
+            return seconds < _PATIENCE or newest.shape == wanted.shape
+        if newest.shape.common != wanted.shape.common or newest.shape.render != wanted.shape.render:
+            return False
+        if task.kind == "light":
+            return newest.shape.lights == wanted.shape.lights
+        if newest.shape != wanted.shape:
+            return False
+        same = all((newest.strengths.of[n] == rgb).all() for n, rgb in wanted.strengths.of.items())
+        return task.kind == "whole" or (same and (task.kind == "exact" or newest.verify))
+
+    def _adapt(self, seconds: float) -> None:
+        if seconds > _SLOW:
+            self._level = min(self._level + (2 if seconds > 2 * _SLOW else 1), len(_DIVISORS) - 1)
+        elif seconds < _FAST:
+            self._level = max(self._level - 1, 0)
+
+    def _take(self, frame: object, wanted: Wanted, task: Task, seconds: float) -> None:
+        pictures = self._pictures
+        made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds)
+        if task.kind == "whole":
+            self._pictures = made
+        elif task.kind in ("exact", "verify"):
+            # The layers stay; the sum without them is rounded otherwise.
+            self._pictures = replace(pictures, beauty=made.beauty, strengths=wanted.strengths, shape=wanted.shape,
+                                     frame=frame, is_whole=True, seconds=seconds)  # fmt: skip
+        else:
+            name = f"light.{task.light}"
+            layers = dict(pictures.layers)
+            layers[name] = replace(made.layers[name], strength=wanted.strengths.of[name])
+            shape = replace(
+                pictures.shape, lights={**pictures.shape.lights, task.light: wanted.shape.lights[task.light]}
+            )
+            self._pictures = replace(pictures, layers=layers, shape=shape, frame=None, is_whole=False, seconds=seconds)
+
+
+__all__ = ["Layer", "Renderer", "Task", "Wanted", "is_exact", "next_task"]

@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Shows a session to browsers: the page, and a web socket for what changes.
+
+A browser needs the token once; a cookie stands for it from then on. Requests under a foreign name of this machine, or
+from the page of somebody else, are refused, since any page that a user visits may send them. The only files that can be
+had are those of the page.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import ipaddress
+import json
+import logging
+import os
+import secrets
+import socket
+import struct
+import tempfile
+import urllib.parse
+from dataclasses import replace
+
+import tornado.httpserver
+import tornado.netutil
+import tornado.web
+import tornado.websocket
+from tornado.escape import json_encode
+
+import scrim
+
+from . import _luts, _messages
+from ._opening import opened
+from ._pictures import Texture
+from ._session import Opened, Session
+
+_PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
+_FILES = {
+    "": ("index.html", "text/html; charset=utf-8"),
+    "page.js": ("page.js", "text/javascript; charset=utf-8"),
+    "picture.js": ("picture.js", "text/javascript; charset=utf-8"),
+    "panel.js": ("panel.js", "text/javascript; charset=utf-8"),
+    "style.css": ("style.css", "text/css; charset=utf-8"),
+}
+_LOCAL = ("localhost", "127.0.0.1", "::1")
+_MOST_MESSAGE = 65536  # bytes that a browser may send at a time
+_PROGRESS_SECONDS = 0.25
+
+
+class Server:
+    """Listens at once; `run` serves. `listen`: host and port, 0 for a free one. Raises scrim.Error where the scene is
+    bad, and OutputError where the address cannot be had."""
+
+    def __init__(self, opened: Opened, listen: tuple[str, int] = ("127.0.0.1", 0)) -> None:
+        self.host, port = listen
+        try:
+            self._sockets = tornado.netutil.bind_sockets(port, self.host, reuse_port=False)
+        except OSError as error:
+            raise scrim.OutputError(f"cannot listen on {self.host}:{port}: {error.strerror}") from error
+        self.port = self._sockets[0].getsockname()[1]
+        self.token = secrets.token_urlsafe(24)
+        self.browsers: set[_Socket] = set()
+        self._opened = opened
+        self._ended: asyncio.Event | None = None
+        self.status = 0
+
+    @property
+    def url(self) -> str:
+        """The address for a browser on this machine, with the token."""
+        host = "127.0.0.1" if _is_any(self.host) else self.host
+        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={self.token}"
+
+    async def run(self, ready: asyncio.Event | None = None) -> int:
+        """Serves until `end`; gives the exit status."""
+        loop = asyncio.get_running_loop()
+        self._ended = asyncio.Event()
+
+        def later(seconds: float, call: object) -> None:
+            try:
+                loop.call_soon_threadsafe(*((loop.call_later, seconds, call) if seconds else (call,)))
+            except RuntimeError:  # the loop has ended
+                pass
+
+        self._later = later
+        try:
+            self.session = self._begin(self._opened)
+        except BaseException:
+            for one in self._sockets:
+                one.close()
+            raise
+        rules = [("/socket", _Socket), ("/picture.exr", _Exr), ("/(.*)", _Page)]
+        app = tornado.web.Application(
+            [(path, handler, {"server": self}) for path, handler in rules],
+            websocket_max_message_size=_MOST_MESSAGE, websocket_ping_interval=20, log_function=lambda handler: None,
+        )  # fmt: skip
+        http = tornado.httpserver.HTTPServer(app)
+        http.add_sockets(self._sockets)
+        telling = asyncio.ensure_future(self._tell_progress())
+        if ready is not None:
+            ready.set()
+        try:
+            await self._ended.wait()
+        finally:
+            telling.cancel()
+            http.stop()
+            for browser in list(self.browsers):
+                browser.close(1001, "the viewer has ended")
+            await http.close_all_connections()
+            self.session.close()
+        return self.status
+
+    def _begin(self, opened: Opened, serial: int = 0) -> Session:
+        return Session(opened, self.tell, self.show, self._later, serial)
+
+    def open(self, name: object, serial: int) -> None:
+        """Shows another file of the folder. Raises scrim.Error where that cannot be; the scene stays then."""
+        others = self.session.opened.others
+        if name not in others:
+            raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
+        path = os.path.join(os.path.dirname(self._opened.input), name)
+        scene = replace(opened(path, ocio=self._opened.ocio), others=others)
+        before, self.session = self.session, self._begin(scene, serial)
+        before.close()
+        self.tell(self.session.state())
+
+    def end(self, status: int = 0) -> None:
+        """Ends `run`, from the loop's thread."""
+        self.status = status
+        if self._ended is not None:
+            self._ended.set()
+
+    def tell(self, message: dict) -> None:
+        text = json_encode(message)
+        if message.get("type") == "error":
+            logging.getLogger("scrim").error("%s", message["text"])
+        for browser in list(self.browsers):
+            browser.tell(text)
+
+    def show(self) -> None:
+        for browser in list(self.browsers):
+            browser.show()
+
+    async def _tell_progress(self) -> None:
+        last = None
+        while True:
+            await asyncio.sleep(_PROGRESS_SECONDS)
+            now = self.session.progress()
+            if now != last and self.browsers:
+                self.tell({"type": "progress", "part": now})
+            last = now
+
+    def allows(self, request: tornado.httputil.HTTPServerRequest) -> bool:
+        """Whether a request names this machine as it should, and comes from our own page if from any."""
+        host = _name_of(request.host)
+        mine = {self.host.lower(), *_LOCAL}
+        if _is_any(self.host):  # all that listen on every address: any number, and names of this machine
+            mine |= {socket.gethostname().lower(), socket.getfqdn().lower()}
+        if host not in mine and not (_is_any(self.host) and _is_number(host)):
+            return False
+        origin = request.headers.get("Origin")
+        return origin is None or urllib.parse.urlsplit(origin).netloc.lower() == request.host.lower()
+
+    def knows(self, given: str | None) -> bool:
+        return given is not None and hmac.compare_digest(given.encode(), self.token.encode())
+
+
+def _name_of(host: str) -> str:
+    try:
+        return (urllib.parse.urlsplit(f"//{host}").hostname or "").lower()
+    except ValueError:
+        return ""
+
+
+def _is_any(host: str) -> bool:
+    return host in ("", "0.0.0.0", "::")
+
+
+def _is_number(host: str) -> bool:
+    try:
+        ipaddress.ip_address(host)
+    except ValueError:
+        return False
+    return True
+
+
+class _Guarded(tornado.web.RequestHandler):
+    """Whatever is asked for needs the token, and a host and origin that are ours."""
+
+    def initialize(self, server: Server) -> None:
+        self.server = server
+
+    @property
+    def _cookie(self) -> str:
+        return f"scrim-view-{self.server.port}"  # cookies of all ports of a host are one
+
+    def set_default_headers(self) -> None:
+        self.set_header(
+            "Content-Security-Policy",
+            "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'; base-uri 'none'",
+        )
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Referrer-Policy", "no-referrer")
+        self.set_header("Cache-Control", "no-store")
+
+    def prepare(self) -> None:
+        if not self.server.allows(self.request):
+            raise tornado.web.HTTPError(403, reason="Foreign host or origin")
+        if not (
+            self.server.knows(self.get_cookie(self._cookie)) or self.server.knows(self.get_argument("token", None))
+        ):
+            raise tornado.web.HTTPError(403, reason="The token is missing")
+
+    def write_error(self, status_code: int, **more: object) -> None:
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(f"{status_code} {self._reason}. The address that the viewer printed has the token.\n")
+
+
+class _Page(_Guarded):
+    def get(self, name: str) -> None:
+        if name not in _FILES:
+            raise tornado.web.HTTPError(404)
+        if self.get_argument("token", None) is not None:
+            # The address without it is what the history and the user's screen keep.
+            self.set_cookie(self._cookie, self.server.token, httponly=True, samesite="Strict")
+            self.redirect("/" + name)
+            return
+        file, kind = _FILES[name]
+        self.set_header("Content-Type", kind)
+        with open(os.path.join(_PAGE, file), "rb") as page:
+            self.finish(page.read())
+
+
+class _Exr(_Guarded):
+    """The picture that the scene's file makes, once it is there."""
+
+    def get(self) -> None:
+        frame = self.server.session.exact_frame()
+        if frame is None:
+            raise tornado.web.HTTPError(409, reason="The picture is not finished")
+        with tempfile.TemporaryDirectory(prefix="scrim-view-") as folder:
+            path = frame.write(os.path.join(folder, "picture.exr"))
+            with open(path, "rb") as file:
+                self.set_header("Content-Type", "image/x-exr")
+                self.set_header("Content-Disposition", 'attachment; filename="picture.exr"')
+                self.finish(file.read())
+
+
+class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
+    """One browser. It is sent a picture only after it said that it has the last one, so none queue up."""
+
+    def initialize(self, server: Server) -> None:
+        super().initialize(server)
+        self._has: set[int] = set()  # numbers of textures there
+        self._waits = False  # for a browser that has not said yet that it has the last picture
+        self._is_old = False  # what the browser has is not the newest
+        self._lut: tuple[str, str] | None = None
+
+    def check_origin(self, origin: str) -> bool:
+        return True  # `allows` has checked it
+
+    def open(self, *arguments: str) -> None:
+        self.set_nodelay(True)
+        self.server.browsers.add(self)
+        self.tell(json_encode(self.server.session.state()))
+        self.show()
+
+    def on_close(self) -> None:
+        self.server.browsers.discard(self)
+
+    def on_message(self, text: str | bytes) -> None:
+        try:
+            message = json.loads(text)
+            if not isinstance(message, dict):
+                raise ValueError("a message is no object")
+        except ValueError as error:
+            self.tell(json_encode({"type": "error", "text": f"the page sent what is no message: {error}"}))
+            return
+        if message.get("type") == "have":
+            self._waits = False
+            if self._is_old:
+                self.show()
+        elif message.get("type") == "end":
+            self.server.end()
+        else:
+            try:
+                if message.get("type") == "open":
+                    self.server.open(message.get("name"), _messages.whole(message.get("serial", 0)))
+                else:
+                    self.server.session.handle(message)
+            except scrim.Error as error:
+                self.tell(json_encode({"type": "error", "text": str(error)}))
+                self.tell(json_encode(self.server.session.state()))
+
+    def tell(self, text: str | bytes, binary: bool = False) -> None:
+        try:
+            sent = self.write_message(text, binary=binary)
+        except tornado.websocket.WebSocketClosedError:
+            self.server.browsers.discard(self)
+            return
+        # A browser that leaves meanwhile is no error; it is discarded in `on_close`.
+        sent.add_done_callback(lambda done: done.cancelled() or done.exception())
+
+    def show(self) -> None:
+        """Sends the newest pictures and the view's table, as far as the browser has not got them."""
+        session = self.server.session
+        if self._lut != (session.display, session.view):
+            self._lut = (session.display, session.view)
+            head = {"type": "lut", "size": _luts.SIZE, "knee": _luts.KNEE, "most": _luts.MOST}
+            self.tell(_packed(head, [session.lut()]), binary=True)
+        pictures = session.pictures
+        if pictures is None:
+            return
+        self._is_old = self._waits
+        if self._waits:
+            return
+        self._waits = True
+        slots: dict[str, Texture] = {"beauty": pictures.beauty}
+        if pictures.rest is not None:
+            slots["rest"] = pictures.rest
+        slots |= {name: layer.texture for name, layer in pictures.layers.items() if layer.texture}
+        fresh = [texture for texture in slots.values() if texture.number not in self._has]
+        self._has = {texture.number for texture in slots.values()}
+        head = {
+            "type": "pictures",
+            "slots": {name: texture.number for name, texture in slots.items()},
+            "fresh": [{"number": t.number, "shape": t.pixels.shape} for t in fresh],
+            "weights": session.weights(),
+            "stage": pictures.stage,
+            "exact": session.exact_frame() is not None,
+            "seconds": pictures.seconds,
+            "error": session.error(),
+            "serial": session.serial_shown,
+        }
+        self.tell(_packed(head, [texture.pixels.tobytes() for texture in fresh]), binary=True)
+
+
+def _packed(head: dict, parts: list[bytes]) -> bytes:
+    """A binary message: the length of the head, the head as JSON with spaces up to a multiple of 8, and the parts."""
+    text = json_encode(head).encode()
+    text += b" " * (-(len(text) + 4) % 8)
+    return b"".join([struct.pack("<I", len(text)), text, *parts])

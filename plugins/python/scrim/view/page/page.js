@@ -1,0 +1,331 @@
+// SPDX-License-Identifier: Apache-2.0
+// The page of the viewer: sends what the user does, and shows what comes back.
+
+import { Panel } from "./panel.js";
+import { Picture } from "./picture.js";
+
+const RETRY_MS = 500; // until a lost connection is tried again
+const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare" };
+
+const by = (id) => document.getElementById(id);
+const canvas = by("picture");
+let socket = null;
+let serial = 0; // of the last event
+let state = null;
+let stage = { text: "" };
+let isDrawn = true;
+let hasEnded = false;
+const sent = new Map(); // serial -> time, of events whose picture has not come yet
+// For measurements: milliseconds from an event to its picture, or to the picture with its weights.
+const times = { picture: [], weights: [] };
+
+function fail(text) {
+    by("error").textContent = text;
+    by("error").hidden = !text;
+}
+
+let picture = null;
+try {
+    picture = new Picture(canvas);
+} catch (problem) {
+    fail(problem.message);
+}
+
+function send(message) {
+    if (socket?.readyState !== WebSocket.OPEN) return;
+    socket.send(JSON.stringify({ ...message, serial: ++serial }));
+    sent.set(serial, performance.now());
+}
+
+// ---- what comes
+
+function connect() {
+    socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => fail("");
+    socket.onmessage = ({ data }) => (typeof data === "string" ? hear(JSON.parse(data)) : receive(data));
+    socket.onclose = (event) => {
+        if (event.code === 1001 || hasEnded) return fail("The viewer has ended.");
+        by("status").textContent = "connection lost, trying again";
+        setTimeout(connect, RETRY_MS);
+    };
+}
+
+function hear(message) {
+    if (message.type === "state") return showState(message);
+    if (message.type === "error") return fail(message.text);
+    if (message.type === "weights") return weigh(message.weights, message.serial);
+    if (message.type === "progress") {
+        by("progress").value = message.part ?? 0;
+        by("progress").style.visibility = message.part === null ? "hidden" : "visible";
+    }
+}
+
+function receive(buffer) {
+    const length = new DataView(buffer).getUint32(0, true);
+    const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+    const bytes = new Uint8Array(buffer, 4 + length);
+    if (head.type === "lut") picture?.setTable(head, bytes);
+    if (head.type === "pictures") {
+        picture?.setPictures(head, bytes);
+        stage = head;
+        showStage();
+    }
+    if (head.type === "pictures") socket.send(JSON.stringify({ type: "have" }));
+    redraw(() => head.type === "pictures" && settle(head.serial, times.picture));
+}
+
+function settle(upTo, list) {
+    const now = performance.now();
+    for (const [number, then] of sent) {
+        if (number > upTo) continue;
+        if (number === upTo) list.push(now - then);
+        sent.delete(number);
+    }
+}
+
+/** Draws before the next picture of the screen. `after` is called before the one behind it: what was drawn is then shown.
+    `isQuick`: more of the same will follow at once; if not, a better picture follows soon. */
+const SOON_MS = 150;
+let waiting = [];
+let better = 0;
+function redraw(after, isQuick = false) {
+    if (after) waiting.push(after);
+    if (!isDrawn) return;
+    isDrawn = false;
+    requestAnimationFrame((then) => {
+        isDrawn = true;
+        picture?.draw(isQuick);
+        const all = waiting;
+        waiting = [];
+        requestAnimationFrame((now) => {
+            if (isQuick) picture?.tookTo(now - then);
+            all.forEach((call) => call());
+        });
+        clearTimeout(better);
+        if (isQuick) better = setTimeout(() => redraw(), SOON_MS);
+    });
+}
+
+function showStage() {
+    const words = { motion: "moving", draft: "draft", final: "finished" };
+    const isFile = stage.exact && state && !state.free && !state.changed && !state.muted.length;
+    const text = isFile ? "finished: the file's picture" : words[stage.stage] ?? "";
+    const percent = (part) => `${(100 * part).toPrecision(2)} %`;
+    const error = stage.error ? `, error ${percent(stage.error.error)} of ${stage.error.pixels} pixels` : "";
+    by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text;
+    document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
+    by("download").style.visibility = stage.exact ? "visible" : "hidden";
+}
+
+function showState(message) {
+    state = message;
+    serial = Math.max(serial, message.serial);
+    fail("");
+    document.title = `${state.changed ? "• " : ""}${state.title} · Scrim`;
+    by("title").textContent = state.title + (state.changed ? " •" : "");
+    by("undo").disabled = !state.undo;
+    by("redo").disabled = !state.redo;
+    by("save").disabled = !state.file || !state.changed;
+    by("keep-view").disabled = by("scene-camera").disabled = !state.free;
+    if (state.message) by("status").textContent = state.message;
+    fillViews();
+    by("open").hidden = !state.others.length;
+    if (by("open").options.length !== state.others.length) by("open").replaceChildren(...state.others.map((name) => new Option(name)));
+    by("open").value = state.title;
+    by("timeline").hidden = state.frames.length < 2;
+    const frame = by("frame");
+    [frame.min, frame.max] = [state.frames[0], state.frames[state.frames.length - 1]];
+    if (!frame.matches(":active")) frame.value = state.frame;
+    by("frame-number").textContent = state.frame;
+    panel.update(state.groups, state.muted);
+    weigh(state.weights, state.serial);
+    resize();
+}
+
+/** Shows other weights of the layers that are here. */
+function weigh(weights, upTo) {
+    if (!picture || picture.slots.beauty === undefined || JSON.stringify(weights) === JSON.stringify(picture.weights)) return;
+    picture.setWeights(weights);
+    redraw(() => weights && settle(upTo, times.weights), true);
+}
+
+function fillViews() {
+    const all = Object.entries(state.displays).flatMap(([display, views]) => views.map((view) => JSON.stringify([display, view])));
+    const select = by("view");
+    if (select.options.length !== all.length) {
+        select.replaceChildren(...all.map((value) => new Option(JSON.parse(value).reverse().join(" · "), value)));
+    }
+    select.value = JSON.stringify([state.display, state.view]);
+}
+
+function resize() {
+    if (!state) return;
+    const [width, height] = state.resolution;
+    const box = by("stage").getBoundingClientRect();
+    const scale = Math.min(box.width / (height * state.aspect), box.height / height);
+    const [across, down] = [Math.floor(height * state.aspect * scale), Math.floor(height * scale)];
+    const before = `${canvas.style.width} ${picture?.full}`;
+    Object.assign(canvas.style, { width: `${across}px`, height: `${down}px` });
+    // No more pixels than the picture has, nor than the screen shows.
+    const share = Math.min(1, (down * devicePixelRatio) / height);
+    picture?.resize(Math.max(Math.round(width * share), 1), Math.max(Math.round(height * share), 1));
+    if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
+    placeWipe();
+}
+
+// ---- what the user does
+
+let step = 0;
+const panel = new Panel(by("panel"), (id, value, done) => {
+    send({ type: "set", id, value, done, step: `${id} ${step}` });
+    if (done) ++step;
+}, (names) => send({ type: "muted", names }));
+
+let drag = null;
+let moved = { dx: 0, dy: 0 };
+function flush() {
+    if (!drag || (!moved.dx && !moved.dy)) return;
+    send({ type: "navigate", mode: drag.mode, ...moved });
+    moved = { dx: 0, dy: 0 };
+}
+
+// Plain and Alt drags as in Maya and Houdini: left orbits, middle pans, right dollies; Shift and Ctrl choose for one button.
+function modeOf(event) {
+    if (event.button === 1 || event.shiftKey) return "pan";
+    return event.button === 2 || event.ctrlKey ? "dolly" : "orbit";
+}
+canvas.addEventListener("pointerdown", (event) => {
+    canvas.setPointerCapture(event.pointerId);
+    drag = { mode: modeOf(event), x: event.clientX, y: event.clientY };
+    canvas.focus();
+    event.preventDefault();
+});
+canvas.addEventListener("pointermove", (event) => {
+    if (!drag) return showPixel(event);
+    const height = canvas.getBoundingClientRect().height;
+    moved.dx += (event.clientX - drag.x) / height;
+    moved.dy += (event.clientY - drag.y) / height;
+    [drag.x, drag.y] = [event.clientX, event.clientY];
+    flush(); // browsers give one such event for each picture of the screen
+});
+const drop = () => {
+    if (!drag) return;
+    flush();
+    drag = null;
+    send({ type: "rest" });
+};
+canvas.addEventListener("pointerup", drop);
+canvas.addEventListener("pointercancel", drop);
+canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+canvas.addEventListener("wheel", (event) => {
+    event.preventDefault();
+    send({ type: "navigate", mode: "dolly", dx: 0, dy: Math.sign(event.deltaY) * 0.08 });
+}, { passive: false });
+canvas.addEventListener("keydown", (event) => {
+    const turns = { ArrowLeft: [-0.03, 0], ArrowRight: [0.03, 0], ArrowUp: [0, -0.03], ArrowDown: [0, 0.03] }[event.key];
+    const dolly = { "+": -0.08, "-": 0.08 }[event.key];
+    if (turns) send({ type: "navigate", mode: event.shiftKey ? "pan" : "orbit", dx: turns[0], dy: turns[1] });
+    else if (dolly) send({ type: "navigate", mode: "dolly", dx: 0, dy: dolly });
+    else return;
+    event.preventDefault();
+});
+
+function showPixel(event) {
+    const box = canvas.getBoundingClientRect();
+    const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+    if (!picture || x < 0 || y < 0 || x >= 1 || y >= 1) return;
+    const value = picture.valueAt(x, y);
+    if (!value) return;
+    const place = `${Math.floor(x * state.resolution[0])}, ${Math.floor(y * state.resolution[1])}`;
+    by("pixel").textContent = `${place}:  ${[...value].map((v) => v.toPrecision(3)).join("  ")}`;
+}
+
+const click = (id, call) => by(id).addEventListener("click", call);
+for (const type of ["undo", "redo", "save", "verify"]) click(type, () => send({ type }));
+click("save-as", () => {
+    const name = prompt("Name of the new scene, in the same folder:", state.file || state.title.replace(/\.[^.]*$/, "") + ".toml");
+    if (name) send({ type: "save", name });
+});
+click("command", async () => {
+    await navigator.clipboard.writeText(state.command).catch(() => prompt("The command:", state.command));
+    by("status").textContent = "the command is copied";
+});
+click("frame-all", () => send({ type: "view", to: "frame" }));
+click("scene-camera", () => send({ type: "view", to: "scene" }));
+click("keep-view", () => send({ type: "view", to: "keep" }));
+click("end", () => {
+    hasEnded = true;
+    send({ type: "end" });
+});
+by("open").addEventListener("change", () => {
+    if (state.changed && state.undo && !confirm(`Leave ${state.title} without saving it?`)) return void (by("open").value = state.title);
+    send({ type: "open", name: by("open").value });
+});
+by("view").addEventListener("change", (event) => {
+    const [display, view] = JSON.parse(event.target.value);
+    send({ type: "display", display, view });
+});
+for (const name of ["exposure", "gamma"]) {
+    by(name).addEventListener("input", () => {
+        if (picture && by(name).value !== "") picture[name] = Number(by(name).value);
+        redraw();
+    });
+}
+by("frame").addEventListener("input", () => send({ type: "frame", number: Number(by("frame").value), done: false }));
+by("frame").addEventListener("change", () => send({ type: "rest" }));
+
+click("snapshot", () => {
+    picture?.keepSnapshot();
+    by("compare").disabled = false;
+});
+click("compare", () => {
+    picture.wipe = picture.wipe ? 0 : 0.5;
+    by("compare").setAttribute("aria-pressed", String(picture.wipe > 0));
+    placeWipe();
+    redraw();
+});
+function placeWipe() {
+    const bar = by("wipe");
+    bar.hidden = !picture?.wipe;
+    bar.style.left = `${canvas.offsetLeft + (picture?.wipe ?? 0) * canvas.offsetWidth}px`;
+}
+by("wipe").addEventListener("pointerdown", (event) => by("wipe").setPointerCapture(event.pointerId));
+by("wipe").addEventListener("pointermove", (event) => {
+    if (!event.buttons) return;
+    const box = canvas.getBoundingClientRect();
+    picture.wipe = Math.min(Math.max((event.clientX - box.left) / box.width, 0.001), 1);
+    placeWipe();
+    redraw();
+});
+
+addEventListener("resize", resize);
+addEventListener("keydown", (event) => {
+    if (event.target.matches("input, select")) return;
+    if (event.ctrlKey || event.metaKey) {
+        const id = { z: event.shiftKey ? "redo" : "undo", s: "save" }[event.key.toLowerCase()];
+        if (!id) return;
+        event.preventDefault();
+        if (!by(id).disabled) by(id).click();
+        return;
+    }
+    const button = BUTTON_KEYS[event.key];
+    const field = { e: "exposure", g: "gamma" }[event.key.toLowerCase()];
+    if (button && !by(button).disabled) by(button).click();
+    else if (field) {
+        by(field)[event.shiftKey ? "stepDown" : "stepUp"]();
+        by(field).dispatchEvent(new Event("input"));
+    }
+});
+
+// For tests and measurements.
+globalThis.scrim = {
+    times,
+    get picture() { return picture; },
+    get state() { return state; },
+    get isConnected() { return socket?.readyState === WebSocket.OPEN; },
+    get isSettled() { return stage.serial >= (state?.serial ?? Infinity) && serial === state.serial; },
+    cut: () => socket.close(),
+    readPixels: () => picture.readPixels(),
+};
+connect();

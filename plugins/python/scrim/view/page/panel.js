@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: Apache-2.0
+// Draws the controls that the viewer lists, and tells what the user makes of them.
+//
+// Elements are kept while the list has the same controls, so that a slider under the finger stays where it is.
+
+const STEPS = 1000; // of a slider
+
+export class Panel {
+    /** `change(id, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
+    constructor(root, change, mute) {
+        this.root = root;
+        this.change = change;
+        this.mute = mute;
+        this.known = "";
+        this.setters = new Map();
+        this.muted = new Set();
+        this.solo = null;
+    }
+
+    update(groups, muted) {
+        this.muted = new Set(muted);
+        const names = JSON.stringify(groups.map((g) => [g.title, g.controls.map((c) => [c.id, c.kind, c.keyed])]));
+        if (names !== this.known) {
+            this.known = names;
+            this.setters.clear();
+            this.layers = groups.filter((g) => g.kind === "light" || g.kind === "ambient").map(layerOf);
+            this.root.replaceChildren(...groups.map((group) => this.#group(group)));
+        }
+        for (const group of groups) {
+            for (const control of group.controls) this.setters.get(control.id)?.(control);
+        }
+        for (const button of this.root.querySelectorAll("button[data-layer]")) {
+            const name = button.dataset.layer;
+            const isOn = button.dataset.does === "mute" ? this.muted.has(name) : this.solo === name;
+            button.setAttribute("aria-pressed", String(isOn));
+        }
+    }
+
+    #group(group) {
+        const root = element("section", { className: "group" });
+        const head = root.appendChild(element("div", { className: "head" }));
+        head.append(element("h2", { textContent: group.title }));
+        if (group.kind === "light" || group.kind === "ambient") {
+            head.append(this.#layerButton(group, "mute", "Mute"), this.#layerButton(group, "solo", "Solo"));
+        }
+        root.append(...group.controls.map((control) => this.#row(control, group)));
+        return root;
+    }
+
+    #layerButton(group, does, text) {
+        const name = layerOf(group);
+        const button = element("button", { textContent: text, ariaPressed: "false", ariaLabel: `${text} ${group.name}` });
+        Object.assign(button.dataset, { layer: name, does });
+        button.addEventListener("click", () => {
+            if (does === "solo") {
+                this.solo = this.solo === name ? null : name;
+                this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
+                return;
+            }
+            this.solo = null;
+            if (!this.muted.delete(name)) this.muted.add(name);
+            this.mute([...this.muted]);
+        });
+        return button;
+    }
+
+    #row(control, group) {
+        const row = element("div", { className: "row" });
+        const label = `${group.title} ${control.label}`;
+        row.append(element("span", { textContent: control.label + (control.unit ? ` (${control.unit})` : "") }));
+        if (control.keyed) {
+            row.append(element("span", { className: "keyed", textContent: "has keys: edit the file" }));
+            return row;
+        }
+        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox }[control.kind];
+        const { parts, set } = make(control, label, (value, done) => this.change(control.id, value, done));
+        row.append(...parts);
+        this.setters.set(control.id, set);
+        return row;
+    }
+}
+
+function layerOf(group) {
+    return group.kind === "light" ? `light.${group.name}` : group.kind;
+}
+
+function element(name, values = {}) {
+    return Object.assign(document.createElement(name), values);
+}
+
+// Numbers as the viewer writes them, six digits, and as there is room for them.
+function short(value, digits = 6) {
+    return String(Number(Number(value).toPrecision(digits)));
+}
+
+function slider(control, label, change) {
+    const { least, most, log } = control;
+    const range = element("input", { type: "range", min: 0, max: STEPS, step: 1, ariaLabel: label });
+    const field = element("input", { type: "number", step: "any", ariaLabel: `${label}, number` });
+    const toValue = (place) => (log ? least * (most / least) ** (place / STEPS) : least + ((most - least) * place) / STEPS);
+    const toPlace = (value) => STEPS * (log ? Math.log(Math.max(value, least) / least) / Math.log(most / least) : (value - least) / (most - least));
+    const say = (done) => change(Number(short(toValue(Number(range.value)))), done);
+    range.addEventListener("input", () => {
+        field.value = short(toValue(Number(range.value)));
+        say(false);
+    });
+    range.addEventListener("change", () => say(true));
+    range.addEventListener("dblclick", () => field.focus());
+    field.addEventListener("change", () => field.value !== "" && change(Number(field.value), true));
+    const set = ({ value }) => {
+        if (document.activeElement !== field) field.value = short(value, 5);
+        if (!range.matches(":active")) range.value = toPlace(value);
+    };
+    return { parts: [range, field], set };
+}
+
+// Scene-linear numbers, and for colours a patch to choose by eye, which keeps the brightness of the largest one.
+function triple(control, label, change) {
+    const isColour = control.kind === "colour";
+    const box = element("div", { className: isColour ? "triple" : "triple plain" });
+    const fields = ["red", "green", "blue"].map((name, i) =>
+        element("input", { type: "number", step: isColour ? 0.01 : "any", ariaLabel: `${label} ${isColour ? name : "xyz"[i]}` }));
+    let exact = [0, 0, 0]; // fields show fewer digits
+    fields.forEach((field, i) => field.addEventListener("change", () => {
+        if (field.value !== "") change(exact.map((v, at) => (at === i ? Number(field.value) : v)), true);
+    }));
+    box.append(...fields);
+    const patch = element("input", { type: "color", className: "swatch", ariaLabel: `${label} patch` });
+    const choose = (done) => {
+        const rgb = [1, 3, 5].map((i) => linear(parseInt(patch.value.slice(i, i + 2), 16) / 255));
+        const most = Math.max(...fields.map((f) => Number(f.value)), 1e-6);
+        const scale = Math.max(...rgb) > 0 ? most / Math.max(...rgb) : 0;
+        change(rgb.map((v) => Number(short(v * scale))), done);
+    };
+    patch.addEventListener("input", () => choose(false));
+    patch.addEventListener("change", () => choose(true));
+    if (isColour) box.append(patch);
+    const set = ({ value }) => {
+        exact = [...value];
+        fields.forEach((field, i) => {
+            if (document.activeElement !== field) field.value = short(value[i], isColour ? 4 : 6);
+        });
+        const most = Math.max(...value, 1e-6);
+        if (!patch.matches(":active")) patch.value = "#" + value.map((v) => encoded(Math.max(v, 0) / most)).join("");
+    };
+    return { parts: [box], set };
+}
+
+function linear(v) {
+    return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
+}
+
+function encoded(v) {
+    const byte = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
+    return byte.toString(16).padStart(2, "0");
+}
+
+function choice(control, label, change) {
+    const select = element("select", { ariaLabel: label });
+    select.append(...control.choices.map((name, i) => element("option", { value: name, textContent: control.labels[i] })));
+    select.addEventListener("change", () => change(select.value, true));
+    return { parts: [select], set: ({ value }) => (select.value = value) };
+}
+
+function checkbox(control, label, change) {
+    const box = element("input", { type: "checkbox", ariaLabel: label });
+    box.addEventListener("change", () => change(box.checked, true));
+    return { parts: [box], set: ({ value }) => (box.checked = value) };
+}

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Measures the viewer in a headless Chromium without a graphics unit, and prints a table.
+
+    python view.py SCENE.toml [PICTURE.jpg]
+
+Needs the package scrim, tornado, tomlkit, playwright and chromium. Every time is from an event in the page to the
+screen: to the first animation frame after the one that drew its picture. PICTURE: where a picture of the page goes.
+"""
+
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+from playwright.sync_api import sync_playwright
+
+FLAGS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
+PATIENCE = 300_000  # milliseconds
+EVENTS = 60
+
+
+def described(name, times, seconds):
+    """A row: how many pictures, how many a second, median and 90 % of their times in milliseconds."""
+    times = sorted(times)
+    if not times:
+        return f"{name:<28} nothing was shown"
+    late = times[min(int(0.9 * len(times)), len(times) - 1)]
+    middle = statistics.median(times)
+    rate = len(times) / seconds
+    return f"{name:<28} {len(times):4d} shown, {rate:5.1f}/s, median {middle:5.0f} ms, 90 % {late:5.0f} ms"
+
+
+def drag(page, start, steps, kind):
+    """Drags from `start` by `steps`; the times that the page noted, and the seconds that it took."""
+    page.evaluate(f"scrim.times.{kind}.length = 0")
+    page.mouse.move(*start)
+    page.mouse.down()
+    began = time.monotonic()
+    for number in range(EVENTS):
+        page.mouse.move(start[0] + steps[0] * number, start[1] + steps[1] * number)
+        time.sleep(1 / 60)
+    seconds = time.monotonic() - began
+    times = page.evaluate(f"[...scrim.times.{kind}]")
+    page.mouse.up()
+    return times, seconds
+
+
+def exact(page):
+    page.wait_for_function("scrim.isSettled && document.body.dataset.stage === 'exact'", timeout=PATIENCE)
+
+
+def measure(page, url, began):
+    page.goto(url)
+    page.wait_for_function("document.body.dataset.stage", timeout=PATIENCE)
+    print(f"{'first picture':<28} {time.monotonic() - began:.2f} s after the command, the browser's start included")
+    exact(page)
+    box = page.locator("#picture").bounding_box()
+    middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    print(described("orbit", *drag(page, middle, (2, 1), "picture")))
+    began = time.monotonic()
+    page.wait_for_function("document.body.dataset.stage === 'final' || document.body.dataset.stage === 'exact'",
+                           timeout=PATIENCE)  # fmt: skip
+    print(f"{'at rest, as the scene asks':<28} {time.monotonic() - began:.2f} s after the mouse was let go")
+    exact(page)
+    slider = page.locator("input[type=range]").first.bounding_box()
+    start = (slider["x"] + slider["width"] / 2, slider["y"] + slider["height"] / 2)
+    print(described("intensity of a light", *drag(page, start, (0.5, 0), "weights")))
+    exact(page)
+    slider = page.get_by_label("azimuth", exact=False).first.bounding_box()
+    start = (slider["x"] + slider["width"] / 2, slider["y"] + slider["height"] / 2)
+    print(described("azimuth of a light", *drag(page, start, (0.5, 0), "picture")))
+    exact(page)
+
+
+def main(scene, picture=None):
+    began = time.monotonic()
+    words = [sys.executable, "-m", "scrim.view", scene, "--no-browser"]
+    viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+    url = viewer.stdout.readline().split(": ", 1)[1].strip()
+    print(f"{'listening':<28} {time.monotonic() - began:.2f} s after the command")
+    try:
+        with sync_playwright() as kit:
+            chromium = kit.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+            page = chromium.new_page(bypass_csp=True, viewport={"width": 1280, "height": 760})
+            measure(page, url, began)
+            if picture:
+                page.screenshot(path=picture, type="jpeg", quality=88)
+            chromium.close()
+    finally:
+        viewer.terminate()
+        viewer.wait()
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
