@@ -243,6 +243,27 @@ TEST(Classified, ShadowsFollowTheTransferFunction) {
     EXPECT_NEAR(brightness(0.1) / brightness(0), expected, 0.02 * expected);
 }
 
+// A scene of surfaces that shadow themselves, and the same with a medium too thin to be seen, beside which lights meet
+// the extinction of texels.
+TEST(Classified, LightsThatClassifyAlongTheirOwnRaysLeaveLessErrorThanTexels) {
+    Classified look = transferOf({{0.3, Rgb(1), 0}, {0.35, Rgb(1), 3}, {1, Rgb(1), 3}});
+    look.specular = 0;
+    ViewScene scene = classifiedScene(smokeField(24), look, 60, 96);
+    scene.lights.push_back(distantLight({1, -1, -0.6}, 3));
+    scene.dials.texel = scene.dials.sheetThickness = 0.5;
+    ViewScene mixed = scene;
+    Medium thin;
+    thin.densityScale = 1e-9;
+    const auto veil = boxField({-20, -20, -20}, {20, 20, 20});
+    mixed.volumes.push_back({"veil", veil, veil->wsFromIs, thin});
+    PixelSample sample = samplePixels(scene, renderScene(scene).image, 60, 7);
+    const double along = summarise(sample).error;
+    setRendered(sample.pixels, renderScene(mixed).image);
+    const double texels = summarise(sample).error;
+    // What is left is the shading of the surfaces, which is the same in both: measured, 17.9 instead of 21.5 %.
+    EXPECT_LT(along, 0.9 * texels) << along;
+}
+
 TEST(Classified, GradientsWhoseSquareNoFloatHoldsAreGradients) {
     ViewScene scene = classifiedScene(makeField({-6, -6, -6}, {6, 6, 6}, 1, [](const Vec3&) { return 1e25; }),
                                       stepAtHalf(20), 20, 16);

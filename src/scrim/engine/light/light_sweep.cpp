@@ -84,6 +84,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     struct Shadowed {
         Shadow* shadow;
         const PlaneStack* extinction;
+        const Shadow::Surfaces* surfaces;
     };
     std::vector<Shadowed> shadowed;
     for (Caster& caster : m_casters) {
@@ -95,7 +96,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
             // A channel may be empty where another one is looked up; light arrives there, too.
             const PlaneStack& planes = sheets.total(static_cast<int>(c));
             caster.shadows[c]->beginBatch(firstSheet, count, planes, sheets.covered());
-            shadowed.push_back({caster.shadows[c].get(), &planes});
+            shadowed.push_back({caster.shadows[c].get(), &planes, &sheets.surfacesAlone()});
         }
     }
     struct Task {
@@ -107,7 +108,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     for (const Shadowed& of : shadowed)
         for (int row = 0; row < of.shadow->taskCount(); ++row) tasks.push_back({of, row, 0});
     parallelFor(tasks.size(), [&](std::size_t i) {
-        tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction);
+        tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction, *tasks[i].of.surfaces);
     });
     const auto sheets = std::size_t(count);
     parallelFor(shadowed.size() * sheets,

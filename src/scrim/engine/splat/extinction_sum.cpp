@@ -143,6 +143,10 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
                 std::copy(planes.end() - std::ptrdiff_t(flow.size()), planes.end(), own.flow.begin());
         }
     }
+    const auto grey = [&](const Volume& v) { return m_channels.weights[v.sceneVolume].front() == 1; };
+    if (m_channels.count() == 1 &&
+        std::all_of(m_volumes.begin(), m_volumes.end(), [&](const Volume& v) { return v.surface && grey(v); }))
+        for (const Volume& volume : m_volumes) m_surfacesAlone.push_back(volume.surface.get());
     for (std::size_t v = 0; v < scene.volumes.size() && who == For::primaryEye; ++v) {
         const std::vector<ViewEmission> emission = emissionOf(scene.volumes[v]);
         std::vector<ViewField> fields;

@@ -281,23 +281,34 @@ void Surface::classifyTexels(int p) {
     out.finish(p);
 }
 
-void Surface::sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const {
+// The field along the rays' course through the sheet. Returns false if none of its values has extinction.
+bool Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const {
     const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
-    sampleAlongRays(plane(p, -1), at, -texelsPerSlope, run.front);
-    sampleAlongRays(plane(p, 0), at, 0, run.middle);
-    sampleAlongRays(plane(p, 1), at, texelsPerSlope, run.back);
-    for (int k = 0; k < kTileSize; ++k) runThroughSheet(run.front[k], run.middle[k], run.back[k]);
-}
-
-bool Surface::classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const {
-    sampleRun(p, at, out);
-    Real low = out.front[0], high = low;
-    for (const Real* values : {out.front, out.middle, out.back})
+    sampleAlongRays(plane(p, -1), at, -texelsPerSlope, front);
+    sampleAlongRays(plane(p, 0), at, 0, middle);
+    sampleAlongRays(plane(p, 1), at, texelsPerSlope, back);
+    for (int k = 0; k < kTileSize; ++k) runThroughSheet(front[k], middle[k], back[k]);
+    Real low = front[0], high = low;
+    for (const Real* values : {front, middle, back})
         for (int k = 0; k < kTileSize; ++k) {
             low = std::min(low, values[k]);
             high = std::max(high, values[k]);
         }
-    if (!m_table.anyBetween(low, high)) {
+    return m_table.anyBetween(low, high);
+}
+
+bool Surface::meanExtinction(int p, const SampleTile& at, Real* out) const {
+    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize];
+    const bool any = sampleRun(p, at, front, middle, back);
+    if (any)
+        m_table.meanExtinction(front, middle, back, kTileSize, out, m_simd);
+    else
+        std::fill(out, out + kTileSize, Real(0));
+    return any;
+}
+
+bool Surface::classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const {
+    if (!sampleRun(p, at, out.front, out.middle, out.back)) {
         std::fill(out.extinction, out.extinction + kTileSize, Real(0));
         return false;
     }
