@@ -44,6 +44,7 @@ struct SheetShader::Rows {
     std::vector<Row> motion;     // to the right and up; only for that layer
     std::vector<Row> emission;   // of each source
     std::vector<Row> tauIn;      // by light, and then by extinction channel
+    std::vector<Row> tauOut;     // by light; only if surfaces are alone (see surfacesAlone)
     std::vector<Row> unblocked;  // by light; only if solids cast shadows
     std::vector<Row> onCells;    // of each part of the light on cells, three colours each
     std::vector<Row> outputs;    // three colours for each output beside the beauty
@@ -69,6 +70,7 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     grow(rows.emission, m_extinction.emissions().size());
     // There is always a first row, even if all lights are on cells.
     grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));
+    grow(rows.tauOut, surfacesAlone() ? rows.tauIn.size() : 0);
     grow(rows.unblocked, m_lights.passSolids() ? std::max<std::size_t>(lights, 1) : 0);
     grow(rows.onCells, 3 * m_scatteredParts.size());
     grow(rows.outputs, 3 * std::size_t(m_group.outputs.layout.outputs - 1) + 1);
@@ -242,8 +244,16 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
         classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), rows, work);
     }
     if (!shows(rows)) return false;
-    for (std::size_t i = 0; i < lights.shadows.size(); ++i)
-        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn[i].values);
+    if (surfacesAlone())
+        for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
+            Real *const enters = rows.tauIn[i].values, *const leaves = rows.tauOut[i].values;
+            if (lights.shadows[i])
+                m_lights.lookUpEnds(p, i, samples, m_extinction.surfacesAlone(), rows.total[0].values,
+                                    m_group.sameSide ? enters : leaves, m_group.sameSide ? leaves : enters);
+        }
+    else
+        for (std::size_t i = 0; i < lights.shadows.size(); ++i)
+            if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn[i].values);
     passSolids(p, samples, rows);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
@@ -291,6 +301,11 @@ bool SheetShader::shows(const Rows& rows) const {
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
         if (any(rows.emission[e].values)) return true;
     return false;
+}
+
+// Surfaces that share sheets with media, or have sheets of their own for each view, are lit like media.
+bool SheetShader::surfacesAlone() const {
+    return !m_extinction.surfacesAlone().empty() && m_group.lattice.shared();
 }
 
 // The fraction of each light that passes the solids to the samples.
@@ -351,6 +366,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.scattered = rows.scattered;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn[0].values;
+    input.tauOut = surfacesAlone() ? rows.tauOut[0].values : nullptr;
     input.unblocked = m_lights.passSolids() ? rows.unblocked.front().values : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
     if (m_motion) {

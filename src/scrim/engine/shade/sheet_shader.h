@@ -40,6 +40,7 @@ class SheetShader {
     template <class Read>
     void gather(const Read& read, Rows& rows) const;
     void addSeen(std::size_t volume, const Real* extinction, Rows& rows) const;
+    bool surfacesAlone() const;
     void passSolids(int p, const SampleTile& samples, Rows& rows) const;
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
     void classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const;
