@@ -293,6 +293,19 @@ TEST(Classified, LightsThatClassifyAlongTheirOwnRaysLeaveLessErrorThanTexels) {
     EXPECT_LT(along, 0.9 * texels) << along;
 }
 
+TEST(Classified, WhatLiesBehindOpaquePixelsHasNoNormals) {
+    // One tile of pixels, half of which see a block. The other half stays open to the end.
+    ViewScene scene = classifiedScene(boxField({-24, -24, -12}, {0, 24, 12}), stepAtHalf(20), 10, 8);
+    scene.lights.push_back(distantLight({0, 0, -1}, 2));
+    const auto normals = [&](double cutoff) {
+        scene.dials.opacityCutoff = cutoff;
+        return renderScene(scene).work.shade.gradients;
+    };
+    const auto all = normals(0), seen = normals(0.001);
+    EXPECT_GT(seen, 0u);
+    EXPECT_LT(seen, all / 2);
+}
+
 TEST(Classified, GradientsWhoseSquareNoFloatHoldsAreGradients) {
     ViewScene scene = classifiedScene(makeField({-6, -6, -6}, {6, 6, 6}, 1, [](const Vec3&) { return 1e25; }),
                                       stepAtHalf(20), 20, 16);

@@ -114,7 +114,16 @@ namespace {
 // smooth between texels where its classification jumps, so edges of shadows stay sharp, and opaque matter does not leak
 // into the texel beside it.
 void attenuateAlongRays(const AttenuateTile& tile, int s, const Shadow::Surfaces& surfaces) {
-    SampleTile rays{};
+    // Beyond this optical depth nothing is lit, and it does not matter how dark it is.
+    constexpr Real kDark = 40;
+    Real least = kDark;
+    for (int y = 0; y < kTileEdge; ++y) {
+        const Real* const row = tile.tau + y * tile.tauStride;
+        std::copy_n(row, kTileEdge, tile.entry + y * tile.entryStride);
+        least = std::min(least, *std::min_element(row, row + kTileEdge));
+    }
+    if (least == kDark) return;
+    SampleTile rays;
     for (int k = 0; k < kTileSize; ++k) {
         const auto x = static_cast<Real>(k % kTileEdge), y = static_cast<Real>(k / kTileEdge);
         rays.u[k] = tile.u + x * tile.step;
@@ -122,8 +131,6 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const Shadow::Surfaces
         rays.eyeA[k] = tile.slopeA + x * tile.slopeStep;
         rays.eyeB[k] = tile.slopeB + y * tile.slopeStep;
     }
-    for (int y = 0; y < kTileEdge; ++y)
-        std::copy_n(tile.tau + y * tile.tauStride, kTileEdge, tile.entry + y * tile.entryStride);
     alignas(64) Real mean[kTileSize];
     for (const Surface* surface : surfaces) {
         if (!surface->meanExtinction(s, rays, mean)) continue;

@@ -186,7 +186,7 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
     parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].field->finish(tasks[i].part); });
     parallelFor(std::size_t(count), [&](std::size_t p) {
         for (const Volume& volume : m_volumes)
-            if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p));
+            if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p), m_texelsWanted);
         if (!m_totals.empty()) addUp(static_cast<int>(p));
     });
     return footprints;
