@@ -84,7 +84,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     struct Shadowed {
         Shadow* shadow;
         const PlaneStack* extinction;
-        const Shadow::Surfaces* surfaces;
+        const std::vector<const Surface*>* surfaces;
     };
     std::vector<Shadowed> shadowed;
     for (Caster& caster : m_casters) {
@@ -172,8 +172,9 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
 
 // Opaque matter is often thinner than a sheet. How much of its light is lost within the sheet then depends on the
 // course of the light's own ray through it.
-void LightSweep::lookUpEnds(int p, std::size_t i, const SampleTile& samples, const Shadow::Surfaces& surfaces,
-                            const Real* extinction, Real* first, Real* last) const {
+void LightSweep::lookUpEnds(int p, std::size_t i, const SampleTile& samples,
+                            const std::vector<const Surface*>& surfaces, const Real* extinction, Real* first,
+                            Real* last) const {
     const SheetLight& light = m_onSheets[p].lights[i];
     const Shadow& shadow = *m_onSheets[p].shadows[i];
     const auto thickness = static_cast<Real>(m_group.sheets.thickness);

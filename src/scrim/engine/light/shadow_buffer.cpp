@@ -113,7 +113,7 @@ namespace {
 // As attenuateTile, with the extinction that `surfaces` have along the light's rays through sheet s. The field is
 // smooth between texels where its classification jumps, so edges of shadows stay sharp, and opaque matter does not leak
 // into the texel beside it.
-void attenuateAlongRays(const AttenuateTile& tile, int s, const Shadow::Surfaces& surfaces) {
+void attenuateAlongRays(const AttenuateTile& tile, int s, const std::vector<const Surface*>& surfaces) {
     // Beyond this optical depth nothing is lit, and it does not matter how dark it is.
     constexpr Real kDark = 40;
     Real least = kDark;
@@ -144,7 +144,8 @@ void attenuateAlongRays(const AttenuateTile& tile, int s, const Shadow::Surfaces
 
 }  // namespace
 
-std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction, const Surfaces& surfaces) {
+std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
+                                      const std::vector<const Surface*>& surfaces) {
     const int tileY = m_windowTileY + task;
     const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     std::uint64_t samples = 0;
@@ -276,7 +277,7 @@ ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter
             m_path.push_back(static_cast<Real>(pathThroughSheet(raster, sheets, x, y)));
 }
 
-std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction, const Surfaces&) {
+std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction, const std::vector<const Surface*>&) {
     const std::size_t first = std::size_t(task * kTileEdge) * std::size_t(m_raster.width);
     const std::size_t count = std::size_t(kTileEdge) * std::size_t(m_raster.width);
     for (int s = 0; s < m_count; ++s) {
