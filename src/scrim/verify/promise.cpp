@@ -109,9 +109,9 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     const double promised = promisedError(quality, classified);
     // With dials this fine, kinks, rounding and quantised footprints lower the order of convergence.
     constexpr double kFine = 2e-3, kFineAim = 0.6;
-    // Opaque surfaces converge with an order of about 1.4, and guaranteeing the last of their error would take minutes.
-    // Where this limit is not fine enough, a warning says so.
-    const double finest = classified ? std::clamp(0.36 * std::pow(promised / 0.02, 0.7), 0.12, 0.5) : kFinestPromised;
+    // Opaque surfaces converge with an order of little more than 1, and guaranteeing the last of their error would take
+    // minutes. Where this limit is not fine enough, a warning says so.
+    const double finest = classified ? std::clamp(0.4 * std::pow(promised / 0.02, 0.85), 0.12, 0.5) : kFinestPromised;
     // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
     // edges of the volume are visible: the error is twice as large, and larger in thin media.
     constexpr double kUnlit = 2;
