@@ -73,6 +73,12 @@ TileCull occlusionMap(const PixelTiles& tiles, int guardTiles) {
     };
 }
 
+// Distant lights and pixels ask surfaces themselves. A light within a volume begins with the extinction of a texel.
+bool onlyRaysLook(const GroupPlan& group) {
+    return group.lattice.shared() && std::all_of(group.lights.begin(), group.lights.end(),
+                                                 [](const PlannedLight& light) { return light.view.distant; });
+}
+
 struct Swept {
     PixelTiles tiles;
     RenderWork work;
@@ -110,6 +116,7 @@ Swept sweep(const ViewScene& scene, const Plan& plan, const GroupPlan& group, co
     auto& [tiles, work, times, deepImage] = swept;
     const EyeView eye(supersampled(scene.camera, n), group.sheets, plan.simd);
     ExtinctionSum extinction(scene, plan, group.sheets, group.lattice, group.batchSheets, ExtinctionSum::eyeOf(group));
+    if (onlyRaysLook(group)) extinction.leaveOutTexels();
     LightSweep lights(scene, plan, group);
     const SheetShader shader(scene, plan, group, extinction, lights, eye, cellLight);
     const auto deep = deepRays(scene, group, tiles, mostDeepBytes);

@@ -140,7 +140,8 @@ TEST(Bonsai, CrownDarkensWhatIsBelow) {
     expectShadowsOnlyDarken(with, without);
     const double part = shadowedPart(with, without, 0.3);
     RecordProperty("shadowed", std::to_string(part));
-    EXPECT_GT(part, 0.15);
+    // Brute force at 696 pixels of the whole picture finds 0.157, with a deviation of 0.014. Rough sheets blur shadows.
+    EXPECT_GT(part, 0.157 - 2 * 0.014);
 }
 
 // Fig. 12.

@@ -150,5 +150,22 @@ TEST(Presets, LeaveLittleMoreThanTheyPromiseWithoutALight) {
         }
 }
 
+// A few rays find no edge of a surface that only ambient light shows. Texels of 2 and sheets of 4 voxels, which would
+// do for a medium, leave nine times the promised error of the teddy bear (examples/paper).
+TEST(Presets, LeaveAtMostTwiceWhatTheyPromiseOfSurfacesInAmbientLight) {
+    ViewScene scene = smoke(16, 1, 48);
+    scene.lights.clear();
+    scene.ambient = Rgb(1);
+    Classified look;
+    look.transfer = {{0.3, Rgb(1), 0}, {0.35, Rgb(1, 0.5, 0.2), 2}, {1, Rgb(1, 0.5, 0.2), 2}};
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    for (const char* preset : {"draft", "standard"}) {
+        const PromisedDials chosen = promisedDials(scene, preset);
+        EXPECT_LT(errorOf(scene, chosen.dials), 2 * chosen.promised)
+            << preset << ": texel " << chosen.dials.texel << ", sheets " << chosen.dials.sheetThickness;
+        EXPECT_LE(chosen.dials.sheetThickness, 1.25 * chosen.dials.texel) << preset;
+    }
+}
+
 }  // namespace
 }  // namespace scrim::test

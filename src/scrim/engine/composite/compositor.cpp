@@ -269,7 +269,11 @@ RenderWork Compositor::shadeAlong(const TileWalk& walk, int tile, const std::opt
         }
         m_eye.setDepth(walk.block + step + 0.5, points);
         work.pixelSheets += kTileSize;
-        if (!shader.shadePoints(p, points, cells, samples, work.shade)) continue;
+        // Surfaces behind opaque pixels are not shaded.
+        std::uint8_t open[kTileSize];
+        for (int k = 0; m_frontToBack && k < kTileSize; ++k)
+            open[k] = 1 + states[layout.floats() * (k + 1) - 1] >= m_cutoff ? 1 : 0;
+        if (!shader.shadePoints(p, points, cells, m_frontToBack ? open : nullptr, samples, work.shade)) continue;
         const SheetSamples shaded{samples, seen == Seen::part ? part : nullptr, at, layout, m_eye.simd()};
         if (shaded.part) holdOut(tile, walk, part, at, samples);
         if (m_deep) m_deep->add(tile, walk.block + step, shaded, static_cast<Real>(step));

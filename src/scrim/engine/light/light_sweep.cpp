@@ -84,6 +84,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     struct Shadowed {
         Shadow* shadow;
         const PlaneStack* extinction;
+        const std::vector<const Surface*>* surfaces;
     };
     std::vector<Shadowed> shadowed;
     for (Caster& caster : m_casters) {
@@ -95,7 +96,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
             // A channel may be empty where another one is looked up; light arrives there, too.
             const PlaneStack& planes = sheets.total(static_cast<int>(c));
             caster.shadows[c]->beginBatch(firstSheet, count, planes, sheets.covered());
-            shadowed.push_back({caster.shadows[c].get(), &planes});
+            shadowed.push_back({caster.shadows[c].get(), &planes, &sheets.surfacesAlone()});
         }
     }
     struct Task {
@@ -107,7 +108,7 @@ RenderWork LightSweep::attenuate(int firstSheet, int count, const ExtinctionSum&
     for (const Shadowed& of : shadowed)
         for (int row = 0; row < of.shadow->taskCount(); ++row) tasks.push_back({of, row, 0});
     parallelFor(tasks.size(), [&](std::size_t i) {
-        tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction);
+        tasks[i].samples = tasks[i].of.shadow->attenuate(tasks[i].row, *tasks[i].of.extinction, *tasks[i].of.surfaces);
     });
     const auto sheets = std::size_t(count);
     parallelFor(shadowed.size() * sheets,
@@ -167,6 +168,47 @@ std::optional<SheetLight> LightSweep::atSheet(std::size_t i, int sheet) const {
         out.windowCos = static_cast<Real>(std::cos(kWindowAngle));
     }
     return out;
+}
+
+// Opaque matter is often thinner than a sheet. How much of its light is lost within the sheet then depends on the
+// course of the light's own ray through it.
+void LightSweep::lookUpEnds(int p, std::size_t i, const SampleTile& samples,
+                            const std::vector<const Surface*>& surfaces, const Real* extinction, Real* first,
+                            Real* last) const {
+    const SheetLight& light = m_onSheets[p].lights[i];
+    const Shadow& shadow = *m_onSheets[p].shadows[i];
+    const auto thickness = static_cast<Real>(m_group.sheets.thickness);
+    const Real texels = thickness / static_cast<Real>(m_group.sheets.texel);
+    // The field at a few points does not tell the course of a light within the sheet, or of one that crosses it at a
+    // steep slant. Both ends are then looked up in the middle.
+    const bool apart = light.withinSheet && (light.distant || light.distanceW > thickness);
+    SampleTile rays{};
+    for (const Real face : {Real(-0.5), Real(0.5)}) {
+        const Real shift = apart ? face : Real(0);  // sheets from the middle plane
+        const Real inverse = light.distant ? Real(0) : 1 / (light.distanceW / thickness + shift);
+        for (int k = 0; k < kTileSize; ++k) {
+            const Real u = samples.u[k] + shift * texels * samples.eyeA[k];
+            const Real v = samples.v[k] + shift * texels * samples.eyeB[k];
+            const Real du = light.distant ? light.slopeA * texels : (u - light.texelU) * inverse;
+            const Real dv = light.distant ? light.slopeB * texels : (v - light.texelV) * inverse;
+            rays.u[k] = u - shift * du;
+            rays.v[k] = v - shift * dv;
+            rays.eyeA[k] = du / texels;
+            rays.eyeB[k] = dv / texels;
+        }
+        shadow.lookUpPoints(p, rays.u, rays.v, face < 0 ? first : last);
+    }
+    if (!light.withinSheet) return;
+    const auto add = [&](const Real* own) {
+        for (int k = 0; k < kTileSize; ++k) {
+            const Real a = rays.eyeA[k], b = rays.eyeB[k];
+            last[k] += own[k] * thickness * std::sqrt(1 + a * a + b * b);
+        }
+    };
+    if (!apart) return add(extinction);
+    alignas(64) Real mean[kTileSize];
+    for (const Surface* surface : surfaces)
+        if (surface->meanExtinction(p, rays, mean)) add(mean);
 }
 
 std::uint64_t LightSweep::solidRays() const {

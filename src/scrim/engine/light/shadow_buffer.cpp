@@ -108,7 +108,44 @@ void ShadowBuffer::beginBatch(int firstSheet, int count, const PlaneStack& extin
     }
 }
 
-std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
+namespace {
+
+// As attenuateTile, with the extinction that `surfaces` have along the light's rays through sheet s. The field is
+// smooth between texels where its classification jumps, so edges of shadows stay sharp, and opaque matter does not leak
+// into the texel beside it.
+void attenuateAlongRays(const AttenuateTile& tile, int s, const std::vector<const Surface*>& surfaces) {
+    // Beyond this optical depth nothing is lit, and it does not matter how dark it is.
+    constexpr Real kDark = 40;
+    Real least = kDark;
+    for (int y = 0; y < kTileEdge; ++y) {
+        const Real* const row = tile.tau + y * tile.tauStride;
+        std::copy_n(row, kTileEdge, tile.entry + y * tile.entryStride);
+        least = std::min(least, *std::min_element(row, row + kTileEdge));
+    }
+    if (least == kDark) return;
+    SampleTile rays;
+    for (int k = 0; k < kTileSize; ++k) {
+        const auto x = static_cast<Real>(k % kTileEdge), y = static_cast<Real>(k / kTileEdge);
+        rays.u[k] = tile.u + x * tile.step;
+        rays.v[k] = tile.v + y * tile.step;
+        rays.eyeA[k] = tile.slopeA + x * tile.slopeStep;
+        rays.eyeB[k] = tile.slopeB + y * tile.slopeStep;
+    }
+    alignas(64) Real mean[kTileSize];
+    for (const Surface* surface : surfaces) {
+        if (!surface->meanExtinction(s, rays, mean)) continue;
+        for (int k = 0; k < kTileSize; ++k) {
+            const Real a = rays.eyeA[k], b = rays.eyeB[k];
+            tile.tau[k / kTileEdge * tile.tauStride + k % kTileEdge] +=
+                mean[k] * tile.path * std::sqrt(1 + a * a + b * b);
+        }
+    }
+}
+
+}  // namespace
+
+std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction,
+                                      const std::vector<const Surface*>& surfaces) {
     const int tileY = m_windowTileY + task;
     const auto tilesPerSheet = std::size_t(m_windowTilesX) * std::size_t(m_windowTilesY);
     std::uint64_t samples = 0;
@@ -141,7 +178,10 @@ std::uint64_t ShadowBuffer::attenuate(int task, const PlaneStack& extinction) {
             tile.tau = m_tau.data() + static_cast<std::ptrdiff_t>(cellY) * m_view.width + cellX;
             tile.entry = m_entry.data() + std::size_t(s) * entryStride() +
                          static_cast<std::ptrdiff_t>(task * kTileEdge) * windowWidth() + x * kTileEdge;
-            attenuateTile(tile);
+            if (surfaces.empty())
+                attenuateTile(tile);
+            else
+                attenuateAlongRays(tile, s, surfaces);
             samples += kTileSize;
         }
     }
@@ -237,7 +277,7 @@ ViewShadow::ViewShadow(const Lattice& raster, const Sheets& sheets, ShadowFilter
             m_path.push_back(static_cast<Real>(pathThroughSheet(raster, sheets, x, y)));
 }
 
-std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction) {
+std::uint64_t ViewShadow::attenuate(int task, const PlaneStack& extinction, const std::vector<const Surface*>&) {
     const std::size_t first = std::size_t(task * kTileEdge) * std::size_t(m_raster.width);
     const std::size_t count = std::size_t(kTileEdge) * std::size_t(m_raster.width);
     for (int s = 0; s < m_count; ++s) {

@@ -10,6 +10,7 @@
 #include <scrim/base/real.h>
 #include <scrim/base/zeroed_array.h>
 #include <scrim/engine/splat/plane_stack.h>
+#include <scrim/engine/splat/surface.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/geometry/lattice.h>
 #include <scrim/scene/dials.h>
@@ -32,8 +33,10 @@ class Shadow {
     /// The number of independent tasks of the batch, which are rows of tiles.
     virtual int taskCount() const = 0;
     /// Carries one row of tiles through the sheets of the batch: keeps tau at entry, then adds each sheet's extinction
-    /// times the path through it. Returns the number of light samples taken.
-    virtual std::uint64_t attenuate(int task, const PlaneStack& extinction) = 0;
+    /// times the path through it. `surfaces`: if there are any, all extinction is theirs, and buffers that are
+    /// resampled from the shared sheets classify it along their own rays. Returns the number of light samples taken.
+    virtual std::uint64_t attenuate(int task, const PlaneStack& extinction,
+                                    const std::vector<const Surface*>& surfaces) = 0;
     /// After all of `attenuate`: compensates for the blur of later look-ups in sheet s of the batch.
     virtual void prefilter(int /*s*/) {}
     /// Tau at entry into sheet s of the batch for the 16 x 16 texels from (texelX, texelY), in rows of 16.
@@ -60,7 +63,8 @@ class ShadowBuffer final : public Shadow {
         beginBatch(firstSheet, count, extinction, extinction);
     }
     int taskCount() const override { return m_windowTilesY; }
-    std::uint64_t attenuate(int task, const PlaneStack& extinction) override;
+    std::uint64_t attenuate(int task, const PlaneStack& extinction,
+                            const std::vector<const Surface*>& surfaces) override;
 
     /// As PlaneStack::prefilter: subtracts from tau at entry a twelfth of its second differences for each look-up. The
     /// values that the buffer carries on are not changed.
@@ -108,7 +112,7 @@ class ViewShadow final : public Shadow {
     }
     int taskCount() const override { return m_raster.height / kTileEdge; }
     /// `extinction` has this raster.
-    std::uint64_t attenuate(int task, const PlaneStack& extinction) override;
+    std::uint64_t attenuate(int task, const PlaneStack& extinction, const std::vector<const Surface*>&) override;
     void lookUpTile(int s, int texelX, int texelY, Real* tau) const override;
     void lookUpPoints(int s, const Real* u, const Real* v, Real* tau) const override;
 

@@ -45,9 +45,29 @@ HWY_ATTR void transmit(const Passage& p, const Incidence& in, const Real* pathEy
     });
 }
 
+// As `transmit`, where tau towards the light is known at both ends of the eye's segment. Where the field is linear, as
+// it is close to a surface, tau towards any light is a linear function of tau towards the eye: both are the same
+// integral of the transfer function, divided by the field's slopes along the two rays. So this is exact for a surface
+// anywhere within the sheet, however opaque it is and however it leans.
+HWY_ATTR void transmitBetween(const Real* tauIn, const Real* tauOut, const Real* tauEye, const Incidence& in,
+                              const Real* pathEye, Real* out) {
+    const DF d;
+    forSamples([&](int k) HWY_ATTR {
+        const auto entry = load(tauIn, k);
+        const auto change = hn::Add(load(tauEye, k), hn::Sub(load(tauOut, k), entry));
+        const auto nearest = hn::Max(hn::Add(entry, hn::Min(change, constant(0))), constant(0));
+        const auto light = hn::Mul(expMinus(nearest), psi(hn::Abs(change)));
+        hn::Store(hn::Mul(hn::Mul(light, load(in.irradiance, k)), load(pathEye, k)), d, out + k);
+    });
+}
+
 // The rest of one light at the samples, with `depth` as factor on extinction.
 HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, const Real* tauIn, Real depth, Work& w) {
     const int channels = input.coloured ? 3 : 1;
+    w.done.exponentials += static_cast<std::uint64_t>(channels * (light.shadowed ? 2 : 1) * kTileSize);
+    if (input.tauOut && light.shadowed)
+        return transmitBetween(tauIn, input.tauOut + (tauIn - input.tauIn), w.tauEye.values[0], w.in, w.pathEye,
+                               w.light.values[0]);
     for (int c = 0; c < channels; ++c) {
         const Passage passage{input.coloured ? w.extinction.values[c] : input.extinction[0],
                               input.coloured ? w.tauIn.values[c] : tauIn, w.tauEye.values[c],
@@ -60,7 +80,6 @@ HWY_ATTR void transmitAll(const ShadeInput& input, const SheetLight& light, cons
         else
             transmit<true, false>(passage, w.in, w.pathEye, out);
     }
-    w.done.exponentials += static_cast<std::uint64_t>(channels * (light.shadowed ? 2 : 1) * kTileSize);
 }
 
 template <bool kTinted>

@@ -85,6 +85,9 @@ struct ShadeInput {
     std::span<const SheetScattered> scattered;
     std::span<const SheetLight> lights;
     const Real* tauIn;  ///< tau at entry: `channels` x 256 values for each light; only read for shadowed lights
+    /// Null, or 256 values for each shadowed light (if extinction is grey): tau where the eye's rays leave the sheet.
+    /// `tauIn` is then tau where they enter it, and not where the light does.
+    const Real* tauOut;
     /// 256 values for each light: the fraction that passes solids; nullptr: there are no solids.
     const Real* unblocked;
     Real ambient[3];        ///< radiance of an unshadowed environment; all 0: none

@@ -44,6 +44,7 @@ struct SheetShader::Rows {
     std::vector<Row> motion;     // to the right and up; only for that layer
     std::vector<Row> emission;   // of each source
     std::vector<Row> tauIn;      // by light, and then by extinction channel
+    std::vector<Row> tauOut;     // by light; only if surfaces are alone (see surfacesAlone)
     std::vector<Row> unblocked;  // by light; only if solids cast shadows
     std::vector<Row> onCells;    // of each part of the light on cells, three colours each
     std::vector<Row> outputs;    // three colours for each output beside the beauty
@@ -69,6 +70,7 @@ SheetShader::Rows& SheetShader::rowsFor(std::size_t lights) const {
     grow(rows.emission, m_extinction.emissions().size());
     // There is always a first row, even if all lights are on cells.
     grow(rows.tauIn, std::max<std::size_t>(lights * channels, 1));
+    grow(rows.tauOut, surfacesAlone() ? rows.tauIn.size() : 0);
     grow(rows.unblocked, m_lights.passSolids() ? std::max<std::size_t>(lights, 1) : 0);
     grow(rows.onCells, 3 * m_scatteredParts.size());
     grow(rows.outputs, 3 * std::size_t(m_group.outputs.layout.outputs - 1) + 1);
@@ -206,7 +208,7 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     // points.
     if (!m_surfaces.empty()) {
         ShadeWork work;
-        if (!shadePoints(p, samples, std::nullopt, out, work))
+        if (!shadePoints(p, samples, std::nullopt, nullptr, out, work))
             std::fill(out, out + m_group.outputs.layout.floats() * kTileSize, Real(0));
         return work;
     }
@@ -221,8 +223,8 @@ ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) 
     return shadeTile(inputOf(p, samples, rows), out);
 }
 
-bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells, Real* out,
-                              ShadeWork& work) const {
+bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optional<Int2>& cells,
+                              const std::uint8_t* open, Real* out, ShadeWork& work) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
     Rows& rows = rowsFor(lights.lights.size());
     if (cells)
@@ -239,11 +241,19 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
                 atCells.u[k] = static_cast<Real>(cells->x * kTileEdge + k % kTileEdge);
                 atCells.v[k] = static_cast<Real>(cells->y * kTileEdge + k / kTileEdge);
             }
-        classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), rows, work);
+        classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), open, rows, work);
     }
     if (!shows(rows)) return false;
-    for (std::size_t i = 0; i < lights.shadows.size(); ++i)
-        if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn[i].values);
+    if (surfacesAlone())
+        for (std::size_t i = 0; i < lights.shadows.size(); ++i) {
+            Real *const enters = rows.tauIn[i].values, *const leaves = rows.tauOut[i].values;
+            if (lights.shadows[i])
+                m_lights.lookUpEnds(p, i, samples, m_extinction.surfacesAlone(), rows.total[0].values,
+                                    m_group.sameSide ? enters : leaves, m_group.sameSide ? leaves : enters);
+        }
+    else
+        for (std::size_t i = 0; i < lights.shadows.size(); ++i)
+            if (lights.shadows[i]) lights.shadows[i]->lookUpPoints(p, samples.u, samples.v, rows.tauIn[i].values);
     passSolids(p, samples, rows);
     lookUpScattered(lights.sheet, samples, rows);
     work += shadeTile(inputOf(p, samples, rows), out);
@@ -252,7 +262,8 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
 
 // Classifies all surfaces at positions `at` of the eye's lattice, and sets the total extinction to that of the surfaces
 // and media there. The sheets' own classified extinction, at texels, only serves lights.
-void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& rows, ShadeWork& work) const {
+void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open, Rows& rows,
+                           ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total[i].values, rows.total[i].values + kTileSize, Real(0));
     const auto add = [&](int volume, const Real* extinction) {
@@ -262,7 +273,7 @@ void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, Rows& 
     for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium[i].values);
     for (std::size_t i = 0; i < m_surfaces.size(); ++i) {
         ClassifiedTile& seen = rows.classified[i];
-        if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, tile, seen)) continue;
+        if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, tile, open, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
         addSeen(std::size_t(m_surfaceVolumes[i]), seen.extinction, rows);
@@ -291,6 +302,11 @@ bool SheetShader::shows(const Rows& rows) const {
     for (std::size_t e = 0; e < m_extinction.emissions().size(); ++e)
         if (any(rows.emission[e].values)) return true;
     return false;
+}
+
+// Surfaces that share sheets with media, or have sheets of their own for each view, are lit like media.
+bool SheetShader::surfacesAlone() const {
+    return !m_extinction.surfacesAlone().empty() && m_group.lattice.shared();
 }
 
 // The fraction of each light that passes the solids to the samples.
@@ -351,6 +367,7 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.scattered = rows.scattered;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn[0].values;
+    input.tauOut = surfacesAlone() ? rows.tauOut[0].values : nullptr;
     input.unblocked = m_lights.passSolids() ? rows.unblocked.front().values : nullptr;
     std::copy(m_ambient, m_ambient + 3, input.ambient);
     if (m_motion) {

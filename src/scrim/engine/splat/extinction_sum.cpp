@@ -143,6 +143,10 @@ ExtinctionSum::ExtinctionSum(const ViewScene& scene, const Plan& plan, const She
                 std::copy(planes.end() - std::ptrdiff_t(flow.size()), planes.end(), own.flow.begin());
         }
     }
+    const auto grey = [&](const Volume& v) { return m_channels.weights[v.sceneVolume].front() == 1; };
+    if (m_channels.count() == 1 &&
+        std::all_of(m_volumes.begin(), m_volumes.end(), [&](const Volume& v) { return v.surface && grey(v); }))
+        for (const Volume& volume : m_volumes) m_surfacesAlone.push_back(volume.surface.get());
     for (std::size_t v = 0; v < scene.volumes.size() && who == For::primaryEye; ++v) {
         const std::vector<ViewEmission> emission = emissionOf(scene.volumes[v]);
         std::vector<ViewField> fields;
@@ -182,7 +186,7 @@ std::uint64_t ExtinctionSum::splat(int firstSheet, int count, const NeededTiles*
     parallelFor(tasks.size(), [&](std::size_t i) { tasks[i].field->finish(tasks[i].part); });
     parallelFor(std::size_t(count), [&](std::size_t p) {
         for (const Volume& volume : m_volumes)
-            if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p));
+            if (volume.surface) volume.surface->classifyTexels(static_cast<int>(p), m_texelsWanted);
         if (!m_totals.empty()) addUp(static_cast<int>(p));
     });
     return footprints;

@@ -48,6 +48,11 @@ class ExtinctionSum {
         const PlaneStack& extinction() const { return density ? *density : surface->extinction(); }
     };
     const std::vector<Volume>& volumes() const { return m_volumes; }
+    /// The surfaces, if all extinction is theirs and grey; empty otherwise. Rays may then ask them for the extinction
+    /// along their own course, instead of interpolating between that of texels.
+    const std::vector<const Surface*>& surfacesAlone() const { return m_surfacesAlone; }
+    /// Promises that nobody reads the values of `total`, but only which of its tiles are active, if surfaces are alone.
+    void leaveOutTexels() { m_texelsWanted = m_surfacesAlone.empty(); }
 
     /// A source of emission: radiance per world unit is the planes times the colour.
     struct Emission {
@@ -68,11 +73,13 @@ class ExtinctionSum {
 
     const ExtinctionChannels& m_channels;
     std::vector<Volume> m_volumes;
+    std::vector<const Surface*> m_surfacesAlone;
     std::vector<Emission> m_emissions;
     std::vector<std::unique_ptr<FieldPlanes>> m_own;  // all fields except those of surfaces
     std::vector<FieldPlanes*> m_fields;               // all fields
     std::vector<PlaneStack> m_totals;  // one for each channel; only if extinction is not that of a single volume
     std::uint64_t m_voxels = 0;
+    bool m_texelsWanted = true;
 };
 
 }  // namespace scrim

@@ -182,14 +182,14 @@ void runThroughSheet(Real& before, Real& here, Real& behind) {
     behind = back;
 }
 
-// The values of a plane at the samples, moved by (du, dv) cells.
-void sampleMoved(const FloatPlane& plane, const SampleTile& at, Real du, Real dv, Real* out) {
+// The values of a plane at the first `count` samples, moved by (du, dv) cells.
+void sampleMoved(const FloatPlane& plane, const SampleTile& at, int count, Real du, Real dv, Real* out) {
     alignas(64) Real u[kTileSize], v[kTileSize];
-    for (int k = 0; k < kTileSize; ++k) {
+    for (int k = 0; k < count; ++k) {
         u[k] = at.u[k] + du;
         v[k] = at.v[k] + dv;
     }
-    samplePoints(plane, u, v, false, kTileSize, out);
+    samplePoints(plane, u, v, false, count, out);
 }
 
 // The values of a plane where the eye's rays cross it; they move by `texels` per unit of slope.
@@ -244,7 +244,7 @@ FloatPlane Surface::plane(int p, int steps) const {
     return m_field.planes().view(m_field.planeOf(m_firstSheet + p + steps), m_simd);
 }
 
-void Surface::classifyTexels(int p) {
+void Surface::classifyTexels(int p, bool wanted) {
     const std::array<FloatPlane, 3> around{plane(p, -1), plane(p, 0), plane(p, 1)};
     const int sheet = m_firstSheet + p;
     const PlaneStack& values = m_field.planes();
@@ -263,6 +263,10 @@ void Surface::classifyTexels(int p) {
             if (!anyActive(tx, ty)) continue;
             const Limits limits = limitsAround(around, tx, ty);
             if (!m_table.anyBetween(limits.low, limits.high)) continue;
+            if (!wanted) {
+                out.activate(p, tx, ty);
+                continue;
+            }
             out.replace(p, tx, ty);
             const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * out.width() + tx * kTileEdge;
             for (int k = 0; k < kTileSize; ++k) {
@@ -281,26 +285,36 @@ void Surface::classifyTexels(int p) {
     out.finish(p);
 }
 
-void Surface::sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const {
+// The field along the rays' course through the sheet. Returns false if none of its values has extinction.
+bool Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const {
     const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
-    sampleAlongRays(plane(p, -1), at, -texelsPerSlope, run.front);
-    sampleAlongRays(plane(p, 0), at, 0, run.middle);
-    sampleAlongRays(plane(p, 1), at, texelsPerSlope, run.back);
-    for (int k = 0; k < kTileSize; ++k) runThroughSheet(run.front[k], run.middle[k], run.back[k]);
-}
-
-bool Surface::classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const {
-    sampleRun(p, at, out);
-    Real low = out.front[0], high = low;
-    for (const Real* values : {out.front, out.middle, out.back})
+    sampleAlongRays(plane(p, -1), at, -texelsPerSlope, front);
+    sampleAlongRays(plane(p, 0), at, 0, middle);
+    sampleAlongRays(plane(p, 1), at, texelsPerSlope, back);
+    for (int k = 0; k < kTileSize; ++k) runThroughSheet(front[k], middle[k], back[k]);
+    Real low = front[0], high = low;
+    for (const Real* values : {front, middle, back})
         for (int k = 0; k < kTileSize; ++k) {
             low = std::min(low, values[k]);
             high = std::max(high, values[k]);
         }
-    if (!m_table.anyBetween(low, high)) {
-        std::fill(out.extinction, out.extinction + kTileSize, Real(0));
-        return false;
-    }
+    return m_table.anyBetween(low, high);
+}
+
+bool Surface::meanExtinction(int p, const SampleTile& at, Real* out) const {
+    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize];
+    std::fill(out, out + kTileSize, Real(0));
+    if (!sampleRun(p, at, front, middle, back)) return false;
+    m_table.meanExtinction(front, middle, back, kTileSize, out, m_simd);
+    return true;
+}
+
+bool Surface::classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open,
+                       ClassifiedTile& out) const {
+    std::fill(out.extinction, out.extinction + kTileSize, Real(0));
+    if (!sampleRun(p, at, out.front, out.middle, out.back)) return false;
+    for (int k = 0; open && k < kTileSize; ++k)  // a value of 0 has no extinction
+        if (!open[k]) out.front[k] = out.middle[k] = out.back[k] = 0;
     m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
     if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
     for (int c = 0; c < 3; ++c)
@@ -309,40 +323,53 @@ bool Surface::classify(int p, const SampleTile& at, const Int2& tile, Classified
     return true;
 }
 
-// The values at the samples moved by `tsOffset`, interpolated linearly between planes.
-void Surface::sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const {
+// The values at the first `count` samples moved by `tsOffset`, interpolated linearly between planes.
+void Surface::sampleBetween(int p, const SampleTile& at, int count, const Vec3& tsOffset, Real* out) const {
     const auto du = static_cast<Real>(tsOffset.x), dv = static_cast<Real>(tsOffset.y);
     const int whole = static_cast<int>(std::floor(tsOffset.z));
     const auto fraction = static_cast<Real>(tsOffset.z - whole);
-    sampleMoved(plane(p, whole), at, du, dv, out);
+    sampleMoved(plane(p, whole), at, count, du, dv, out);
     if (fraction == 0) return;
     alignas(64) Real further[kTileSize];
-    sampleMoved(plane(p, whole + 1), at, du, dv, further);
-    for (int k = 0; k < kTileSize; ++k) out[k] += fraction * (further[k] - out[k]);
+    sampleMoved(plane(p, whole + 1), at, count, du, dv, further);
+    for (int k = 0; k < count; ++k) out[k] += fraction * (further[k] - out[k]);
 }
 
 void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const {
-    alignas(64) Real lower[kTileSize], upper[kTileSize];
-    for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
+    // Few of a tile's rays meet something in one sheet. Only theirs are looked up, close together.
+    SampleTile few;
+    std::array<int, kTileSize> places;
+    int count = 0;
+    for (int k = 0; k < kTileSize; ++k) {
+        if (out.extinction[k] == 0) continue;
+        few.u[count] = at.u[k];
+        few.v[count] = at.v[k];
+        places[std::size_t(count++)] = k;
+    }
+    const int padded = (count + kTileEdge - 1) / kTileEdge * kTileEdge;
+    std::fill(few.u + count, few.u + padded, few.u[0]);
+    std::fill(few.v + count, few.v + padded, few.v[0]);
+    alignas(64) Real lower[kTileSize], upper[kTileSize], normal[3][kTileSize];
+    for (Real* axis : normal) std::fill(axis, axis + padded, Real(0));
     for (int axis = 0; axis < 3; ++axis) {
-        sampleBetween(p, at, -rsVoxels[axis], lower);
-        sampleBetween(p, at, rsVoxels[axis], upper);
+        sampleBetween(p, few, padded, -rsVoxels[axis], lower);
+        sampleBetween(p, few, padded, rsVoxels[axis], upper);
         for (int c = 0; c < 3; ++c) {
             // The normal points out of the denser side, down the gradient. Gradients are in units of the vague
-            // gradient, so that their squares neither overflow nor vanish, whatever the units of the field and the size
-            // of its voxels.
+            // gradient, so that their squares neither overflow nor vanish, whatever the units of the field.
             const auto part = static_cast<Real>(-m_ssFromDifference[axis][c] / m_vagueGradient);
-            for (int k = 0; k < kTileSize; ++k) out.normal[c][k] += part * (upper[k] - lower[k]);
+            for (int k = 0; k < padded; ++k) normal[c][k] += part * (upper[k] - lower[k]);
         }
     }
-    for (int k = 0; k < kTileSize; ++k) {
-        Real *x = out.normal[0] + k, *y = out.normal[1] + k, *z = out.normal[2] + k;
-        const Real g2 = *x * *x + *y * *y + *z * *z;
+    for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
+    std::fill(out.weight, out.weight + kTileSize, Real(0));
+    for (int i = 0; i < count; ++i) {
+        const int k = places[std::size_t(i)];
+        const Real x = normal[0][i], y = normal[1][i], z = normal[2][i];
+        const Real g2 = x * x + y * y + z * z;
         out.weight[k] = g2 / (g2 + 1);
         const Real inverse = 1 / std::sqrt(std::max(g2, Real(1e-30)));  // a gradient of 0 has no weight
-        *x *= inverse;
-        *y *= inverse;
-        *z *= inverse;
+        for (int c = 0; c < 3; ++c) out.normal[c][k] = normal[c][i] * inverse;
     }
 }
 

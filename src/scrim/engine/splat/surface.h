@@ -82,12 +82,19 @@ class Surface {
     void beginBatch(int firstSheet) { m_firstSheet = firstSheet; }
 
     /// Classifies the texels of sheet firstSheet + p for the lights; the result is in `extinction`, planes [0, count).
-    void classifyTexels(int p);
+    /// Without `values`, the tiles that may show something are active, and hold zeros.
+    void classifyTexels(int p, bool values);
     const PlaneStack& extinction() const { return m_extinction; }
 
+    /// The mean extinction, per world unit, that rays meet in sheet firstSheet + p: 256 values. The rays cross the
+    /// sheet's middle plane at `at`, with its slopes (eyeA, eyeB), whether they are the eye's or a light's. Returns
+    /// false, and writes zeros, if there is none.
+    bool meanExtinction(int p, const SampleTile& at, Real* out) const;
+
     /// Classifies what the eye sees at positions `at` of the lattice on sheet firstSheet + p. `tile`: the tile of a
-    /// perspective view's lattice. Returns false, with an extinction of 0, if the samples show nothing.
-    bool classify(int p, const SampleTile& at, const Int2& tile, ClassifiedTile& out) const;
+    /// perspective view's lattice. `open`: null, or 256 flags; samples whose flag is 0 are hidden and have an
+    /// extinction of 0. Returns false, with an extinction of 0, if the samples show nothing.
+    bool classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open, ClassifiedTile& out) const;
 
     std::size_t bytes() const;
     /// Upper bound on the bytes, known beforehand.
@@ -100,8 +107,8 @@ class Surface {
     Mat3 voxelsIn(const Mat4& rsFromTs) const;
     Mat3 voxelsAt(int p, const Int2& tile) const;
     FloatPlane plane(int p, int steps) const;
-    void sampleRun(int p, const SampleTile& at, ClassifiedTile& run) const;
-    void sampleBetween(int p, const SampleTile& at, const Vec3& tsOffset, Real* out) const;
+    bool sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const;
+    void sampleBetween(int p, const SampleTile& at, int count, const Vec3& tsOffset, Real* out) const;
     void findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;

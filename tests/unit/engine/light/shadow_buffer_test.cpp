@@ -82,7 +82,7 @@ Taus carry(const LightView& view, const PlaneStack& extinction, const std::vecto
                             batch.plane(p)[y * kWidth + x] = extinction.plane(first + p)[y * kWidth + x];
                 }
         buffer.beginBatch(first, count, batch);
-        for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, batch);
+        for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, batch, {});
         for (int p = 0; p < count; ++p) {
             std::vector<float> tau(kWidth * kHeight, -1.0f);
             for (int ty = 0; ty < batch.tilesY(); ++ty)
@@ -218,7 +218,7 @@ TEST(ShadowBuffer, AtPointsIsTheTileThatHoldsThem) {
     ShadowBuffer buffer(view, sheetsOf(kSheets), ShadowFilter::bilinear, 0, kSheets);
     buffer.beginBatch(0, kSheets, extinction);
     std::uint64_t samples = 0;
-    for (int task = 0; task < buffer.taskCount(); ++task) samples += buffer.attenuate(task, extinction);
+    for (int task = 0; task < buffer.taskCount(); ++task) samples += buffer.attenuate(task, extinction, {});
     EXPECT_GE(samples, std::uint64_t{kSheets} * kWidth * kHeight);
     float u[kTileSize], v[kTileSize], tile[kTileSize], points[kTileSize];
     for (int k = 0; k < kTileSize; ++k) {
@@ -237,7 +237,7 @@ ShadowBuffer behindColumns(const std::function<double(int)>& tau, int lookUps) {
         for (int x = 0; x < kWidth; ++x) extinction.plane(0)[y * kWidth + x] = static_cast<float>(tau(x) / kThickness);
     ShadowBuffer buffer(distantView(0, 0), sheetsOf(kSheets), ShadowFilter::bilinear, lookUps, kSheets);
     buffer.beginBatch(0, kSheets, extinction);
-    for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, extinction);
+    for (int task = 0; task < buffer.taskCount(); ++task) buffer.attenuate(task, extinction, {});
     buffer.prefilter(1);
     return buffer;
 }
