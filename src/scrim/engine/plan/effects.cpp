@@ -157,8 +157,10 @@ Effect extendedLights(const ViewScene& scene, const Plan& plan) {
 
 Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
     Finder found(scene);
+    int lamps = 0;
     for (std::size_t i = 0; i < plan.cellLights.lights.size(); ++i) {
         const Light& light = scene.lights[std::size_t(plan.cellLights.lights[i])];
+        lamps += isLampOnCells(scene, light) ? 1 : 0;
         const char* why = light.shadow == ShadowMethod::cells ? "the scene sets it"
                           : light.extended()                  ? "it shines from many places"
                                                               : "it is among the volumes";
@@ -167,6 +169,8 @@ Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
                   "light." + light.name);
     }
     Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
+    if (lamps > 1 && lampsShareCells(scene))
+        effect.reason += fmt::format("; {} lamps share cells, and have their own only near them", lamps);
     if (effect.on) effect.reason += fmt::format("; about {}", bytesText(plan.cellLights.bytes));
     return effect;
 }
