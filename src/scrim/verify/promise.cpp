@@ -111,7 +111,8 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
     constexpr double kFine = 2e-3, kFineAim = 0.6;
     // Opaque surfaces converge with an order of little more than 1, and guaranteeing the last of their error would take
     // minutes. Where this limit is not fine enough, a warning says so.
-    const double finest = classified ? std::clamp(0.4 * std::pow(promised / 0.02, 0.85), 0.12, 0.5) : kFinestPromised;
+    const double finest =
+        classified ? std::clamp(std::floor(40 * std::pow(promised / 0.02, 0.85)) / 100, 0.12, 0.5) : kFinestPromised;
     // The scenes in which the errors were measured had lights. Where none shines, sheets lie along the picture and only
     // edges of the volume are visible: the error is twice as large, and larger in thin media.
     constexpr double kUnlit = 2;
