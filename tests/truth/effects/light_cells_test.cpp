@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -35,8 +36,11 @@ ViewScene uniformCube() {
 // The light on cells of one voxel at a point.
 double lightAt(const ViewScene& scene, const Vec3& ws, double edge = 1) {
     std::size_t bytes = 0;
+    std::vector<int> all(scene.lights.size());
+    std::iota(all.begin(), all.end(), 0);
     const std::vector<CellLight> lights = lightOnCells(
-        scene, {0}, edge, {}, [] {}, bytes);
+        scene, all, edge, {}, [] {}, bytes);
+    EXPECT_EQ(lights.size(), 1u);
     Real rgb[3];
     lights.front().ofVolume.front()->sample(ws, rgb);
     return double(rgb[1]);
@@ -92,16 +96,18 @@ TEST(LightOnCells, OfASmallSurfaceFallsOffWithItsDistanceAndItsExtinction) {
     }
 }
 
-// Beyond 7 voxels its light is kept on cells itself.
+// Ten at one place share cells: within 6 voxels they have their own, too.
 TEST(LightOnCells, OfALampInTheCubeIsItsTransmittanceOverTheSquareOfTheDistance) {
     ViewScene scene = uniformCube();
-    scene.lights = {lamp({0.3, -0.2, 0.4}, 7)};
-    for (const Vec3& ws :
-         {Vec3(2, 0, 0), Vec3(-3, 1, 2), Vec3(0, -6, 1), Vec3(1, 1, 8), Vec3(-4, -4, -4), Vec3(-7, 8, 6)}) {
-        const double r = glm::distance(ws, scene.lights[0].wsPosition);
-        const double expected = 7 / kSphere * std::exp(-kSigma * r) / (r * r);
-        EXPECT_NEAR(lightAt(scene, ws, 0.5), expected, 0.01 * expected) << ws.x << " " << ws.y << " " << ws.z;
-    }
+    for (const std::size_t count : {std::size_t(1), std::size_t(10)})
+        for (const Vec3& ws :
+             {Vec3(2, 0, 0), Vec3(-3, 1, 2), Vec3(0, -6, 1), Vec3(1, 1, 8), Vec3(-4, -4, -4), Vec3(-7, 8, 6)}) {
+            scene.lights.assign(count, lamp({0.3, -0.2, 0.4}, 7 / double(count)));
+            EXPECT_EQ(lampsShareCells(scene), count > 1);
+            const double r = glm::distance(ws, scene.lights[0].wsPosition);
+            const double expected = 7 / kSphere * std::exp(-kSigma * r) / (r * r);
+            EXPECT_NEAR(lightAt(scene, ws, 0.5), expected, 0.01 * expected) << ws.x << " " << ws.y << " " << ws.z;
+        }
 }
 
 Light domeLight(int samples) {
@@ -197,13 +203,20 @@ TEST(LightOnCells, IsNearerToBruteForceThanWindowsForALampInSmoke) {
     EXPECT_LT(cells, 0.03);
 }
 
-// A sphere counts as a lamp. The light of a uniform medium is the integral over the cone that it fills; 12 points know
-// it to about 1 %.
+// A sphere counts as a lamp. The light of a uniform medium is the integral over the cone that it fills. Cells that
+// spheres share interpolate what 12 points know to about 1 %.
 TEST(LightOnCells, OfASphereInTheCubeIsTheIntegralOverItsSolidAngle) {
     ViewScene scene = uniformCube();
     for (const double radius : {0.3, 0.8, 2.0}) {
-        scene.lights = {areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, radius, 0)};
-        scene.lights[0].intensity = Rgb(7);
+        scene.lights.assign(5, areaLight(AreaShape::sphere, {0.3, -0.2, 0.4}, radius, 0));
+        for (Light& light : scene.lights) light.intensity = Rgb(1.4);
+        const ViewScene alone = [&] {
+            ViewScene one = scene;
+            one.lights.resize(1);
+            one.lights[0].intensity = Rgb(7);
+            return one;
+        }();
+        ASSERT_TRUE(lampsShareCells(scene));
         for (const Vec3& ws : {Vec3(2.5, 0, 0), Vec3(-3, 1, 2), Vec3(0, -6, 1), Vec3(1, 1, 8), Vec3(-4, -4, -4)}) {
             const double r = glm::distance(ws, scene.lights[0].wsPosition),
                          least = std::sqrt(1 - std::pow(radius / r, 2));
@@ -214,7 +227,8 @@ TEST(LightOnCells, OfASphereInTheCubeIsTheIntegralOverItsSolidAngle) {
                 sum += std::exp(-kSigma * (r * mu - std::sqrt(std::pow(r * mu, 2) - r * r + radius * radius)));
             }
             const double expected = 7 / kSphere * 2 * std::numbers::pi * (1 - least) / kSteps * sum;
-            EXPECT_NEAR(lightAt(scene, ws, 0.5), expected, 0.015 * expected) << radius << " at " << r;
+            EXPECT_NEAR(lightAt(alone, ws, 0.5), expected, 0.01 * expected) << radius << " at " << r;
+            EXPECT_NEAR(lightAt(scene, ws, 0.5), expected, 0.015 * expected) << radius << " at " << r << ", shared";
         }
     }
 }
@@ -250,12 +264,12 @@ TEST(LightOnCells, OfLampsTogetherIsTheSumOfTheirLayers) {
     beside.name = "beside";
     beside.wsFromIs[3] = {9, 4, -6, 1};
     beside.medium.phase = {-0.2};
-    beside.lights = {true, false, true, true};
+    beside.lights = {true, false, true, true, true};
     scene.volumes.push_back(beside);
     for (const bool coloured : {false, true}) {
         scene.volumes[0].medium.extinctionTint = coloured ? Rgb(1, 0.6, 0.4) : Rgb(1);
         scene.lights = {lamp({-9, 2, 4}, 30), lamp({7, -6, -3}, 20), lamp({2, 12, 9}, 10),
-                        areaLight(AreaShape::sphere, {3, 3, 14}, 0.8, 0)};
+                        areaLight(AreaShape::sphere, {3, 3, 14}, 0.8, 0), lamp({-3, -12, 1}, 15)};
         scene.lights[1].intensity = coloured ? Rgb(5, 20, 9) : Rgb(20);
         if (!coloured) scene.lights[3].intensity = Rgb(4);
         scene.layers = {};

@@ -176,7 +176,11 @@ bool isLampOnCells(const ViewScene& scene, const Light& light) {
 }
 
 bool lampsShareCells(const ViewScene& scene) {
-    return !wants(scene, Layer::light) && !(scene.solids && scene.solids->any(SolidRole::shadow));
+    constexpr std::ptrdiff_t kFew = 4;
+    if (wants(scene, Layer::light) || (scene.solids && scene.solids->any(SolidRole::shadow))) return false;
+    return std::count_if(scene.lights.begin(), scene.lights.end(), [&](const Light& light) {
+               return !light.distant() && !light.dome() && isLampOnCells(scene, light);
+           }) > kFew;
 }
 
 bool sameColour(const Rgb& a, const Rgb& b) {

@@ -37,8 +37,9 @@ int pointsOnCells(const ViewScene& scene, const Light& light);
 /// that is small beside the volumes.
 bool isLampOnCells(const ViewScene& scene, const Light& light);
 
-/// True if lamps on cells keep their light together, but for that near each: no layer wants one alone, and no solid
-/// casts a shadow, whose edges near a lamp are too fine for that.
+/// True if lamps on cells keep their light together, but for that near each: there are more than a few, for which their
+/// own cells are more precise; no layer wants one alone; and no solid casts a shadow, whose edges near a lamp are too
+/// fine for that.
 bool lampsShareCells(const ViewScene& scene);
 
 /// True if two lights differ in brightness only.

@@ -169,7 +169,7 @@ Effect lightsOnCells(const ViewScene& scene, const Plan& plan) {
                   "light." + light.name);
     }
     Effect effect = found.effect("lights on cells", "", "shadow buffers serve every light");
-    if (lamps > 1 && lampsShareCells(scene))
+    if (lamps > 0 && lampsShareCells(scene))
         effect.reason += fmt::format("; {} lamps share cells, and have their own only near them", lamps);
     if (effect.on) effect.reason += fmt::format("; about {}", bytesText(plan.cellLights.bytes));
     return effect;
