@@ -162,9 +162,7 @@ struct CommandLine {
                          "a scene (.toml), asset (.vdb), scan (.nrrd, .nii), stage (.usd), or a folder of them")
             ->type_name("SCENE|ASSET|FOLDER")
             ->required();
-        command->add_option("--frame", view.frame, "frame to begin with (default: the first)")
-            ->type_name("N")
-            ->each([this](const std::string&) { view.frameGiven = true; });
+        command->add_option("--frame", view.frame, "frame to begin with (default: the first)")->type_name("N");
         command->add_option("--res", view.resolution, "resolution of an asset alone")->type_name("WxH");
         command->add_option("--up", view.up, "up axis of an asset: y, z, -z, ... (default: guessed)")
             ->type_name("AXIS");
@@ -209,11 +207,14 @@ std::string usageText(const CommandLine& line, const CLI::ParseError& error) {
             if (!hint.empty()) return text + hint;
         }
     }
-    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr)
-        text = fmt::format("{}: expected {}{}", command.get_name(), command.get_name() == "view" ? "" : "one or more ",
+    if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
+        const auto inputs = command.get_options(
+            [](const CLI::Option* option) { return option->get_positional() && option->get_expected_max() > 1; });
+        text = fmt::format("{}: expected {}{}", command.get_name(), inputs.empty() ? "" : "one or more ",
                            command.get_name() == "info"    ? "ASSET.vdb"
                            : command.get_name() == "merge" ? "TILE.exr"
                                                            : "SCENE.toml or ASSET.vdb");
+    }
     const bool inCommand = &command != &line.app;
     return fmt::format("{}; see scrim {}--help", text, inCommand ? command.get_name() + " " : "");
 }

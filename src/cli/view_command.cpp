@@ -42,7 +42,7 @@ void viewCommand(const ViewOptions& options) {
     add("up", options.up);
     add("res", options.resolution);
     add("ocio", options.ocio);
-    if (options.frameGiven) add("frame", std::to_string(options.frame));
+    if (options.frame) add("frame", std::to_string(*options.frame));
     if (options.noBrowser) words.emplace_back("--no-browser");
     words.insert(words.end(), {"--", options.input});
     std::vector<char*> arguments;

@@ -3,6 +3,7 @@
 // of this process, so that signals and the exit status are its own and no child is left.
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace scrim::cli {
@@ -10,8 +11,7 @@ namespace scrim::cli {
 struct ViewOptions {
     std::string input;
     std::string listen, up, resolution, ocio;  ///< "": the viewer's defaults; it checks them
-    int frame = 1;
-    bool frameGiven = false;
+    std::optional<int> frame;                  ///< none: the first
     bool noBrowser = false;
 };
 
