@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include <glm/common.hpp>
@@ -53,6 +54,8 @@ struct ValueBins {
         const double octave = std::log2(double(value)) + 128;
         return std::clamp(static_cast<int>(octave * kPerOctave), 0, kCount - 1);
     }
+    /// The least value of a bin.
+    static float lowest(std::size_t bin) { return static_cast<float>(std::exp2(double(bin) / kPerOctave - 128)); }
     void add(float value, double voxels) {
         const auto bin = static_cast<std::size_t>(of(value));
         count[bin] += voxels;
@@ -65,6 +68,10 @@ struct ValueBins {
         }
     }
 };
+
+double total(const std::vector<double>& bins) {
+    return std::accumulate(bins.begin(), bins.end(), 0.0);
+}
 
 ValueBins binsOf(const SparseField& field) {
     std::vector<ValueBins> parts(taskCount(field));
@@ -116,22 +123,37 @@ std::vector<Vec3> isOutline(const SparseField& field, float least, double reach)
     return all;
 }
 
+Negligible negligibleIn(const SparseField& field) {
+    constexpr double kNegligible = 1e-4;  // of the value above which half of the sum lies
+    const ValueBins all = binsOf(field);
+    const double voxels = total(all.count), sum = total(all.sum);
+    if (voxels == 0) return {};
+    double sumAbove = 0;
+    std::size_t core = all.sum.size() - 1;
+    for (; core > 0; --core) {
+        sumAbove += all.sum[core];
+        if (2 * sumAbove >= sum) break;
+    }
+    const double bins = -ValueBins::kPerOctave * std::log2(kNegligible);
+    const std::size_t least = core - std::min(core, static_cast<std::size_t>(bins));
+    Negligible negligible;
+    negligible.below = all.lowest(least);
+    for (std::size_t bin = 0; bin < least; ++bin) negligible.part += all.count[bin] / voxels;
+    return negligible;
+}
+
 float faintValue(const SparseField& field) {
     constexpr double kFaint = 0.002;  // of the sum of all values
     const ValueBins all = binsOf(field);
-    double voxels = 0, sum = 0;
-    for (std::size_t i = 0; i < all.count.size(); ++i) {
-        voxels += all.count[i];
-        sum += all.sum[i];
-    }
-    double voxelsBelow = 0, sumBelow = 0;
-    std::size_t bin = 0;
-    for (; bin + 1 < all.count.size(); ++bin) {
+    const Negligible negligible = negligibleIn(field);
+    const double voxels = total(all.count) * (1 - negligible.part), sum = total(all.sum);
+    auto bin = static_cast<std::size_t>(ValueBins::of(negligible.below));
+    for (double voxelsBelow = 0, sumBelow = 0; bin + 1 < all.count.size(); ++bin) {
         voxelsBelow += all.count[bin];
         sumBelow += all.sum[bin];
         if (sumBelow > kFaint * sum || 2 * voxelsBelow > voxels) break;
     }
-    return static_cast<float>(std::exp2(double(bin) / ValueBins::kPerOctave - 128));
+    return all.lowest(bin);
 }
 
 float usualMost(const SparseField& field) {
@@ -142,7 +164,7 @@ float usualMost(const SparseField& field) {
     for (std::size_t bin = all.count.size(); bin-- > 0;) {
         above += all.count[bin];
         if (above <= kFew * double(field.activeVoxels)) continue;
-        const auto most = static_cast<float>(std::exp2(double(bin + 1) / ValueBins::kPerOctave - 128));
+        const float most = ValueBins::lowest(bin + 1);
         return field.maxValue > kMuch * most ? most : field.maxValue;
     }
     return field.maxValue;

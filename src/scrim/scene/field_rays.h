@@ -17,8 +17,15 @@ Bounds isOccupied(const SparseField& field);
 /// the corners of a box for each block, enlarged by `reach` voxels.
 std::vector<Vec3> isOutline(const SparseField& field, float least, double reach);
 
+/// Voxels that show nothing beside the others, as simulations leave them around their smoke.
+struct Negligible {
+    float below = 0;  ///< a ten-thousandth of the value above which half of the field's sum lies
+    double part = 0;  ///< fraction of the voxels above 0 that are below it
+};
+Negligible negligibleIn(const SparseField& field);
+
 /// A value below which voxels hold next to nothing: at most a five-hundredth of the sum of all values. At least half of
-/// the voxels above 0 are above it.
+/// the voxels that are not negligible are above it.
 float faintValue(const SparseField& field);
 
 /// The field's largest value without outliers: if fewer than one voxel in 5,000 exceeds all others more than fourfold,

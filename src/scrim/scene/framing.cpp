@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -101,6 +102,17 @@ std::vector<double> measured(const Camera& camera, int n, const Measure& measure
     return values;
 }
 
+/// Drops the rays that meet next to nothing, where others meet much: they show nothing at any scale at which the others
+/// can be told apart. `depths`: in ascending order.
+void dropFaint(std::vector<double>& depths) {
+    constexpr double kFaint = 1e-3;  // of the depth of the ray above which half of the sum lies
+    const double sum = std::accumulate(depths.begin(), depths.end(), 0.0);
+    double above = 0;
+    auto core = depths.end();
+    while (core != depths.begin() && 2 * above < sum) above += *--core;
+    if (core != depths.end()) depths.erase(depths.begin(), std::lower_bound(depths.begin(), core, kFaint * *core));
+}
+
 /// Extinction per unit of the field at which the median ray has the wanted optical depth.
 double densityScale(const FieldRays& field, const Camera& camera, double wantedDepth) {
     // A coarse raster may send only a few rays through a thin volume; a finer one is then tried.
@@ -108,6 +120,7 @@ double densityScale(const FieldRays& field, const Camera& camera, double wantedD
     std::vector<double> depths;
     for (const int n : {32, 128}) {
         depths = measured(camera, n, [&](const Vec3& o, const Vec3& d) { return field.integral(o, d); });
+        dropFaint(depths);
         if (depths.size() >= kEnoughRays) break;
     }
     return depths.empty() ? 1 : std::clamp(wantedDepth / depths[depths.size() / 2], 1e-30, 1e30);
@@ -117,22 +130,22 @@ double densityScale(const FieldRays& field, const Camera& camera, double wantedD
 
 /// The temperatures that grid values stand for, and how bright they are shown.
 struct FireLook {
-    std::string kelvin;            ///< key and value as the scene states them
-    double scale = 1, offset = 0;  ///< kelvin = value * scale + offset
+    std::string kelvin;  ///< key and value as the scene states them
+    double scale = 1;    ///< kelvin = value * scale
     double intensity = 1;
 };
 
 /// Guesses the unit of a temperature grid: caches store values from 0 to 1, from 0 to some other small number, or
-/// Kelvin.
+/// Kelvin. Numbers that are not Kelvin are taken as proportional to them: where a cache is half as hot, a sixteenth of
+/// the light is left, so that smoke which cools shows as smoke, and the fire has no rim of its coldest red.
 FireLook temperaturesOf(double hottest) {
-    constexpr double kSurelyKelvin = 400, kCold = 500, kHot = 1900;
+    constexpr double kSurelyKelvin = 400, kHot = 1900;
     FireLook look;
     look.kelvin = "scale = 1";
     if (hottest > kSurelyKelvin || !(hottest > 0)) return look;
-    const std::string warm = tomlSignificant(kCold + (kHot - kCold) / hottest, 3);
-    look.kelvin = fmt::format("kelvin = [{}, {}]", kCold, warm);
-    look.offset = kCold;
-    look.scale = std::stod(warm) - kCold;
+    const std::string one = tomlSignificant(kHot / hottest, 3);
+    look.kelvin = fmt::format("kelvin = [0, {}]", one);
+    look.scale = std::stod(one);
     return look;
 }
 
@@ -148,7 +161,7 @@ double glow(const FieldRays& fire, const FieldRays& smoke, double extinction, co
         const Vec3 p = origin + (t0 + (i + 0.5) * step) * direction;
         depth += extinction * smoke.value(p) * length;
         if (const double v = fire.value(p); v > 0)
-            radiance += blackbodyRadiance(v * look.scale + look.offset) * std::exp(-depth) * length;
+            radiance += blackbodyRadiance(v * look.scale) * std::exp(-depth) * length;
     }
     return radiance;
 }
@@ -156,7 +169,8 @@ double glow(const FieldRays& fire, const FieldRays& smoke, double extinction, co
 FireLook fireLook(const FramedFire& fire, const SparseField& smokeField, double extinction, const Camera& camera) {
     constexpr int kRays = 64;
     constexpr double kSeen = 0.05;  // fraction of the largest radiance above which a ray counts as burning
-    constexpr double kBright = 0.8, kRadiance = 2;  // the quantile kBright of burning rays gets the radiance kRadiance
+    constexpr double kBright = 0.8,
+                     kRadiance = 1.2;  // the quantile kBright of burning rays gets the radiance kRadiance
     FireLook look = temperaturesOf(fire.hottest);
     const FieldRays rays(*fire.field), smoke(smokeField);
     const Bounds ws = transformed(fire.field->wsFromIs, isOccupied(*fire.field));

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/base/letter_case.h>
+#include <scrim/scene/field_rays.h>
 #include <scrim/scene/framing.h>
 #include <scrim/shot/framed_scan.h>
 #include <scrim/volume/grid_choice.h>
@@ -119,10 +120,29 @@ std::optional<FramedFire> fireOf(FieldStore& store, const std::vector<std::strin
     return FramedFire{grid, field.get(), field->maxValue};
 }
 
-void sayUp(const std::string& path, const std::string& why, const char* up, const char* other,
+/// True for caches of Blender's fluids (Mantaflow), which do not name their creator, by the grids that all of them
+/// have.
+bool isFluidCache(const VdbLayout& head) {
+    return has(head, "density") && has(head, "shadow") && has(head, "velocity");
+}
+
+void sayUp(const std::string& path, const std::string& why, const std::string& up, const char* other,
            const MessageSink& messages) {
     notify(messages, Severity::info,
            fmt::format("{}: {} is taken as the up axis{}; --up {} changes this", shortened(path), up, why, other));
+}
+
+/// "-x" and so on, for a unit vector along an axis.
+std::string nameOfAxis(const Vec3& ws) {
+    const int axis = ws.x != 0 ? 0 : ws.y != 0 ? 1 : 2;
+    return (ws[axis] < 0 ? "-" : "") + std::string(1, "xyz"[axis]);
+}
+
+/// True if the files have flames, but none in any of them: their temperatures then are those of warm smoke.
+bool isBurntOut(FieldStore& store, const std::vector<std::string>& files) {
+    return std::all_of(files.begin(), files.end(), [&](const std::string& file) {
+        return has(headOf(file), "flame") && store.fieldOf(file, {"flame"})->empty();
+    });
 }
 
 /// The centre of mass of a field.
@@ -150,14 +170,28 @@ bool rises(const SparseField& smoke, const SparseField& fire) {
     return rise.z > kPart * std::sqrt(sizeOf(smoke)) && rise.z > 2 * std::abs(rise.y);
 }
 
-/// Simulations leave tiny values where there is no smoke. They are still shown, since only the artist knows.
-void warnOfResidue(const std::string& path, const SparseField& density, const MessageSink& messages) {
-    constexpr float kLittle = 1e-6f;  // caches hold smoke of 0.01 to 100, also in kg / m^3
-    if (density.empty() || density.maxValue >= kLittle) return;
-    notify(messages, Severity::warning,
-           shortened(fmt::format("{}: grid '{}' has no value above {:.2g}, which may be only the residue of a "
-                                 "simulation; density.scale was chosen to make it visible",
-                                 shortened(path), shortened(density.name, 80), density.maxValue)));
+/// Simulations leave tiny values where there is no smoke. Beside smoke they are set aside. Alone they are still shown,
+/// since only the artist knows; so are huge values.
+void sayResidue(const std::string& path, const SparseField& density, const MessageSink& messages) {
+    constexpr float kLittle = 1e-6f, kMuch = 1e6f;  // caches hold smoke of 0.01 to 100, also in kg / m^3
+    constexpr double kWorthSaying = 0.1;            // fraction of the voxels
+    if (density.empty()) return;
+    const std::string grid = fmt::format("{}: grid '{}'", shortened(path), shortened(density.name, 80));
+    if (density.maxValue < kLittle)
+        notify(messages, Severity::warning,
+               fmt::format("{} has no value above {:.2g}, which may be only the residue of a simulation; density.scale "
+                           "was chosen to make it visible",
+                           grid, density.maxValue));
+    if (density.maxValue > kMuch)
+        notify(messages, Severity::warning,
+               fmt::format("{} has values up to {:.2g}, which is more than densities usually have; density.scale was "
+                           "chosen so that light passes through them",
+                           grid, density.maxValue));
+    if (const Negligible negligible = negligibleIn(density); negligible.part > kWorthSaying)
+        notify(messages, Severity::info,
+               fmt::format("{} has {:.0f} % of its voxels below {:.2g}, which show nothing beside the others; the "
+                           "camera and density.scale were chosen without them",
+                           grid, 100 * negligible.part, negligible.below));
 }
 
 std::string framedVolume(FieldStore& store, const std::string& path, const std::string& pattern,
@@ -175,13 +209,18 @@ std::string framedVolume(FieldStore& store, const std::string& path, const std::
     asset.name = volumeNameOf(pattern);
     asset.field = field.get();
     asset.albedoGrid = use.albedo;
-    warnOfResidue(path, *field, messages);
+    sayResidue(path, *field, messages);
     FieldPtr fire;
-    if (!use.fire.empty()) asset.fire = fireOf(store, files, use.fire, fire);
+    if (!use.fire.empty() && isBurntOut(store, files))
+        notify(messages, Severity::info,
+               fmt::format("{}: nothing burns, since its grid 'flame' is empty; grid '{}' is not used", shortened(path),
+                           shortened(use.fire, 80)));
+    else if (!use.fire.empty())
+        asset.fire = fireOf(store, files, use.fire, fire);
     Vec3 wsUp(0, 1, 0);
     if (options.wsUp) {
         wsUp = *options.wsUp;
-    } else if (head.creator.find("Blender") != std::string::npos) {
+    } else if (head.creator.find("Blender") != std::string::npos || isFluidCache(head)) {
         wsUp = {0, 0, 1};
         sayUp(path, ", as in Blender, which wrote it", "z", "y", messages);
     } else if (asset.fire && rises(*field, *fire)) {
@@ -208,8 +247,12 @@ std::string framedScan(FieldStore& store, const std::string& path, const std::st
     asset.name = volumeNameOf(pattern);
     asset.field = field.get();
     asset.volumeText = scanVolumeText(asset.name, pattern, look);
-    asset.wsFromUpright = options.wsUp ? wsFromUpright(*options.wsUp) : uprightOf(info);
-    if (!options.wsUp && info.space.empty()) sayUp(path, "", "z", "y", messages);
+    const Upright up =
+        options.wsUp ? Upright{wsFromUpright(*options.wsUp), UpFrom::file} : uprightOf(info, *field, look.solid);
+    asset.wsFromUpright = up.wsFromUpright;
+    if (up.from == UpFrom::slices) sayUp(path, "", "z", "y", messages);
+    if (up.from == UpFrom::weight)
+        sayUp(path, ", away from its heavy end", nameOfAxis(up.wsFromUpright[1]), "z", messages);
     return framingScene(asset, options.resolution);
 }
 

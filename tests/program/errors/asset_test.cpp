@@ -69,6 +69,23 @@ TEST_F(Asset, WhatASimulationLeftBehindIsNotShownInSilence) {
                          "warning: rest.vdb: grid 'density' has no value above 1.5e-18, which may be only the residue "
                          "of a simulation; density.scale was chosen to make it visible\n"))
         << rest.err;
+    makeVdb(file("much.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 2e21)}});
+    EXPECT_TRUE(contains(runWell({"render", "much.vdb", "--print-scene"}).err,
+                         "warning: much.vdb: grid 'density' has values up to 2e+21, which is more than densities "
+                         "usually have"));
+    auto around = box({-9, -9, -9}, {9, 9, 9}, 1e-12);
+    for (const auto& voxel : box({0, 0, 0}, {3, 3, 3}, 1)) around.push_back(voxel);
+    makeVdb(file("around.vdb"), {{.voxels = around}});
+    const ProgramResult beside = runWell({"render", "around.vdb", "--print-scene"});
+    EXPECT_TRUE(contains(beside.err,
+                         "around.vdb: grid 'density' has 99 % of its voxels below 0.0001, which show "
+                         "nothing beside the others; the camera and density.scale were chosen without "
+                         "them\n"))
+        << beside.err;
+    makeVdb(file("only.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1)}});
+    const std::string onlyScene = printed({"only.vdb"});
+    const auto after = [](const std::string& text) { return text.substr(text.find("[camera]"), 120); };
+    EXPECT_EQ(after(beside.out), after(onlyScene)) << "the same camera";
     makeVdb(file("thin.vdb"), {{.voxels = box({0, 0, 0}, {3, 3, 3}, 1e-5)}});
     EXPECT_FALSE(contains(runWell({"render", "thin.vdb", "--print-scene"}).err, "simulation"));
 }
@@ -77,7 +94,7 @@ TEST_F(Asset, FireGlowsAndOutshinesTheLights) {
     const auto ball = box({-6, -6, -6}, {6, 6, 6}, 0.2), core = box({-3, -3, -3}, {3, 3, 3}, 4.0);
     makeVdb(file("fire.vdb"), {{.voxels = ball}, {.name = "Temperature", .voxels = core}});
     const std::string scene = printed({"fire.vdb"});
-    EXPECT_TRUE(contains(scene, "blackbody = { grid = \"Temperature\", kelvin = [500, 850], intensity = ")) << scene;
+    EXPECT_TRUE(contains(scene, "blackbody = { grid = \"Temperature\", kelvin = [0, 475], intensity = ")) << scene;
     runWell({"render", "fire.vdb", "-o", "fire.exr", "--res", "48x48", "--quality", "draft"});
     const Image image = readExr(file("fire.exr"));
     double red = 0, blue = 0;
@@ -90,6 +107,11 @@ TEST_F(Asset, FireGlowsAndOutshinesTheLights) {
     // Kelvin are left as they are, and flames are as good as temperatures.
     makeVdb(file("k.vdb"), {{.voxels = ball}, {.name = "flame", .voxels = box({-3, -3, -3}, {3, 3, 3}, 1500)}});
     EXPECT_TRUE(contains(printed({"k.vdb"}), "blackbody = { grid = \"flame\", scale = 1, intensity = "));
+    // Where the flames have gone out, warm smoke is smoke.
+    makeVdb(file("out.vdb"), {{.voxels = ball}, {.name = "temperature", .voxels = core}, {.name = "flame"}});
+    const ProgramResult out = runWell({"render", "out.vdb", "--print-scene"});
+    EXPECT_FALSE(contains(out.out, "blackbody")) << out.out;
+    EXPECT_TRUE(contains(out.err, "out.vdb: nothing burns, since its grid 'flame' is empty")) << out.err;
     // Fire alone is a volume, too.
     makeVdb(file("f.vdb"), {{.name = "flame", .voxels = core}});
     runWell({"render", "f.vdb", "-o", "f.exr", "--res", "24x24", "--quality", "draft"});
@@ -101,6 +123,16 @@ TEST_F(Asset, SmokeRisesFromItsFire) {
     const ProgramResult result = runWell({"render", "z.vdb", "--print-scene"});
     EXPECT_EQ(result.err,
               "scrim: z.vdb: z is taken as the up axis, where its smoke goes from its fire; --up y changes this\n");
+    EXPECT_TRUE(contains(result.out, "up = [0, 0, 1]\n"));
+}
+
+TEST_F(Asset, FluidCachesOfBlenderStandUpright) {
+    const auto cube = box({0, 0, 0}, {3, 3, 3}, 1);
+    makeVdb(file("fluid.vdb"), {{.voxels = cube},
+                                {.name = "shadow", .voxels = cube},
+                                {.name = "velocity", .type = "vec3s", .voxels = {{{0, 0, 0}, 1}}}});
+    const ProgramResult result = runWell({"render", "fluid.vdb", "--print-scene"});
+    EXPECT_TRUE(contains(result.err, "z is taken as the up axis, as in Blender, which wrote it")) << result.err;
     EXPECT_TRUE(contains(result.out, "up = [0, 0, 1]\n"));
 }
 
@@ -271,6 +303,15 @@ TEST_F(Asset, RealScansAreShown) {
     const std::string scan = dataFile("scan/bonsai_256.nrrd");
     EXPECT_TRUE(contains(runWell({"info", scan}).out, "256 x 256 x 256 of uint8"));
     runWell({"render", scan, "-o", "b.exr", "--res", "32x32", "--quality", "draft", "--up", "y"});
+}
+
+TEST_F(Asset, ATreeStandsOnItsPotAndAToothOnItsRoots) {
+    SCRIM_NEEDS_DATA("scan/bonsai_256.nrrd");
+    const ProgramResult tree = runWell({"render", dataFile("scan/bonsai_256.nrrd"), "--print-scene"});
+    EXPECT_TRUE(contains(tree.out, "up = [0, 1, 0]\n")) << tree.out;
+    EXPECT_TRUE(contains(tree.err, "y is taken as the up axis, away from its heavy end; --up z changes this"));
+    for (const char* name : {"scan/tooth.nhdr", "scan/stent.nrrd", "scan/ch2bet.nii.gz"})
+        EXPECT_TRUE(contains(runWell({"render", dataFile(name), "--print-scene"}).out, "up = [0, 0, 1]\n")) << name;
 }
 
 }  // namespace
