@@ -186,6 +186,11 @@ void addSceneOptions(CLI::App& command, SceneOptions& o) {
     command.add_option("--set", o.sets, "change a value of the scene: camera.fov=20, light.key.intensity=3")
         ->type_name("KEY.PATH=VALUE")
         ->allow_extra_args(false);
+    add(command, "--shutter", "off", "no motion blur: the same as --set camera.shutter=off",
+        [&o](const std::string& t) {
+            if (t != "off") refuse("--shutter", t, "'off'; --set camera.shutter=[OPEN, CLOSE] gives times");
+            o.sets.push_back("camera.shutter=\"off\"");
+        });
     o.threads = threadsOfJob();
     add(command, "--threads", "N",
         "threads to use; 0: all of the machine (default: those of the Slurm job, or else all)",

@@ -26,6 +26,8 @@ pkg_check_modules(OpenColorIO REQUIRED IMPORTED_TARGET OpenColorIO)  # its CMake
 
 pkg_check_modules(seccomp REQUIRED IMPORTED_TARGET libseccomp)
 
+pkg_check_modules(murmurhash REQUIRED IMPORTED_TARGET libmurmurhash)
+
 find_package(glm CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(tomlplusplus CONFIG REQUIRED)

@@ -30,6 +30,7 @@ class ProgramTest : public ::testing::Test {
     }
 
     std::string file(const std::string& name) const { return m_folder.file(name); }
+    static bool contains(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
     void write(const std::string& name, const std::string& text) const { writeBytes(file(name), text); }
     bool exists(const std::string& name) const { return std::filesystem::exists(file(name)); }
 

@@ -22,7 +22,15 @@ from ._errors import (
     RenderError,
     UsageError,
 )
-from ._scrim import Field, Frame, Job, Plan, Shot, __version__, loads, open, read_vdb
+
+try:
+    from ._scrim import Field, Frame, Job, Plan, Shot, __version__, loads, open, read_vdb
+except ModuleNotFoundError as error:
+    if error.name != f"{__name__}._scrim":
+        raise
+    from ._other_python import advice
+
+    raise ImportError(advice()) from None
 
 __all__ = [
     "AccuracyError",

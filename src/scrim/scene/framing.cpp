@@ -211,7 +211,17 @@ std::string lightsText(const Mat3& wsFromCamera, double part, double front) {
                      "[0.85, 0.92, 1]", 14 * part);
 }
 
-std::string mediumText(const FramedAsset& asset, double scale, const Camera& camera) {
+/// The edge of a voxel in the middle of the volume, in pixels.
+double pixelsPerVoxel(const SparseField& field, const Camera& camera, const Vec3& wsTarget) {
+    double edge = 0;
+    for (int axis = 0; axis < 3; ++axis) edge = std::max(edge, glm::length(Vec3(field.wsFromIs[axis])));
+    const double width = 2 * std::tan(glm::radians(0.5 * kFov)) * glm::length(wsTarget - camera.wsPosition);
+    return edge / width * camera.resolution.x;
+}
+
+std::string mediumText(const FramedAsset& asset, double scale, const Camera& camera, const Vec3& wsTarget) {
+    constexpr double kWide = 4;  // pixels of a voxel from which linear interpolation shows as stripes
+    const bool smooth = pixelsPerVoxel(*asset.field, camera, wsTarget) > kWide;
     const std::string albedo = asset.albedoGrid.empty()
                                    ? fmt::format("[{0}, {0}, {0}]", asset.fire ? kSmokeAlbedo : kAlbedo)
                                    : fmt::format("{{ grid = {} }}", tomlString(asset.albedoGrid));
@@ -220,12 +230,13 @@ std::string mediumText(const FramedAsset& asset, double scale, const Camera& cam
         "name = {}\n"
         "file = {}\n"
         "density = {{ {}scale = {} }}\n"
+        "{}"
         "[volume.medium]\n"
         "albedo = {}\n"
         "phase = {{ type = \"hg\", g = {g} }}\n",
         tomlString(asset.name), tomlString(asset.file),
-        asset.grid.empty() ? "" : fmt::format("grid = {}, ", tomlString(asset.grid)), tomlSignificant(scale, 3), albedo,
-        fmt::arg("g", kG));
+        asset.grid.empty() ? "" : fmt::format("grid = {}, ", tomlString(asset.grid)), tomlSignificant(scale, 3),
+        smooth ? "interpolation = \"smooth\"\n" : "", albedo, fmt::arg("g", kG));
     if (!asset.fire) return text;
     const FireLook look = fireLook(*asset.fire, *asset.field, scale, camera);
     return text + fmt::format("blackbody = {{ grid = {}, {}, intensity = {} }}\n", tomlString(asset.fire->grid),
@@ -280,7 +291,7 @@ std::string framingScene(const FramedAsset& asset, Int2 resolution) {
     if (asset.volumeText.empty()) {
         const double depth = asset.fire ? kSmokeDepth : kMedianDepth;
         const double scale = asset.field->empty() ? 1 : densityScale(FieldRays(*asset.field), camera, depth);
-        text += mediumText(asset, scale, camera);
+        text += mediumText(asset, scale, camera, framing.wsTarget);
     } else {
         text += asset.volumeText;
     }

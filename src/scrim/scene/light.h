@@ -96,6 +96,7 @@ struct Light {
     };
 
     std::string name;
+    std::string group;  ///< lights of one group share a layer, which has its name; "": the light has its own
     std::variant<Distant, Point, Spot, Element, Area, Dome> kind;
     Vec3 wsPosition{0};  ///< point and spot: the place; area: the centre; distant: the centre of the slide
     /// Unit; distant: direction of travel; else the axis of a cone or slide, or the normal.

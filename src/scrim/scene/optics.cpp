@@ -26,6 +26,7 @@ double longestOf(const Mat4& isFromWs) {
 FieldInWorld::FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers)
     : isFromWs(glm::inverse(view.wsFromIs)), isPerWs(longestOf(isFromWs)) {
     std::shared_ptr<const FieldSampler>& shared = samplers[view.field.get()];
+    kernel = view.kernel.value_or(kernel);
     if (!shared || shared->kernel() != kernel) shared = std::make_shared<const FieldSampler>(*view.field, kernel);
     field = shared;
 }
@@ -42,7 +43,7 @@ double mostExtinctionOf(const ViewVolume& volume, double value) {
 VolumeOptics::VolumeOptics(const ViewVolume& volume, Kernel kernel, FieldSamplers& samplers) : m_volume(&volume) {
     const auto placed = [&](const ViewField& field) { return FieldInWorld(field, kernel, samplers); };
     if (!volume.field->empty()) {
-        m_density = placed({volume.field, volume.wsFromIs});
+        m_density = placed(densityOf(volume));
         m_wsFromIs = glm::inverse(Mat3(m_density->isFromWs));
         const Mat3 rows = glm::transpose(Mat3(m_density->isFromWs));
         m_voxels = std::max({glm::length(rows[0]), glm::length(rows[1]), glm::length(rows[2])});

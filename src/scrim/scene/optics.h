@@ -25,7 +25,7 @@ struct FieldInWorld {
     double isPerWs = 0;  ///< upper bound on the index-space length of a world unit
 
     /// Takes the field's sampler from `samplers` and adds it there if it is missing. `view.field` must outlive
-    /// `samplers`.
+    /// `samplers`. `kernel`: for a field that has none of its own.
     FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& samplers);
     double value(const Vec3& ws) const { return field->value(transformPoint(isFromWs, ws)); }
 };

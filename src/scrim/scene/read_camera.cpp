@@ -124,7 +124,11 @@ void readView(TomlTable& table, const ReadContext& context, Camera& camera) {
     camera.wsFromCamera = lookAt(-forward, Vec3(0), up);
 }
 
-Shutter readShutter(const TomlValue& value) {
+std::optional<Shutter> readShutter(const TomlValue& value) {
+    if (value.isString()) {
+        if (value.string() != "off") value.failExpecting(k.shutter.form);
+        return std::nullopt;
+    }
     const auto ends = value.items(2);
     const Shutter shutter{ends[0].number(), ends[1].number()};
     if (!(shutter.close > shutter.open))

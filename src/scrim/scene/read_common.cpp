@@ -69,13 +69,16 @@ Orbit readOrbit(const TomlValue& value, const std::string& of, const Vec3& up, b
     return orbit;
 }
 
+std::string nameIn(const TomlValue& value) {
+    const std::string name = value.string();
+    const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+    if (std::any_of(name.begin(), name.end(), control)) value.failExpecting("a name without control characters");
+    return name;
+}
+
 std::string readName(TomlTable& table, const Key& key, const std::string& defaultName) {
-    std::string name = defaultName;
-    if (const auto value = table.find(key)) {
-        name = value->string();
-        const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-        if (std::any_of(name.begin(), name.end(), control)) value->failExpecting("a name without control characters");
-    }
+    const auto value = table.find(key);
+    const std::string name = value ? nameIn(*value) : defaultName;
     table.describe(fmt::format("{} '{}'", table.description(), name));
     return name;
 }

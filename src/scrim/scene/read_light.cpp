@@ -226,6 +226,7 @@ int readSamples(TomlTable& table) {
 Light readLight(TomlTable table, const std::string& defaultName, const ReadContext& context) {
     Light light;
     light.name = readName(table, k.name, defaultName);
+    if (const auto group = table.find(k.group)) light.group = nameIn(*group);
     table.require(k.type);
     const auto type = static_cast<Type>(table.choice(k.type));
     table.describe(fmt::format("{} of type '{}'", table.description(), k.type.words[std::size_t(type)]));

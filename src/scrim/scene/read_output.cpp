@@ -41,6 +41,10 @@ std::vector<Layer> readLayers(const TomlValue& value, const SceneOutput& output,
             fmt::format("'{}' cannot be written to an ACES container (half floats in ACES2065-1); expected another {}, "
                         "or {} = \"float\"",
                         value.name(), keysOf<OutputKeys>().colorspace, keysOf<OutputKeys>().type.name));
+    if (!layers.empty() && layers.back() == Layer::cryptomatte && output.compression == "dwaa")
+        value.fail(
+            fmt::format("'cryptomatte' needs exact numbers, which {} = \"dwaa\" does not keep; expected another {}",
+                        keysOf<OutputKeys>().compression.name, keysOf<OutputKeys>().compression));
     return layers;
 }
 
@@ -106,8 +110,8 @@ SceneOutput readOutput(TomlTable table, const ReadContext& context) {
     }
     if (const auto space = table.find(k.colorspace))
         output.colorspace = located(*space, [&] { return context.colour.resolve(space->string()); });
-    if (const auto layers = table.find(k.layers)) output.layers = readLayers(*layers, output, context.colour);
     output.compression = k.compression.words[table.choice(k.compression)];
+    if (const auto layers = table.find(k.layers)) output.layers = readLayers(*layers, output, context.colour);
     if (const auto preview = table.find(k.preview)) output.preview = readPreview(*preview, context);
     readDeep(table, context, output);
     if (const auto holdout = table.find(k.holdout))

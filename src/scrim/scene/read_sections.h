@@ -90,6 +90,7 @@ Vec3 readDirection(const TomlValue& value, double frame);
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame);
 /// Reads the name and describes the table in messages by it: "[[light]] 'key'". Returns the name.
+std::string nameIn(const TomlValue& value);
 std::string readName(TomlTable& table, const Key& key, const std::string& defaultName);
 
 }  // namespace scrim

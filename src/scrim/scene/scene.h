@@ -26,7 +26,7 @@ namespace scrim {
 struct DepthPicture;
 
 /// Pictures that can be written beside the beauty.
-enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume, motion };
+enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume, motion, cryptomatte };
 
 /// What a volume shows at frames before the first or after the last file of its sequence.
 enum class OutsidePolicy {
@@ -84,6 +84,13 @@ struct Emission {
     std::string where;                         ///< where the scene names the grid
 };
 
+/// How a volume's grids are seen between their voxels.
+enum class GridInterpolation {
+    automatic,  ///< as Dials::kernel says
+    linear,
+    smooth,  ///< Kernel::bspline
+};
+
 struct SceneVolume {
     std::string name;
     FramePath sequence;      ///< file volumes: the path pattern, before the frame number is put in
@@ -106,6 +113,7 @@ struct SceneVolume {
     std::optional<std::vector<std::string>> lights;  ///< names of the lights that light it; none: all do
     /// Shades the volume in place of `medium`; its densityScale does not count, but the member above.
     std::shared_ptr<const Classified> classified = nullptr;
+    GridInterpolation interpolation = GridInterpolation::automatic;
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::string where;     ///< where the scene says `file` or `source`: "scene.toml:12:8"
 };

@@ -159,6 +159,8 @@ const Keys& keysOf() {
 }
 
 // JSON schemas of values that are neither numbers nor tables.
+inline constexpr const char* kTwoNumbersOrWord =
+    R"({"type":["string","array"],"items":{"type":"number"},"minItems":2,"maxItems":2})";
 inline constexpr const char* kTwoNumbers = R"({"type":"array","items":{"type":"number"},"minItems":2,"maxItems":2})";
 inline constexpr const char* kColourForm =
     "a colour [r, g, b], each of at least 0, or { rgb = [r, g, b], colorspace = \"...\" }";

@@ -31,10 +31,12 @@ OutputKeys::OutputKeys()
     : SectionOf("output", "[output]",
                 "The EXR: premultiplied, scene-linear, with its data window cropped to the pixels that are not empty. "
                 "Missing folders are made."),
-      layers(other("layers", "a list of layers: " + choices(layerNames()), kStrings, {},
-                   "Layers beside the beauty. light (one for each light), ambient and emission add up to the beauty, "
-                   "and so does volume (one for each volume); motion is in pixels until the next frame.")
-                 .unless("[]")),
+      layers(
+          other("layers", "a list of layers: " + choices(layerNames()), kStrings, {},
+                "Layers beside the beauty. light (one for each light), ambient and emission add up to the beauty, "
+                "and so does volume (one for each volume, with its part of alpha); motion is in pixels until the next "
+                "frame; cryptomatte holds mattes of the volumes by name.")
+              .unless("[]")),
       compression(choice("compression", exrCompressions(), "Compression of the EXR.")) {}
 
 const std::vector<const Section*>& sceneSections() {

@@ -104,7 +104,7 @@ struct CameraKeys : SectionOf<Scene> {
                              "The near clipping distance along the viewing axis.")
                           .keyed();
     const Key& shutter =
-        other("shutter", "two times [opens, closes], in frames about the frame", kTwoNumbers,
+        other("shutter", "two times [opens, closes], in frames about the frame, or \"off\"", kTwoNumbersOrWord,
               Range::fromTo(-1000, 1000, "frames"),
               "Motion blur: the picture is the mean over this time. Keyed values and volumes with a 'velocity' move "
               "during it; files of sequences stay those of the frame. [-0.25, 0.25] is a shutter of 180 degrees.")
@@ -182,6 +182,8 @@ struct LightKeys : Section {
     }
     const Key& name = text("name", "a name", "Names its layer, and the light in --set light.NAME.intensity=3.")
                           .unless("\"light1\", ...");
+    const Key& group =
+        text("group", "a name", "Lights of one group share one layer, light.GROUP, in place of one for each light.");
     const Key& type = choice("type", {"distant", "point", "spot", "projector", "area", "dome"},
                              "The emitter: parallel rays (a sun with 'angle'); a point; a point with a cone; a point "
                              "with a slide; a surface; the whole sky.")

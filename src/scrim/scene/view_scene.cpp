@@ -19,12 +19,20 @@ int placeOf(const ViewScene& scene, std::size_t i) {
     return place >= 0 ? place : static_cast<int>(i);
 }
 
+int lightOfLayer(const ViewScene& scene, int light) {
+    const std::string& group = scene.lights[std::size_t(light)].group;
+    if (group.empty()) return light;
+    const auto first = std::find_if(scene.lights.begin(), scene.lights.end(),
+                                    [&](const Light& other) { return other.group == group; });
+    return static_cast<int>(first - scene.lights.begin());
+}
+
 std::size_t placesOf(const ViewScene& scene) {
     return std::max(scene.volumeCount, scene.volumes.size());
 }
 
 std::vector<ViewField> fieldsOf(const ViewVolume& volume) {
-    std::vector<ViewField> fields{{volume.field, volume.wsFromIs}};
+    std::vector<ViewField> fields{densityOf(volume)};
     for (const ViewEmission& emission : volume.emission) fields.push_back(emission.field);
     std::erase_if(fields, [](const ViewField& field) { return field.field->empty(); });
     return fields;
@@ -45,7 +53,7 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
     std::vector<Vec3> corners;
     for (const ViewField& field : fieldsOf(volume)) {
         Bounds is = field.field->isBounds();
-        const double radius = kernelRadius(kernel);
+        const double radius = kernelRadius(field.kernel.value_or(kernel));
         is.lower -= radius;
         is.upper += radius;
         for (const Vec3& corner : is.corners()) corners.push_back(transformPoint(field.wsFromIs, corner));
@@ -71,6 +79,13 @@ std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel) {
     const Bounds box{glm::max(moved.lower, reach.lower), glm::min(moved.upper, reach.upper)};
     const auto all = box.corners();
     return {all.begin(), all.end()};
+}
+
+double kernelRadius(const ViewScene& scene) {
+    double radius = scene.volumes.empty() ? kernelRadius(scene.dials.kernel) : 0;
+    for (const ViewVolume& volume : scene.volumes)
+        radius = std::max(radius, kernelRadius(volume.kernel.value_or(scene.dials.kernel)));
+    return radius;
 }
 
 std::vector<Vec3> wsCorners(const ViewScene& scene) {

@@ -24,10 +24,11 @@
 
 namespace scrim {
 
-/// A further field of a volume.
+/// A field of a volume.
 struct ViewField {
     std::shared_ptr<const SparseField> field;
     Mat4 wsFromIs{1.0};
+    std::optional<Kernel> kernel = {};  ///< reconstructs the field; none: Dials::kernel
 };
 
 /// Radiance per world unit is the field's value times `color`.
@@ -73,6 +74,7 @@ struct ViewVolume {
     std::shared_ptr<const ViewVelocity> velocity = nullptr;  ///< null: the fields are already where they are to be seen
     bool holdout = false;  ///< hides what is behind it and casts shadows, but adds neither colour nor alpha
     std::shared_ptr<const VolumeMotion> motion = nullptr;  ///< null: the volume stands still
+    std::optional<Kernel> kernel = {};                     ///< reconstructs all its fields; none: Dials::kernel
     int place = -1;  ///< index into Scene::volumes, some of which may be culled; -1: its index in this scene
 };
 
@@ -131,10 +133,19 @@ struct ViewScene {
 
 bool wants(const ViewScene& scene, Layer layer);
 
+/// The light whose layer shows `light`: the first one of its group, or itself. Both are indices into
+/// ViewScene::lights.
+int lightOfLayer(const ViewScene& scene, int light);
+
 /// The index into Scene::volumes of `volumes[i]` (its `place`, or `i` where that is -1), and the number of all volumes
 /// of the scene, culled ones included.
 int placeOf(const ViewScene& scene, std::size_t i);
 std::size_t placesOf(const ViewScene& scene);
+
+/// The field of a volume's density.
+inline ViewField densityOf(const ViewVolume& volume) {
+    return {volume.field, volume.wsFromIs, volume.kernel};
+}
 
 /// The non-empty fields of a volume, density and emission, each on its own lattice.
 std::vector<ViewField> fieldsOf(const ViewVolume& volume);
@@ -145,8 +156,11 @@ inline bool litBy(const std::vector<bool>& lights, std::size_t light) {
 }
 
 /// World-space corners of the boxes around a volume's fields, the kernels' reach included: eight for each field that is
-/// not empty.
+/// not empty. `kernel`: that of fields which have none of their own.
 std::vector<Vec3> wsCorners(const ViewVolume& volume, Kernel kernel);
+
+/// The largest radius of any field's kernel, voxels.
+double kernelRadius(const ViewScene& scene);
 
 /// World-space corners of the boxes around all volumes, the kernels' reach included.
 std::vector<Vec3> wsCorners(const ViewScene& scene);

@@ -269,6 +269,10 @@ struct VolumeKeys : SectionOf<SceneVolume> {
             .onlyFor("'source'");
     const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
     const Key& density = table(keysOf<DensityKeys>(), "density", "The grid of densities, and their scale.");
+    const Key& interpolation =
+        choice("interpolation", {"auto", "linear", "smooth"}, &SceneVolume::interpolation,
+               "Between voxels: 'linear', or 'smooth' (cubic B-splines), which shows no stripes along rows of voxels "
+               "where these are larger than a few pixels. 'auto' is as 'kernel' of [render].");
     const Key& velocity =
         table(keysOf<VelocityKeys>(), "velocity", "The motion of the volume while the shutter is open.")
             .onlyFor("'file'");

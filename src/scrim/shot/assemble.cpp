@@ -91,6 +91,11 @@ void addLook(const SceneVolume& volume, ViewVolume& out) {
     out.classified = std::make_shared<const Classified>(std::move(look));
 }
 
+std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
+    if (interpolation == GridInterpolation::automatic) return std::nullopt;
+    return interpolation == GridInterpolation::smooth ? Kernel::bspline : Kernel::linear;
+}
+
 // A volume with all fields that are derived from its grids; no value where all of it is empty.
 std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
                                  Moved moved) {
@@ -100,10 +105,11 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
         if (scene.dials.lod > 0)
             field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
         const Mat4 wsFromIs = volume.wsFromAsset * field->wsFromIs;
-        return ViewField{std::move(field), wsFromIs};
+        return ViewField{std::move(field), wsFromIs, kernelOf(volume.interpolation)};
     };
     ViewVolume out;
     out.name = volume.name;
+    out.kernel = kernelOf(volume.interpolation);
     addLook(volume, out);
     out.lights = lightsOf(scene, volume);
     out.holdout = volume.holdout;
@@ -163,6 +169,7 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.dials = scene.dials;
     if (!out.dials.crossFade && !scene.moves) out.dials.crossFade = 0;
     out.layers = scene.output.layers;
+    if (wants(out, Layer::volume) && !wants(out, Layer::cryptomatte)) out.layers.push_back(Layer::cryptomatte);
     out.depths = scene.output.holdout.picture;
     if (scene.shutter) out.shutter = ViewShutter{scene.shutter->open, scene.shutter->close};
     out.lines = scene.lines;

@@ -135,7 +135,7 @@ void sayUp(const std::string& path, const std::string& why, const std::string& u
 /// "-x" and so on, for a unit vector along an axis.
 std::string nameOfAxis(const Vec3& ws) {
     const int axis = ws.x != 0 ? 0 : ws.y != 0 ? 1 : 2;
-    return (ws[axis] < 0 ? "-" : "") + std::string(1, "xyz"[axis]);
+    return fmt::format("{}{}", ws[axis] < 0 ? "-" : "", "xyz"[axis]);
 }
 
 /// True if the files have flames, but none in any of them: their temperatures then are those of warm smoke.

@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/base/finite.h>
 #include <scrim/base/version.h>
+#include <scrim/image/cryptomatte.h>
 #include <scrim/image/exr.h>
 #include <scrim/image/exr_deep.h>
 #include <scrim/image/preview.h>
@@ -41,6 +42,11 @@ ExrAttributes attributesOf(const ShotFrame::Content& content) {
     if (const PixelWindow whole = pictureOf(scene), &part = content.image.window; part != whole)
         attributes.emplace_back("scrim:crop", fmt::format("{},{},{},{} of {},{},{},{}", part.x0, part.y0, part.x1,
                                                           part.y1, whole.x0, whole.y0, whole.x1, whole.y1));
+    if (std::find(content.kinds.begin(), content.kinds.end(), Layer::cryptomatte) != content.kinds.end()) {
+        std::vector<std::string> names;
+        for (const SceneVolume& volume : scene.volumes) names.push_back(volume.name);
+        for (const auto& [name, text] : cryptomatteAttributes(names)) attributes.emplace_back(name, text);
+    }
     if (report.verification) {
         attributes.emplace_back("scrim:verify:error", report.verification->error);
         attributes.emplace_back("scrim:verify:lower", report.verification->lower);
@@ -63,7 +69,9 @@ std::string layerName(const Scene& scene, const FrameLayer& layer) {
     if (layer.volume >= 0)
         return nameOf(layer.layer) + "." + channelName(scene.volumes[std::size_t(layer.volume)].name);
     if (layer.light < 0) return nameOf(layer.layer);
-    return nameOf(layer.layer) + "." + channelName(scene.lights[std::size_t(layer.light)].name);
+    const Light& light = scene.lights[std::size_t(layer.light)];
+    const bool grouped = layer.layer == Layer::light && !light.group.empty();
+    return nameOf(layer.layer) + "." + channelName(grouped ? light.group : light.name);
 }
 
 ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
@@ -73,15 +81,46 @@ ShotLayer shotLayer(const Scene& scene, FrameLayer layer) {
     return {name, {name + ".R", name + ".G", name + ".B"}, std::move(layer.data)};
 }
 
-/// The RGB of a layer in the output's space, converted by way of a picture.
+/// The RGB or RGBA of a layer in the output's space, converted by way of a picture.
 std::vector<float> converted(const ShotLayer& layer, const PixelWindow& window, const ColourConfig& colour,
                              const std::string& space) {
+    const std::size_t channels = layer.channels.size();
     Image image = emptyImage(window);
-    for (std::size_t i = 0; i < layer.data.size(); ++i) image.rgba[i / 3 * 4 + i % 3] = layer.data[i];
+    for (std::size_t i = 0; i < layer.data.size(); ++i) image.rgba[i / channels * 4 + i % channels] = layer.data[i];
     colour.convert(image, colour.workingSpace(), space);
     std::vector<float> data(layer.data.size());
-    for (std::size_t i = 0; i < data.size(); ++i) data[i] = image.rgba[i / 3 * 4 + i % 3];
+    for (std::size_t i = 0; i < data.size(); ++i) data[i] = image.rgba[i / channels * 4 + i % channels];
     return data;
+}
+
+/// Gives the layer of a volume its opacity as a fourth channel.
+void addAlpha(ShotLayer& volume, const std::vector<float>& opacity) {
+    std::vector<float> rgba(4 * opacity.size());
+    for (std::size_t i = 0; i < opacity.size(); ++i) {
+        std::copy_n(volume.data.begin() + std::ptrdiff_t(3 * i), 3, rgba.begin() + std::ptrdiff_t(4 * i));
+        rgba[4 * i + 3] = opacity[i];
+    }
+    volume.data = std::move(rgba);
+    volume.channels.push_back(volume.name + ".A");
+}
+
+/// Adds the layers that are made from the opacities of the volumes: the alphas of their own layers, and Cryptomatte.
+void addOpacities(ShotFrame::Content& content, const std::vector<FrameLayer>& opacities) {
+    std::vector<MatteObject> objects;
+    for (const FrameLayer& opacity : opacities) {
+        const std::string& name = content.scene.volumes[std::size_t(opacity.volume)].name;
+        objects.push_back({name, opacity.data});
+        for (std::size_t i = 0; i < content.layers.size(); ++i)
+            if (content.kinds[i] == Layer::volume &&
+                content.layers[i].name == layerName(content.scene, {Layer::volume, -1, {}, opacity.volume}))
+                addAlpha(content.layers[i], opacity.data);
+    }
+    const std::vector<Layer>& wanted = content.scene.output.layers;
+    if (std::find(wanted.begin(), wanted.end(), Layer::cryptomatte) == wanted.end()) return;
+    for (MatteLevel& level : cryptomatteLevels(objects)) {
+        content.kinds.push_back(Layer::cryptomatte);
+        content.layers.push_back({level.name, level.channels, std::move(level.data)});
+    }
 }
 
 /// True for layers that hold a fraction of light in each working-space channel: 1 where nothing is in the way. They are
@@ -90,10 +129,10 @@ bool isShare(Layer layer) {
     return layer == Layer::transmittance || layer == Layer::shadow;
 }
 
-/// Depth and motion are not colours, either.
+/// Depth, motion and mattes are not colours, either.
 ExrLayer exrLayer(const ShotFrame::Content& content, std::size_t i) {
     const ShotLayer& layer = content.layers[i];
-    if (content.kinds[i] == Layer::depth || content.kinds[i] == Layer::motion)
+    if (content.kinds[i] == Layer::depth || content.kinds[i] == Layer::motion || content.kinds[i] == Layer::cryptomatte)
         return {layer.channels, layer.data, true};
     if (isShare(content.kinds[i])) return {layer.channels, layer.data};
     return {layer.channels, converted(layer, content.image.window, content.colour, content.scene.output.colorspace)};
@@ -164,10 +203,16 @@ void convertDeep(DeepImage& deep, const ColourConfig& colour, const std::string&
 void takeFrame(ShotFrame::Content& content, Frame frame) {
     content.image = std::move(frame.image);
     content.deep = std::move(frame.deep);
+    std::vector<FrameLayer> opacities;
     for (FrameLayer& layer : frame.layers) {
+        if (layer.layer == Layer::cryptomatte) {
+            opacities.push_back(std::move(layer));
+            continue;
+        }
         content.kinds.push_back(layer.layer);
         content.layers.push_back(shotLayer(content.scene, std::move(layer)));
     }
+    addOpacities(content, opacities);
     // Values are checked here, and once more wherever they are converted, so that no file, preview or array holds
     // anything but finite numbers.
     const int number = content.report.frame;

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 namespace scrim {
 namespace {
@@ -64,21 +65,31 @@ void checkVolumes(const Scene& scene, const FieldStore& store) {
                                                       volume.where.empty() ? "" : volume.where + ": ", volume.name));
 }
 
-/// Throws where a layer has one picture for each light or volume and two of these would share a channel name.
-template <typename Named>
-void checkChannels(const Scene& scene, Layer layer, const std::vector<Named>& all) {
+/// Throws where a layer has one picture for each name and two of these would share a channel name.
+void checkChannels(const Scene& scene, Layer layer, const std::vector<std::string>& all) {
     const std::vector<Layer>& layers = scene.output.layers;
     if (std::find(layers.begin(), layers.end(), layer) == layers.end()) return;
     std::map<std::string, std::string> names;
-    for (const Named& one : all) {
-        const auto [known, isNew] = names.emplace(channelName(one.name), one.name);
+    for (const std::string& name : all) {
+        const auto [known, isNew] = names.emplace(channelName(name), name);
         if (isNew) continue;
         const std::string where = scene.lines ? scene.lines->of("output.layers") : "";
         throw Error(ErrorKind::input, fmt::format("{}{}s '{}' and '{}' would both be the layer '{}.{}', whose name has "
                                                   "only letters, digits and underscores; expected different names",
-                                                  where.empty() ? "" : where + ": ", nameOf(layer), known->second,
-                                                  one.name, nameOf(layer), known->first));
+                                                  where.empty() ? "" : where + ": ", nameOf(layer), known->second, name,
+                                                  nameOf(layer), known->first));
     }
+}
+
+void checkChannels(const Scene& scene) {
+    std::vector<std::string> lights, volumes;
+    std::set<std::string> groups;
+    for (const Light& light : scene.lights)
+        if (light.group.empty() || groups.insert(light.group).second)
+            lights.push_back(light.group.empty() ? light.name : light.group);
+    for (const SceneVolume& volume : scene.volumes) volumes.push_back(volume.name);
+    checkChannels(scene, Layer::light, lights);
+    checkChannels(scene, Layer::volume, volumes);
 }
 
 /// Warns of a blackbody that is nowhere hot enough to be visible. Most often its grid is not in Kelvin.
@@ -185,8 +196,7 @@ std::optional<LoadedShot> loadShot(ShotStores& stores, const LoadOptions& load, 
     LoadedShot out;
     out.scene = std::move(scene);
     checkVolumes(out.scene, stores.fields);
-    checkChannels(out.scene, Layer::light, out.scene.lights);
-    checkChannels(out.scene, Layer::volume, out.scene.volumes);
+    checkChannels(out.scene);
     out.files = stores.fields.filesOf(out.scene);
     if (!allowsMissing(static_cast<int>(out.scene.frame), out.files, options, use)) return std::nullopt;
     listenTo(stores.fields, load, options);

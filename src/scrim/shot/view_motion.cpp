@@ -19,7 +19,7 @@ void addFlow(const ViewVolume& volume, const SceneVolume& now, const std::vector
     }
     const Mat4 assetFromIs = glm::inverse(now.wsFromAsset) * volume.wsFromIs;
     for (const FieldPointer& field : flowFields(*volume.field, assetFromIs, velocity, motion.least))
-        motion.flow.push_back({field, volume.wsFromIs});
+        motion.flow.push_back({field, volume.wsFromIs, volume.kernel});
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ void PathTracer::measure() {
     std::vector<double> ofField(m_majorants.size());
     std::vector<bool> glows(m_majorants.size(), false);
     const auto mark = [&](const ViewField& field, const auto& set) {
-        const double reach = kernelRadius(m_scene.dials.kernel);
+        const double reach = kernelRadius(field.kernel.value_or(m_scene.dials.kernel));
         const auto add = [&](const Int3& from, const Int3& to, double value) {
             const Bounds box = transformed(field.wsFromIs, {Vec3(from) - reach, Vec3(to) + reach});
             const Int3 first = glm::max(Int3(glm::floor((box.lower - m_wsBounds.lower) / m_edge)), Int3(0));
@@ -104,7 +104,7 @@ void PathTracer::measure() {
                 for (int i = 0; i <= 1000; ++i)
                     steepest = std::max(
                         steepest, 1.1 * classify(*volume.classified, 1e-3 * i * volume.field->maxValue).extinction);
-            mark({volume.field, volume.wsFromIs}, [&](std::size_t box, double value) {
+            mark(densityOf(volume), [&](std::size_t box, double value) {
                 const double here = volume.classified ? steepest : value * volume.medium.mostExtinction();
                 ofField[box] = std::max(ofField[box], here);
             });

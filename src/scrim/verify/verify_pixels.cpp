@@ -29,7 +29,6 @@ struct BoxTest {
 
 std::vector<BoxTest> boxTests(const ViewScene& scene) {
     const RayFamily ws = wsRays(scene.camera);
-    const double radius = kernelRadius(scene.dials.kernel);
     std::vector<BoxTest> tests;
     for (const ViewVolume& volume : scene.volumes)
         for (const ViewField& field : fieldsOf(volume)) {
@@ -37,6 +36,7 @@ std::vector<BoxTest> boxTests(const ViewScene& scene) {
             const Mat3 linear(isFromWs);
             BoxTest& test = tests.emplace_back();
             test.isBox = field.field->isBounds();
+            const double radius = kernelRadius(field.kernel.value_or(scene.dials.kernel));
             test.isBox.lower -= radius;
             test.isBox.upper += radius;
             if (volume.velocity) {

@@ -36,7 +36,6 @@ class Asset : public ProgramTest {
         write(name, "NRRD0004\ntype: int16\ndimension: 3\nsizes: 16 16 16\nendian: little\nencoding: raw\n" + fields +
                         "\n" + bytes);
     }
-    static bool contains(const std::string& text, const std::string& part) { return text.find(part) != text.npos; }
 };
 
 TEST_F(Asset, TheVolumeIsNamedAfterItsFile) {
@@ -124,6 +123,22 @@ TEST_F(Asset, SmokeRisesFromItsFire) {
     EXPECT_EQ(result.err,
               "scrim: z.vdb: z is taken as the up axis, where its smoke goes from its fire; --up y changes this\n");
     EXPECT_TRUE(contains(result.out, "up = [0, 0, 1]\n"));
+}
+
+TEST_F(Asset, InterpolationIsReadAndChecked) {
+    write("i.toml",
+          "[camera]\nposition = [0, 0, 40]\ntarget = [0, 0, 0]\nfov = 35\nresolution = [32, 32]\n"
+          "[[volume]]\nname = \"v\"\nfile = \"smoke.vdb\"\ninterpolation = \"linear\"\n"
+          "[ambient]\ncolor = [1, 1, 1]\n");
+    const auto picture = [&](const std::string& word) {
+        runWell({"render", "i.toml", "-o", word + ".exr", "--set", "volume.v.interpolation=\"" + word + "\""});
+        return readExr(file(word + ".exr")).rgba;
+    };
+    EXPECT_EQ(picture("auto"), picture("linear"));
+    EXPECT_NE(picture("smooth"), picture("linear"));
+    expectFailure(
+        {"render", "i.toml", "--set", "volume.v.interpolation=\"cubic\""}, kInput,
+        "--set volume.v.interpolation: 'interpolation' is the string \"cubic\"; expected 'auto', 'linear' or 'smooth'");
 }
 
 TEST_F(Asset, FluidCachesOfBlenderStandUpright) {

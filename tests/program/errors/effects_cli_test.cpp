@@ -7,7 +7,10 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <utility>
 
 namespace scrim::test {
 namespace {
@@ -64,6 +67,69 @@ TEST_F(CliEffects, ScalarGridIsAGreyAlbedoAndMissingOnesAreLocated) {
     EXPECT_EQ(result.status, 3);
     EXPECT_NE(result.err.find("s.toml:10:19: "), std::string::npos) << result.err;
     EXPECT_NE(result.err.find("'Cd'"), std::string::npos) << result.err;
+}
+
+TEST_F(CliEffects, VolumesHaveAlphasAndMattes) {
+    write("s.toml", kCamera + kFire +
+                        "albedo = [0.5, 0.5, 0.5]\n[[volume]]\nname = \"be hind\"\nfile = \"fire.vdb\"\n"
+                        "transform = { translate = [4, 0, -20] }\n" +
+                        kLight);
+    runWell({"render", "s.toml", "-o", "x.exr", "--set", "output.layers=[\"volume\", \"cryptomatte\"]"});
+    const double front = centre("volume.fire.A"), behind = centre("volume.be_hind.A"), alpha = centre("A");
+    EXPECT_GT(front, 0.5);
+    EXPECT_GT(behind, 0.05);
+    EXPECT_NEAR(front + behind, alpha, 2e-3) << "half floats";
+    EXPECT_NEAR(centre("CryptoObject00.G"), front, 1e-3);
+    EXPECT_NEAR(centre("CryptoObject00.A"), behind, 1e-3);
+    const auto attributes = readExrAttributes(file("x.exr"));
+    const auto manifest = nlohmann::json::parse(attributes.at("cryptomatte/3ae39a5/manifest"));
+    EXPECT_EQ(manifest.size(), 2u);
+    EXPECT_TRUE(contains(attributes.at("channels"), "CryptoObject00.R:float")) << attributes.at("channels");
+    // A matte by the rules of its specification: the parts of all ranks whose id is that of the name.
+    for (const auto& [name, part] : {std::pair{"fire", front}, std::pair{"be hind", behind}}) {
+        const auto id = static_cast<std::uint32_t>(std::stoul(manifest[name].get<std::string>(), nullptr, 16));
+        double matte = 0;
+        for (const auto& [ids, parts] :
+             {std::pair{"CryptoObject00.R", "CryptoObject00.G"}, std::pair{"CryptoObject00.B", "CryptoObject00.A"}})
+            if (std::bit_cast<std::uint32_t>(static_cast<float>(centre(ids))) == id) matte += centre(parts);
+        EXPECT_NEAR(matte, part, 1e-3) << name;
+    }
+    const ProgramResult lossy = run({"render", "s.toml", "-o", "y.exr", "--set", "output.layers=[\"cryptomatte\"]",
+                                     "--set", "output.compression=\"dwaa\""});
+    EXPECT_EQ(lossy.status, 3);
+    EXPECT_TRUE(contains(lossy.err, "'cryptomatte' needs exact numbers")) << lossy.err;
+}
+
+TEST_F(CliEffects, LightsOfAGroupShareALayer) {
+    const std::string group = "group = \"prac ticals\"\n";
+    write("s.toml", kCamera + kFire + "albedo = [0.5, 0.5, 0.5]\n" + kLight + group +
+                        "[[light]]\nname = \"two\"\ntype = \"distant\"\ndirection = [0, -1, 0]\n" + group +
+                        "[output]\nlayers = [\"light\"]\ntype = \"float\"\n");
+    runWell({"render", "s.toml", "-o", "x.exr"});
+    EXPECT_NEAR(centre("light.prac_ticals.R"), centre("R"), 1e-6);
+    const std::string channels = readExrAttributes(file("x.exr")).at("channels");
+    EXPECT_FALSE(contains(channels, "light.two")) << channels;
+    const ProgramResult twice = run({"render", "s.toml", "-o", "y.exr", "--set", "light.two.group=\"prac_ticals\""});
+    EXPECT_EQ(twice.status, 3);
+    EXPECT_TRUE(contains(twice.err, "'prac ticals' and 'prac_ticals' would both be the layer 'light.prac_ticals'"))
+        << twice.err;
+}
+
+TEST_F(CliEffects, ShutterOffIsNoMotionBlur) {
+    write("s.toml", kCamera + kFire + "albedo = [0.5, 0.5, 0.5]\n" + kLight);
+    runWell({"render", "s.toml", "-o", "still.exr", "--set", "camera.position=[0, 0, 40]"});
+    const std::string open = "camera.shutter=[-0.5, 0.5]";
+    runWell({"render", "s.toml", "-o", "blurred.exr", "--set", open});
+    runWell({"render", "s.toml", "-o", "off.exr", "--set", open, "--shutter", "off"});
+    runWell({"render", "s.toml", "-o", "word.exr", "--set", open, "--set", "camera.shutter=\"off\""});
+    EXPECT_EQ(readExr(file("off.exr")).rgba, readExr(file("word.exr")).rgba);
+    runWell({"render", "s.toml", "-o", "never.exr"});
+    EXPECT_EQ(readExrAttributes(file("off.exr")).at("scrim:plan"),
+              readExrAttributes(file("never.exr")).at("scrim:plan"));
+    EXPECT_NE(readExrAttributes(file("blurred.exr")).at("scrim:plan"),
+              readExrAttributes(file("never.exr")).at("scrim:plan"));
+    expectFailure({"render", "s.toml", "--shutter", "1"}, 2,
+                  "--shutter 1: expected 'off'; --set camera.shutter=[OPEN, CLOSE] gives times");
 }
 
 TEST_F(CliEffects, EmissionGlowsWithoutLights) {

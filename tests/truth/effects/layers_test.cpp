@@ -152,6 +152,89 @@ INSTANTIATE_TEST_SUITE_P(Each, VolumeLayers,
                          testing::Combine(testing::Values("light linking", "two tints", "all at once"), testing::Bool(),
                                           testing::Bool()));
 
+const FrameLayer& opacityOf(const Frame& frame, int volume) {
+    return *std::find_if(frame.layers.begin(), frame.layers.end(),
+                         [&](const FrameLayer& l) { return l.layer == Layer::cryptomatte && l.volume == volume; });
+}
+
+TEST_P(VolumeLayers, OpacitiesAddUpToAlphaAndLeaveThePicture) {
+    ViewScene s = scene();
+    const Frame without = renderScene(s);
+    s.layers.push_back(Layer::cryptomatte);
+    const Frame frame = renderScene(s);
+    expectSame(without.image, frame.image, 4e-6);
+    for (std::size_t p = 0; p < frame.image.rgba.size() / 4; ++p) {
+        double sum = 0;
+        for (std::size_t v = 0; v < s.volumes.size(); ++v) sum += opacityOf(frame, static_cast<int>(v)).data[p];
+        ASSERT_NEAR(sum, frame.image.rgba[4 * p + 3], 4e-6);
+    }
+}
+
+TEST(VolumeOpacity, OfSlabsIsWhatTheLightMeetsFirst) {
+    Medium front, behind;
+    front.densityScale = 0.05;
+    front.extinctionTint = {1, 0.5, 0.25};
+    behind.densityScale = 0.2;
+    ViewScene scene = orthographicScene(boxField({-40, -40, 6}, {39, 39, 9}), front, 20, 9);
+    scene.volumes.push_back(scene.volumes.front());
+    scene.volumes.back().field = boxField({-40, -40, -10}, {39, 39, 1});
+    scene.volumes.back().medium = behind;
+    scene.layers = {Layer::cryptomatte};
+    scene.dials.sheetThickness = 0.5;
+    const auto check = [&](bool held) {
+        scene.volumes.front().holdout = held;
+        const Frame frame = renderScene(scene);
+        double first = 0, second = 0;
+        for (const double tint : {1.0, 0.5, 0.25}) {
+            first += (1 - std::exp(-0.05 * 4 * tint)) / 3;
+            second += std::exp(-0.05 * 4 * tint) * (1 - std::exp(-0.2 * 12)) / 3;
+        }
+        const std::size_t middle = 4 * 9 + 4;
+        EXPECT_NEAR(opacityOf(frame, 0).data[middle], held ? 0 : first, 1e-4);
+        EXPECT_NEAR(opacityOf(frame, 1).data[middle], second, 1e-4);
+        EXPECT_NEAR(frame.image.rgba[4 * middle + 3], held ? second : first + second, 1e-4);
+    };
+    check(false);
+    check(true);  // what is held out hides without being there
+}
+
+TEST(VolumeOpacity, OfASurfaceIsThatOfItsTransferFunction) {
+    ViewScene scene = sceneWith("light linking");
+    auto look = std::make_shared<Classified>();
+    look->transfer = {{0.0, Rgb(1, 0.8, 0.6), 0.0}, {1.0, Rgb(1, 0.8, 0.6), 0.5}};
+    scene.volumes[1].classified = look;
+    scene.layers = {Layer::cryptomatte};
+    const Frame frame = renderScene(scene);
+    for (std::size_t p = 0; p < frame.image.rgba.size() / 4; ++p)
+        ASSERT_NEAR(opacityOf(frame, 0).data[p] + opacityOf(frame, 1).data[p], frame.image.rgba[4 * p + 3], 4e-6);
+    EXPECT_GT(*std::max_element(opacityOf(frame, 1).data.begin(), opacityOf(frame, 1).data.end()), 0.1);
+}
+
+TEST(LightGroup, ShowsTheSumOfItsLights) {
+    for (const bool soft : {false, true}) {
+        ViewScene scene = plainScene();
+        scene.lights.push_back(lamp({10, 5, 12}, 300));
+        if (soft) scene.lights[1].kind = Light::Distant(20);
+        if (soft) scene.volumes.front().medium.scattering = Scattering::full;
+        scene.layers = {Layer::light};
+        const Frame apart = renderScene(scene);
+        scene.lights[0].group = scene.lights[2].group = "practicals";
+        const Frame grouped = renderScene(scene);
+        ASSERT_EQ(grouped.layers.size(), 2u);
+        const double tolerance = soft ? 2e-3 : 4e-6;  // multiply scattered light is solved to an accuracy
+        expectSame(grouped.image, apart.image, tolerance);
+        const FrameLayer &group = layerOf(grouped, Layer::light, 0), &other = layerOf(grouped, Layer::light, 1);
+        double most = 0;
+        for (std::size_t i = 0; i < group.data.size(); ++i) {
+            ASSERT_NEAR(group.data[i],
+                        layerOf(apart, Layer::light, 0).data[i] + layerOf(apart, Layer::light, 2).data[i], tolerance);
+            ASSERT_NEAR(other.data[i], layerOf(apart, Layer::light, 1).data[i], tolerance);
+            most = std::max<double>(most, layerOf(apart, Layer::light, 2).data[i]);
+        }
+        EXPECT_GT(most, 0.01);
+    }
+}
+
 TEST(VolumeLayer, OfInstancesIsOneEach) {
     ViewScene scene = plainScene();
     scene.volumes.push_back(scene.volumes.front());  // looks alike, and shares planes but for the layer

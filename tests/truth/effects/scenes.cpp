@@ -102,6 +102,13 @@ const std::vector<EffectCase>& effectCases() {
              s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
              s.volumes.back().lights = {false, true};
          }},
+        {"two interpolations",
+         [](ViewScene& s) {
+             s.volumes.front().kernel = Kernel::bspline;
+             s.volumes.push_back(s.volumes.front());
+             s.volumes.back().kernel.reset();
+             s.volumes.back().wsFromIs[3] = {6, -5, 4, 1};
+         }},
         {"ambient",
          [](ViewScene& s) {
              s.ambient = {0.1, 0.2, 0.3};

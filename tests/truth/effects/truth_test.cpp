@@ -65,6 +65,18 @@ std::vector<Case> allCases() {
 }
 INSTANTIATE_TEST_SUITE_P(Each, Effects, testing::ValuesIn(allCases()), nameOf);
 
+TEST(Interpolation, OfAVolumeIsThatOfTheDial) {
+    ViewScene own = sceneWith("emission"), dial = own;
+    own.volumes.front().kernel = own.volumes.front().emission.front().field.kernel = Kernel::bspline;
+    dial.dials.kernel = Kernel::bspline;
+    const Frame linear = renderScene(sceneWith("emission"));
+    EXPECT_EQ(renderScene(own).image.rgba, renderScene(dial).image.rgba);
+    EXPECT_NE(renderScene(own).image.rgba, linear.image.rgba);
+    // What the volume says counts, not the dial.
+    dial.volumes.front().kernel = dial.volumes.front().emission.front().field.kernel = Kernel::linear;
+    EXPECT_EQ(renderScene(dial).image.rgba, linear.image.rgba);
+}
+
 // A slab 20 thick across the view, all of it 1.
 ViewScene slab(const Medium& medium) {
     return orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 9);

@@ -162,6 +162,17 @@ TEST(Framing, ResidueOfASimulationChangesNothing) {
     EXPECT_EQ(negligibleIn(clean).part, 0);
 }
 
+TEST(Framing, WideVoxelsAreInterpolatedSmoothly) {
+    std::vector<Int3> many;
+    for (int x = 0; x < 20; ++x)
+        for (int y = 0; y < 20; ++y) many.push_back({8 * x, 8 * y, 0});
+    const SparseField coarse = blocks({{0, 0, 0}}, 1, scaled(0.3, Vec3(0))), fine = blocks(many, 1, Mat4(1.0));
+    EXPECT_EQ(framed(coarse, {512, 512}).volumes[0].interpolation, GridInterpolation::smooth);
+    EXPECT_EQ(framed(fine, {512, 512}).volumes[0].interpolation, GridInterpolation::automatic);
+    // The same asset in a larger picture has wider voxels.
+    EXPECT_EQ(framed(fine, {2048, 2048}).volumes[0].interpolation, GridInterpolation::smooth);
+}
+
 TEST(Framing, FireIsAsBrightAsThePictureTakesAtAnySize) {
     for (const double voxel : {1e-3, 1.0, 1e3})
         for (const float hottest : {0.5f, 1.0f, 5.0f, 1900.0f}) {

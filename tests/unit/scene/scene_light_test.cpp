@@ -86,12 +86,14 @@ TEST(SceneLight, ConvertsColoursIntoTheWorkingSpace) {
 }
 
 TEST(SceneLight, KeysBelongToTypes) {
-    EXPECT_EQ(lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
-              "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
-              "'type', 'direction', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'angle', 'samples', "
-              "'slide', 'shadows' or 'shadow'");
+    EXPECT_EQ(
+        lightError("type = \"distant\"\ndirection = [0, 0, -1]\nradius = 1\n"),
+        "scene.toml:9:1: 'radius' is not known here ([[light]] 'light1' of type 'distant'); allowed: 'name', "
+        "'group', 'type', 'direction', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'angle', 'samples', "
+        "'slide', 'shadows' or 'shadow'");
     EXPECT_EQ(lightError("type = \"point\"\nposition = [0, 0, 0]\ncone = 30\n"),
-              "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: 'name', 'type', "
+              "scene.toml:9:1: 'cone' is not known here ([[light]] 'light1' of type 'point'); allowed: 'name', "
+              "'group', 'type', "
               "'position', 'orbit', 'color', 'intensity', 'exposure', 'temperature', 'radius', 'decay', 'slide', "
               "'shadows' or 'shadow'");
     EXPECT_EQ(lightError("type = \"cylinder\"\n"),

@@ -125,12 +125,12 @@ TEST(SceneOutput, LayersAreChecked) {
     EXPECT_EQ(
         layersError("layers = [\"depth\", \"normals\"]\n"),
         "scene.toml:7:20: 'layers[1]' is the string \"normals\"; expected 'light', 'ambient', 'emission', 'albedo', "
-        "'depth', 'transmittance', 'shadow', 'volume' or 'motion'");
+        "'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
     EXPECT_EQ(layersError("layers = [\"depth\", \"depth\"]\n"),
               "scene.toml:7:20: 'layers[1]' repeats 'depth'; expected each layer once");
     EXPECT_EQ(layersError("layers = \"depth\"\n"),
               "scene.toml:7:10: 'layers' is the string \"depth\"; expected a list of layers: 'light', 'ambient', "
-              "'emission', 'albedo', 'depth', 'transmittance', 'shadow', 'volume' or 'motion'");
+              "'emission', 'albedo', 'depth', 'transmittance', 'shadow', 'volume', 'motion' or 'cryptomatte'");
 }
 
 TEST(SceneOutput, AcesContainersTakeNoLayers) {

@@ -29,8 +29,8 @@ std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
     for (std::size_t i = 0; i < group.outputs.list.size(); ++i) {
         const Output& output = group.outputs.list[i];
         // Outputs of lights, ambient light, emission and volumes already contain the group's share.
-        const bool seen =
-            output.layer == Layer::albedo || output.layer == Layer::depth || output.layer == Layer::motion;
+        const bool seen = output.layer == Layer::albedo || output.layer == Layer::depth ||
+                          output.layer == Layer::motion || output.layer == Layer::cryptomatte;
         targets.push_back({group.outputs.layout.quadOf(static_cast<int>(i) + 1),
                            find(frame, output.layer, output.light, output.place), seen ? group.primary : 1.0});
     }
@@ -72,9 +72,10 @@ Frame emptyFrame(const ViewScene& scene) {
         out.data.assign(floats * scene.region.pixelCount(), 0.0f);
     };
     for (const Layer layer : scene.layers) {
-        if (layer == Layer::light || layer == Layer::shadow)
-            for (std::size_t i = 0; i < scene.lights.size(); ++i) add(layer, static_cast<int>(i), -1);
-        else if (layer == Layer::volume)
+        if (layer == Layer::light || layer == Layer::shadow) {
+            for (int i = 0; i < static_cast<int>(scene.lights.size()); ++i)
+                if (layer == Layer::shadow || lightOfLayer(scene, i) == i) add(layer, i, -1);
+        } else if (layer == Layer::volume || layer == Layer::cryptomatte)
             for (std::size_t i = 0; i < placesOf(scene); ++i) add(layer, -1, static_cast<int>(i));
         else
             add(layer, -1, -1);
@@ -120,6 +121,9 @@ void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, c
                     float* depth = target.layer->data.data() + at / 4 * 2;
                     if (sum.first > 0 && (depth[0] == 0 || sum.first < depth[0])) depth[0] = sum.first;
                     for (std::size_t c = 0; c < 3; ++c) depth[1] += radiance(quad + c, target.share / 3);
+                } else if (target.layer->layer == Layer::cryptomatte) {
+                    for (std::size_t c = 0; c < 3; ++c)
+                        target.layer->data[at / 4] += radiance(quad + c, target.share / 3);
                 } else if (target.layer->layer == Layer::motion) {
                     float* sums = target.layer->data.data() + at / 4 * kMotionSums;
                     for (std::size_t c = 0; c < 2; ++c) {

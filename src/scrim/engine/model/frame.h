@@ -88,20 +88,23 @@ struct StageTimes {
 /// A picture beside the beauty, with the same window.
 struct FrameLayer {
     Layer layer = Layer::light;
-    int light = -1;  ///< for layers of lights and shadows: index into ViewScene::lights
+    int light = -1;  ///< for layers of lights and shadows: index into ViewScene::lights, of the first of a group
     /// The values by layer. light, ambient, emission, volume: that part of the beauty, RGB. shadow: see catchShadows,
     /// RGB. albedo: multiplied by opacity, RGB. transmittance: RGB. depth: along the viewing axis, world units; where
     /// the first visible thing begins, and the mean over everything visible; 0, 0 in empty pixels. motion: the mean, by
     /// opacity, of the displacement until the next frame, in pixels to the right and up; 0, 0 in empty pixels.
+    /// cryptomatte: the part of alpha that is a volume's.
     std::vector<float> data;
-    int volume = -1;  ///< for layers of volumes: index into Scene::volumes
+    int volume = -1;  ///< for layers of volumes and their opacities: index into Scene::volumes
 
-    std::size_t channels() const { return layer == Layer::depth || layer == Layer::motion ? 2 : 3; }
+    std::size_t channels() const {
+        return layer == Layer::cryptomatte ? 1 : layer == Layer::depth || layer == Layer::motion ? 2 : 3;
+    }
 };
 
 struct Frame {
     Image image;  ///< premultiplied, scene-linear, working space
-    /// In the order of ViewScene::layers; one for each light, shadow or volume, in the scene's order.
+    /// In the order of ViewScene::layers; one for each light, group, shadow or volume, in the scene's order.
     std::vector<FrameLayer> layers;
     std::optional<DeepImage> deep;  ///< where requested; over the image's window, in the working space
     /// Relative change of multiply scattered light by one more sweep; 0: there is no such light.

@@ -48,6 +48,8 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
     if (primary && wants(Layer::motion)) layout.motion = add(Layer::motion);
     for (std::size_t v = 0; wants(Layer::volume) && v < scene.volumes.size(); ++v)
         outputs.ofVolumes.push_back(add(Layer::volume, -1, placeOf(scene, v)));
+    for (std::size_t v = 0; primary && wants(Layer::cryptomatte) && v < scene.volumes.size(); ++v)
+        outputs.opacities.push_back(add(Layer::cryptomatte, -1, placeOf(scene, v)));
     layout.outputs = static_cast<int>(outputs.list.size()) + 1;
     if (primary && holdsOut(scene)) layout.seen = layout.outputs++;
     layout.coloured = coloured;
@@ -68,9 +70,9 @@ SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, 
 std::size_t layerCount(const ViewScene& scene) {
     std::size_t count = 0;
     for (const Layer layer : scene.layers)
-        count += layer == Layer::light || layer == Layer::shadow ? scene.lights.size()
-                 : layer == Layer::volume                        ? placesOf(scene)
-                                                                 : 1;
+        count += layer == Layer::light || layer == Layer::shadow         ? scene.lights.size()
+                 : layer == Layer::volume || layer == Layer::cryptomatte ? placesOf(scene)
+                                                                         : 1;
     return count;
 }
 

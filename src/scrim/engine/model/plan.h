@@ -22,11 +22,11 @@
 
 namespace scrim {
 
-/// An output beside the beauty. There is one of Layer::light for every light, and one of Layer::volume for every
-/// volume.
+/// An output beside the beauty. There is one of Layer::light for every light or group of lights, one of Layer::volume
+/// for every volume, and one of Layer::cryptomatte for the opacity of every volume.
 struct Output {
     Layer layer = Layer::light;
-    int light = -1;  ///< for lights: index into ViewScene::lights
+    int light = -1;  ///< for lights: index into ViewScene::lights, of the first light of a group
     int place = -1;  ///< for volumes: index into Scene::volumes
 
     bool operator==(const Output&) const = default;
@@ -62,9 +62,10 @@ struct SweepOutputs {
     OutputLayout layout;
     std::vector<int> ofLights;        ///< the output of each of the sweep's lights
     std::vector<int> ofVolumes = {};  ///< the output of each of ViewScene::volumes; 0: none
+    std::vector<int> opacities = {};  ///< likewise, for their opacities; empty: none is wanted
 };
 
-/// The outputs of a sweep with these lights (indices into ViewScene::lights, possibly repeated). `primary`: the sweep
+/// The outputs of a sweep with these lights (lightOfLayer of each, possibly repeated). `primary`: the sweep
 /// owns alpha, ambient light, emission, and multiply scattered light from the lights `scattered`. Throws Error(usage)
 /// if there are too many.
 SweepOutputs chooseOutputs(const ViewScene& scene, bool coloured, bool primary, const std::vector<int>& lights,
@@ -226,12 +227,13 @@ inline PixelWindow supersampled(const PixelWindow& window, int n) {
 }
 
 struct Plan {
-    TransportPlan transport;        ///< for multiply scattered light
-    CellLightPlan cellLights;       ///< for single scattering of extended lights
-    SubLights subLights;            ///< the lights that the engine uses; empty: those of the scene
-    std::vector<GroupPlan> groups;  ///< in the order of eye parts; empty if nothing is visible
-    int threads = 1;                ///< number of threads of the render
-    Simd simd;                      ///< vector instructions of the render
+    TransportPlan transport;          ///< for multiply scattered light
+    CellLightPlan cellLights;         ///< for single scattering of extended lights
+    SubLights subLights;              ///< the lights that the engine uses; empty: those of the scene
+    std::vector<int> layersOfLights;  ///< lightOfLayer of each of the scene's lights
+    std::vector<GroupPlan> groups;    ///< in the order of eye parts; empty if nothing is visible
+    int threads = 1;                  ///< number of threads of the render
+    Simd simd;                        ///< vector instructions of the render
     ExtinctionChannels extinction;
     /// The lights of the scene that light from cells belongs to.
     std::vector<int> lightsOnCells() const;

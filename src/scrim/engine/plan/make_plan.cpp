@@ -71,7 +71,7 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
         const double share = group.needed.share(group.sheets);
         const double texels = share * group.sheets.width * group.sheets.height * group.sheets.count;
         // A voxel reaches all sheets within its kernel's extent: about one sheet more than its width.
-        const double reach = 1 + 2 * kernelRadius(scene.dials.kernel) * plan.voxel / group.sheets.thickness;
+        const double reach = 1 + 2 * kernelRadius(scene) * plan.voxel / group.sheets.thickness;
         footprints += share * voxels * reach;
         allTexels += texels;
         pixelSheets += pixels * (group.needed.last - group.needed.first);
@@ -88,8 +88,11 @@ void estimateWork(const ViewScene& scene, Plan& plan) {
 
 SweepOutputs outputsOf(const ViewScene& scene, const Plan& plan, const GroupPlan& group) {
     std::vector<int> owners;
-    for (const PlannedLight& light : group.lights) owners.push_back(plan.subLights.ownerOf(light.light));
-    return chooseOutputs(scene, plan.extinction.coloured, group.primary > 0, owners, plan.lightsOnCells());
+    const auto layerOf = [&](int light) { return plan.layersOfLights[std::size_t(light)]; };
+    for (const PlannedLight& light : group.lights) owners.push_back(layerOf(plan.subLights.ownerOf(light.light)));
+    std::vector<int> onCells = plan.lightsOnCells();
+    std::transform(onCells.begin(), onCells.end(), onCells.begin(), layerOf);
+    return chooseOutputs(scene, plan.extinction.coloured, group.primary > 0, owners, onCells);
 }
 
 std::vector<const Light*> shadowedLights(const ViewScene& scene, const GroupPlan& group) {
@@ -348,6 +351,8 @@ Plan makePlan(const ViewScene& given, int threads, const ProgressSink& progress)
     plan.cellLights = planCellLights(given);
     plan.subLights = subLights(given, plan.cellLights.lights);
     plan.transport = planTransport(given);
+    for (std::size_t i = 0; i < given.lights.size(); ++i)
+        plan.layersOfLights.push_back(lightOfLayer(given, static_cast<int>(i)));
     ViewScene plain;
     const ViewScene& scene = withSubLights(given, plan.subLights, plain);
     const std::vector<std::string> culled = culledLights(scene);

@@ -286,8 +286,8 @@ int guardTiles(const ViewScene& scene, const Camera& camera, const Sheets& sheet
     for (const ViewVolume& volume : scene.volumes) {
         const Mat4 rsFromIs = raster.rsFromTs * sheets.tsFrom(volume.wsFromIs);
         for (int axis = 0; axis < 2; ++axis)
-            reach = std::max(
-                reach, kernelExtent(scene.dials.kernel, {rsFromIs[0][axis], rsFromIs[1][axis], rsFromIs[2][axis]}));
+            reach = std::max(reach, kernelExtent(volume.kernel.value_or(scene.dials.kernel),
+                                                 {rsFromIs[0][axis], rsFromIs[1][axis], rsFromIs[2][axis]}));
     }
     return static_cast<int>(std::ceil((2 * reach + 6) / kTileEdge));
 }

@@ -28,10 +28,17 @@ std::vector<ScatterTarget> targetsOf(const ViewScene& scene) {
     ScatterTarget beauty;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         if (black(scene.lights[i].intensity)) continue;
-        if (wants(scene, Layer::light))
-            targets.push_back({Output{Layer::light, static_cast<int>(i)}, {static_cast<int>(i)}});
-        else
+        if (!wants(scene, Layer::light)) {
             beauty.lights.push_back(static_cast<int>(i));
+            continue;
+        }
+        const Output output{Layer::light, lightOfLayer(scene, static_cast<int>(i))};
+        const auto known = std::find_if(targets.begin(), targets.end(),
+                                        [&](const ScatterTarget& target) { return target.output == output; });
+        if (known == targets.end())
+            targets.push_back({output, {static_cast<int>(i)}});
+        else
+            known->lights.push_back(static_cast<int>(i));
     }
     if (!black(scene.ambient)) {
         if (wants(scene, Layer::ambient))

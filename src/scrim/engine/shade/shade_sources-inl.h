@@ -111,7 +111,9 @@ HWY_ATTR void addEnvironment(const ShadeInput& input, const Real* radiance, int 
 // Adds all light that does not come directly from lights.
 HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
     const bool ambient = input.ambient[0] != 0 || input.ambient[1] != 0 || input.ambient[2] != 0;
-    if (!ambient && input.emissions.empty() && input.scattered.empty() && !input.layout.albedo) return;
+    if (!ambient && input.emissions.empty() && input.scattered.empty() && input.opacities.empty() &&
+        !input.layout.albedo)
+        return;
     fillThrough(input, w);
     if (ambient) {
         addEnvironment(
@@ -129,6 +131,8 @@ HWY_ATTR void addSources(const ShadeInput& input, Work& w) {
             addScatteredBefore(input, scattered, own, w);
         w.done.scattered += kTileSize;
     }
+    for (const SheetEmission& opacity : input.opacities)
+        for (int c = 0; c < 3; ++c) addSource(input, opacity.coefficient, opacity.color[c], c, opacity.output, w);
     constexpr Real kWhite[3] = {1, 1, 1};
     if (input.layout.albedo)
         addEnvironment(

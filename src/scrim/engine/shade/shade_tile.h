@@ -83,6 +83,9 @@ struct ShadeInput {
     std::span<const SheetSurface> surfaces;
     std::span<const SheetEmission> emissions;
     std::span<const SheetScattered> scattered;
+    /// For outputs of volumes' opacities: their extinction, which a sheet makes into opacity as it makes emission into
+    /// radiance.
+    std::span<const SheetEmission> opacities;
     std::span<const SheetLight> lights;
     const Real* tauIn;  ///< tau at entry: `channels` x 256 values for each light; only read for shadowed lights
     /// Null, or 256 values for each shadowed light (if extinction is grey): tau where the eye's rays leave the sheet.

@@ -51,7 +51,7 @@ struct SheetShader::Rows {
     std::vector<ClassifiedTile> classified;
     std::vector<SheetMedium> media;
     std::vector<SheetSurface> surfaces;
-    std::vector<SheetEmission> emissions;
+    std::vector<SheetEmission> emissions, opacities;
     std::vector<SheetScattered> scattered;
 };
 
@@ -113,8 +113,10 @@ SheetShader::SheetShader(const ViewScene& scene, const Plan& plan, const GroupPl
         look.ambient = !scattersFully(volume);
         look.output = outputOf(extinction.volumes()[i].sceneVolume);
         m_media.push_back(look);
+        m_tints.push_back(volume.medium.relativeTint());
         m_mediumVolumes.push_back(static_cast<int>(i));
     }
+    m_opacities = !group.outputs.opacities.empty();
     if (group.outputs.layout.motion) m_motion.emplace(scene, group.sheets);
     m_alone = m_media.size() == 1 && m_surfaces.empty() && plan.extinction.count() == 1;
     if (group.primary > 0) chooseScattered(cellLight);
@@ -178,7 +180,7 @@ void SheetShader::gather(const Read& read, Rows& rows) const {
         const bool grid = volume.scatter[0] != nullptr;
         if (grid)
             for (int c = 0; c < 3; ++c) read(*volume.scatter[c], rows.scatter[3 * i + c].values);
-        if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone) || m_motion)
+        if (!m_surfaces.empty() || m_holdouts || !(grid || m_alone) || m_motion || m_opacities)
             read(volume.extinction(), rows.medium[i].values);
         for (int c = 0; volume.flow[0] && c < 3; ++c) read(*volume.flow[c], rows.flow[3 * i + c].values);
     }
@@ -204,8 +206,7 @@ void SheetShader::gatherTile(int p, const Int2& tile, Rows& rows) const {
 ShadeWork SheetShader::shadeTexels(int p, int sheet, int tx, int ty, Real* out) const {
     SampleTile samples;
     m_eye.setTexels(sheet + 0.5, tx * kTileEdge, ty * kTileEdge, samples);
-    // Surfaces are classified along eye rays, and a plane's texels do not know them; texels are then treated like
-    // points.
+    // Surfaces are classified along eye rays, which a plane's texels do not know: texels are treated like points.
     if (!m_surfaces.empty()) {
         ShadeWork work;
         if (!shadePoints(p, samples, std::nullopt, nullptr, out, work))
@@ -330,6 +331,20 @@ void SheetShader::fillMotion(int p, const SampleTile& samples, Rows& rows) const
     m_motion->fill(m_lights.onSheet(p).sheet + 0.5, samples, parts, rows.motion[0].values, rows.motion[1].values);
 }
 
+// The extinction of volumes whose opacities are wanted, by colour.
+void SheetShader::fillOpacities(Rows& rows) const {
+    rows.opacities.clear();
+    const auto add = [&](int sceneVolume, const Real* extinction, const Rgb& tint) {
+        rows.opacities.push_back({extinction, {}, m_group.outputs.opacities[std::size_t(sceneVolume)]});
+        for (int c = 0; c < 3; ++c) rows.opacities.back().color[c] = static_cast<Real>(tint[c]);
+    };
+    for (std::size_t i = 0; m_opacities && i < m_media.size(); ++i)
+        if (const auto v = std::size_t(m_mediumVolumes[i]); !m_held[v])
+            add(m_extinction.volumes()[v].sceneVolume, rows.medium[i].values, m_tints[i]);
+    for (std::size_t i = 0; m_opacities && i < rows.surfaces.size(); ++i)
+        add(rows.surfaces[i].sceneVolume, rows.surfaces[i].extinction, Rgb(1));
+}
+
 // Makes the input of shading from the rows.
 ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) const {
     const LightSweep::OnSheet& lights = m_lights.onSheet(p);
@@ -365,6 +380,8 @@ ShadeInput SheetShader::inputOf(int p, const SampleTile& samples, Rows& rows) co
     input.surfaces = rows.surfaces;
     input.emissions = rows.emissions;
     input.scattered = rows.scattered;
+    fillOpacities(rows);
+    input.opacities = rows.opacities;
     input.lights = lights.lights;
     input.tauIn = rows.tauIn[0].values;
     input.tauOut = surfacesAlone() ? rows.tauOut[0].values : nullptr;

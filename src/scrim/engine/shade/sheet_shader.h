@@ -50,6 +50,7 @@ class SheetShader {
     void chooseScattered(const std::vector<CellLight>& cellLight);
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;
     void fillMotion(int p, const SampleTile& samples, Rows& rows) const;
+    void fillOpacities(Rows& rows) const;
     ShadeInput inputOf(int p, const SampleTile& samples, Rows& rows) const;
 
     const Plan& m_plan;
@@ -58,12 +59,14 @@ class SheetShader {
     const LightSweep& m_lights;
     const EyeView& m_eye;
     bool m_alone;               // one medium has all of the extinction
+    bool m_opacities = false;   // those of volumes are wanted
     bool m_holdouts = false;    // some volumes are held out
     std::vector<bool> m_unlit;  // for each light, whether it lights none of the media
     Real m_ambient[3];
     Real m_emitting;  // the group's share of emission
     // The constant part of volumes' looks, and the indices of these volumes in m_extinction.
     std::vector<SheetMedium> m_media;
+    std::vector<Rgb> m_tints;  // of the media's extinction
     std::vector<SheetSurface> m_surfaces;
     std::vector<int> m_mediumVolumes, m_surfaceVolumes;
     // The light on cells that the group shows, and where it is looked up.

@@ -10,10 +10,6 @@
 namespace scrim {
 namespace {
 
-ViewField densityOf(const ViewVolume& volume) {
-    return {volume.field, volume.wsFromIs};
-}
-
 // Settings for splatting a density. Values above 1e9 optical depths per voxel are clamped to that: sums of floats must
 // not overflow, and beyond it a voxel's tent is opaque up to a millionth of a voxel from its rim, which no raster
 // resolves.
@@ -54,7 +50,7 @@ bool lookAlike(const ViewVolume& a, const ViewVolume& b) {
 }
 
 std::vector<Alike> alikeVolumes(const ViewScene& scene) {
-    const bool apart = wants(scene, Layer::volume);  // each volume has its own layer
+    const bool apart = wants(scene, Layer::volume) || wants(scene, Layer::cryptomatte);  // each has its own layer
     std::vector<Alike> groups;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         if (scene.volumes[v].field->empty()) continue;

@@ -19,6 +19,10 @@ namespace {
 // more often.
 constexpr int kSheetsPerTask = 8;
 
+Kernel kernelOf(const ViewField& field, const Dials& dials) {
+    return field.kernel.value_or(dials.kernel);
+}
+
 // The number of rows of tiles that a block may touch, plus one. Bands must not depend on the contents of a batch, since
 // they decide the order in which floats are added.
 int bandTilesFor(const Mat4& rsFromIs, Kernel kernel) {
@@ -45,7 +49,8 @@ int coarserLevels(const Mat4& rsFromIs) {
 std::pair<int, int> reachOf(const ViewField& field, const Dials& dials, const Sheets& sheets) {
     constexpr double kRounding = 2;  // rounding of footprint tables and of bounds, in sheets
     const Mat4 tsFromIs = sheets.tsFrom(field.wsFromIs);
-    const double reach = kernelExtent(dials.kernel, {tsFromIs[0][2], tsFromIs[1][2], tsFromIs[2][2]}) + kRounding;
+    const double reach =
+        kernelExtent(kernelOf(field, dials), {tsFromIs[0][2], tsFromIs[1][2], tsFromIs[2][2]}) + kRounding;
     const Bounds ts = transformed(tsFromIs, field.field->isBounds());
     return {static_cast<int>(std::floor(ts.lower.z - reach)), static_cast<int>(std::ceil(ts.upper.z + reach))};
 }
@@ -59,7 +64,8 @@ std::size_t placementBytes(const ViewField& field, const FieldPlanes::Settings& 
     std::size_t tables = 0;
     Mat4 rsFromLevel = rsFromIs;
     for (int level = field.field->tiles.empty() ? 0 : coarserLevels(rsFromIs); level >= 0; --level) {
-        tables += FootprintTable::bytes(dials.kernel, rsFromLevel, slopedSteps(rsFromLevel, settings.stepsPerVoxel));
+        tables += FootprintTable::bytes(kernelOf(field, dials), rsFromLevel,
+                                        slopedSteps(rsFromLevel, settings.stepsPerVoxel));
         for (int axis = 0; axis < 3; ++axis) rsFromLevel[axis] *= 2;
     }
     return sum + tables;
@@ -83,14 +89,15 @@ void FieldPlanes::makeSplatter(Placement& placement) const {
     const Settings& s = m_settings;
     const std::vector<ViewField>& fields = placement.fields;
     const Mat4 tsFromIs = m_sheets.tsFrom(fields.front().wsFromIs);
+    const Kernel kernel = kernelOf(fields.front(), m_dials);
     if (!m_lattice.parallel()) {
         auto& splatters = placement.splatter.emplace<std::vector<WarpedSplatter>>();
         for (const ViewField& field : fields)
-            splatters.emplace_back(*field.field, tsFromIs, m_lattice, m_dials.kernel, s.stepsPerVoxel, s.scale, s.most);
+            splatters.emplace_back(*field.field, tsFromIs, m_lattice, kernel, s.stepsPerVoxel, s.scale, s.most);
         return;
     }
-    auto& splatter = placement.splatter.emplace<FieldSplatter>(
-        *fields.front().field, m_lattice.rsFromTs * tsFromIs, m_dials.kernel, s.stepsPerVoxel, s.scale, s.most, m_simd);
+    auto& splatter = placement.splatter.emplace<FieldSplatter>(*fields.front().field, m_lattice.rsFromTs * tsFromIs,
+                                                               kernel, s.stepsPerVoxel, s.scale, s.most, m_simd);
     if (!placement.values.empty()) splatter.useValues(placement.values);
     for (std::size_t f = 1; f < fields.size(); ++f) splatter.join(*fields[f].field);
 }
@@ -118,8 +125,8 @@ FieldPlanes::FieldPlanes(const std::vector<std::vector<ViewField>>& placements, 
 void FieldPlanes::place(std::vector<ViewField> fields, std::vector<const float*> values) {
     const ViewField& first = fields.front();
     if (m_lattice.parallel())
-        m_bandTiles =
-            std::max(m_bandTiles, bandTilesFor(m_lattice.rsFromTs * m_sheets.tsFrom(first.wsFromIs), m_dials.kernel));
+        m_bandTiles = std::max(
+            m_bandTiles, bandTilesFor(m_lattice.rsFromTs * m_sheets.tsFrom(first.wsFromIs), kernelOf(first, m_dials)));
     const auto [from, to] = reachOf(first, m_dials, m_sheets);
     m_placements.push_back({std::move(fields), std::move(values), from, to});
 }
@@ -132,16 +139,16 @@ void FieldPlanes::placeTiles(const ViewField& field) {
     constexpr int kLargest = 4096;
     const std::vector<ConstantTile>& all = field.field->tiles;
     const bool cuts = std::all_of(all.begin(), all.end(), [](const ConstantTile& t) { return t.edge <= kLargest; });
-    const std::span<const double> weights = twoScaleWeights(m_dials.kernel);
+    const std::span<const double> weights = twoScaleWeights(kernelOf(field, m_dials));
     if (m_lattice.parallel() && !all.empty() && cuts && !weights.empty()) {
         TileLevels tiles(*field.field, weights, coarserLevels(m_lattice.rsFromTs * m_sheets.tsFrom(field.wsFromIs)));
         if (!tiles.levels().empty()) {
             auto blocks = std::make_shared<SparseField>(*field.field);
             blocks->tiles.clear();
-            if (!blocks->blockOrigins.empty()) place({{blocks, field.wsFromIs}});
+            if (!blocks->blockOrigins.empty()) place({{blocks, field.wsFromIs, field.kernel}});
             Mat4 wsFromLevel = field.wsFromIs;
             for (const TileLevel& level : tiles.levels()) {
-                if (!level.field->empty()) place({{level.field, wsFromLevel}}, level.values);
+                if (!level.field->empty()) place({{level.field, wsFromLevel, field.kernel}}, level.values);
                 for (int axis = 0; axis < 3; ++axis) wsFromLevel[axis] *= 2;
             }
             m_tiles.push_back(std::move(tiles));

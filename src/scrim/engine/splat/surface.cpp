@@ -228,8 +228,7 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_rsVoxels(voxelsIn(lattice.rsFromTs)),
       // A gradient is a covector, so differences are multiplied by the inverse transpose.
       m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
-      m_field({{ViewField{volume.field, volume.wsFromIs}}}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
-              batchSheets),
+      m_field({{densityOf(volume)}}, settingsOf(volume, dials, sheets), dials, sheets, lattice, batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
 
 int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {
@@ -391,8 +390,8 @@ std::size_t Surface::bytes() const {
 
 std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                            int batchSheets) {
-    return FieldPlanes::bytes({ViewField{volume.field, volume.wsFromIs}}, settingsOf(volume, dials, sheets), dials,
-                              sheets, lattice, batchSheets) +
+    return FieldPlanes::bytes({densityOf(volume)}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
+                              batchSheets) +
            PlaneStack::bytes(batchSheets, lattice.width, lattice.height, 1);
 }
 

@@ -7,6 +7,7 @@
 #include <scrim/engine/transport/light_sources.h>
 
 #include <algorithm>
+#include <map>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -270,12 +271,13 @@ std::vector<std::vector<int>> groupsOf(const ViewScene& scene, const std::vector
     for (const int light : lights)
         (isLampOnCells(scene, scene.lights[std::size_t(light)]) ? lamps : others).push_back(light);
     std::vector<std::vector<int>> groups;
-    const auto add = [&](const std::vector<int>& some, bool shared) {
-        if (shared && !some.empty()) groups.push_back(some);
-        for (std::size_t i = 0; !shared && i < some.size(); ++i) groups.push_back({some[i]});
-    };
-    add(others, !wants(scene, Layer::light));
-    add(lamps, lampsShareCells(scene));
+    std::map<int, std::vector<int>> byLayer;
+    for (const int light : others)
+        byLayer[wants(scene, Layer::light) ? lightOfLayer(scene, light) : 0].push_back(light);
+    for (const auto& [layer, some] : byLayer) groups.push_back(some);
+    const bool together = lampsShareCells(scene);
+    if (together && !lamps.empty()) groups.push_back(lamps);
+    for (std::size_t i = 0; !together && i < lamps.size(); ++i) groups.push_back({lamps[i]});
     return groups;
 }
 
@@ -312,7 +314,7 @@ std::shared_ptr<CellField> addLamps(const ViewScene& scene, const std::vector<in
 std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
                         const std::shared_ptr<const CellGrid>& grid, bool grey, CellLight& light) {
     std::vector<Job> jobs;
-    if (wants(scene, Layer::light)) light.output = Output{Layer::light, group.front()};
+    if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
     for (const VolumeClass& cls : classesOf(scene)) {
         std::vector<int> lit;
@@ -343,7 +345,7 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
 std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<int>& lights, double edge, Simd simd,
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
-    const double margin = (kernelRadius(scene.dials.kernel) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
+    const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
     const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene), margin);
     const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
     const auto grid = std::make_shared<const CellGrid>(media.grid);
