@@ -17,7 +17,8 @@ from scrim_kit import toml_text
 
 import scrim
 
-from . import _bounds, _luts, _messages
+from .. import _bounds
+from . import _luts, _messages
 from ._camera import Lens, Pose, world_up
 from ._controls import Control, groups_of
 from ._document import Document
