@@ -78,8 +78,10 @@ class Page:
         self.settle()
 
     def settle(self):
-        """Waits until the picture is the one that the program renders, and is drawn."""
-        self.page.wait_for_function("scrim.isSettled && document.body.dataset.stage === 'exact'", timeout=PATIENCE)
+        """Waits until the picture is the program's, its layers are there, and it is drawn with all digits."""
+        done = "scrim.isSettled && document.body.dataset.stage === 'exact' && document.body.dataset.layers"
+        done += " && document.body.dataset.table === 'fine'"
+        self.page.wait_for_function(done, timeout=PATIENCE)
         self.page.evaluate("new Promise((drawn) => setTimeout(() => requestAnimationFrame(drawn), 300))")
 
     def pixels(self):

@@ -55,13 +55,17 @@ def test_the_first_picture_is_refined_to_that_of_the_scene(view):
     order = ["motion", "draft", "final"]  # a slow browser is not sent all of them
     assert stages[-1] == "final" and [order.index(s) for s in stages] == sorted(order.index(s) for s in stages)
     assert numpy.array_equal(browser.pictures["beauty"], scrim.loads(COMMENTED).render().image.astype(numpy.float16))
+    if not browser.head["layers"]:  # they come behind it, and the picture stays
+        beauty = browser.head["slots"]["beauty"]
+        browser.until(lambda m: m["type"] == "pictures" and m["layers"])
+        assert browser.head["slots"]["beauty"] == beauty and browser.head["exact"]
     assert {"light.key", "light.rim"} <= set(browser.pictures)
     browser.close()
 
 
 def test_layers_and_weights_make_the_picture_of_other_strengths(view):
     browser = view(COMMENTED + "\n[render]\ntexel = 1.0\nsheet_thickness = 1.0\n").browser()
-    browser.until_exact()
+    browser.until_layers()
     browser.send(type="set", id="light.key.intensity", value=9.0, done=False)
     weights = browser.until(lambda m: m["type"] == "weights")["weights"]
     assert weights["light.key"] == pytest.approx([2, 2, 2]) and weights["light.rim"] == [1, 1, 1]
@@ -114,7 +118,7 @@ def test_the_command_line_renders_the_viewers_picture_bit_for_bit(view, tmp_path
 
 def test_moving_a_light_renders_that_light_alone(view):
     browser = view().browser()
-    browser.until_exact()
+    browser.until_layers()
     before = dict(browser.head["slots"])
     browser.send(type="set", id="light.key.elevation", value=-20.0, done=False)
     browser.until(lambda m: m["type"] == "pictures")
@@ -172,7 +176,7 @@ def test_a_light_that_was_dark_is_rendered_when_it_is_to_shine(view):
 
 def test_a_muted_layer_has_no_weight_and_stays_in_the_scene(view):
     browser = view().browser()
-    browser.until_exact()
+    browser.until_layers()
     browser.send(type="muted", names=["light.key"])
     state = browser.until(lambda m: m["type"] == "state" and m["muted"])
     assert state["weights"]["light.key"] == [0, 0, 0] and state["weights"]["light.rim"] == [1, 1, 1]

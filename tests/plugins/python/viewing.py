@@ -120,6 +120,12 @@ class Browser:
         self.until(lambda m: m["type"] == "pictures" and m["exact"] and m["serial"] >= serial)
         return self.pictures["beauty"]
 
+    def until_layers(self):
+        """Listens until the layers of that picture are there, too."""
+        serial = self.serial
+        self.until(lambda m: m["type"] == "pictures" and m["exact"] and m["layers"] and m["serial"] >= serial)
+        return self.pictures["beauty"]
+
     def close(self):
         self._socket.close()
         self._do(lambda: asyncio.sleep(0))

@@ -7,6 +7,8 @@ A `Session` holds the scene and renders it in a thread of its own; a `Server` sh
 
 from __future__ import annotations
 
+import importlib.util
+
 from .._errors import UsageError
 
 __all__ = ["needs"]
@@ -17,10 +19,8 @@ _KITS = ("tornado", "tomlkit")
 def needs() -> None:
     """Raises UsageError where a package is missing that the viewer uses."""
     for name in _KITS:
-        try:
-            __import__(name)
-        except ImportError as missing:
+        if importlib.util.find_spec(name) is None:  # without loading it
             raise UsageError(
-                f"the viewer needs {' and '.join(_KITS)} ({missing}); install them beside Scrim: "
+                f"the viewer needs {' and '.join(_KITS)} (No module named '{name}'); install them beside Scrim: "
                 f"pip install {' '.join(_KITS)}"
-            ) from missing
+            )

@@ -26,7 +26,8 @@ class Control:
     """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice or switch.
     `least`, `most`: ends of a slider; `log`: whether it goes by factors. `labels`: what the page writes for
     the choices, if not themselves. `is_keyed`: the scene animates it, so the page
-    only shows that. `changes`: what a value from the page changes in the scene."""
+    only shows that. `changes`: what a value from the page changes in the scene. `layer`: what it makes brighter, `law`:
+    how: by the factor of the values, or by their difference in stops. So the page shows it before the scene is read."""
 
     id: str
     label: str
@@ -40,6 +41,8 @@ class Control:
     choices: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     is_keyed: bool = False
+    layer: str = ""
+    law: str = ""
 
     def accepts(self, value: object) -> bool:
         """Whether `value` has the type that this kind has. Its range is checked where the scene is read."""
@@ -67,6 +70,8 @@ class Control:
             "choices": list(self.choices),
             "labels": list(self.labels or self.choices),
             "keyed": self.is_keyed,
+            "layer": self.layer,
+            "law": self.law,
         }
 
 
@@ -144,9 +149,10 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     name = name_of("light", index, light)
     make = _Maker(light, ("light", index), f"light.{name}")
     kind = light.get("type", "")
-    make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True)
-    make.add("exposure", "number", ("exposure",), 0.0, least=-8.0, most=8.0, unit="stops")
-    make.add("colour", "colour", ("color",), _WHITE)
+    factor, stops = ({"layer": f"light.{name}", "law": law} for law in ("factor", "stops"))
+    make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True, **factor)
+    make.add("exposure", "number", ("exposure",), 0.0, least=-8.0, most=8.0, unit="stops", **stops)
+    make.add("colour", "colour", ("color",), _WHITE, **factor)
     if make.has("temperature"):
         make.add("temperature", "number", ("temperature",), 6500.0, least=1000.0, most=15000.0, log=True, unit="K")
     if "target" not in light and "orbit" not in light:
@@ -215,7 +221,7 @@ def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
     """The controls of a scene. `up`: the world's axis that angles of lights are measured from."""
     groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
     ambient = _Maker(scene, (), "scene")
-    ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0])
+    ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0], layer="ambient", law="factor")
     groups.append(Group("ambient", "ambient", "Ambient light", ambient.controls))
     groups += [_volume(i, volume) for i, volume in enumerate(scene.get("volume", []))]
     return [*groups, _render(scene)]

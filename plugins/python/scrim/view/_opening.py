@@ -10,7 +10,7 @@ from scrim_kit import toml_text
 
 import scrim
 
-from ._session import Opened
+from ._opened import Opened
 
 _STAGES = (".usd", ".usda", ".usdc", ".usdz")
 _ASSETS = (".vdb", ".nrrd", ".nhdr", ".nii", ".gz")  # .nii.gz

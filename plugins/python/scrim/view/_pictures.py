@@ -116,17 +116,18 @@ class Layer:
 @dataclass(frozen=True)
 class Pictures:
     """The newest pictures of a scene. `beauty`: the picture itself, whose colours count while every weight is 1 and
-    `is_whole` (no layer was rendered anew since). `rest`: what the layers leave of it, None where that is nothing.
-    `stage`: motion, draft or final, which is as exact as the
-    scene asks for. `frame`: the frame of the render that the scene's file makes, too,
+    `is_whole` (no layer was rendered anew since). `layers`: None until they are rendered. `rest`: what the layers
+    leave of the picture, None where that is nothing. `stage`: motion, draft or final, which is as exact as the scene
+    asks for. `muted`: lights that were left out of the beauty. `frame`: the frame of the render that the scene's file makes, too,
     bit for bit; None until it was made."""
 
     shape: Shape
     beauty: Texture
-    layers: Mapping[str, Layer]
+    layers: Mapping[str, Layer] | None
     rest: Texture | None
     stage: str
     strengths: Strengths
+    muted: frozenset[str] = frozenset()
     is_whole: bool = True
     frame: object = None
     seconds: float = 0.0
@@ -163,15 +164,19 @@ class Pictures:
 
     def lacks(self, strengths: Strengths) -> bool:
         """Whether ambient light or emission is to shine that was rendered dark."""
-        names = ("ambient", "emission")
-        pairs = [(strengths.of[n], self.layers[n].strength) for n in names if n in self.layers]
+        layers = self.layers or {}
+        pairs = [(strengths.of[n], layers[n].strength) for n in ("ambient", "emission") if n in layers]
         return any(weight(wanted, rendered) is None for wanted, rendered in pairs)
 
 
-def pictures_of(frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float) -> Pictures:
-    """Of a rendered `scrim.Frame`, with the layers that it has."""
+def pictures_of(
+    frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float, has_layers: bool = False
+) -> Pictures:
+    """Of a rendered `scrim.Frame`, with its layers where they were asked for."""
     inside = _inside(frame)
     beauty = frame.image[inside]
+    if not has_layers:
+        return Pictures(shape, Texture.of(beauty), None, None, stage, strengths, seconds=seconds)
     layers, rest = {}, beauty[..., :3].copy()
     for name in frame.layers:
         if name.startswith("light.") or name in ("ambient", "emission"):

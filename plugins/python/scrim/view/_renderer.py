@@ -33,11 +33,13 @@ _MOTION = {
 _DRAFT = {"render.quality": "draft", "render.tolerance": 0.0}
 _DIVISORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # of the resolution while things move
 _FIRST_SIZE = 200  # pixels of the longer side of the first picture
-_SLOW, _FAST = 0.09, 0.035  # seconds of a coarse render from which on the next one is coarser or finer
+_SLOW, _FAST = 0.06, 0.025  # seconds of a coarse render from which on the next one is coarser or finer
 _PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
 _VERIFIED = 400  # pixels that are compared with brute force on request
-_POLL = 0.01
+_POLL = 0.005
+_LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
+_SOON = 1.0  # seconds of it after which that is known
 
 
 @dataclass(frozen=True)
@@ -62,51 +64,57 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Task:
-    """A render. `kind`: whole, light (one light alone), exact (what the scene's file says, with its own layers), or
-    verify: the same, and some pixels by brute force."""
+    """A render. `kind`: whole (the picture alone), layers (with all of them), light (one light alone), exact (what the
+    scene's file says, with its own layers), or verify: the same, and some pixels by brute force."""
 
     kind: str
     stage: str
     light: str = ""
 
 
-def next_task(wanted: Wanted, pictures: Pictures | None, now: float) -> Task | None:
-    """The render that helps most; None where there is nothing to do."""
+def next_task(wanted: Wanted, pictures: Pictures | None, now: float, is_slow: bool = False) -> Task | None:
+    """The render that helps most; None where there is nothing to do. `is_slow`: the picture of the file takes so long
+    that a draft is worth its time.
+
+    Whatever changes is seen coarsely first. At rest the picture of the file follows, and after it, while the user
+    looks, the layers that changes of strengths will need."""
     if pictures is None or pictures.shape.common != wanted.shape.common:
         return Task("whole", "motion")
-    stale = pictures.stale_lights(wanted.shape, wanted.strengths)
-    if not pictures.layers:  # those of a coarse picture are not kept
-        if not _same(pictures, wanted):
+    if pictures.layers is None:
+        if not _alike(pictures, wanted) or pictures.muted != wanted.muted:
             return Task("whole", "motion")
-        if wanted.moves:
-            return None
     elif pictures.lacks(wanted.strengths):
-        return Task("whole", "motion" if wanted.moves else "draft")
-    elif stale:
+        return Task("whole", "motion")
+    elif stale := pictures.stale_lights(wanted.shape, wanted.strengths):
         return Task("light", "motion", stale[0])
     if wanted.moves:
         return None
-    if pictures.stage == "motion" and not wanted.is_draft:
-        return Task("whole", "draft")
-    if pictures.stage != "final" or pictures.shape.render != wanted.shape.render:
-        return Task("whole", "final")
-    for name, layer in pictures.layers.items():
-        if layer.stage != pictures.stage:
-            return Task("light", pictures.stage, name.removeprefix("light."))
+    coarse = [name for name, layer in (pictures.layers or {}).items() if layer.stage != "final"]
+    if coarse:
+        return Task("light", "final", coarse[0].removeprefix("light."))
+    if wanted.muted and pictures.layers is None:
+        return Task("layers", "final")
     if not is_exact(wanted, pictures):
-        rests = wanted.verify or now - wanted.since >= _REST
-        return Task("exact", "final") if rests else None
-    return Task("verify", "final") if wanted.verify and pictures.frame.error is None else None
+        if is_slow and pictures.stage == "motion" and not wanted.is_draft:
+            return Task("whole", "draft")
+        is_good = pictures.layers is not None and pictures.shape.render == wanted.shape.render
+        return None if is_good and not wanted.verify and now - wanted.since < _REST else Task("exact", "final")
+    if wanted.verify and pictures.frame.error is None:
+        return Task("verify", "final")
+    return Task("layers", "final") if pictures.layers is None else None
 
 
 def is_exact(wanted: Wanted, pictures: Pictures | None) -> bool:
     """Whether the picture is that of the scene's file, apart from muted layers."""
-    return pictures is not None and pictures.frame is not None and _same(pictures, wanted)
+    if pictures is None or pictures.frame is None:
+        return False
+    return pictures.shape == wanted.shape and _alike(pictures, wanted)
 
 
-def _same(pictures: Pictures, wanted: Wanted) -> bool:
+def _alike(pictures: Pictures, wanted: Wanted) -> bool:
+    """Whether lights and strengths are those of the picture."""
     now, then = wanted.strengths.of, pictures.strengths.of
-    return pictures.shape == wanted.shape and all((now[n] == then[n]).all() for n in now if n in then)
+    return pictures.shape.lights == wanted.shape.lights and all((now[n] == then[n]).all() for n in now if n in then)
 
 
 class Renderer:
@@ -128,6 +136,7 @@ class Renderer:
         self._pictures: Pictures | None = None
         self._bad: Wanted | None = None  # what cannot be rendered
         self._level: int | None = None
+        self._is_slow = False
         self._stopped = False
         self._changed = threading.Condition()
         self._job: scrim.Job | None = None
@@ -157,7 +166,7 @@ class Renderer:
             while not self._stopped:
                 wanted = self._wanted
                 if wanted is not None and not self._is_bad(wanted):
-                    task = next_task(wanted, self._pictures, time.monotonic())
+                    task = next_task(wanted, self._pictures, time.monotonic(), self._is_slow)
                     if task is not None:
                         return wanted, task
                     if not is_exact(wanted, self._pictures):  # time alone may ask for a render
@@ -195,12 +204,12 @@ class Renderer:
             over |= _DRAFT
         if task.kind not in ("exact", "verify"):
             over["camera.overscan"] = 0
-            over["output.layers"] = [] if task.kind == "whole" and task.stage == "motion" else LAYERS
+            over["output.layers"] = LAYERS if task.kind == "layers" else []
         if task.kind == "light":
             over["output.layers"] = ["light"]
             over["ambient.color"] = [0.0, 0.0, 0.0]
             over |= {f"light.{name}.intensity": 0.0 for name in wanted.shape.lights if name != task.light}
-        elif task.kind == "whole" and task.stage == "motion":
+        elif task.kind == "whole":
             over |= {f"{n}.intensity": 0.0 for n in wanted.muted if n.startswith("light.")}
             over |= {"ambient.color": [0.0, 0.0, 0.0]} if "ambient" in wanted.muted else {}
         return over, size
@@ -220,12 +229,19 @@ class Renderer:
         self._shot = shot
         job = self._job = shot.start(wanted.frame, verify=_VERIFIED if task.kind == "verify" else 0)
         while not job.wait(_POLL):
+            seconds = time.monotonic() - started
             with self._changed:
-                if self._stopped or not self._serves(task, wanted, time.monotonic() - started):
+                if (
+                    self._stopped
+                    or not self._serves(task, wanted, seconds)
+                    or self._is_long(task, seconds, job.progress)
+                ):
                     job.cancel()
                     break
         frame = job.result()
         seconds = time.monotonic() - started
+        if task.kind == "exact":
+            self._is_slow = seconds > _LONG
         if task.stage == "motion":
             self._adapt(seconds)
         with self._changed:
@@ -244,10 +260,17 @@ class Renderer:
             return False
         if task.kind == "light":
             return newest.shape.lights == wanted.shape.lights
-        if newest.shape != wanted.shape:
+        if newest.shape != wanted.shape or newest.muted != wanted.muted:
             return False
         same = all((newest.strengths.of[n] == rgb).all() for n, rgb in wanted.strengths.of.items())
-        return task.kind == "whole" or (same and (task.kind == "exact" or newest.verify))
+        return same and (task.kind != "verify" or newest.verify)
+
+    def _is_long(self, task: Task, seconds: float, part: float) -> bool:
+        """Whether the picture of the file will take so long that a draft should go before it."""
+        if task.kind != "exact" or self._is_slow or seconds < _SOON or self._pictures.stage != "motion":
+            return False
+        self._is_slow = seconds > part * _LONG
+        return self._is_slow
 
     def _adapt(self, seconds: float) -> None:
         if seconds > _SLOW:
@@ -256,14 +279,19 @@ class Renderer:
             self._level = max(self._level - 1, 0)
 
     def _take(self, frame: object, wanted: Wanted, task: Task, seconds: float) -> None:
-        pictures = self._pictures
-        made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds)
+        pictures, has_layers = self._pictures, task.kind in ("layers", "light")
+        made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds, has_layers)
         if task.kind == "whole":
-            self._pictures = made
+            self._pictures = replace(made, muted=wanted.muted)
         elif task.kind in ("exact", "verify"):
-            # The layers stay; the sum without them is rounded otherwise.
-            self._pictures = replace(pictures, beauty=made.beauty, strengths=wanted.strengths, shape=wanted.shape,
-                                     frame=frame, is_whole=True, seconds=seconds)  # fmt: skip
+            # Layers that still fit stay; the sum without them is rounded otherwise.
+            fits = pictures.shape == wanted.shape and pictures.layers is not None
+            self._pictures = replace(made, frame=frame, layers=pictures.layers if fits else None,
+                                     rest=pictures.rest if fits else None)  # fmt: skip
+        elif task.kind == "layers" and is_exact(wanted, pictures):
+            self._pictures = replace(pictures, layers=made.layers, rest=made.rest)
+        elif task.kind == "layers":
+            self._pictures = made
         else:
             name = f"light.{task.light}"
             layers = dict(pictures.layers)

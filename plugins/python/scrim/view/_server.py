@@ -14,7 +14,6 @@ import ipaddress
 import json
 import logging
 import os
-import secrets
 import socket
 import struct
 import tempfile
@@ -22,7 +21,6 @@ import urllib.parse
 from dataclasses import replace
 
 import tornado.httpserver
-import tornado.netutil
 import tornado.web
 import tornado.websocket
 from tornado.escape import json_encode
@@ -30,9 +28,11 @@ from tornado.escape import json_encode
 import scrim
 
 from . import _luts, _messages
+from ._door import Door, is_any
 from ._opening import opened
 from ._pictures import Texture
-from ._session import Opened, Session
+from ._opened import Opened
+from ._session import Lut, Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
 _FILES = {
@@ -48,27 +48,15 @@ _PROGRESS_SECONDS = 0.25
 
 
 class Server:
-    """Listens at once; `run` serves. `listen`: host and port, 0 for a free one. Raises scrim.Error where the scene is
-    bad, and OutputError where the address cannot be had."""
+    """Serves at a door; `run` begins. Raises scrim.Error where the scene is bad."""
 
-    def __init__(self, opened: Opened, listen: tuple[str, int] = ("127.0.0.1", 0)) -> None:
-        self.host, port = listen
-        try:
-            self._sockets = tornado.netutil.bind_sockets(port, self.host, reuse_port=False)
-        except OSError as error:
-            raise scrim.OutputError(f"cannot listen on {self.host}:{port}: {error.strerror}") from error
-        self.port = self._sockets[0].getsockname()[1]
-        self.token = secrets.token_urlsafe(24)
+    def __init__(self, opened: Opened, door: Door) -> None:
+        self._door = door
+        self.host, self.port, self.token = door.host, door.port, door.token
         self.browsers: set[_Socket] = set()
         self._opened = opened
         self._ended: asyncio.Event | None = None
         self.status = 0
-
-    @property
-    def url(self) -> str:
-        """The address for a browser on this machine, with the token."""
-        host = "127.0.0.1" if _is_any(self.host) else self.host
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={self.token}"
 
     async def run(self, ready: asyncio.Event | None = None) -> int:
         """Serves until `end`; gives the exit status."""
@@ -85,8 +73,7 @@ class Server:
         try:
             self.session = self._begin(self._opened)
         except BaseException:
-            for one in self._sockets:
-                one.close()
+            self._door.close()
             raise
         rules = [("/socket", _Socket), ("/picture.exr", _Exr), ("/(.*)", _Page)]
         app = tornado.web.Application(
@@ -94,7 +81,7 @@ class Server:
             websocket_max_message_size=_MOST_MESSAGE, websocket_ping_interval=20, log_function=lambda handler: None,
         )  # fmt: skip
         http = tornado.httpserver.HTTPServer(app)
-        http.add_sockets(self._sockets)
+        http.add_sockets([self._door.socket])
         telling = asyncio.ensure_future(self._tell_progress())
         if ready is not None:
             ready.set()
@@ -153,9 +140,9 @@ class Server:
         """Whether a request names this machine as it should, and comes from our own page if from any."""
         host = _name_of(request.host)
         mine = {self.host.lower(), *_LOCAL}
-        if _is_any(self.host):  # all that listen on every address: any number, and names of this machine
+        if is_any(self.host):  # all that listen on every address: any number, and names of this machine
             mine |= {socket.gethostname().lower(), socket.getfqdn().lower()}
-        if host not in mine and not (_is_any(self.host) and _is_number(host)):
+        if host not in mine and not (is_any(self.host) and _is_number(host)):
             return False
         origin = request.headers.get("Origin")
         return origin is None or urllib.parse.urlsplit(origin).netloc.lower() == request.host.lower()
@@ -169,10 +156,6 @@ def _name_of(host: str) -> str:
         return (urllib.parse.urlsplit(f"//{host}").hostname or "").lower()
     except ValueError:
         return ""
-
-
-def _is_any(host: str) -> bool:
-    return host in ("", "0.0.0.0", "::")
 
 
 def _is_number(host: str) -> bool:
@@ -253,7 +236,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._has: set[int] = set()  # numbers of textures there
         self._waits = False  # for a browser that has not said yet that it has the last picture
         self._is_old = False  # what the browser has is not the newest
-        self._lut: tuple[str, str] | None = None
+        self._lut: Lut | None = None  # that is there
 
     def check_origin(self, origin: str) -> bool:
         return True  # `allows` has checked it
@@ -303,13 +286,20 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
     def show(self) -> None:
         """Sends the newest pictures and the view's table, as far as the browser has not got them."""
         session = self.server.session
-        if self._lut != (session.display, session.view):
-            self._lut = (session.display, session.view)
-            head = {"type": "lut", "size": _luts.SIZE, "knee": _luts.KNEE, "most": _luts.MOST}
-            self.tell(_packed(head, [session.lut()]), binary=True)
         pictures = session.pictures
         if pictures is None:
             return
+        lut = session.lut()
+        if self._lut is not lut:
+            self._lut = lut
+            head = {
+                "type": "lut",
+                "size": lut.size,
+                "fine": lut.size == _luts.SIZE,
+                "knee": _luts.KNEE,
+                "most": _luts.MOST,
+            }
+            self.tell(_packed(head, [lut.data]), binary=True)
         self._is_old = self._waits
         if self._waits:
             return
@@ -317,7 +307,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         slots: dict[str, Texture] = {"beauty": pictures.beauty}
         if pictures.rest is not None:
             slots["rest"] = pictures.rest
-        slots |= {name: layer.texture for name, layer in pictures.layers.items() if layer.texture}
+        slots |= {name: layer.texture for name, layer in (pictures.layers or {}).items() if layer.texture}
         fresh = [texture for texture in slots.values() if texture.number not in self._has]
         self._has = {texture.number for texture in slots.values()}
         head = {
@@ -327,6 +317,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             "weights": session.weights(),
             "stage": pictures.stage,
             "exact": session.exact_frame() is not None,
+            "layers": pictures.layers is not None,
             "seconds": pictures.seconds,
             "error": session.error(),
             "serial": session.serial_shown,

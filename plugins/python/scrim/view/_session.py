@@ -8,9 +8,10 @@ from __future__ import annotations
 
 import os
 import shlex
+import threading
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scrim_kit import toml_text
@@ -22,28 +23,20 @@ from . import _luts, _messages
 from ._camera import Lens, Pose, world_up
 from ._controls import Control, groups_of
 from ._document import Document
+from ._opened import Opened
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._renderer import Renderer, Task, Wanted, is_exact
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
+_TABLE_SECONDS = 0.5  # until the fine table of a view is made, so that the first picture has the processor
 
 
 @dataclass(frozen=True)
-class Opened:
-    """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
-    are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
-    `others`: files beside it that the page may open; `keeps`: what the scene's files live as long as."""
+class Lut:
+    """A view's table of size^3 entries: see `_luts`."""
 
-    text: str
-    file: str
-    folder: str
-    input: str
-    frames: list[int]
-    frame: int = 1
-    ocio: str = ""
-    options: list[str] = field(default_factory=list)
-    others: list[str] = field(default_factory=list)
-    keeps: object = None
+    size: int
+    data: bytes
 
 
 class Session:
@@ -69,7 +62,7 @@ class Session:
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
-        self._luts: dict[tuple[str, str], bytes] = {}
+        self._luts: dict[tuple[str, str], Lut] = {}
         self.pictures: Pictures | None = None
         self.serial_shown = 0
         self._read(opened.text)
@@ -369,11 +362,18 @@ class Session:
             words += ["--frames", str(self.frame)]
         return shlex.join([*words, "-o", "picture.exr"])
 
-    def lut(self) -> bytes:
-        """The table of the chosen view: see `_luts`."""
-        chosen = (self.display, self.view)
+    def lut(self) -> Lut:
+        """The table of the chosen view; first a coarse one, and `show` is called when the fine one is there."""
+        chosen, reader = (self.display, self.view), self._reader
+
+        def refine() -> None:
+            self._luts[chosen] = Lut(_luts.SIZE, _luts.table(reader, *chosen))
+            self._later(0.0, self._show)
+
         if chosen not in self._luts:
-            self._luts[chosen] = _luts.table(self._reader, *chosen)
+            self._luts[chosen] = Lut(_luts.FIRST_SIZE, _luts.table(reader, *chosen, _luts.FIRST_SIZE))
+            thread = threading.Thread(target=refine, name="scrim-view-table", daemon=True)
+            self._later(_TABLE_SECONDS, thread.start)
         return self._luts[chosen]
 
     def exact_frame(self) -> scrim.Frame | None:

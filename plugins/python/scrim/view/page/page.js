@@ -65,7 +65,10 @@ function receive(buffer) {
     const length = new DataView(buffer).getUint32(0, true);
     const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
     const bytes = new Uint8Array(buffer, 4 + length);
-    if (head.type === "lut") picture?.setTable(head, bytes);
+    if (head.type === "lut") {
+        picture?.setTable(head, bytes);
+        document.body.dataset.table = head.fine ? "fine" : "coarse";
+    }
     if (head.type === "pictures") {
         picture?.setPictures(head, bytes);
         stage = head;
@@ -115,6 +118,7 @@ function showStage() {
     const error = stage.error ? `, error ${percent(stage.error.error)} of ${stage.error.pixels} pixels` : "";
     by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text;
     document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
+    document.body.dataset.layers = stage.layers ? "ready" : "";
     by("download").style.visibility = stage.exact ? "visible" : "hidden";
 }
 
@@ -145,9 +149,27 @@ function showState(message) {
 
 /** Shows other weights of the layers that are here. */
 function weigh(weights, upTo) {
-    if (!picture || picture.slots.beauty === undefined || JSON.stringify(weights) === JSON.stringify(picture.weights)) return;
+    if (!picture || picture.slots.beauty === undefined || alike(weights, picture.weights)) return;
     picture.setWeights(weights);
     redraw(() => weights && settle(upTo, times.weights), true);
+}
+
+function alike(a, b) {
+    if (!a || !b) return a === b;
+    return Object.keys(a).every((name) => b[name]?.every((v, i) => Math.abs(v - a[name][i]) <= 1e-5 * Math.abs(v)));
+}
+
+/** Shows what a control makes of its layer, before the viewer has read it: light adds up. */
+function foresee(control, value) {
+    const weight = picture?.weights?.[control.layer] ?? (stage.layers && picture.slots[control.layer] !== undefined ? [1, 1, 1] : null);
+    if (!weight || !control.law) return;
+    const [now, then] = [value, control.value].map((v) => (Array.isArray(v) ? v : [v, v, v]));
+    const factors = weight.map((w, i) => (control.law === "stops" ? w * 2 ** (now[i] - then[i]) : (w * now[i]) / then[i]));
+    if (state.muted.includes(control.layer) || factors.some((f) => !Number.isFinite(f))) return;
+    const all = Object.keys(picture.slots).filter((name) => name !== "beauty" && name !== "rest");
+    picture.setWeights({ ...(picture.weights ?? Object.fromEntries(all.map((name) => [name, [1, 1, 1]]))), [control.layer]: factors });
+    const upTo = serial;
+    redraw(() => settle(upTo, times.weights), true);
 }
 
 function fillViews() {
@@ -177,8 +199,10 @@ function resize() {
 // ---- what the user does
 
 let step = 0;
-const panel = new Panel(by("panel"), (id, value, done) => {
-    send({ type: "set", id, value, done, step: `${id} ${step}` });
+const panel = new Panel(by("panel"), (control, value, done) => {
+    send({ type: "set", id: control.id, value, done, step: `${control.id} ${step}` });
+    if (!done) foresee(control, value);
+    control.value = value;
     if (done) ++step;
 }, (names) => send({ type: "muted", names }));
 

@@ -6,13 +6,14 @@
 const STEPS = 1000; // of a slider
 
 export class Panel {
-    /** `change(id, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
+    /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
     constructor(root, change, mute) {
         this.root = root;
         this.change = change;
         this.mute = mute;
         this.known = "";
         this.setters = new Map();
+        this.controls = new Map(); // as the viewer said them last, with the values that were changed since
         this.muted = new Set();
         this.solo = null;
     }
@@ -27,7 +28,10 @@ export class Panel {
             this.root.replaceChildren(...groups.map((group) => this.#group(group)));
         }
         for (const group of groups) {
-            for (const control of group.controls) this.setters.get(control.id)?.(control);
+            for (const control of group.controls) {
+                this.controls.set(control.id, control);
+                this.setters.get(control.id)?.(control);
+            }
         }
         for (const button of this.root.querySelectorAll("button[data-layer]")) {
             const name = button.dataset.layer;
@@ -73,7 +77,7 @@ export class Panel {
             return row;
         }
         const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox }[control.kind];
-        const { parts, set } = make(control, label, (value, done) => this.change(control.id, value, done));
+        const { parts, set } = make(control, label, (value, done) => this.change(this.controls.get(control.id), value, done));
         row.append(...parts);
         this.setters.set(control.id, set);
         return row;
