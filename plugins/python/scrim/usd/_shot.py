@@ -65,6 +65,11 @@ class Shot:
         return [volume["name"] for volume in self.scene(self.frames[0])["volume"]]
 
     @property
+    def folder(self) -> str:
+        """Where meshes that scenes name are, as long as the shot lives."""
+        return self._folder.name
+
+    @property
     def cameras(self) -> list[str]:
         """Paths of the stage's cameras."""
         return _camera.paths_of(self._stage)

@@ -30,6 +30,8 @@ def rounded(value: object) -> object:
         return float(f"{value:.{_DIGITS}g}")
     if isinstance(value, (list, tuple)):
         return [rounded(one) for one in value]
+    if isinstance(value, dict):
+        return {key: rounded(one) for key, one in value.items()}
     return value
 
 
@@ -51,7 +53,19 @@ def _change(document: dict, place: Place, value: object) -> None:
     if value is None:
         table.pop(key, None)
     elif table.get(key) != value:
-        table[key] = value
+        table[key] = _inline(value) if isinstance(document, tomlkit.TOMLDocument) else copy.deepcopy(value)
+
+
+def _inline(value: object) -> object:
+    """Lists of tables as they stand in one place: a table in a line, below each other."""
+    if not (isinstance(value, list) and value and all(isinstance(one, dict) for one in value)):
+        return value
+    out = tomlkit.array().multiline(True)
+    for one in value:
+        table = tomlkit.inline_table()
+        table.update(one)
+        out.append(table)
+    return out
 
 
 def _new_table(document: dict, table: dict) -> dict:
@@ -103,6 +117,12 @@ class Document:
         text = tomlkit.dumps(document)
         self._next = (text, document, data)
         return text
+
+    def data_of(self, text: str) -> dict:
+        """The tables of a text: of this one, or of what `changed` gave last, without reading it again."""
+        if text == self.text:
+            return self.data
+        return self._next[2] if self._next and self._next[0] == text else tomlkit.parse(text).unwrap()
 
     def take(self, text: str, step: object = None) -> None:
         """Makes `text` the scene. Changes of the same `step` that follow each other are undone together."""

@@ -76,4 +76,6 @@ def _stage(path: str, folder: str, frame: int | None, ocio: str, options: list[s
     number = frame if frame is not None else shot.frames[0]
     text = toml_text.document(shot.scene(number))
     # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
-    return Opened(text, "", folder, path, [number], number, ocio, options, keeps=shot)
+    return Opened(
+        text, "", folder, path, [number], number, ocio, options, keeps=shot, temporary=shot.folder, cameras=shot.cameras
+    )  # fmt: skip

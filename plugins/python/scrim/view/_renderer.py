@@ -45,7 +45,8 @@ _SOON = 1.0  # seconds of it after which that is known
 @dataclass(frozen=True)
 class Wanted:
     """What is looked at. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not shine;
-    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `serial`: number of the
+    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other
+    frames follow, so that a draft is enough; `serial`: number of the
     last event; `since`: when it came."""
 
     text: str
@@ -58,6 +59,7 @@ class Wanted:
     muted: frozenset[str] = frozenset()
     moves: bool = False
     verify: bool = False
+    plays: bool = False
     serial: int = 0
     since: float = 0.0
 
@@ -78,6 +80,9 @@ def next_task(wanted: Wanted, pictures: Pictures | None, now: float, is_slow: bo
 
     Whatever changes is seen coarsely first. At rest the picture of the file follows, and after it, while the user
     looks, the layers that changes of strengths will need."""
+    if wanted.plays:
+        is_there = pictures is not None and pictures.shape == wanted.shape and _alike(pictures, wanted)
+        return None if is_there and pictures.stage != "motion" else Task("whole", "draft")
     if pictures is None or pictures.shape.common != wanted.shape.common:
         return Task("whole", "motion")
     if pictures.layers is None:
@@ -146,6 +151,12 @@ class Renderer:
     def want(self, wanted: Wanted) -> None:
         with self._changed:
             self._wanted = wanted
+            self._changed.notify()
+
+    def adopt(self, pictures: Pictures, wanted: Wanted) -> None:
+        """Takes pictures that were made before for what is wanted now."""
+        with self._changed:
+            self._pictures, self._wanted = pictures, wanted
             self._changed.notify()
 
     @property
@@ -287,9 +298,10 @@ class Renderer:
             # Layers that still fit stay; the sum without them is rounded otherwise.
             fits = pictures.shape == wanted.shape and pictures.layers is not None
             self._pictures = replace(made, frame=frame, layers=pictures.layers if fits else None,
-                                     rest=pictures.rest if fits else None)  # fmt: skip
+                                     rest=pictures.rest if fits else None,
+                                     depth=pictures.depth if fits else None)  # fmt: skip
         elif task.kind == "layers" and is_exact(wanted, pictures):
-            self._pictures = replace(pictures, layers=made.layers, rest=made.rest)
+            self._pictures = replace(pictures, layers=made.layers, rest=made.rest, depth=made.depth)
         elif task.kind == "layers":
             self._pictures = made
         else:

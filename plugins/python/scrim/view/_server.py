@@ -35,11 +35,10 @@ from ._opened import Opened
 from ._session import Lut, Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
+_PARTS = ("curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values")
 _FILES = {
     "": ("index.html", "text/html; charset=utf-8"),
-    "page.js": ("page.js", "text/javascript; charset=utf-8"),
-    "picture.js": ("picture.js", "text/javascript; charset=utf-8"),
-    "panel.js": ("panel.js", "text/javascript; charset=utf-8"),
+    **{f"{name}.js": (f"{name}.js", "text/javascript; charset=utf-8") for name in _PARTS},
     "style.css": ("style.css", "text/css; charset=utf-8"),
 }
 _LOCAL = ("localhost", "127.0.0.1", "::1")
@@ -271,8 +270,8 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
                 else:
                     self.server.session.handle(message)
             except scrim.Error as error:
+                self.tell(json_encode(self.server.session.state()))  # the page may show what was refused
                 self.tell(json_encode({"type": "error", "text": str(error)}))
-                self.tell(json_encode(self.server.session.state()))
 
     def tell(self, text: str | bytes, binary: bool = False) -> None:
         try:
@@ -308,6 +307,8 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         if pictures.rest is not None:
             slots["rest"] = pictures.rest
         slots |= {name: layer.texture for name, layer in (pictures.layers or {}).items() if layer.texture}
+        if pictures.depth is not None:
+            slots["depth"] = pictures.depth.texture
         fresh = [texture for texture in slots.values() if texture.number not in self._has]
         self._has = {texture.number for texture in slots.values()}
         head = {
@@ -320,6 +321,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             "layers": pictures.layers is not None,
             "seconds": pictures.seconds,
             "error": session.error(),
+            "depths": pictures.depth.ends if pictures.depth else None,
             "serial": session.serial_shown,
         }
         self.tell(_packed(head, [texture.pixels.tobytes() for texture in fresh]), binary=True)

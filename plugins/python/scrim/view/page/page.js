@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of the viewer: sends what the user does, and shows what comes back.
 
+import { Handles } from "./handles.js";
+import { Looks } from "./looks.js";
 import { Panel } from "./panel.js";
 import { Picture } from "./picture.js";
+import { steer } from "./steer.js";
 
 const RETRY_MS = 500; // until a lost connection is tried again
-const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare" };
+const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", " ": "play" };
 
 const by = (id) => document.getElementById(id);
 const canvas = by("picture");
@@ -19,7 +22,10 @@ const sent = new Map(); // serial -> time, of events whose picture has not come 
 // For measurements: milliseconds from an event to its picture, or to the picture with its weights.
 const times = { picture: [], weights: [] };
 
+/** An error stays until a later event went well. */
+let failed = 0;
 function fail(text) {
+    failed = serial;
     by("error").textContent = text;
     by("error").hidden = !text;
 }
@@ -54,7 +60,11 @@ function connect() {
 function hear(message) {
     if (message.type === "state") return showState(message);
     if (message.type === "error") return fail(message.text);
-    if (message.type === "weights") return weigh(message.weights, message.serial);
+    if (message.type === "weights") {
+        handles.update(message.handles);
+        return weigh(message.weights, message.serial);
+    }
+    if (message.type === "frame") showFrame(message.number);
     if (message.type === "progress") {
         by("progress").value = message.part ?? 0;
         by("progress").style.visibility = message.part === null ? "hidden" : "visible";
@@ -103,6 +113,7 @@ function redraw(after, isQuick = false) {
         waiting = [];
         requestAnimationFrame((now) => {
             if (isQuick) picture?.tookTo(now - then);
+            else looks?.update(canvas);
             all.forEach((call) => call());
         });
         clearTimeout(better);
@@ -125,7 +136,7 @@ function showStage() {
 function showState(message) {
     state = message;
     serial = Math.max(serial, message.serial);
-    fail("");
+    if (message.serial > failed) fail("");
     document.title = `${state.changed ? "• " : ""}${state.title} · Scrim`;
     by("title").textContent = state.title + (state.changed ? " •" : "");
     by("undo").disabled = !state.undo;
@@ -140,9 +151,11 @@ function showState(message) {
     by("timeline").hidden = state.frames.length < 2;
     const frame = by("frame");
     [frame.min, frame.max] = [state.frames[0], state.frames[state.frames.length - 1]];
-    if (!frame.matches(":active")) frame.value = state.frame;
-    by("frame-number").textContent = state.frame;
+    if (!frame.matches(":active")) showFrame(state.frame);
+    by("play").setAttribute("aria-pressed", String(state.playing));
+    fillCameras();
     panel.update(state.groups, state.muted);
+    handles.update(state.handles);
     weigh(state.weights, state.serial);
     resize();
 }
@@ -166,10 +179,23 @@ function foresee(control, value) {
     const [now, then] = [value, control.value].map((v) => (Array.isArray(v) ? v : [v, v, v]));
     const factors = weight.map((w, i) => (control.law === "stops" ? w * 2 ** (now[i] - then[i]) : (w * now[i]) / then[i]));
     if (state.muted.includes(control.layer) || factors.some((f) => !Number.isFinite(f))) return;
-    const all = Object.keys(picture.slots).filter((name) => name !== "beauty" && name !== "rest");
-    picture.setWeights({ ...(picture.weights ?? Object.fromEntries(all.map((name) => [name, [1, 1, 1]]))), [control.layer]: factors });
+    picture.setWeights({ ...(picture.weights ?? Object.fromEntries(picture.layers.map((name) => [name, [1, 1, 1]]))), [control.layer]: factors });
     const upTo = serial;
     redraw(() => settle(upTo, times.weights), true);
+}
+
+function showFrame(number) {
+    by("frame").value = number;
+    by("frame-number").textContent = number;
+}
+
+function fillCameras() {
+    const select = by("cameras");
+    select.hidden = state.cameras.length < 2;
+    if (select.options.length - 1 !== state.cameras.length) {
+        select.replaceChildren(new Option("Look through…", ""), ...state.cameras.map((name) => new Option(name)));
+    }
+    select.value = "";
 }
 
 function fillViews() {
@@ -194,10 +220,12 @@ function resize() {
     picture?.resize(Math.max(Math.round(width * share), 1), Math.max(Math.round(height * share), 1));
     if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
     placeWipe();
+    handles.fit();
 }
 
 // ---- what the user does
 
+const click = (id, call) => by(id).addEventListener("click", call);
 let step = 0;
 const panel = new Panel(by("panel"), (control, value, done) => {
     send({ type: "set", id: control.id, value, done, step: `${control.id} ${step}` });
@@ -206,53 +234,19 @@ const panel = new Panel(by("panel"), (control, value, done) => {
     if (done) ++step;
 }, (names) => send({ type: "muted", names }));
 
-let drag = null;
-let moved = { dx: 0, dy: 0 };
-function flush() {
-    if (!drag || (!moved.dx && !moved.dy)) return;
-    send({ type: "navigate", mode: drag.mode, ...moved });
-    moved = { dx: 0, dy: 0 };
-}
+const handles = new Handles(by("handles"), canvas, (light, x, y, done) => {
+    send({ type: "place", light, x, y, done, step: `place ${light} ${step}` });
+    if (done) ++step;
+});
+click("lights", () => {
+    by("handles").hidden = !by("handles").hidden;
+    by("lights").setAttribute("aria-pressed", String(!by("handles").hidden));
+});
+const looks = picture && new Looks(picture, by, redraw, (layer) => layer !== "beauty" && panel.soloOf(layer));
 
-// Plain and Alt drags as in Maya and Houdini: left orbits, middle pans, right dollies; Shift and Ctrl choose for one button.
-function modeOf(event) {
-    if (event.button === 1 || event.shiftKey) return "pan";
-    return event.button === 2 || event.ctrlKey ? "dolly" : "orbit";
-}
-canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    drag = { mode: modeOf(event), x: event.clientX, y: event.clientY };
-    canvas.focus();
-    event.preventDefault();
-});
-canvas.addEventListener("pointermove", (event) => {
-    if (!drag) return showPixel(event);
-    const height = canvas.getBoundingClientRect().height;
-    moved.dx += (event.clientX - drag.x) / height;
-    moved.dy += (event.clientY - drag.y) / height;
-    [drag.x, drag.y] = [event.clientX, event.clientY];
-    flush(); // browsers give one such event for each picture of the screen
-});
-const drop = () => {
-    if (!drag) return;
-    flush();
-    drag = null;
-    send({ type: "rest" });
-};
-canvas.addEventListener("pointerup", drop);
-canvas.addEventListener("pointercancel", drop);
-canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    send({ type: "navigate", mode: "dolly", dx: 0, dy: Math.sign(event.deltaY) * 0.08 });
-}, { passive: false });
-canvas.addEventListener("keydown", (event) => {
-    const turns = { ArrowLeft: [-0.03, 0], ArrowRight: [0.03, 0], ArrowUp: [0, -0.03], ArrowDown: [0, 0.03] }[event.key];
-    const dolly = { "+": -0.08, "-": 0.08 }[event.key];
-    if (turns) send({ type: "navigate", mode: event.shiftKey ? "pan" : "orbit", dx: turns[0], dy: turns[1] });
-    else if (dolly) send({ type: "navigate", mode: "dolly", dx: 0, dy: dolly });
-    else return;
-    event.preventDefault();
+steer(canvas, send, showPixel, (x, y) => {
+    if (handles.selected === null) return fail("There is no light with a handle that could shine here.");
+    send({ type: "highlight", light: handles.selected, x, y, done: true });
 });
 
 function showPixel(event) {
@@ -265,7 +259,6 @@ function showPixel(event) {
     by("pixel").textContent = `${place}:  ${[...value].map((v) => v.toPrecision(3)).join("  ")}`;
 }
 
-const click = (id, call) => by(id).addEventListener("click", call);
 for (const type of ["undo", "redo", "save", "verify"]) click(type, () => send({ type }));
 click("save-as", () => {
     const name = prompt("Name of the new scene, in the same folder:", state.file || state.title.replace(/\.[^.]*$/, "") + ".toml");
@@ -298,6 +291,8 @@ for (const name of ["exposure", "gamma"]) {
 }
 by("frame").addEventListener("input", () => send({ type: "frame", number: Number(by("frame").value), done: false }));
 by("frame").addEventListener("change", () => send({ type: "rest" }));
+click("play", () => send({ type: "play", on: !state.playing }));
+by("cameras").addEventListener("change", (event) => event.target.value && send({ type: "camera", name: event.target.value, done: true }));
 
 click("snapshot", () => {
     picture?.keepSnapshot();
@@ -325,7 +320,7 @@ by("wipe").addEventListener("pointermove", (event) => {
 
 addEventListener("resize", resize);
 addEventListener("keydown", (event) => {
-    if (event.target.matches("input, select")) return;
+    if (event.target.matches("input, select") || (event.key === " " && event.target.matches("button"))) return;
     if (event.ctrlKey || event.metaKey) {
         const id = { z: event.shiftKey ? "redo" : "undo", s: "save" }[event.key.toLowerCase()];
         if (!id) return;

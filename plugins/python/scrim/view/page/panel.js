@@ -3,6 +3,9 @@
 //
 // Elements are kept while the list has the same controls, so that a slider under the finger stays where it is.
 
+import { curve } from "./curves.js";
+import { element, encoded, linear, short } from "./values.js";
+
 const STEPS = 1000; // of a slider
 
 export class Panel {
@@ -40,6 +43,12 @@ export class Panel {
         }
     }
 
+    /** Leaves all other layers out, or takes them in again. */
+    soloOf(name) {
+        this.solo = this.solo === name ? null : name;
+        this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
+    }
+
     #group(group) {
         const root = element("section", { className: "group" });
         const head = root.appendChild(element("div", { className: "head" }));
@@ -56,11 +65,7 @@ export class Panel {
         const button = element("button", { textContent: text, ariaPressed: "false", ariaLabel: `${text} ${group.name}` });
         Object.assign(button.dataset, { layer: name, does });
         button.addEventListener("click", () => {
-            if (does === "solo") {
-                this.solo = this.solo === name ? null : name;
-                this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
-                return;
-            }
+            if (does === "solo") return this.soloOf(name);
             this.solo = null;
             if (!this.muted.delete(name)) this.muted.add(name);
             this.mute([...this.muted]);
@@ -76,7 +81,7 @@ export class Panel {
             row.append(element("span", { className: "keyed", textContent: "has keys: edit the file" }));
             return row;
         }
-        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox }[control.kind];
+        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, ramp: curve, colours: curve, transfer: curve }[control.kind];
         const { parts, set } = make(control, label, (value, done) => this.change(this.controls.get(control.id), value, done));
         row.append(...parts);
         this.setters.set(control.id, set);
@@ -86,15 +91,6 @@ export class Panel {
 
 function layerOf(group) {
     return group.kind === "light" ? `light.${group.name}` : group.kind;
-}
-
-function element(name, values = {}) {
-    return Object.assign(document.createElement(name), values);
-}
-
-// Numbers as the viewer writes them, six digits, and as there is room for them.
-function short(value, digits = 6) {
-    return String(Number(Number(value).toPrecision(digits)));
 }
 
 function slider(control, label, change) {
@@ -148,15 +144,6 @@ function triple(control, label, change) {
         if (!patch.matches(":active")) patch.value = "#" + value.map((v) => encoded(Math.max(v, 0) / most)).join("");
     };
     return { parts: [box], set };
-}
-
-function linear(v) {
-    return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
-}
-
-function encoded(v) {
-    const byte = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-    return byte.toString(16).padStart(2, "0");
 }
 
 function choice(control, label, change) {

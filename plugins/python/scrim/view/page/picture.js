@@ -5,6 +5,8 @@
 // unit every operation on a pixel counts. Layers are brought to the size of the canvas once, so that the pass reads one
 // texel of each. The canvas has no more pixels than the picture has, nor than the screen shows.
 
+import { COPY, CORNERS, shader } from "./shaders.js";
+
 const LAYERS_A_PASS = 12; // every WebGL 2 has 16 textures
 const BEFORE = LAYERS_A_PASS; // units behind those of the layers
 const TABLE = LAYERS_A_PASS + 1;
@@ -12,54 +14,11 @@ const TABLE = LAYERS_A_PASS + 1;
 const SLOW_MS = 40;
 const FAST_MS = 18;
 const MOST_DIVISOR = 4;
-const CORNERS = `#version 300 es
-out vec2 uv;
-void main() {
-    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
-    uv = vec2(corner.x, corner.y);
-    gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
-}`;
-
-// Rows of pictures go from top to bottom, so they are upside down in textures, and upright in the canvas.
-const SHOW = `
-    vec3 colour = sum.rgb;
-#ifdef WIPE
-    if (uv.x < wipe) colour = texture(before, at).rgb;
-#endif
-    vec3 place = log2(1.0 + knee * max(colour * gain, 0.0)) / reach;
-    colour = texture(table, (clamp(place, 0.0, 1.0) * (size - 1.0) + 0.5) / size).rgb;
-#ifdef GAMMA
-    colour = pow(colour, vec3(1.0 / gamma));
-#endif
-    result = vec4(colour, 1.0);`;
-
-function shader(count, isShown, switches) {
-    const layers = Array.from({ length: count }, (_, i) => i);
-    return `#version 300 es
-${switches.map((name) => `#define ${name}`).join("\n")}
-precision highp float;
-precision highp sampler3D;
-in vec2 uv;
-out vec4 result;
-${layers.map((i) => `uniform sampler2D layer${i};`).join("\n")}
-uniform vec4 weights[${count}];
-uniform sampler2D before;
-uniform sampler3D table;
-uniform float gain, gamma, wipe, knee, reach, size;
-vec4 of(sampler2D layer, vec2 at) { return texelFetch(layer, ivec2(at * vec2(textureSize(layer, 0))), 0); }
-void main() {
-    vec2 at = ${isShown ? "vec2(uv.x, 1.0 - uv.y)" : "uv"};
-    vec4 sum = ${layers.map((i) => `of(layer${i}, at) * weights[${i}]`).join(" + ")};
-    ${isShown ? SHOW : "result = sum;"}
-}`;
-}
-
-const COPY = `#version 300 es
-precision highp float;
-in vec2 uv;
-out vec4 result;
-uniform sampler2D layer0;
-void main() { result = texture(layer0, uv); }`;
+// What is shown in false colours: a channel of a slot, or 1 less it; `hole` is shown black.
+const FALSE = {
+    depth: { slot: "depth", pick: [1, 0, 0, 0], shift: 0, hole: 0 },
+    transmittance: { slot: "beauty", pick: [0, 0, 0, -1], shift: 1, hole: -1 },
+};
 
 export class Picture {
     constructor(canvas) {
@@ -82,6 +41,10 @@ export class Picture {
         this.sum = this.#target();
         this.snapshot = this.#target();
         this.probe = this.#target();
+        this.few = this.#target();
+        this.look = "picture"; // or a key of FALSE
+        this.depths = [0, 1]; // the nearest and the farthest
+        this.sheet = null; // names of layers that are shown side by side
         this.frames = gl.createFramebuffer();
     }
 
@@ -107,7 +70,7 @@ export class Picture {
             const texture = gl.createTexture();
             this.#bindPlain(texture);
             gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-            const formats = channels === 4 ? [gl.RGBA16F, gl.RGBA] : [gl.RGB16F, gl.RGB];
+            const formats = { 1: [gl.R16F, gl.RED], 3: [gl.RGB16F, gl.RGB], 4: [gl.RGBA16F, gl.RGBA] }[channels];
             gl.texImage2D(gl.TEXTURE_2D, 0, formats[0], width, height, 0, formats[1], gl.HALF_FLOAT, halves(bytes, offset, width * height * channels));
             offset += 2 * width * height * channels;
             this.textures.set(number, { texture, width, height, fitted: null });
@@ -122,6 +85,12 @@ export class Picture {
         }
         this.slots = head.slots;
         this.weights = head.weights;
+        this.depths = head.depths ?? this.depths;
+    }
+
+    /** Names of the layers that add up to the picture. */
+    get layers() {
+        return Object.keys(this.slots).filter((name) => !["beauty", "rest", "depth"].includes(name));
     }
 
     /** Factors of layers by name; null: the beauty is the picture. */
@@ -147,30 +116,69 @@ export class Picture {
     /** `isQuick`: coarser where the graphics unit is slow (`tookTo`); the next draw makes up for it. */
     draw(isQuick = false) {
         if (!this.isReady) return;
-        const { gl, canvas } = this;
-        const parts = this.#fewParts(this.#parts());
+        if (this.sheet) return this.#drawSheet();
+        const isFalse = FALSE[this.look] && this.#slot(FALSE[this.look].slot);
+        const parts = isFalse ? [[this.#slot(FALSE[this.look].slot), [1, 1, 1, 1]]] : this.#fewParts(this.#parts());
         const [width, height] = this.#sizeOf(parts);
         const divisor = isQuick ? this.divisor : 1;
-        const [across, down] = [Math.ceil(width / divisor), Math.ceil(height / divisor)];
+        const size = [Math.ceil(width / divisor), Math.ceil(height / divisor)];
         const layers = parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]);
-        if (canvas.width !== across || canvas.height !== down) [canvas.width, canvas.height] = [across, down];
+        this.#begin(...size);
         const switches = [];
+        if (isFalse) switches.push("FALSE");
         if (this.wipe && this.snapshot.width) switches.push("WIPE");
         if (this.gamma !== 1) switches.push("GAMMA");
+        this.#show(layers, switches, [0, 0, ...size]);
+    }
+
+    /** All layers side by side, which is `sheet` by rows: names of layers, or "beauty". */
+    #drawSheet() {
+        const columns = Math.ceil(Math.sqrt(this.sheet.length));
+        const [width, height] = this.full.map((side) => Math.floor(side / columns));
+        this.#begin(...this.full);
+        this.gl.clearColor(0.05, 0.05, 0.05, 1);
+        this.gl.clear(this.gl.COLOR_BUFFER_BIT);
+        this.sheet.forEach((name, i) => {
+            const weight = this.weights?.[name] ?? [1, 1, 1];
+            const parts = name === "beauty" ? this.#fewParts(this.#parts()) : [[this.#slot(name), [...weight, 0]]];
+            const row = Math.floor(i / columns);
+            if (parts[0][0]) this.#show(parts, this.gamma !== 1 ? ["GAMMA"] : [], [(i % columns) * width, this.full[1] - (row + 1) * height, width, height]);
+        });
+    }
+
+    #begin(across, down) {
+        const { gl, canvas } = this;
+        if (canvas.width !== across || canvas.height !== down) [canvas.width, canvas.height] = [across, down];
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    }
+
+    /** Shows a sum of layers in a part of the canvas. */
+    #show(layers, switches, viewport) {
+        const gl = this.gl;
         const places = this.#use(layers, true, switches);
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        gl.viewport(0, 0, across, down);
-        if (switches.includes("WIPE")) this.#unit(BEFORE, this.snapshot.texture, places.before);
+        gl.viewport(...viewport);
+        if (places.before) this.#unit(BEFORE, this.snapshot.texture, places.before);
         gl.activeTexture(gl.TEXTURE0 + TABLE);
         gl.bindTexture(gl.TEXTURE_3D, this.table);
-        gl.uniform1i(places.table, TABLE);
-        gl.uniform1f(places.gain, 2 ** this.exposure);
-        gl.uniform1f(places.gamma ?? null, this.gamma);
-        gl.uniform1f(places.wipe ?? null, this.wipe);
-        gl.uniform1f(places.knee, this.head.knee);
-        gl.uniform1f(places.reach, Math.log2(1 + this.head.knee * this.head.most));
-        gl.uniform1f(places.size, this.head.size);
+        const { pick, shift, hole, slot } = FALSE[this.look] ?? { pick: [0, 0, 0, 0] };
+        const [low, high] = slot === "depth" ? this.depths : [0, 1];
+        if (places.pick) gl.uniform4fv(places.pick, pick);
+        const { knee, most, size } = this.head;
+        const numbers = { gain: 2 ** this.exposure, gamma: this.gamma, wipe: this.wipe, knee, reach: Math.log2(1 + knee * most), size, shift, hole, low, high };
+        for (const [name, value] of Object.entries(numbers)) if (places[name]) gl.uniform1f(places[name], value);
+        if (places.table) gl.uniform1i(places.table, TABLE);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    /** Red, green, blue and alpha of some pixels all over the picture: 160 by 90. */
+    samples() {
+        const gl = this.gl;
+        this.#resize(this.few, 160, 90);
+        this.#addUp(this.few, this.#parts(), [0, 0, 160, 90]);
+        const values = new Float32Array(4 * 160 * 90);
+        gl.readPixels(0, 0, 160, 90, gl.RGBA, gl.FLOAT, values);
+        return values;
     }
 
     /** Keeps the picture as the one to compare with. */
