@@ -23,6 +23,9 @@ from ._errors import (
     UsageError,
 )
 from ._scrim import Field, Frame, Job, Plan, Shot, __version__, loads, open, read_vdb
+from .view import shown as _shown
+
+Shot.view = _shown  # of the package in Python, which the module in C++ does not know
 
 __all__ = [
     "AccuracyError",

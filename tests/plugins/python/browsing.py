@@ -69,7 +69,7 @@ def chromium():
 
 class Page:
     def __init__(self, chromium, viewer, folder):
-        self.problems, self._folder = [], folder
+        self.problems, self._folder, self.viewer = [], folder, viewer
         # The page forbids code from text, which is how this test asks it.
         self.page = chromium.new_page(bypass_csp=True, viewport={"width": 1100, "height": 700})
         self.page.on("pageerror", lambda error: self.problems.append(str(error)))

@@ -24,7 +24,7 @@ Placed = tuple[str, tuple[float, ...]]  # a file, and the matrix (4, 4) that pla
 
 
 def camera(reading: Reading, settings: Settings, volumes_at: Callable[[int], list[dict]]) -> dict:
-    """[camera]. `volumes_at`: tables of the volumes at a frame. The first, middle and last frame are framed together, so
+    """[camera]. `volumes_at`: tables of the volumes at a frame. The first, middle and last one are framed together, so
     that all frames have the same camera."""
     frames = frames_of(reading.stage)
     chosen = sorted({frames[0], frames[len(frames) // 2], frames[-1]})

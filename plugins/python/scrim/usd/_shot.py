@@ -8,11 +8,17 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from .. import _grids, _scrim, _toml
 from .._errors import UsageError
+from ..view import needs
 from . import _camera, _own, _reading
 from ._scene import FrameScene, scene_at
+
+
+if TYPE_CHECKING:
+    from ..view._notebook import View
 
 
 class Shot:
@@ -150,6 +156,15 @@ class Shot:
     def study(self, frame: int = 1, folder: str | os.PathLike[str] | None = None, **keywords: object) -> dict:
         """Accuracy against time at a frame: see `scrim.Shot.study`, whose keywords these are."""
         return self.opened(frame).study(frame, folder, **keywords)
+
+    def view(self, frame: int | None = None, *, height: int = 640) -> View:
+        """Shows a frame in a notebook: see `scrim.Shot.view`. Its cameras can be chosen there."""
+        needs()
+        from ..view._notebook import View
+        from ..view._opening import of_stage
+
+        number = self.frames[0] if frame is None else frame
+        return View(of_stage(self, number, self._given["ocio"], self._grids), height)
 
     def resolved(self, frame: int = 1) -> dict:
         """The scene of a frame in plain numbers: see `scrim.Shot.resolved`."""

@@ -23,7 +23,8 @@ class Opened:
     """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
     are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
     `others`: files beside it that the page may open; `keeps`: what the scene's files live as long as; `temporary`: the
-    folder of those that end with it; `cameras`: paths of a stage's cameras, through which `keeps` can look."""
+    folder of those that end with it; `cameras`: paths of a stage's cameras, through which `keeps` can look; `grids`:
+    made in code, by the names of volumes."""
 
     text: str
     file: str
@@ -37,6 +38,7 @@ class Opened:
     keeps: object = None
     temporary: str = ""
     cameras: list[str] = field(default_factory=list)
+    grids: Mapping[str, object] = field(default_factory=dict)
 
     def with_files(self, scene: Mapping, name: str) -> list[Change]:
         """Copies the scene's temporary files into a folder beside the scene that will have this name: what must be

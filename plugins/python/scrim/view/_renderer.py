@@ -124,7 +124,8 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 
 class Renderer:
     """`shown(pictures, wanted)` and `failed(text)` are called in this object's thread, `shown` also while a picture of
-    an older event is still useful. `folder`: what paths of the scene are relative to."""
+    an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in code, by the
+    names of volumes."""
 
     def __init__(
         self,
@@ -133,9 +134,10 @@ class Renderer:
         ocio: str,
         shown: Callable[[Pictures, Wanted, Task], object],
         failed: Callable[[str], object],
+        grids: Mapping[str, object] | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
-        self._shown, self._failed = shown, failed
+        self._shown, self._failed, self._grids = shown, failed, grids or {}
         self._shot: scrim.Shot | None = None
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
@@ -237,6 +239,8 @@ class Renderer:
         shot = scrim.loads(
             wanted.text, over, resolution=size, sharing=self._shot, checked_frame=wanted.frame, **self._given
         )
+        for name, grids in self._grids.items():
+            shot.set_volume(name, grids)
         self._shot = shot
         job = self._job = shot.start(wanted.frame, verify=_VERIFIED if task.kind == "verify" else 0)
         while not job.wait(_POLL):

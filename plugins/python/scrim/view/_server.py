@@ -74,9 +74,9 @@ class Server:
         except BaseException:
             self._door.close()
             raise
-        rules = [("/socket", _Socket), ("/picture.exr", _Exr), ("/(.*)", _Page)]
+        rules = [("socket", _Socket), ("picture.exr", _Exr), ("(?P<name>[^/]*)", _Page)]
         app = tornado.web.Application(
-            [(path, handler, {"server": self}) for path, handler in rules],
+            [(f"/(?:t/(?P<key>[^/]+)/)?{path}", handler, {"server": self}) for path, handler in rules],
             websocket_max_message_size=_MOST_MESSAGE, websocket_ping_interval=20, log_function=lambda handler: None,
         )  # fmt: skip
         http = tornado.httpserver.HTTPServer(app)
@@ -175,10 +175,15 @@ class _Guarded(tornado.web.RequestHandler):
     def _cookie(self) -> str:
         return f"scrim-view-{self.server.port}"  # cookies of all ports of a host are one
 
+    @property
+    def _framed_by(self) -> str:
+        # A notebook's page may frame what has the token in its address: cookies of a frame would not be sent to us.
+        return "*" if self.request.path.startswith("/t/") else "'self'"
+
     def set_default_headers(self) -> None:
         self.set_header(
             "Content-Security-Policy",
-            "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'; base-uri 'none'",
+            f"default-src 'self'; img-src 'self' data:; frame-ancestors {self._framed_by}; base-uri 'none'",
         )
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
@@ -187,9 +192,8 @@ class _Guarded(tornado.web.RequestHandler):
     def prepare(self) -> None:
         if not self.server.allows(self.request):
             raise tornado.web.HTTPError(403, reason="Foreign host or origin")
-        if not (
-            self.server.knows(self.get_cookie(self._cookie)) or self.server.knows(self.get_argument("token", None))
-        ):
+        given = (self.path_kwargs.get("key"), self.get_cookie(self._cookie), self.get_argument("token", None))
+        if not any(self.server.knows(one) for one in given):
             raise tornado.web.HTTPError(403, reason="The token is missing")
 
     def write_error(self, status_code: int, **more: object) -> None:
@@ -198,7 +202,7 @@ class _Guarded(tornado.web.RequestHandler):
 
 
 class _Page(_Guarded):
-    def get(self, name: str) -> None:
+    def get(self, name: str, key: str | None = None) -> None:
         if name not in _FILES:
             raise tornado.web.HTTPError(404)
         if self.get_argument("token", None) is not None:
@@ -215,7 +219,7 @@ class _Page(_Guarded):
 class _Exr(_Guarded):
     """The picture that the scene's file makes, once it is there."""
 
-    def get(self) -> None:
+    def get(self, key: str | None = None) -> None:
         frame = self.server.session.exact_frame()
         if frame is None:
             raise tornado.web.HTTPError(409, reason="The picture is not finished")
@@ -240,7 +244,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
     def check_origin(self, origin: str) -> bool:
         return True  # `allows` has checked it
 
-    def open(self, *arguments: str) -> None:
+    def open(self, *arguments: str, **named: str) -> None:
         self.set_nodelay(True)
         self.server.browsers.add(self)
         self.tell(json_encode(self.server.session.state()))

@@ -68,7 +68,9 @@ class Session:
         self.display = next(iter(self.displays))
         self.view = self.displays[self.display][0]
         self._wanted = self._now(moves=False)
-        self._renderer = Renderer(opened.folder, os.path.basename(opened.input), opened.ocio, self._took, self._lost)
+        self._renderer = Renderer(
+            opened.folder, os.path.basename(opened.input), opened.ocio, self._took, self._lost, opened.grids
+        )
         self._renderer.want(self._wanted)
 
     def close(self) -> None:

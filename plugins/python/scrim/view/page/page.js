@@ -46,7 +46,7 @@ function send(message) {
 // ---- what comes
 
 function connect() {
-    socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+    socket = new WebSocket(new URL("socket", location.href).href.replace("http", "ws")); // https becomes wss
     socket.binaryType = "arraybuffer";
     socket.onopen = () => fail("");
     socket.onmessage = ({ data }) => (typeof data === "string" ? hear(JSON.parse(data)) : receive(data));
@@ -342,6 +342,7 @@ globalThis.scrim = {
     times,
     get picture() { return picture; },
     get state() { return state; },
+    get pending() { return sent.size; },
     get isConnected() { return socket?.readyState === WebSocket.OPEN; },
     get isSettled() { return stage.serial >= (state?.serial ?? Infinity) && serial === state.serial; },
     cut: () => socket.close(),
