@@ -152,6 +152,20 @@ def test_a_point_of_a_curve_is_dragged_and_the_smoke_thins(page_of):
     assert numpy.abs(page.pixels() - before).max() <= 2
 
 
+def test_a_region_is_drawn_and_taken_away(opened):
+    before = opened.page.evaluate("scrim.state.command")
+    opened.page.click("#region")
+    opened.drag(0.2, 0.2)
+    opened.page.wait_for_function("document.body.dataset.stage === 'region'", timeout=PATIENCE)
+    box, picture = (opened.page.locator(name).bounding_box() for name in ("#box", "#picture"))
+    assert box["x"] == pytest.approx(picture["x"] + picture["width"] / 2, abs=3)
+    assert box["height"] == pytest.approx(0.2 * picture["height"], abs=6)
+    assert opened.page.evaluate("scrim.state.command") == before  # the drag moved no camera
+    opened.page.click("#region")
+    opened.settle()
+    assert opened.page.locator("#box").is_hidden()
+
+
 def test_an_error_stays_until_something_goes_well(opened):
     opened.slide("blue (distant) intensity, number", -3)
     opened.page.wait_for_function("!document.getElementById('error').hidden")

@@ -136,12 +136,12 @@ def test_angles_of_a_light_are_a_direction_and_back(up):
 # ---- the next render
 
 
-def wanted(text=SMOKE, moves=False, since=0.0, muted=frozenset(), verify=False, **view):
+def wanted(text=SMOKE, moves=False, since=0.0, muted=frozenset(), verify=False, region=None, plays=False, **view):
     shot = scrim.loads(text)
     data, resolved = tomlkit.parse(text).unwrap(), shot.resolved()
     return _renderer.Wanted(
         text, _pictures.shape_of(data, view, 1), _pictures.strengths_of(data, resolved), view, 1, (64, 48), False,
-        moves=moves, since=since, muted=muted, verify=verify,
+        moves=moves, since=since, muted=muted, verify=verify, region=region, plays=plays,
     )  # fmt: skip
 
 
@@ -194,6 +194,10 @@ EXACT, COARSE, LAYERS = ("exact", "final", ""), ("whole", "motion", ""), ("layer
         ("layers", {"muted": MUTED}, EXACT),
         ("all", {"muted": MUTED}, None),
         ("exact", {"verify": True}, ("verify", "final", "")),
+        ("all", {"region": (0, 0, 8, 8)}, ("region", "region", "")),
+        ("all", {"region": (0, 0, 8, 8), "text": BRIGHTER}, COARSE),
+        ("motion", {"plays": True}, ("whole", "draft", "")),
+        ("draft", {"plays": True}, None),
     ],
 )
 def test_the_next_render_is_the_one_that_helps_most(pictures, there, wish, expected):

@@ -235,6 +235,25 @@ def test_a_file_that_somebody_else_changed_is_not_overwritten(view, tmp_path):
     browser.close()
 
 
+def test_a_region_alone_is_refined_until_it_is_taken_away(view):
+    browser = view().browser()
+    browser.until_layers()
+    browser.send(type="region", box=[0.25, 0.0, 0.5, 1.0])
+    browser.send(type="set", id="volume.smoke.density.scale", value=40.0, done=True)
+    serial = browser.serial
+    browser.until(lambda m: m["type"] == "pictures" and m["stage"] == "region" and m["serial"] == serial)
+    part = browser.pictures["beauty"]
+    assert browser.state["region"] == [16, 0, 32, 48] and not browser.head["exact"]
+    browser.send(type="region", box=None)
+    whole = browser.until_exact()
+    assert numpy.array_equal(part[:, 16:32], whole[:, 16:32]) and not numpy.array_equal(part[:, :16], whole[:, :16])
+    browser.send(type="region", box=[0.5, 0.5, 0.5, 0.5])
+    browser.send(type="region", box=[0, 1])
+    for text in ("the region has no pixel", "expected a box of four numbers"):
+        assert text in browser.until(lambda m: m["type"] == "error")["text"]
+    browser.close()
+
+
 def test_a_verification_finds_the_error_that_the_program_finds(view, tmp_path):
     browser = view().browser()
     browser.send(type="verify")

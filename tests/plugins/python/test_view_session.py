@@ -29,7 +29,24 @@ BUTTONS = (
     "#lights",
     "#verify",
 )
-KEYS = ("ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "+", "-", "f", "Home", "s", "w", "e", "E", "g", "G", "l", "h")
+KEYS = (
+    "ArrowLeft",
+    "ArrowRight",
+    "ArrowUp",
+    "ArrowDown",
+    "+",
+    "-",
+    "f",
+    "Home",
+    "s",
+    "w",
+    "e",
+    "E",
+    "g",
+    "G",
+    "l",
+    "h",
+)
 
 
 def drag(page, chance):

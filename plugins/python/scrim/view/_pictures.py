@@ -135,7 +135,8 @@ class Pictures:
     """The newest pictures of a scene. `beauty`: the picture itself, whose colours count while every weight is 1 and
     `is_whole` (no layer was rendered anew since). `layers`: None until they are rendered. `rest`: what the layers
     leave of the picture, None where that is nothing. `stage`: motion, draft or final, which is as exact as the scene
-    asks for. `muted`: lights that were left out of the beauty. `depth`: comes with the layers. `frame`: the frame of
+    asks for. `muted`: lights that were left out of the beauty. `region`: the
+    pixels that are final, while the others are older. `depth`: comes with the layers. `frame`: the frame of
     the render that the scene's file makes, too,
     bit for bit; None until it was made."""
 
@@ -146,6 +147,7 @@ class Pictures:
     stage: str
     strengths: Strengths
     muted: frozenset[str] = frozenset()
+    region: tuple[int, int, int, int] | None = None
     depth: Depth | None = None
     is_whole: bool = True
     frame: object = None
@@ -209,6 +211,18 @@ def pictures_of(
     something = layers and float(np.abs(rest).max(initial=0)) > 1e-4 * max(float(beauty.max(initial=0)), 1e-6)
     left = Texture.of(rest) if something else None
     return Pictures(shape, Texture.of(beauty), layers, left, stage, strengths, depth=depth, seconds=seconds)
+
+
+def with_region(pictures: Pictures, frame: object, region: tuple[int, int, int, int], size: tuple[int, int]) -> Texture:
+    """The picture in its full size, with the pixels of a region from the frame that was cropped to it."""
+    before = pictures.beauty.pixels
+    rows, columns = (
+        np.arange(full) * now // full for full, now in ((size[1], before.shape[0]), (size[0], before.shape[1]))
+    )
+    whole = before[rows][:, columns]
+    x0, y0, x1, y1 = region
+    whole[y0:y1, x0:x1] = Texture.of(frame.image).pixels
+    return Texture(whole)
 
 
 def _inside(frame: object) -> tuple[slice, slice]:

@@ -73,7 +73,7 @@ class Player:
 
     def took(self, look: Hashable, frame: int, pictures: Pictures) -> None:
         """Keeps a picture of a frame that was rendered, and goes on if that is what was waited for."""
-        if pictures.stage == "motion":
+        if pictures.stage not in ("draft", "final"):
             return
         self._cache.keep(look, frame, replace(pictures, frame=None, layers=None, rest=None, depth=None))
         if self.is_playing and self._waits:

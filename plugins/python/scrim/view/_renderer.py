@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import scrim
 
-from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, pictures_of
+from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, pictures_of, with_region
 
 # Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
 # keep a preset's promise, which takes longer than such a render.
@@ -45,9 +45,9 @@ _SOON = 1.0  # seconds of it after which that is known
 @dataclass(frozen=True)
 class Wanted:
     """What is looked at. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not shine;
-    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other
-    frames follow, so that a draft is enough; `serial`: number of the
-    last event; `since`: when it came."""
+    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other frames
+    follow, so that a draft is enough; `region`: the pixels alone that are refined; `serial`: number of the last event;
+    `since`: when it came."""
 
     text: str
     shape: Shape
@@ -60,14 +60,16 @@ class Wanted:
     moves: bool = False
     verify: bool = False
     plays: bool = False
+    region: tuple[int, int, int, int] | None = None
     serial: int = 0
     since: float = 0.0
 
 
 @dataclass(frozen=True)
 class Task:
-    """A render. `kind`: whole (the picture alone), layers (with all of them), light (one light alone), exact (what the
-    scene's file says, with its own layers), or verify: the same, and some pixels by brute force."""
+    """A render. `kind`: whole (the picture alone), layers (with all of them), region (a part alone), light (one light
+    alone), exact (what the scene's file says, with its own layers), or verify: the same, and some pixels by brute
+    force."""
 
     kind: str
     stage: str
@@ -85,6 +87,11 @@ def next_task(wanted: Wanted, pictures: Pictures | None, now: float, is_slow: bo
         return None if is_there and pictures.stage != "motion" else Task("whole", "draft")
     if pictures is None or pictures.shape.common != wanted.shape.common:
         return Task("whole", "motion")
+    if wanted.region is not None:
+        if not _alike(pictures, wanted) or pictures.muted != wanted.muted:
+            return Task("whole", "motion")
+        is_there = pictures.region == wanted.region and pictures.shape == wanted.shape
+        return None if wanted.moves or is_there else Task("region", "region")
     if pictures.layers is None:
         if not _alike(pictures, wanted) or pictures.muted != wanted.muted:
             return Task("whole", "motion")
@@ -222,7 +229,7 @@ class Renderer:
             over["output.layers"] = ["light"]
             over["ambient.color"] = [0.0, 0.0, 0.0]
             over |= {f"light.{name}.intensity": 0.0 for name in wanted.shape.lights if name != task.light}
-        elif task.kind == "whole":
+        elif task.kind in ("whole", "region"):
             over |= {f"{n}.intensity": 0.0 for n in wanted.muted if n.startswith("light.")}
             over |= {"ambient.color": [0.0, 0.0, 0.0]} if "ambient" in wanted.muted else {}
         return over, size
@@ -242,7 +249,8 @@ class Renderer:
         for name, grids in self._grids.items():
             shot.set_volume(name, grids)
         self._shot = shot
-        job = self._job = shot.start(wanted.frame, verify=_VERIFIED if task.kind == "verify" else 0)
+        job = self._job = shot.start(wanted.frame, crop=wanted.region if task.kind == "region" else None,
+                         verify=_VERIFIED if task.kind == "verify" else 0)  # fmt: skip
         while not job.wait(_POLL):
             seconds = time.monotonic() - started
             with self._changed:
@@ -275,7 +283,7 @@ class Renderer:
             return False
         if task.kind == "light":
             return newest.shape.lights == wanted.shape.lights
-        if newest.shape != wanted.shape or newest.muted != wanted.muted:
+        if newest.shape != wanted.shape or newest.region != wanted.region or newest.muted != wanted.muted:
             return False
         same = all((newest.strengths.of[n] == rgb).all() for n, rgb in wanted.strengths.of.items())
         return same and (task.kind != "verify" or newest.verify)
@@ -308,6 +316,9 @@ class Renderer:
             self._pictures = replace(pictures, layers=made.layers, rest=made.rest, depth=made.depth)
         elif task.kind == "layers":
             self._pictures = made
+        elif task.kind == "region":
+            beauty = with_region(pictures, frame, wanted.region, wanted.resolution)
+            self._pictures = replace(made, beauty=beauty, muted=wanted.muted, region=wanted.region)
         else:
             name = f"light.{task.light}"
             layers = dict(pictures.layers)

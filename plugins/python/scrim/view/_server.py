@@ -29,10 +29,11 @@ import scrim
 
 from . import _luts, _messages
 from ._door import Door, is_any
+from ._luts import Lut
 from ._opening import opened
 from ._pictures import Texture
 from ._opened import Opened
-from ._session import Lut, Session
+from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
 _PARTS = ("curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values")

@@ -7,17 +7,17 @@ Everything here runs in the thread of the server's event loop, except for what `
 from __future__ import annotations
 
 import os
-import threading
 import time
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 
 import scrim
 
-from . import _handles, _luts, _messages
+from . import _handles, _messages
 from ._controls import Control, groups_of
 from ._document import Change, Document, name_of
+from ._luts import Lut, Tables
 from ._opened import Opened
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
@@ -25,15 +25,6 @@ from ._renderer import Renderer, Task, Wanted, is_exact
 from ._viewpoint import Viewpoint
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
-_TABLE_SECONDS = 0.5  # until the fine table of a view is made, so that the first picture has the processor
-
-
-@dataclass(frozen=True)
-class Lut:
-    """A view's table of size^3 entries: see `_luts`."""
-
-    size: int
-    data: bytes
 
 
 class Session:
@@ -60,7 +51,8 @@ class Session:
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
         self.player = Player(self, opened.frames, tell, later)
-        self._luts: dict[tuple[str, str], Lut] = {}
+        self._tables = Tables(lambda: self._show(), later)
+        self._region: tuple[int, int, int, int] | None = None
         self.pictures: Pictures | None = None
         self.serial_shown = 0
         self._read(opened.text)
@@ -213,6 +205,11 @@ class Session:
         """All that the picture of a frame depends on."""
         return self.document.text, str(self._viewpoint.overrides()), self._muted
 
+    def _on_region(self, message: Mapping) -> None:
+        """A part of the picture alone is refined; without a box all of it."""
+        self._region = _messages.window(message.get("box"), self._viewpoint.resolution)
+        self._update(moves=False)
+
     def _on_verify(self, message: Mapping) -> None:
         self._message = "comparing pixels with brute force"
         self._update(moves=False)
@@ -282,6 +279,7 @@ class Session:
             moves,
             self._verify,
             self.player.is_playing,
+            self._region,
             self._serial,
             time.monotonic(),
         )
@@ -335,6 +333,7 @@ class Session:
             "aspect": self._viewpoint.aspect,
             "handles": _handles.of(self.document.data, self._seen_from()),
             "cameras": self.opened.cameras,
+            "region": self._region,
             "playing": self.player.is_playing,
             "displays": self.displays,
             "display": self.display,
@@ -361,18 +360,8 @@ class Session:
         return self.opened.command(self.document.file, sets, self._viewpoint.overrides(), self._muted, frame)
 
     def lut(self) -> Lut:
-        """The table of the chosen view; first a coarse one, and `show` is called when the fine one is there."""
-        chosen, reader = (self.display, self.view), self._reader
-
-        def refine() -> None:
-            self._luts[chosen] = Lut(_luts.SIZE, _luts.table(reader, *chosen))
-            self._later(0.0, self._show)
-
-        if chosen not in self._luts:
-            self._luts[chosen] = Lut(_luts.FIRST_SIZE, _luts.table(reader, *chosen, _luts.FIRST_SIZE))
-            thread = threading.Thread(target=refine, name="scrim-view-table", daemon=True)
-            self._later(_TABLE_SECONDS, thread.start)
-        return self._luts[chosen]
+        """The table of the chosen view."""
+        return self._tables.of(self._reader, self.display, self.view)
 
     def exact_frame(self) -> scrim.Frame | None:
         """The frame that the scene's file makes; None while it is not there."""

@@ -5,10 +5,10 @@ import { Handles } from "./handles.js";
 import { Looks } from "./looks.js";
 import { Panel } from "./panel.js";
 import { Picture } from "./picture.js";
-import { steer } from "./steer.js";
+import { drawBox, showBox, steer } from "./steer.js";
 
 const RETRY_MS = 500; // until a lost connection is tried again
-const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", " ": "play" };
+const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", " ": "play" };
 
 const by = (id) => document.getElementById(id);
 const canvas = by("picture");
@@ -122,7 +122,7 @@ function redraw(after, isQuick = false) {
 }
 
 function showStage() {
-    const words = { motion: "moving", draft: "draft", final: "finished" };
+    const words = { motion: "moving", draft: "draft", final: "finished", region: "finished in the region" };
     const isFile = stage.exact && state && !state.free && !state.changed && !state.muted.length;
     const text = isFile ? "finished: the file's picture" : words[stage.stage] ?? "";
     const percent = (part) => `${(100 * part).toPrecision(2)} %`;
@@ -153,6 +153,7 @@ function showState(message) {
     [frame.min, frame.max] = [state.frames[0], state.frames[state.frames.length - 1]];
     if (!frame.matches(":active")) showFrame(state.frame);
     by("play").setAttribute("aria-pressed", String(state.playing));
+    draws(isDrawing);
     fillCameras();
     panel.update(state.groups, state.muted);
     handles.update(state.handles);
@@ -221,6 +222,7 @@ function resize() {
     if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
     placeWipe();
     handles.fit();
+    showBox(canvas, by("box"), state.region && state.region.map((v, i) => v / state.resolution[i % 2]));
 }
 
 // ---- what the user does
@@ -241,6 +243,17 @@ const handles = new Handles(by("handles"), canvas, (light, x, y, done) => {
 click("lights", () => {
     by("handles").hidden = !by("handles").hidden;
     by("lights").setAttribute("aria-pressed", String(!by("handles").hidden));
+});
+let isDrawing = false; // a region
+const draws = (on) => by("region").setAttribute("aria-pressed", String((isDrawing = on) || Boolean(state?.region)));
+click("region", () => {
+    if (isDrawing) return;
+    if (state.region) return send({ type: "region", box: null });
+    draws(true);
+    drawBox(canvas, by("box"), (box) => {
+        draws(false);
+        send({ type: "region", box });
+    });
 });
 const looks = picture && new Looks(picture, by, redraw, (layer) => layer !== "beauty" && panel.soloOf(layer));
 

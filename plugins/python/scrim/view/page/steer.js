@@ -12,6 +12,39 @@ function modeOf(event) {
     return event.button === 2 || event.ctrlKey ? "dolly" : "orbit";
 }
 
+/** A box that is drawn over the canvas with the next drag: `done` hears its sides in parts of the canvas. */
+export function drawBox(canvas, box, done) {
+    const at = (event) => {
+        const { left, top, width, height } = canvas.getBoundingClientRect();
+        return [(event.clientX - left) / width, (event.clientY - top) / height].map((v) => Math.min(Math.max(v, 0), 1));
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+        event.stopImmediatePropagation(); // the view stays
+        canvas.setPointerCapture(event.pointerId);
+        const from = at(event);
+        const sides = (it) => [0, 1].map((i) => Math.min(from[i], at(it)[i])).concat([0, 1].map((i) => Math.max(from[i], at(it)[i])));
+        const move = (it) => {
+            it.stopImmediatePropagation();
+            showBox(canvas, box, sides(it));
+        };
+        canvas.addEventListener("pointermove", move, true);
+        canvas.addEventListener("pointerup", (it) => {
+            it.stopImmediatePropagation();
+            canvas.removeEventListener("pointermove", move, true);
+            done(sides(it));
+        }, { once: true, capture: true });
+    }, { once: true, capture: true });
+}
+
+/** Lays `box` over a part of the canvas; null hides it. */
+export function showBox(canvas, box, sides) {
+    box.hidden = !sides;
+    if (!sides) return;
+    const [x0, y0, x1, y1] = sides;
+    const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = canvas;
+    Object.assign(box.style, { left: `${offsetLeft + x0 * offsetWidth}px`, top: `${offsetTop + y0 * offsetHeight}px`, width: `${(x1 - x0) * offsetWidth}px`, height: `${(y1 - y0) * offsetHeight}px` });
+}
+
 /** `send(message)`; `hover(event)`: the mouse moves without a button; `point(x, y)`: a part of the canvas was meant. */
 export function steer(canvas, send, hover, point) {
     let drag = null;
