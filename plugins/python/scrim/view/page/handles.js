@@ -6,7 +6,7 @@ const STEP = 0.01; // of an arrow key
 export class Handles {
     /** `place(light, x, y, done)`: a handle is at this part of the canvas. */
     constructor(root, canvas, place) {
-        Object.assign(this, { root, canvas, place, selected: null, held: null });
+        Object.assign(this, { root, canvas, place, selected: null, held: null, width: 0, height: 0 });
         this.buttons = new Map();
     }
 
@@ -32,13 +32,16 @@ export class Handles {
     /** Lies over the canvas. */
     fit() {
         const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = this.canvas;
+        Object.assign(this, { width: offsetWidth, height: offsetHeight });
+        for (const [light, { x, y }] of this.buttons) this.#put(light, x, y);
         Object.assign(this.root.style, { left: `${offsetLeft}px`, top: `${offsetTop}px`, width: `${offsetWidth}px`, height: `${offsetHeight}px` });
     }
 
     #put(light, x, y) {
         const button = this.buttons.get(light);
         Object.assign(button, { x, y });
-        Object.assign(button.style, { left: `${100 * x}%`, top: `${100 * y}%` });
+        // A transform needs no new layout, nor a new painting, while the view turns.
+        button.style.transform = `translate(${x * this.width}px, ${y * this.height}px)`;
     }
 
     #button({ light, kind }) {

@@ -61,7 +61,7 @@ function hear(message) {
     if (message.type === "state") return showState(message);
     if (message.type === "error") return fail(message.text);
     if (message.type === "weights") {
-        handles.update(message.handles);
+        moved = message.handles;
         return weigh(message.weights, message.serial);
     }
     if (message.type === "frame") showFrame(message.number);
@@ -102,6 +102,7 @@ function settle(upTo, list) {
 const SOON_MS = 150;
 let waiting = [];
 let better = 0;
+let moved = null; // handles of lights, which go with the next picture
 function redraw(after, isQuick = false) {
     if (after) waiting.push(after);
     if (!isDrawn) return;
@@ -109,6 +110,8 @@ function redraw(after, isQuick = false) {
     requestAnimationFrame((then) => {
         isDrawn = true;
         picture?.draw(isQuick);
+        if (moved) handles.update(moved);
+        moved = null;
         const all = waiting;
         waiting = [];
         requestAnimationFrame((now) => {
@@ -156,6 +159,7 @@ function showState(message) {
     draws(isDrawing);
     fillCameras();
     panel.update(state.groups, state.muted);
+    moved = null;
     handles.update(state.handles);
     weigh(state.weights, state.serial);
     resize();
