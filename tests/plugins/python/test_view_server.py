@@ -386,3 +386,13 @@ def test_an_asset_is_framed_and_saved_as_a_scene_beside_it(tmp_path, program, py
     assert Path(tmp_path / "a.toml").read_text().startswith("# A scene for")
     browser.close()
     viewer.close()
+
+
+def test_a_refused_event_leaves_the_picture_finished(view):
+    browser = view().browser()
+    browser.until_exact()
+    browser.send(type="set", id="light.key.intensity", value=-1.0, done=True)
+    serial = browser.serial
+    shown = browser.until(lambda m: m["type"] == "pictures" and m["serial"] == serial)
+    assert shown["exact"]
+    browser.close()

@@ -8,7 +8,7 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .. import _grids, _scrim, _toml
 from .._errors import UsageError
@@ -99,7 +99,7 @@ class Shot:
             self._said = len(self._messages.warnings)
         return self._read[1]
 
-    def scene(self, frame: int = 1) -> dict:
+    def scene(self, frame: int = 1) -> dict[str, Any]:
         """The scene of a frame as a dict, without the overrides: for `scrim.loads`."""
         return self._at(frame).scene
 
@@ -153,9 +153,17 @@ class Shot:
         self.opened(self.frames[0] if self._read is None else self._read[0]).set_volume(name, fields)
         self._grids[name] = fields
 
-    def study(self, frame: int = 1, folder: str | os.PathLike[str] | None = None, **keywords: object) -> dict:
-        """Accuracy against time at a frame: see `scrim.Shot.study`, whose keywords these are."""
-        return self.opened(frame).study(frame, folder, **keywords)
+    def study(
+        self,
+        frame: int = 1,
+        folder: str | os.PathLike[str] | None = None,
+        *,
+        budget: float = 0.0,
+        threads: int = 0,
+        progress: Callable[[float], object] | None = None,
+    ) -> dict[str, Any]:
+        """Accuracy against time at a frame: see `scrim.Shot.study`."""
+        return self.opened(frame).study(frame, folder, budget=budget, threads=threads, progress=progress)
 
     def view(self, frame: int | None = None, *, height: int = 640) -> View:
         """Shows a frame in a notebook: see `scrim.Shot.view`. Its cameras can be chosen there."""
@@ -166,7 +174,7 @@ class Shot:
         number = self.frames[0] if frame is None else frame
         return View(of_stage(self, number, self._given["ocio"], self._grids), height)
 
-    def resolved(self, frame: int = 1) -> dict:
+    def resolved(self, frame: int = 1) -> dict[str, Any]:
         """The scene of a frame in plain numbers: see `scrim.Shot.resolved`."""
         return self.opened(frame).resolved(frame)
 

@@ -102,11 +102,15 @@ class Server:
     def open(self, name: object, serial: int) -> None:
         """Shows another file of the folder. Raises scrim.Error where that cannot be; the scene stays then."""
         others = self.session.opened.others
-        if name not in others:
-            raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
-        path = os.path.join(os.path.dirname(self._opened.input), name)
-        scene = replace(opened(path, ocio=self._opened.ocio), others=others)
-        before, self.session = self.session, self._begin(scene, serial)
+        try:
+            if name not in others:
+                raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
+            path = os.path.join(os.path.dirname(self._opened.input), name)
+            scene = replace(opened(path, ocio=self._opened.ocio), others=others)
+            before, self.session = self.session, self._begin(scene, serial)
+        except scrim.Error:
+            self.session.refuse(serial)
+            raise
         before.close()
         self.tell(self.session.state())
 
@@ -275,7 +279,6 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
                 else:
                     self.server.session.handle(message)
             except scrim.Error as error:
-                self.tell(json_encode(self.server.session.state()))  # the page may show what was refused
                 self.tell(json_encode({"type": "error", "text": str(error)}))
 
     def tell(self, text: str | bytes, binary: bool = False) -> None:

@@ -80,7 +80,16 @@ class Session:
             raise scrim.UsageError(f"the page asks for '{kind}', which this viewer does not know")
         self._serial = max(self._serial, _messages.whole(message.get("serial", 0)))
         self._message, self._verify = "", kind == "verify"
-        do(message)
+        try:
+            do(message)
+        except scrim.Error:
+            self.refuse(self._serial)
+            raise
+
+    def refuse(self, serial: int) -> None:
+        """What is there is right for this event, too, which changed nothing."""
+        self._serial = max(self._serial, serial)
+        self._update(moves=False)
 
     def _on_navigate(self, message: Mapping) -> None:
         dx, dy = _messages.number(message.get("dx")), _messages.number(message.get("dy"))
