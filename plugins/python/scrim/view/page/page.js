@@ -85,7 +85,8 @@ function receive(buffer) {
         showStage();
     }
     if (head.type === "pictures") socket.send(JSON.stringify({ type: "have" }));
-    redraw(() => head.type === "pictures" && settle(head.serial, times.picture));
+    // While a light is dragged its layer comes again and again, and all of them are summed each time.
+    redraw(() => head.type === "pictures" && settle(head.serial, times.picture), sent.size > 1 && Boolean(picture?.weights));
 }
 
 function settle(upTo, list) {
