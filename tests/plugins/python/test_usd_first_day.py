@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Stages that leave things unsaid: without a camera, without named settings; and what a shot of a stage can do."""
 
+import sys
+
 import numpy
 import pytest
 
@@ -47,6 +49,15 @@ def test_a_stage_without_a_camera_is_framed_as_its_asset(tmp_path, up, axis):
     assert said.startswith(f"/: the stage has no camera: one stands at ({eye}), looks along (")
     image = shot.render().image
     assert image[20:28, 28:36, 3].min() > 0.3 and image[0].max() == 0  # the slab is in the middle, and not all there is
+
+
+def test_the_program_frames_it_too(tmp_path, program, python_path):
+    stage = bare_stage(tmp_path)
+    stage.stage.Save()
+    environment = {**python_path, "SCRIM_PYTHON": sys.executable}
+    done = program("render", stage.path, "--res", "32x24", "-o", tmp_path / "bare.exr", env=environment)
+    assert done.returncode == 0 and "the stage has no camera: one stands at (" in done.stderr, done.stderr
+    assert (tmp_path / "bare.exr").exists()
 
 
 def test_the_framing_goes_with_the_transform_of_the_volume(tmp_path):
