@@ -31,6 +31,9 @@ except ModuleNotFoundError as error:
     from ._other_python import advice
 
     raise ImportError(advice()) from None
+from .view import shown as _shown
+
+Shot.view = _shown  # of the package in Python, which the module in C++ does not know
 
 __all__ = [
     "AccuracyError",

@@ -123,8 +123,11 @@ def render(tmp_path):
 
     def run(*arguments):
         return subprocess.run(
-            [PROGRAM, "render", "smoke.toml", "--set", 'output.layers=[]', *arguments],
-            cwd=tmp_path, capture_output=True, text=True, timeout=120,
+            [PROGRAM, "render", "smoke.toml", "--set", "output.layers=[]", *arguments],
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            timeout=120,
         )
 
     return run
@@ -147,8 +150,14 @@ def test_the_viewer_ends_with_the_picture_in_linear_rec709(render, tmp_path):
 def test_the_picture_is_shown_while_it_grows(render):
     viewer = Viewer()
     result = render(
-        "--res", "640x480", "--quality", "ultra", "--set", "volume.smoke.parameters.resolution=128",
-        "--display-server", viewer.address,
+        "--res",
+        "640x480",
+        "--quality",
+        "ultra",
+        "--set",
+        "volume.smoke.parameters.resolution=128",
+        "--display-server",
+        viewer.address,
     )
     viewer.close()
     assert result.returncode == 0, result.stderr

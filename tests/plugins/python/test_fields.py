@@ -200,9 +200,7 @@ def test_volumes_that_are_not_there_say_which_are():
         shot.set_volume("fog", 3)
     with pytest.raises(scrim.UsageError, match="^volume 'fog': expected at least one grid$"):
         shot.set_volume("fog", [])
-    with pytest.raises(
-        scrim.UsageError, match=r"^scene:\d+:\d+: volume 'fog' has no file, no source and no grids$"
-    ):
+    with pytest.raises(scrim.UsageError, match=r"^scene:\d+:\d+: volume 'fog' has no file, no source and no grids$"):
         shot.render()
     shot.set_volume("fog", scrim.Field(ONES, name="heat"))
     with pytest.raises(scrim.InputError, match="volume 'fog' has no grid 'density'; there is 'heat'"):

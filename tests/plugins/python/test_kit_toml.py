@@ -18,7 +18,7 @@ tomllib = pytest.importorskip("tomllib", reason="the tests read TOML by Python 3
 NUMBERS = [0, -1, 2**63 - 1, -(2**63), 0.1, -0.0, 1e-5, 1e16, 1.5e300, 5e-324, 0.30000000000000004, math.pi, 100.0]
 STRINGS = [
     "plain",
-    'quote " and \\ and \'',
+    "quote \" and \\ and '",
     "line\nline\r\ttab \b\f",
     "".join(map(chr, range(1, 0x20))) + "\x7f\x80",  # the program takes no NUL
     "é ß 中 \U0001f525 \u2028",

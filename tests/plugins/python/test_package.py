@@ -30,6 +30,8 @@ def test_types_come_with_it():
     stubs = (folder / "_scrim.pyi").read_text()
     for name in ("Field", "Frame", "Job", "Plan", "Shot"):
         assert f"class {name}:" in stubs
+        for member in vars(getattr(scrim, name)):
+            assert member.startswith("_") or f"def {member}(" in stubs, f"{name}.{member}"
     compile(stubs, "_scrim.pyi", "exec")
 
 

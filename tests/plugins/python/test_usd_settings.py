@@ -166,8 +166,9 @@ def test_purposes_are_those_of_the_settings(foggy):
 def test_a_still_camera_of_the_settings(foggy):
     camera = UsdGeom.Camera.Get(foggy.stage, "/cam")
     camera.GetShutterCloseAttr().Set(0.5)
-    settings(foggy, disableMotionBlur=True)
-    assert "shutter" in foggy.open().scene(1)["camera"]
+    made = settings(foggy)
+    assert "shutter" in foggy.open(settings="/Render/rs").scene(1)["camera"]
+    made.GetDisableMotionBlurAttr().Set(True)
     assert "shutter" not in foggy.open(settings="/Render/rs").scene(1)["camera"]
 
 

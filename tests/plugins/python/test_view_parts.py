@@ -3,6 +3,7 @@
 table of a view."""
 
 import math
+from dataclasses import replace
 
 import numpy
 import OpenImageIO
@@ -135,40 +136,79 @@ def test_angles_of_a_light_are_a_direction_and_back(up):
 # ---- the next render
 
 
-def wanted(text=SMOKE, moves=False, since=0.0, **view):
+def wanted(text=SMOKE, moves=False, since=0.0, muted=frozenset(), verify=False, region=None, plays=False, **view):
     shot = scrim.loads(text)
     data, resolved = tomlkit.parse(text).unwrap(), shot.resolved()
     return _renderer.Wanted(
         text, _pictures.shape_of(data, view, 1), _pictures.strengths_of(data, resolved), view, 1, (64, 48), False,
-        moves=moves, since=since,
+        moves=moves, since=since, muted=muted, verify=verify, region=region, plays=plays,
     )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def pictures():
+    """By what was rendered: coarse, a draft, the file's picture, layers, or the last two."""
     it = wanted()
     frame = scrim.loads(SMOKE, {"output.layers": _pictures.LAYERS}).render()
-    return lambda stage: _pictures.pictures_of(frame, it.shape, it.strengths, stage, 0.1)
+
+    def of(stage, has_layers=False, **more):
+        return replace(_pictures.pictures_of(frame, it.shape, it.strengths, stage, 0.1, has_layers), **more)
+
+    out = {stage: of(stage) for stage in ("motion", "draft")}
+    out |= {"exact": of("final", frame=frame), "layers": of("final", True), "all": of("final", True, frame=frame)}
+    return {None: None, **out, "moved light": coarse_light(out["all"])}
 
 
-def test_the_next_render_is_the_one_that_helps_most(pictures):
-    def after(stage, wish, now=1.0):
-        task = _renderer.next_task(wish, pictures(stage) if stage else None, now)
-        return task and (task.kind, task.stage, task.light)
+def coarse_light(pictures):
+    layers = {**pictures.layers, "light.key": replace(pictures.layers["light.key"], stage="motion")}
+    return replace(pictures, layers=layers, frame=None, is_whole=False)
 
-    moved, brighter = SMOKE.replace("0.6, -0.5", "0.1, -0.5"), SMOKE.replace("4.5", "9")
-    assert after(None, wanted()) == ("whole", "motion", "")
-    assert after("final", wanted(moves=True, position=1)) == ("whole", "motion", "")
-    assert after("motion", wanted()) == ("whole", "draft", "")
-    assert after("motion", wanted(moves=True)) is None
-    assert after("draft", wanted()) == ("whole", "final", "")
-    assert after("final", wanted(), now=0.1) is None
-    assert after("final", wanted()) == ("exact", "final", "")
-    assert after("final", wanted(moved, moves=True)) == ("light", "motion", "key")
-    assert after("final", wanted(brighter, moves=True)) is None
-    assert after("final", wanted(brighter)) == ("exact", "final", "")
-    assert after("final", wanted(SMOKE + '\n[render]\nquality = "high"\n')) == ("whole", "final", "")
-    assert after("final", wanted(SMOKE.replace("25", "30"))) == ("whole", "motion", "")
+
+MOVED, BRIGHTER = SMOKE.replace("0.6, -0.5", "0.1, -0.5"), SMOKE.replace("4.5", "9")
+FINER = SMOKE + '\n[render]\nquality = "high"\n'
+MUTED = frozenset(["light.key"])
+EXACT, COARSE, LAYERS = ("exact", "final", ""), ("whole", "motion", ""), ("layers", "final", "")
+
+
+@pytest.mark.parametrize(
+    ("there", "wish", "expected"),
+    [
+        (None, {}, COARSE),
+        ("all", {"moves": True, "position": 1}, COARSE),
+        ("motion", {}, EXACT),
+        ("motion", {"moves": True}, None),
+        ("draft", {}, EXACT),
+        ("exact", {}, LAYERS),
+        ("exact", {"moves": True}, None),
+        ("all", {}, None),
+        ("exact", {"text": BRIGHTER, "moves": True}, COARSE),  # its layers are not there yet
+        ("all", {"text": BRIGHTER, "moves": True}, None),
+        ("all", {"text": BRIGHTER, "since": 0.9}, None),  # the sum shows it; who knows whether more follows
+        ("all", {"text": BRIGHTER}, EXACT),
+        ("all", {"text": MOVED, "moves": True}, ("light", "motion", "key")),
+        ("moved light", {}, ("light", "final", "key")),
+        ("layers", {}, EXACT),
+        ("all", {"text": FINER, "since": 0.9}, EXACT),
+        ("all", {"text": SMOKE.replace("25", "30")}, COARSE),
+        ("exact", {"muted": MUTED}, COARSE),
+        ("layers", {"muted": MUTED}, EXACT),
+        ("all", {"muted": MUTED}, None),
+        ("exact", {"verify": True}, ("verify", "final", "")),
+        ("all", {"region": (0, 0, 8, 8)}, ("region", "region", "")),
+        ("all", {"region": (0, 0, 8, 8), "text": BRIGHTER}, COARSE),
+        ("motion", {"plays": True}, ("whole", "draft", "")),
+        ("draft", {"plays": True}, None),
+    ],
+)
+def test_the_next_render_is_the_one_that_helps_most(pictures, there, wish, expected):
+    task = _renderer.next_task(wanted(**wish), pictures[there], 1.0)
+    assert (task and (task.kind, task.stage, task.light)) == expected
+
+
+def test_a_draft_goes_before_a_picture_that_takes_long(pictures):
+    for there, expected in [("motion", "whole draft"), ("draft", "exact final"), ("all", None)]:
+        task = _renderer.next_task(wanted(), pictures[there], 1.0, is_slow=True)
+        assert (task and f"{task.kind} {task.stage}") == expected
 
 
 def test_layers_with_weights_are_the_picture_of_other_strengths():
@@ -236,7 +276,8 @@ def test_the_table_of_a_view_is_the_view_to_a_step_of_eight_bits():
     display = next(iter(shot.displays))
     view = shot.displays[display][0]
     size = _luts.SIZE
-    table = numpy.frombuffer(_luts.table(shot, display, view), numpy.float16).reshape(size, size, size, 3)
+    words = numpy.frombuffer(_luts.table(shot, display, view), numpy.uint32).reshape(size, size, size)
+    table = numpy.stack([words >> 10 * part & 1023 for part in range(3)], axis=-1) / 1023
     # Greys and hues between the entries, each brightness between black and the brightest that a display tells apart.
     tint = numpy.array([[1, 1, 1], [1, 0.9, 0.8], [0.7, 0.9, 1], [1, 0.5, 0.3]])
     colours = (numpy.geomspace(1e-3, 20, 200)[:, None, None] * tint).reshape(-1, 3)
@@ -246,7 +287,7 @@ def test_the_table_of_a_view_is_the_view_to_a_step_of_eight_bits():
     for corner in numpy.ndindex(2, 2, 2):
         at = low + corner
         share = numpy.prod(numpy.where(corner, part, 1 - part), axis=1)
-        found = found + share[:, None] * table[at[:, 2], at[:, 1], at[:, 0]].astype(float)
+        found = found + share[:, None] * table[at[:, 2], at[:, 1], at[:, 0]]
     pixels = numpy.ones((1, len(colours), 4), numpy.float32)
     pixels[0, :, :3] = colours
     wanted = numpy.clip(shot.displayed(pixels, display, view)[0, :, :3], 0, 1)

@@ -55,13 +55,17 @@ def test_the_first_picture_is_refined_to_that_of_the_scene(view):
     order = ["motion", "draft", "final"]  # a slow browser is not sent all of them
     assert stages[-1] == "final" and [order.index(s) for s in stages] == sorted(order.index(s) for s in stages)
     assert numpy.array_equal(browser.pictures["beauty"], scrim.loads(COMMENTED).render().image.astype(numpy.float16))
+    if not browser.head["layers"]:  # they come behind it, and the picture stays
+        beauty = browser.head["slots"]["beauty"]
+        browser.until(lambda m: m["type"] == "pictures" and m["layers"])
+        assert browser.head["slots"]["beauty"] == beauty and browser.head["exact"]
     assert {"light.key", "light.rim"} <= set(browser.pictures)
     browser.close()
 
 
 def test_layers_and_weights_make_the_picture_of_other_strengths(view):
     browser = view(COMMENTED + "\n[render]\ntexel = 1.0\nsheet_thickness = 1.0\n").browser()
-    browser.until_exact()
+    browser.until_layers()
     browser.send(type="set", id="light.key.intensity", value=9.0, done=False)
     weights = browser.until(lambda m: m["type"] == "weights")["weights"]
     assert weights["light.key"] == pytest.approx([2, 2, 2]) and weights["light.rim"] == [1, 1, 1]
@@ -114,7 +118,7 @@ def test_the_command_line_renders_the_viewers_picture_bit_for_bit(view, tmp_path
 
 def test_moving_a_light_renders_that_light_alone(view):
     browser = view().browser()
-    browser.until_exact()
+    browser.until_layers()
     before = dict(browser.head["slots"])
     browser.send(type="set", id="light.key.elevation", value=-20.0, done=False)
     browser.until(lambda m: m["type"] == "pictures")
@@ -172,7 +176,7 @@ def test_a_light_that_was_dark_is_rendered_when_it_is_to_shine(view):
 
 def test_a_muted_layer_has_no_weight_and_stays_in_the_scene(view):
     browser = view().browser()
-    browser.until_exact()
+    browser.until_layers()
     browser.send(type="muted", names=["light.key"])
     state = browser.until(lambda m: m["type"] == "state" and m["muted"])
     assert state["weights"]["light.key"] == [0, 0, 0] and state["weights"]["light.rim"] == [1, 1, 1]
@@ -184,7 +188,7 @@ def test_what_is_wrong_is_told_where_it_is_and_changes_nothing(view):
     browser = view().browser()
     browser.send(type="set", id="light.key.intensity", value=-1.0, done=True)
     assert "shot.toml:18:13: 'intensity' is -1" in browser.until(lambda m: m["type"] == "error")["text"]
-    assert browser.until(lambda m: m["type"] == "state")["changed"] is False
+    assert browser.state["changed"] is False  # told before the error, which stays on the page
     for message, text in [
         ({"type": "set", "id": "light.key.intensity", "value": "9"}, "expected a number"),
         ({"type": "set", "id": "volume.smoke.file", "value": "/etc/passwd"}, "has no control 'volume.smoke.file'"),
@@ -228,6 +232,25 @@ def test_a_file_that_somebody_else_changed_is_not_overwritten(view, tmp_path):
     browser.send(type="save", name="new.toml")
     browser.until(lambda m: m["type"] == "state" and m["file"] == "new.toml")
     assert "intensity = 5.0" in (tmp_path / "new.toml").read_text()
+    browser.close()
+
+
+def test_a_region_alone_is_refined_until_it_is_taken_away(view):
+    browser = view().browser()
+    browser.until_layers()
+    browser.send(type="region", box=[0.25, 0.0, 0.5, 1.0])
+    browser.send(type="set", id="volume.smoke.density.scale", value=40.0, done=True)
+    serial = browser.serial
+    browser.until(lambda m: m["type"] == "pictures" and m["stage"] == "region" and m["serial"] == serial)
+    part = browser.pictures["beauty"]
+    assert browser.state["region"] == [16, 0, 32, 48] and not browser.head["exact"]
+    browser.send(type="region", box=None)
+    whole = browser.until_exact()
+    assert numpy.array_equal(part[:, 16:32], whole[:, 16:32]) and not numpy.array_equal(part[:, :16], whole[:, :16])
+    browser.send(type="region", box=[0.5, 0.5, 0.5, 0.5])
+    browser.send(type="region", box=[0, 1])
+    for text in ("the region has no pixel", "expected a box of four numbers"):
+        assert text in browser.until(lambda m: m["type"] == "error")["text"]
     browser.close()
 
 
@@ -363,3 +386,13 @@ def test_an_asset_is_framed_and_saved_as_a_scene_beside_it(tmp_path, program, py
     assert Path(tmp_path / "a.toml").read_text().startswith("# A scene for")
     browser.close()
     viewer.close()
+
+
+def test_a_refused_event_leaves_the_picture_finished(view):
+    browser = view().browser()
+    browser.until_exact()
+    browser.send(type="set", id="light.key.intensity", value=-1.0, done=True)
+    serial = browser.serial
+    shown = browser.until(lambda m: m["type"] == "pictures" and m["serial"] == serial)
+    assert shown["exact"]
+    browser.close()

@@ -31,6 +31,7 @@ class Viewer:
         self.url = line.split(": ", 1)[1].strip()
         parts = urllib.parse.urlsplit(self.url)
         self.port, self.token = parts.port, parts.query.removeprefix("token=")
+        self.socket = f"ws://127.0.0.1:{self.port}/socket?token={self.token}"
 
     def get(self, path, token=True, **headers):
         """(status, body) of a request."""
@@ -58,14 +59,28 @@ class Viewer:
         self.process.stderr.close()
 
 
+class Door:
+    """The address of a viewer in a notebook, which has the token in its path."""
+
+    def __init__(self, url):
+        self.url = url.rstrip("/")
+        self.socket = self.url.replace("http", "ws") + "/socket"
+
+    def get(self, path=""):
+        """(status, body, head) of a request."""
+        try:
+            with urllib.request.urlopen(f"{self.url}/{path}", timeout=PATIENCE) as reply:
+                return reply.status, reply.read(), reply.headers
+        except urllib.error.HTTPError as error:
+            return error.code, error.read(), error.headers
+
+
 class Browser:
     """One connection. `pictures`: float32 arrays by slot, of the newest picture message, whose head is `head`."""
 
     def __init__(self, viewer, **headers):
         self._loop = asyncio.new_event_loop()
-        request = tornado.httpclient.HTTPRequest(
-            f"ws://127.0.0.1:{viewer.port}/socket?token={viewer.token}", headers=headers, connect_timeout=PATIENCE
-        )
+        request = tornado.httpclient.HTTPRequest(viewer.socket, headers=headers, connect_timeout=PATIENCE)
         self._socket = self._do(lambda: tornado.websocket.websocket_connect(request, max_message_size=1 << 28))
         self._textures, self.pictures, self.head, self.state, self.errors = {}, {}, {}, {}, []
         self.serial = 0
@@ -118,6 +133,12 @@ class Browser:
         """Listens until the picture of the newest event is the one that a command renders."""
         serial = self.serial
         self.until(lambda m: m["type"] == "pictures" and m["exact"] and m["serial"] >= serial)
+        return self.pictures["beauty"]
+
+    def until_layers(self):
+        """Listens until the layers of that picture are there, too."""
+        serial = self.serial
+        self.until(lambda m: m["type"] == "pictures" and m["exact"] and m["layers"] and m["serial"] >= serial)
         return self.pictures["beauty"]
 
     def close(self):

@@ -47,13 +47,15 @@ def drag(page, start, steps, kind):
 
 
 def exact(page):
-    page.wait_for_function("scrim.isSettled && document.body.dataset.stage === 'exact'", timeout=PATIENCE)
+    """Waits for the picture of the scene's file, and for the layers behind it."""
+    done = "scrim.isSettled && document.body.dataset.stage === 'exact' && document.body.dataset.layers"
+    page.wait_for_function(done, timeout=PATIENCE)
 
 
 def measure(page, url, began):
     page.goto(url)
     page.wait_for_function("document.body.dataset.stage", timeout=PATIENCE)
-    print(f"{'first picture':<28} {time.monotonic() - began:.2f} s after the command, the browser's start included")
+    print(f"{'first picture':<28} {time.monotonic() - began:.2f} s after the command, in a browser that runs")
     exact(page)
     box = page.locator("#picture").bounding_box()
     middle = (box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
@@ -74,22 +76,22 @@ def measure(page, url, began):
 
 
 def main(scene, picture=None):
-    began = time.monotonic()
-    words = [sys.executable, "-m", "scrim.view", scene, "--no-browser"]
-    viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
-    url = viewer.stdout.readline().split(": ", 1)[1].strip()
-    print(f"{'listening':<28} {time.monotonic() - began:.2f} s after the command")
-    try:
-        with sync_playwright() as kit:
-            chromium = kit.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
-            page = chromium.new_page(bypass_csp=True, viewport={"width": 1280, "height": 760})
+    with sync_playwright() as kit:
+        chromium = kit.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        page = chromium.new_page(bypass_csp=True, viewport={"width": 1280, "height": 760})
+        began = time.monotonic()
+        words = [sys.executable, "-m", "scrim.view", scene, "--no-browser"]
+        viewer = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        try:
+            url = viewer.stdout.readline().split(": ", 1)[1].strip()
+            print(f"{'listening':<28} {time.monotonic() - began:.2f} s after the command")
             measure(page, url, began)
             if picture:
                 page.screenshot(path=picture, type="jpeg", quality=88)
-            chromium.close()
-    finally:
-        viewer.terminate()
-        viewer.wait()
+        finally:
+            viewer.terminate()
+            viewer.wait()
+        chromium.close()
 
 
 if __name__ == "__main__":

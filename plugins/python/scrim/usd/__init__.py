@@ -22,7 +22,7 @@ from .._errors import UsageError
 if TYPE_CHECKING:
     from ._shot import Shot
 
-__all__ = ["Shot", "open"]
+__all__ = ["Shot", "cameras", "open"]
 
 _DISTANT = ("radiance", "irradiance")
 _MESHES = ("holdout", "shadows", "none")
@@ -53,6 +53,14 @@ def _chosen(name: str, value: str, choices: Sequence[str]) -> str:
     return value
 
 
+def cameras(path: str | os.PathLike[str]) -> list[str]:
+    """Paths of the cameras of a stage, for `open(path, camera=...)`."""
+    _need_openusd()
+    from . import _camera, _reading
+
+    return _camera.paths_of(_reading.opened_stage(path))
+
+
 def open(
     path: str | os.PathLike[str],
     overrides: Mapping[str, object] | Sequence[str] | None = None,
@@ -70,8 +78,9 @@ def open(
     """Opens a stage: .usd, .usda, .usdc or .usdz.
 
     `overrides`: of the scenes that are made of it, as for `scrim.open`.  `camera`: its path, or its name where that is
-    unique; None: that of the settings, or the only one.  `settings`: the path of a RenderSettings; None: those that the
-    stage names.  `purpose`: what is drawn; None: what the settings include, or default and render.
+    unique; None: that of the settings, the only one, or one that frames the volumes where the stage has none.
+    `settings`: the path of a RenderSettings; None: those that the stage names, or its only ones.  `purpose`: what is
+    drawn; None: what the settings include, or default and render.
     `sidecar`: a TOML file of tables keyed by prim paths, for media and all else that a stage cannot say.
     `distant`: 'radiance' reads a DistantLight as UsdLux 25.05 defines it; 'irradiance' takes its intensity as what
     faces it gets, whatever its angle, as many renderers did before.  `meshes`: do they hide volumes and shadow them

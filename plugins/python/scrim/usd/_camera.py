@@ -14,18 +14,25 @@ from ._settings import Settings
 _WIDTH = 960  # of a picture that nobody gave a size
 
 
-def prim_of(reading: Reading, settings: Settings) -> Usd.Prim:
-    cameras = [p for p in reading.stage.Traverse(Usd.TraverseInstanceProxies()) if p.IsA(UsdGeom.Camera)]
-    there = ", ".join(str(p.GetPath()) for p in cameras)
+def cameras_of(stage: Usd.Stage) -> list[Usd.Prim]:
+    return [p for p in stage.Traverse(Usd.TraverseInstanceProxies()) if p.IsA(UsdGeom.Camera)]
+
+
+def paths_of(stage: Usd.Stage) -> list[str]:
+    return [str(prim.GetPath()) for prim in cameras_of(stage)]
+
+
+def prim_of(reading: Reading, settings: Settings) -> Usd.Prim | None:
+    """None where the stage has no camera, and nobody asked for one."""
+    cameras = cameras_of(reading.stage)
+    there = ", ".join(paths_of(reading.stage))
     wanted = reading.options.camera
     if wanted is None and settings.camera:
         wanted = str(settings.camera)
     if wanted is None:
-        if len(cameras) == 1:
-            return cameras[0]
-        raise InputError(
-            f"the stage has {len(cameras)} cameras: name one of {there}" if cameras else "the stage has no camera"
-        )
+        if len(cameras) > 1:
+            raise InputError(f"the stage has {len(cameras)} cameras: name one of {there}")
+        return cameras[0] if cameras else None
     named = [p for p in cameras if str(p.GetPath()) == wanted or p.GetName() == wanted]
     if len(named) != 1:
         raise InputError(f"'{wanted}' is not a camera of the stage; expected {there or 'one, but it has none'}")
@@ -114,8 +121,23 @@ def shutter_of(reading: Reading, prim: Usd.Prim, settings: Settings) -> list[flo
     return [opens, closes] if settings.blur and closes > opens else None
 
 
-def read(reading: Reading, prim: Usd.Prim, settings: Settings) -> tuple[dict, tuple[int, int, int, int] | None]:
-    """[camera], and the pixels to render where that is not all of them."""
+def window(out: dict, settings: Settings) -> tuple[int, int, int, int] | None:
+    """The pixels to render where that is not all of them. `out`: [camera], which may get an overscan for it."""
+    if settings.window == (0.0, 0.0, 1.0, 1.0):
+        return None
+    width, height = out["resolution"]
+    crop = _laws.crop(settings.window, width, height)
+    beyond = max(-crop[0], -crop[1], crop[2] - width, crop[3] - height)
+    if beyond > 0:
+        # Scrim's overscan is the same on all sides; the crop takes away what is too much.
+        out["overscan"] = max(int(beyond), out.get("overscan", 0))
+    if not (crop[0] < crop[2] and crop[1] < crop[3]):
+        raise InputError(f"dataWindowNDC {settings.window} contains no pixel of {width} x {height}")
+    return crop
+
+
+def read(reading: Reading, prim: Usd.Prim, settings: Settings) -> dict:
+    """[camera]"""
     camera = UsdGeom.Camera(prim)
     out = _lens(reading, camera, settings)
     out["matrix"] = reading.moving(lambda time: _frame(reading, prim, time))
@@ -124,15 +146,5 @@ def read(reading: Reading, prim: Usd.Prim, settings: Settings) -> tuple[dict, tu
         out["near"] = near
     if len(reading.times) > 1:
         out["shutter"] = [reading.times[0] - reading.frame, reading.times[-1] - reading.frame]
-    crop = None
-    width, height = out["resolution"]
-    if settings.window != (0.0, 0.0, 1.0, 1.0):
-        crop = _laws.crop(settings.window, width, height)
-        beyond = max(-crop[0], -crop[1], crop[2] - width, crop[3] - height)
-        if beyond > 0:
-            # Scrim's overscan is the same on all sides; the crop takes away what is too much.
-            out["overscan"] = int(beyond)
-        if not (crop[0] < crop[2] and crop[1] < crop[3]):
-            raise InputError(f"dataWindowNDC {settings.window} contains no pixel of {width} x {height}")
     _own.merge(out, _own.attributes(reading, prim))
-    return out, crop
+    return out

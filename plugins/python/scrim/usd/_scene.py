@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pxr import Usd, UsdGeom, UsdVol
 
 from .._errors import InputError
-from . import _camera, _lights, _meshes, _own, _settings, _volumes
+from . import _camera, _framing, _lights, _meshes, _own, _settings, _volumes
 from ._reading import Item, Messages, Options, Reading
 
 
@@ -50,6 +50,13 @@ def _linked(reading: Reading, lights: list[tuple[dict, _lights.Light]], volumes:
             del volume["lights"]
 
 
+def _volumes_at(reading: Reading, frame: int, sidecar: _own.Sidecar) -> list[dict]:
+    """Volumes of another frame; of what cannot be mapped there is no word."""
+    quiet = Reading(reading.stage, frame, replace(reading.options), Messages(), reading.folder)
+    read = [_volumes.read(quiet, item, 1.0, sidecar) for item in quiet.items(lambda prim: prim.IsA(UsdVol.Volume))]
+    return [volume for volume in read if volume]
+
+
 def scene_at(
     stage: Usd.Stage, frame: float, options: Options, sidecar: _own.Sidecar, messages: Messages, folder: str
 ) -> FrameScene:
@@ -57,11 +64,11 @@ def scene_at(
     scene: dict = {"scene_version": 2}
     settings = _settings.read(reading, scene)
     camera = _camera.prim_of(reading, settings)
-    shutter = _camera.shutter_of(reading, camera, settings)
+    shutter = _camera.shutter_of(reading, camera, settings) if camera else None
     if shutter:
         reading.open_shutter(*shutter)
-    scene["camera"], crop = _camera.read(reading, camera, settings)
-    exposure = _camera.exposure_scale(reading, camera)
+    scene["camera"] = _camera.read(reading, camera, settings) if camera else {}
+    exposure = _camera.exposure_scale(reading, camera) if camera else 1.0
 
     volumes, lights, meshes, solids = [], [], [], []
     for item in reading.items(_drawn):
@@ -82,12 +89,16 @@ def scene_at(
                 solids.append(item)
     if not volumes:
         raise InputError(f"the stage shows no volume at frame {frame:g}")
+    if camera is None:
+        scene["camera"] = _framing.camera(reading, settings, lambda other: _volumes_at(reading, other, sidecar))
+    crop = _camera.window(scene["camera"], settings)
     _linked(reading, lights, volumes, solids)
     scene["volume"] = [volume for _, volume in volumes]
     for name, tables in (("light", [table for table, _ in lights]), ("mesh", meshes)):
         if tables:
             scene[name] = tables
     scene.setdefault("output", {}).setdefault("fps", float(stage.GetTimeCodesPerSecond()))
-    _own.merge(scene["camera"], sidecar.of(camera))
+    if camera:
+        _own.merge(scene["camera"], sidecar.of(camera))
     _own.merge(scene, sidecar.scene)
     return FrameScene(scene, crop)

@@ -28,11 +28,26 @@ class Settings:
     blur: bool = True
 
 
+def _only(reading: Reading, schema: type, what: str) -> Usd.Prim | None:
+    """The stage's only prim of this schema. Where there are several, they are listed, and none is read."""
+    there = [p for p in reading.stage.Traverse() if p.IsA(schema)]
+    if len(there) > 1:
+        paths = ", ".join(str(p.GetPath()) for p in there)
+        reading.warn(what, f"the stage has {len(there)} and names none: {paths}; none is read")
+    return there[0] if len(there) == 1 else None
+
+
 def prim_of(reading: Reading) -> Usd.Prim | None:
+    """The settings that were asked for, those that the stage names, or its only ones; without any, its only product,
+    which has resolution, camera and window, too."""
     wanted = reading.options.settings
     if wanted is None:
         settings = UsdRender.Settings.GetStageRenderSettings(reading.stage)
-        return settings.GetPrim() if settings else None
+        if settings:
+            return settings.GetPrim()
+        if any(p.IsA(UsdRender.Settings) for p in reading.stage.Traverse()):
+            return _only(reading, UsdRender.Settings, "RenderSettings")
+        return _only(reading, UsdRender.Product, "RenderProduct")
     prim = reading.stage.GetPrimAtPath(wanted) if Sdf.Path.IsValidPathString(wanted) else None
     if not prim or not prim.IsA(UsdRender.Settings):
         there = [str(p.GetPath()) for p in reading.stage.Traverse() if p.IsA(UsdRender.Settings)]
@@ -40,10 +55,20 @@ def prim_of(reading: Reading) -> Usd.Prim | None:
     return prim
 
 
+def _product_paths(reading: Reading, prim: Usd.Prim) -> list[Sdf.Path]:
+    if prim.IsA(UsdRender.Product):
+        return [prim.GetPath()]
+    products = UsdRender.Settings(prim).GetProductsRel()
+    if products.HasAuthoredTargets():
+        return products.GetForwardedTargets()
+    only = _only(reading, UsdRender.Product, "RenderProduct")
+    return [only.GetPath()] if only else []
+
+
 def _products(reading: Reading, prim: Usd.Prim) -> tuple[Usd.Prim | None, Usd.Prim | None]:
     """The picture and the deep picture."""
     found: dict[str, Usd.Prim] = {}
-    for path in UsdRender.Settings(prim).GetProductsRel().GetForwardedTargets():
+    for path in _product_paths(reading, prim):
         product = reading.stage.GetPrimAtPath(path)
         if not product or not product.IsA(UsdRender.Product):
             reading.warn(prim, f"product {path} is not a RenderProduct, and is not read")

@@ -7,11 +7,18 @@ import logging
 import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
-from .. import _scrim, _toml
+from .. import _grids, _scrim, _toml
 from .._errors import UsageError
-from . import _own, _reading
+from ..view import needs
+from . import _camera, _own, _reading
 from ._scene import FrameScene, scene_at
+
+
+if TYPE_CHECKING:
+    from ..view._notebook import View
 
 
 class Shot:
@@ -28,7 +35,8 @@ class Shot:
     ) -> None:
         self.path: str = os.fspath(path)
         self._options = options
-        self._given = {"ocio": ocio, "guarded": guarded}
+        self._given: dict = {"ocio": ocio, "guarded": guarded}
+        self._asked = overrides
         self._overrides = _toml.assignments(overrides)
         self._stage = _reading.opened_stage(self.path)
         self._sidecar = _own.Sidecar(options.sidecar)
@@ -40,6 +48,7 @@ class Shot:
         self._text = ""
         self._job: _scrim.Job | None = None
         self._read: tuple[int, FrameScene] | None = None
+        self._grids: dict[str, list[_scrim.Field]] = {}
 
     @property
     def frames(self) -> list[int]:
@@ -61,6 +70,24 @@ class Shot:
         """Names of the volumes of the first frame."""
         return [volume["name"] for volume in self.scene(self.frames[0])["volume"]]
 
+    @property
+    def folder(self) -> str:
+        """Where meshes that scenes name are, as long as the shot lives."""
+        return self._folder.name
+
+    @property
+    def cameras(self) -> list[str]:
+        """Paths of the stage's cameras."""
+        return _camera.paths_of(self._stage)
+
+    def through(self, camera: str) -> Shot:
+        """The stage through another of its cameras, by path or by a unique name: a shot of its own."""
+        options = replace(self._options, camera=camera)
+        other = Shot(self.path, self._asked, options, self._given["ocio"], self._given["guarded"])
+        other._grids = dict(self._grids)
+        other.scene(self.frames[0])  # where there is no such camera, that is said now
+        return other
+
     def _at(self, frame: int) -> FrameScene:
         if self._read is None or self._read[0] != frame:
             folder = self._folder.name
@@ -72,7 +99,7 @@ class Shot:
             self._said = len(self._messages.warnings)
         return self._read[1]
 
-    def scene(self, frame: int = 1) -> dict:
+    def scene(self, frame: int = 1) -> dict[str, Any]:
         """The scene of a frame as a dict, without the overrides: for `scrim.loads`."""
         return self._at(frame).scene
 
@@ -96,6 +123,9 @@ class Shot:
                 **self._given,
             )
             self._text = text
+            for name, grids in self._grids.items():
+                if name in self._shot.volumes:
+                    self._shot.set_volume(name, grids)
         return self._shot
 
     def _keywords(self, frame: int, keywords: dict) -> dict:
@@ -116,6 +146,37 @@ class Shot:
     def plan(self, frame: int = 1, **keywords: object) -> _scrim.Plan:
         """What rendering the frame would do: see `scrim.Shot.plan`."""
         return self.opened(frame).plan(frame, **keywords)
+
+    def set_volume(self, name: str, grids: object) -> None:
+        """Gives a volume grids that were made in code, in all frames: see `scrim.Shot.set_volume`."""
+        fields = _grids.fields_of(grids)
+        self.opened(self.frames[0] if self._read is None else self._read[0]).set_volume(name, fields)
+        self._grids[name] = fields
+
+    def study(
+        self,
+        frame: int = 1,
+        folder: str | os.PathLike[str] | None = None,
+        *,
+        budget: float = 0.0,
+        threads: int = 0,
+        progress: Callable[[float], object] | None = None,
+    ) -> dict[str, Any]:
+        """Accuracy against time at a frame: see `scrim.Shot.study`."""
+        return self.opened(frame).study(frame, folder, budget=budget, threads=threads, progress=progress)
+
+    def view(self, frame: int | None = None, *, height: int = 640) -> View:
+        """Shows a frame in a notebook: see `scrim.Shot.view`. Its cameras can be chosen there."""
+        needs()
+        from ..view._notebook import View
+        from ..view._opening import of_stage
+
+        number = self.frames[0] if frame is None else frame
+        return View(of_stage(self, number, self._given["ocio"], self._grids), height)
+
+    def resolved(self, frame: int = 1) -> dict[str, Any]:
+        """The scene of a frame in plain numbers: see `scrim.Shot.resolved`."""
+        return self.opened(frame).resolved(frame)
 
     def toml(self, frame: int = 1, overrides: Mapping[str, object] | Sequence[str] | None = None) -> str:
         """The scene of a frame as TOML, with its overrides and these."""

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdVol
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdVol
 
-from . import _motion, _own
+from . import _materials, _motion, _own
 from ._reading import Item, Reading
 
 # What Storm shows of a volume without a material: albedo 0.18, to all sides.
@@ -142,11 +142,9 @@ class Mapping:
         if isinstance(phase, dict) and "g" in phase:
             phase.setdefault("type", "hg")
         if not medium or ("albedo" not in medium and set(medium) <= {"scattering"}):
-            bound = UsdShade.MaterialBindingAPI(self.item.prim).ComputeBoundMaterial("full")[0]
-            material = f"material {bound.GetPath()} cannot be read; " if bound else ""
             self.reading.warn(
                 self.item.prim,
-                f"{material}albedo 0.18, isotropic and extinction = grid value are taken, unless scrim:albedo, "
+                "albedo 0.18, isotropic and extinction = grid value are taken, unless a material, scrim:albedo, "
                 "scrim:g, scrim:density:scale or a side-car say what it is made of",
             )
         if not isinstance(medium.get("albedo"), (list, dict)):
@@ -173,6 +171,33 @@ class Mapping:
         return out
 
 
+def _said_by(reading: Reading, item: Item, fields: dict[str, Field], own: dict) -> dict:
+    """What the material says, and on top of it what is said to Scrim alone. Renderers read only fields of the Volume:
+    a glow by another grid is left out."""
+    material = _materials.of(reading, item.prim) if "classified" not in own else None
+    if material is None:
+        return own
+    for key in ("emission", "blackbody", "albedo"):
+        table = material.medium.get(key)
+        name = table.get("grid") if isinstance(table, dict) else None
+        if name is None or name in fields:
+            continue
+        if key == "albedo":
+            material.medium[key] = [min(table["scale"], 1.0)] * 3
+        else:
+            del material.medium[key]
+        if name not in material.unsaid:
+            reading.warn(item.prim, f"its material takes {key} from '{name}', which is no field of it, and is left out")
+    if material.density.get("grid") not in fields:
+        material.density.pop("grid", None)
+    said = {"density": material.density, "medium": material.medium}
+    for key, value in own.get("medium", {}).items():  # one way to say it replaces another
+        if key in ("albedo", "phase") or (isinstance(value, dict) and "grid" in value):
+            said["medium"].pop(key, None)
+    _own.merge(said, own)
+    return said
+
+
 def _scale_by(medium: dict, key: str, name: str, factor: float) -> None:
     table = medium.get(key)
     if isinstance(table, dict):
@@ -184,6 +209,7 @@ def read(reading: Reading, item: Item, exposure: float, sidecar: _own.Sidecar) -
     own = _own.attributes(reading, item.prim, of_volume=True)
     _own.merge(own, sidecar.of(item.prim, of_volume=True))
     fields = _fields(reading, item)
+    own = _said_by(reading, item, fields, own)
     wanted = own.get("density", {}).get("grid") if isinstance(own.get("density"), dict) else None
     density = _density(reading, item, fields, wanted)
     if density is None:

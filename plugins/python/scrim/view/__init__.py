@@ -7,9 +7,18 @@ A `Session` holds the scene and renders it in a thread of its own; a `Server` sh
 
 from __future__ import annotations
 
+import importlib.util
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 from .._errors import UsageError
 
-__all__ = ["needs"]
+if TYPE_CHECKING:
+    from .._scrim import Shot
+    from ._notebook import View
+
+__all__ = ["needs", "shown"]
 
 _KITS = ("tornado", "tomlkit")
 
@@ -17,10 +26,28 @@ _KITS = ("tornado", "tomlkit")
 def needs() -> None:
     """Raises UsageError where a package is missing that the viewer uses."""
     for name in _KITS:
-        try:
-            __import__(name)
-        except ImportError as missing:
+        if importlib.util.find_spec(name) is None:  # without loading it
             raise UsageError(
-                f"the viewer needs {' and '.join(_KITS)} ({missing}); install them beside Scrim: "
+                f"the viewer needs {' and '.join(_KITS)} (No module named '{name}'); install them beside Scrim: "
                 f"pip install {' '.join(_KITS)}"
-            ) from missing
+            )
+
+
+def shown(
+    shot: Shot,
+    frame: int | None = None,
+    *,
+    height: int = 640,
+    folder: str | os.PathLike[str] | None = None,
+    volumes: Mapping[str, object] | None = None,
+) -> View:
+    """Shows the shot in a notebook, as `scrim view` does in a browser: the viewer is what the cell gives.
+
+    `frame`: the first one that is shown; None: the first of the shot.  `height`: of the frame in the cell, in pixels.
+    `folder`: what paths of a scene in memory are relative to, and where it may be saved; None: that of its path.
+    `volumes`: grids made in code, by the names of the volumes that wait for them, as `set_volume` takes them.
+    The browser must reach 127.0.0.1 of the kernel's machine."""
+    needs()
+    from ._notebook import View, opened_of
+
+    return View(opened_of(shot, frame, folder, volumes), height)

@@ -9,6 +9,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 import webbrowser
 
 from scrim_kit.program import Status, error_line
@@ -16,6 +17,8 @@ from scrim_kit.program import Status, error_line
 import scrim
 
 from . import needs
+from ._door import Door
+from ._opening import opened
 
 _STATUS = {
     scrim.UsageError: Status.USAGE,
@@ -62,27 +65,32 @@ def _size(text: str) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
-async def _serve(server: object, opens_browser: bool) -> int:
+def _invite(url: str, opens_browser: bool) -> None:
+    print(f"scrim view: {url}", flush=True)
+    if opens_browser and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")):
+        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
+
+
+async def _serve(server: object) -> int:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, server.end, 128 + number)
-    print(f"scrim view: {server.url}", flush=True)
-    if opens_browser and any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")):
-        loop.call_later(0.1, webbrowser.open, server.url)
     return await server.run()
 
 
 def _view(words: list[str] | None) -> int:
     given = _arguments(words)
     needs()
-    from ._opening import opened
-    from ._server import Server
-
+    signal.signal(signal.SIGTERM, lambda number, frame: sys.exit(128 + number))
     listen = _address(given.listen)
     scene = opened(
         given.scene, frame=given.frame, ocio=given.ocio, up=_axis(given.up), resolution=_size(given.res)
     )  # fmt: skip
-    return asyncio.run(_serve(Server(scene, listen), not given.no_browser))
+    door = Door(*listen)
+    _invite(door.url, not given.no_browser)
+    from ._server import Server  # its kits take a while, in which the browser starts
+
+    return asyncio.run(_serve(Server(scene, door)))
 
 
 def main(words: list[str] | None = None) -> int:

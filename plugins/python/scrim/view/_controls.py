@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ._camera import angles_of, direction_of
+from . import _curves
 from ._document import Change, Place, name_of
 
 _QUALITIES = ("draft", "standard", "high", "ultra")
@@ -23,10 +24,11 @@ _WHITE = [1.0, 1.0, 1.0]
 
 @dataclass(frozen=True)
 class Control:
-    """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice or switch.
+    """`id`: how the page names it. `kind`: number, colour (three numbers from 0 up), vector, choice, switch or a curve.
     `least`, `most`: ends of a slider; `log`: whether it goes by factors. `labels`: what the page writes for
     the choices, if not themselves. `is_keyed`: the scene animates it, so the page
-    only shows that. `changes`: what a value from the page changes in the scene."""
+    only shows that. `changes`: what a value from the page changes in the scene. `layer`: what it makes brighter, `law`:
+    how: by the factor of the values, or by their difference in stops. So the page shows it before the scene is read."""
 
     id: str
     label: str
@@ -40,6 +42,8 @@ class Control:
     choices: tuple[str, ...] = ()
     labels: tuple[str, ...] = ()
     is_keyed: bool = False
+    layer: str = ""
+    law: str = ""
 
     def accepts(self, value: object) -> bool:
         """Whether `value` has the type that this kind has. Its range is checked where the scene is read."""
@@ -49,6 +53,8 @@ class Control:
             return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
         if self.kind == "choice":
             return value in self.choices
+        if self.kind in _curves.KINDS:
+            return _curves.accepts(self.kind, value)
         if self.kind == "switch":
             return isinstance(value, bool)
         return _is_number(value)
@@ -67,6 +73,8 @@ class Control:
             "choices": list(self.choices),
             "labels": list(self.labels or self.choices),
             "keyed": self.is_keyed,
+            "layer": self.layer,
+            "law": self.law,
         }
 
 
@@ -121,6 +129,16 @@ class _Maker:
         given: dict = {"is_keyed": is_keyed, **more}
         self.controls.append(Control(f"{self._path}.{name}", label, kind, value, lambda it: [(place, it)], **given))
 
+    def add_curve(self, label: str, kind: str, keys: Place) -> None:
+        """A curve where there is one, or can be one."""
+        given = _read(self._table, keys, None)
+        points = _curves.points(kind, given) if given is not None else []
+        place, name = (*self._place, *keys), ".".join(str(key) for key in keys)
+        changes = lambda it: _curves.changes(kind, place, it, given)  # noqa: E731
+        self.controls.append(
+            Control(f"{self._path}.{name}", label, kind, points, changes, is_keyed=points is None)
+        )  # fmt: skip
+
     def add_angles(self, label: str, key: str, up: np.ndarray) -> None:
         """Two sliders for a direction."""
         value = _read(self._table, (key,), None)
@@ -144,11 +162,11 @@ def _light(index: int, light: Mapping, up: np.ndarray) -> Group:
     name = name_of("light", index, light)
     make = _Maker(light, ("light", index), f"light.{name}")
     kind = light.get("type", "")
-    make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True)
-    make.add("exposure", "number", ("exposure",), 0.0, least=-8.0, most=8.0, unit="stops")
-    make.add("colour", "colour", ("color",), _WHITE)
-    if make.has("temperature"):
-        make.add("temperature", "number", ("temperature",), 6500.0, least=1000.0, most=15000.0, log=True, unit="K")
+    factor, stops = ({"layer": f"light.{name}", "law": law} for law in ("factor", "stops"))
+    make.add("intensity", "number", ("intensity",), 1.0, least=0.01, most=1000.0, log=True, **factor)
+    make.add("exposure", "number", ("exposure",), 0.0, least=-8.0, most=8.0, unit="stops", **stops)
+    make.add("colour", "colour", ("color",), _WHITE, **factor)
+    make.add("temperature", "number", ("temperature",), 6500.0, least=1000.0, most=15000.0, log=True, unit="K")
     if "target" not in light and "orbit" not in light:
         make.add_angles("from", "direction", up)
     for key in ("position", "target"):
@@ -181,7 +199,10 @@ def _volume(index: int, volume: Mapping) -> Group:
     name = name_of("volume", index, volume)
     make = _Maker(volume, ("volume", index), f"volume.{name}")
     make.add("density", "number", ("density", "scale"), 1.0, least=1e-4, most=1e4, log=True)
-    if "classified" not in volume:
+    make.add_curve("density curve", "ramp", ("density", "ramp"))
+    if "classified" in volume:
+        make.add_curve("transfer", "transfer", ("classified", "transfer"))
+    else:
         make.add("albedo", "colour", ("medium", "albedo"), [0.9, 0.9, 0.9])
         make.add("extinction tint", "colour", ("medium", "extinction_tint"), _WHITE)
         if _read(volume, ("medium", "phase", "type"), "hg") == "hg":
@@ -197,6 +218,8 @@ def _volume(index: int, volume: Mapping) -> Group:
             factor = "scale" if key == "emission" else "intensity"
             if make.has("medium", key):
                 make.add(f"{key} {factor}", "number", ("medium", key, factor), 1.0, least=1e-3, most=1e3, log=True)
+        if make.has("medium", "emission"):
+            make.add_curve("emission curve", "colours", ("medium", "emission", "ramp"))
     return Group("volume", name, name, make.controls)
 
 
@@ -215,7 +238,7 @@ def groups_of(scene: Mapping, up: np.ndarray) -> list[Group]:
     """The controls of a scene. `up`: the world's axis that angles of lights are measured from."""
     groups = [_light(i, light, up) for i, light in enumerate(scene.get("light", []))]
     ambient = _Maker(scene, (), "scene")
-    ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0])
+    ambient.add("colour", "colour", ("ambient", "color"), [0.0, 0.0, 0.0], layer="ambient", law="factor")
     groups.append(Group("ambient", "ambient", "Ambient light", ambient.controls))
     groups += [_volume(i, volume) for i, volume in enumerate(scene.get("volume", []))]
     return [*groups, _render(scene)]

@@ -7,6 +7,7 @@ shows what the viewer showed.
 
 from __future__ import annotations
 
+import copy
 import os
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
@@ -29,6 +30,8 @@ def rounded(value: object) -> object:
         return float(f"{value:.{_DIGITS}g}")
     if isinstance(value, (list, tuple)):
         return [rounded(one) for one in value]
+    if isinstance(value, dict):
+        return {key: rounded(one) for key, one in value.items()}
     return value
 
 
@@ -37,20 +40,39 @@ def name_of(kind: str, index: int, table: Mapping) -> str:
     return str(table.get("name", f"{kind}{index + 1}"))
 
 
-def _change(document: tomlkit.TOMLDocument, place: Place, value: object) -> None:
+def _change(document: dict, place: Place, value: object) -> None:
+    """Changes a text that was parsed, or plain tables."""
     *tables, key = place
     table = document
     for name in tables:
         if isinstance(table, Mapping) and name not in table:
             if value is None:
                 return
-            # Beside the keys of a section a short table stays in its line; at the top it is a section.
-            table[name] = tomlkit.table() if table is document else tomlkit.inline_table()
+            table[name] = _new_table(document, table)
         table = table[name]
     if value is None:
         table.pop(key, None)
     elif table.get(key) != value:
-        table[key] = value
+        table[key] = _inline(value) if isinstance(document, tomlkit.TOMLDocument) else copy.deepcopy(value)
+
+
+def _inline(value: object) -> object:
+    """Lists of tables as they stand in one place: a table in a line, below each other."""
+    if not (isinstance(value, list) and value and all(isinstance(one, dict) for one in value)):
+        return value
+    out = tomlkit.array().multiline(True)
+    for one in value:
+        table = tomlkit.inline_table()
+        table.update(one)
+        out.append(table)
+    return out
+
+
+def _new_table(document: dict, table: dict) -> dict:
+    if not isinstance(document, tomlkit.TOMLDocument):
+        return {}
+    # Beside the keys of a section a short table stays in its line; at the top it is a section.
+    return tomlkit.table() if table is document else tomlkit.inline_table()
 
 
 class Document:
@@ -68,6 +90,9 @@ class Document:
     def _set(self, text: str) -> None:
         self.text = text
         self.data: dict = tomlkit.parse(text).unwrap()
+        # Reading a text takes longer than a slider may, so that what was read is changed in place.
+        self._parsed: tomlkit.TOMLDocument | None = None  # the text; None where it must be read first
+        self._next: tuple[str, tomlkit.TOMLDocument, dict] | None = None  # what `changed` made of it last
 
     @property
     def can_undo(self) -> bool:
@@ -84,10 +109,20 @@ class Document:
 
     def changed(self, changes: Iterable[Change]) -> str:
         """The text with these changes."""
-        document = tomlkit.parse(self.text)
+        document, self._parsed = self._parsed or tomlkit.parse(self.text), None
+        data = copy.deepcopy(self.data)
         for place, value in changes:
             _change(document, place, rounded(value))
-        return tomlkit.dumps(document)
+            _change(data, place, rounded(value))
+        text = tomlkit.dumps(document)
+        self._next = (text, document, data)
+        return text
+
+    def data_of(self, text: str) -> dict:
+        """The tables of a text: of this one, or of what `changed` gave last, without reading it again."""
+        if text == self.text:
+            return self.data
+        return self._next[2] if self._next and self._next[0] == text else tomlkit.parse(text).unwrap()
 
     def take(self, text: str, step: object = None) -> None:
         """Makes `text` the scene. Changes of the same `step` that follow each other are undone together."""
@@ -97,7 +132,11 @@ class Document:
             self._past.append(self.text)
         self._step = step
         self._future.clear()
-        self._set(text)
+        if self._next is None or self._next[0] != text:
+            self._set(text)
+        else:
+            self.text, self._parsed, self.data = self._next
+            self._next = None
 
     def undo(self) -> bool:
         return self._move(self._past, self._future)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 
 from .._errors import UsageError
@@ -30,3 +31,16 @@ def file_name(value: object) -> str:
     if not (isinstance(value, str) and _NAME.match(value)):
         raise UsageError(f"the name {value!r}: expected one such as shot.toml, without folders")
     return value
+
+
+def window(value: object, size: tuple[int, int]) -> tuple[int, int, int, int] | None:
+    """x0, y0, x1, y1 in pixels of a picture of this size, of a box in parts of it; None where none is given."""
+    if value is None:
+        return None
+    if not (isinstance(value, list) and len(value) == 4):
+        raise UsageError(f"the page gives {value!r}; expected a box of four numbers")
+    x0, y0, x1, y1 = (min(max(number(part), 0.0), 1.0) for part in value)
+    out = (math.floor(x0 * size[0]), math.floor(y0 * size[1]), math.ceil(x1 * size[0]), math.ceil(y1 * size[1]))
+    if not (out[0] < out[2] and out[1] < out[3]):
+        raise UsageError("the region has no pixel")
+    return out

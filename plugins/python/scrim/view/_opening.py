@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import replace
-
-from scrim_kit import toml_text
+from typing import TYPE_CHECKING
 
 import scrim
 
-from ._session import Opened
+from ._opened import Opened
+
+if TYPE_CHECKING:
+    import scrim.usd
 
 _STAGES = (".usd", ".usda", ".usdc", ".usdz")
 _ASSETS = (".vdb", ".nrrd", ".nhdr", ".nii", ".gz")  # .nii.gz
@@ -45,7 +48,7 @@ def opened(
     folder = os.path.dirname(os.path.abspath(path))
     options = ["--ocio", ocio] if ocio else []
     if os.path.splitext(path)[1].lower() in _STAGES:
-        return _stage(path, folder, frame, ocio, options)
+        return _stage(path, frame, ocio)
     shot = scrim.open(path, ocio=ocio, up=up, resolution=resolution, checked_frame=frame or 1)
     frames = shot.frames
     number = frame if frame is not None else frames[0]
@@ -69,11 +72,19 @@ def _first_of(folder: str, names: list[str], frame: int | None, ocio: str) -> Op
     raise problem
 
 
-def _stage(path: str, folder: str, frame: int | None, ocio: str, options: list[str]) -> Opened:
+def of_stage(shot: scrim.usd.Shot, frame: int, ocio: str = "", grids: Mapping[str, object] | None = None) -> Opened:
+    """A frame of a stage, with the overrides of the shot."""
+    text = shot.toml(frame)
+    # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
+    return Opened(
+        text, "", os.path.dirname(os.path.abspath(shot.path)), shot.path, [frame], frame, os.fspath(ocio),
+        ["--ocio", os.fspath(ocio)] if ocio else [], keeps=shot, temporary=shot.folder, cameras=shot.cameras,
+        grids=grids or {},
+    )  # fmt: skip
+
+
+def _stage(path: str, frame: int | None, ocio: str) -> Opened:
     import scrim.usd
 
     shot = scrim.usd.open(path, ocio=ocio)
-    number = frame if frame is not None else shot.frames[0]
-    text = toml_text.document(shot.scene(number))
-    # Files that the scene names lie in the shot's temporary folder, which lives as long as the shot.
-    return Opened(text, "", folder, path, [number], number, ocio, options, keeps=shot)
+    return of_stage(shot, shot.frames[0] if frame is None else frame, ocio)

@@ -16,7 +16,7 @@ import numpy as np
 
 from ._document import name_of
 
-LAYERS = ["light", "ambient", "emission"]
+LAYERS = ["light", "ambient", "emission", "depth"]
 _STRENGTHS = ("intensity", "exposure", "color", "temperature")
 _HALF_MOST = 65504.0
 _numbers = itertools.count(1)
@@ -92,7 +92,7 @@ def weight(wanted: np.ndarray, rendered: np.ndarray) -> np.ndarray | None:
 
 @dataclass(frozen=True)
 class Texture:
-    """A picture as the page takes it: float16, (height, width, 3 or 4). Its number is its own for good."""
+    """A picture as the page takes it: float16, (height, width, 1, 3 or 4). Its number is its own for good."""
 
     pixels: np.ndarray
     number: int = field(default_factory=lambda: next(_numbers))
@@ -114,19 +114,41 @@ class Layer:
 
 
 @dataclass(frozen=True)
+class Depth:
+    """`mean`: of what is visible, along the view, float32 (height, width), 0 where nothing is. `texture`: of the first
+    thing visible. `ends`: the nearest and the farthest of that."""
+
+    mean: np.ndarray
+    texture: Texture
+    ends: tuple[float, float]
+
+    @staticmethod
+    def of(pixels: np.ndarray) -> Depth:
+        first = pixels[..., 0]
+        seen = first[first > 0]
+        ends = (float(seen.min()), float(seen.max())) if seen.size else (0.0, 1.0)
+        return Depth(np.ascontiguousarray(pixels[..., 1]), Texture.of(first[..., None]), ends)
+
+
+@dataclass(frozen=True)
 class Pictures:
     """The newest pictures of a scene. `beauty`: the picture itself, whose colours count while every weight is 1 and
-    `is_whole` (no layer was rendered anew since). `rest`: what the layers leave of it, None where that is nothing.
-    `stage`: motion, draft or final, which is as exact as the
-    scene asks for. `frame`: the frame of the render that the scene's file makes, too,
+    `is_whole` (no layer was rendered anew since). `layers`: None until they are rendered. `rest`: what the layers
+    leave of the picture, None where that is nothing. `stage`: motion, draft or final, which is as exact as the scene
+    asks for. `muted`: lights that were left out of the beauty. `region`: the
+    pixels that are final, while the others are older. `depth`: comes with the layers. `frame`: the frame of
+    the render that the scene's file makes, too,
     bit for bit; None until it was made."""
 
     shape: Shape
     beauty: Texture
-    layers: Mapping[str, Layer]
+    layers: Mapping[str, Layer] | None
     rest: Texture | None
     stage: str
     strengths: Strengths
+    muted: frozenset[str] = frozenset()
+    region: tuple[int, int, int, int] | None = None
+    depth: Depth | None = None
     is_whole: bool = True
     frame: object = None
     seconds: float = 0.0
@@ -163,15 +185,19 @@ class Pictures:
 
     def lacks(self, strengths: Strengths) -> bool:
         """Whether ambient light or emission is to shine that was rendered dark."""
-        names = ("ambient", "emission")
-        pairs = [(strengths.of[n], self.layers[n].strength) for n in names if n in self.layers]
+        layers = self.layers or {}
+        pairs = [(strengths.of[n], layers[n].strength) for n in ("ambient", "emission") if n in layers]
         return any(weight(wanted, rendered) is None for wanted, rendered in pairs)
 
 
-def pictures_of(frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float) -> Pictures:
-    """Of a rendered `scrim.Frame`, with the layers that it has."""
+def pictures_of(
+    frame: object, shape: Shape, strengths: Strengths, stage: str, seconds: float, has_layers: bool = False
+) -> Pictures:
+    """Of a rendered `scrim.Frame`, with its layers where they were asked for."""
     inside = _inside(frame)
     beauty = frame.image[inside]
+    if not has_layers:
+        return Pictures(shape, Texture.of(beauty), None, None, stage, strengths, seconds=seconds)
     layers, rest = {}, beauty[..., :3].copy()
     for name in frame.layers:
         if name.startswith("light.") or name in ("ambient", "emission"):
@@ -180,11 +206,23 @@ def pictures_of(frame: object, shape: Shape, strengths: Strengths, stage: str, s
             own = shape.lights.get(name.removeprefix("light."), {}) if name.startswith("light.") else {}
             texture = Texture.of(pixels) if pixels.any() else None
             layers[name] = Layer(texture, strengths.of.get(name, np.ones(3)), own, stage)
+    depth = Depth.of(frame["depth"][inside]) if "depth" in frame.layers else None
     # What remains of the sum is rounding, unless something shines that has no layer.
     something = layers and float(np.abs(rest).max(initial=0)) > 1e-4 * max(float(beauty.max(initial=0)), 1e-6)
-    return Pictures(
-        shape, Texture.of(beauty), layers, Texture.of(rest) if something else None, stage, strengths, seconds=seconds
+    left = Texture.of(rest) if something else None
+    return Pictures(shape, Texture.of(beauty), layers, left, stage, strengths, depth=depth, seconds=seconds)
+
+
+def with_region(pictures: Pictures, frame: object, region: tuple[int, int, int, int], size: tuple[int, int]) -> Texture:
+    """The picture in its full size, with the pixels of a region from the frame that was cropped to it."""
+    before = pictures.beauty.pixels
+    rows, columns = (
+        np.arange(full) * now // full for full, now in ((size[1], before.shape[0]), (size[0], before.shape[1]))
     )
+    whole = before[rows][:, columns]
+    x0, y0, x1, y1 = region
+    whole[y0:y1, x0:x1] = Texture.of(frame.image).pixels
+    return Texture(whole)
 
 
 def _inside(frame: object) -> tuple[slice, slice]:

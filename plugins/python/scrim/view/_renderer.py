@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import scrim
 
-from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, pictures_of
+from ._pictures import LAYERS, Layer, Pictures, Shape, Strengths, pictures_of, with_region
 
 # Dials while things move: coarse, in time that depends little on the volume. They replace the search of the dials that
 # keep a preset's promise, which takes longer than such a render.
@@ -33,18 +33,21 @@ _MOTION = {
 _DRAFT = {"render.quality": "draft", "render.tolerance": 0.0}
 _DIVISORS = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0)  # of the resolution while things move
 _FIRST_SIZE = 200  # pixels of the longer side of the first picture
-_SLOW, _FAST = 0.09, 0.035  # seconds of a coarse render from which on the next one is coarser or finer
+_SLOW, _FAST = 0.06, 0.025  # seconds of a coarse render from which on the next one is coarser or finer
 _PATIENCE = 0.5  # seconds after which a coarse render that serves no longer is cancelled, too
 _REST = 0.7  # seconds without a change after which the picture of the scene's file is made
 _VERIFIED = 400  # pixels that are compared with brute force on request
-_POLL = 0.01
+_POLL = 0.005
+_LONG = 6.0  # seconds from which on the picture of the file is one that a draft goes before
+_SOON = 1.0  # seconds of it after which that is known
 
 
 @dataclass(frozen=True)
 class Wanted:
     """What is looked at. `text`: the scene; `view`: overrides of the camera; `muted`: layers that do not shine;
-    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `serial`: number of the
-    last event; `since`: when it came."""
+    `moves`: the user holds something; `verify`: the picture is to be compared with brute force; `plays`: other frames
+    follow, so that a draft is enough; `region`: the pixels alone that are refined; `serial`: number of the last event;
+    `since`: when it came."""
 
     text: str
     shape: Shape
@@ -56,62 +59,80 @@ class Wanted:
     muted: frozenset[str] = frozenset()
     moves: bool = False
     verify: bool = False
+    plays: bool = False
+    region: tuple[int, int, int, int] | None = None
     serial: int = 0
     since: float = 0.0
 
 
 @dataclass(frozen=True)
 class Task:
-    """A render. `kind`: whole, light (one light alone), exact (what the scene's file says, with its own layers), or
-    verify: the same, and some pixels by brute force."""
+    """A render. `kind`: whole (the picture alone), layers (with all of them), region (a part alone), light (one light
+    alone), exact (what the scene's file says, with its own layers), or verify: the same, and some pixels by brute
+    force."""
 
     kind: str
     stage: str
     light: str = ""
 
 
-def next_task(wanted: Wanted, pictures: Pictures | None, now: float) -> Task | None:
-    """The render that helps most; None where there is nothing to do."""
+def next_task(wanted: Wanted, pictures: Pictures | None, now: float, is_slow: bool = False) -> Task | None:
+    """The render that helps most; None where there is nothing to do. `is_slow`: the picture of the file takes so long
+    that a draft is worth its time.
+
+    Whatever changes is seen coarsely first. At rest the picture of the file follows, and after it, while the user
+    looks, the layers that changes of strengths will need."""
+    if wanted.plays:
+        is_there = pictures is not None and pictures.shape == wanted.shape and _alike(pictures, wanted)
+        return None if is_there and pictures.stage != "motion" else Task("whole", "draft")
     if pictures is None or pictures.shape.common != wanted.shape.common:
         return Task("whole", "motion")
-    stale = pictures.stale_lights(wanted.shape, wanted.strengths)
-    if not pictures.layers:  # those of a coarse picture are not kept
-        if not _same(pictures, wanted):
+    if wanted.region is not None:
+        if not _alike(pictures, wanted) or pictures.muted != wanted.muted:
             return Task("whole", "motion")
-        if wanted.moves:
-            return None
+        is_there = pictures.region == wanted.region and pictures.shape == wanted.shape
+        return None if wanted.moves or is_there else Task("region", "region")
+    if pictures.layers is None:
+        if not _alike(pictures, wanted) or pictures.muted != wanted.muted:
+            return Task("whole", "motion")
     elif pictures.lacks(wanted.strengths):
-        return Task("whole", "motion" if wanted.moves else "draft")
-    elif stale:
+        return Task("whole", "motion")
+    elif stale := pictures.stale_lights(wanted.shape, wanted.strengths):
         return Task("light", "motion", stale[0])
     if wanted.moves:
         return None
-    if pictures.stage == "motion" and not wanted.is_draft:
-        return Task("whole", "draft")
-    if pictures.stage != "final" or pictures.shape.render != wanted.shape.render:
-        return Task("whole", "final")
-    for name, layer in pictures.layers.items():
-        if layer.stage != pictures.stage:
-            return Task("light", pictures.stage, name.removeprefix("light."))
+    coarse = [name for name, layer in (pictures.layers or {}).items() if layer.stage != "final"]
+    if coarse:
+        return Task("light", "final", coarse[0].removeprefix("light."))
+    if wanted.muted and pictures.layers is None:
+        return Task("layers", "final")
     if not is_exact(wanted, pictures):
-        rests = wanted.verify or now - wanted.since >= _REST
-        return Task("exact", "final") if rests else None
-    return Task("verify", "final") if wanted.verify and pictures.frame.error is None else None
+        if is_slow and pictures.stage == "motion" and not wanted.is_draft:
+            return Task("whole", "draft")
+        is_good = pictures.layers is not None and pictures.shape.render == wanted.shape.render
+        return None if is_good and not wanted.verify and now - wanted.since < _REST else Task("exact", "final")
+    if wanted.verify and pictures.frame.error is None:
+        return Task("verify", "final")
+    return Task("layers", "final") if pictures.layers is None else None
 
 
 def is_exact(wanted: Wanted, pictures: Pictures | None) -> bool:
     """Whether the picture is that of the scene's file, apart from muted layers."""
-    return pictures is not None and pictures.frame is not None and _same(pictures, wanted)
+    if pictures is None or pictures.frame is None:
+        return False
+    return pictures.shape == wanted.shape and _alike(pictures, wanted)
 
 
-def _same(pictures: Pictures, wanted: Wanted) -> bool:
+def _alike(pictures: Pictures, wanted: Wanted) -> bool:
+    """Whether lights and strengths are those of the picture."""
     now, then = wanted.strengths.of, pictures.strengths.of
-    return pictures.shape == wanted.shape and all((now[n] == then[n]).all() for n in now if n in then)
+    return pictures.shape.lights == wanted.shape.lights and all((now[n] == then[n]).all() for n in now if n in then)
 
 
 class Renderer:
     """`shown(pictures, wanted)` and `failed(text)` are called in this object's thread, `shown` also while a picture of
-    an older event is still useful. `folder`: what paths of the scene are relative to."""
+    an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in code, by the
+    names of volumes."""
 
     def __init__(
         self,
@@ -120,14 +141,16 @@ class Renderer:
         ocio: str,
         shown: Callable[[Pictures, Wanted, Task], object],
         failed: Callable[[str], object],
+        grids: Mapping[str, object] | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
-        self._shown, self._failed = shown, failed
+        self._shown, self._failed, self._grids = shown, failed, grids or {}
         self._shot: scrim.Shot | None = None
         self._wanted: Wanted | None = None
         self._pictures: Pictures | None = None
         self._bad: Wanted | None = None  # what cannot be rendered
         self._level: int | None = None
+        self._is_slow = False
         self._stopped = False
         self._changed = threading.Condition()
         self._job: scrim.Job | None = None
@@ -137,6 +160,12 @@ class Renderer:
     def want(self, wanted: Wanted) -> None:
         with self._changed:
             self._wanted = wanted
+            self._changed.notify()
+
+    def adopt(self, pictures: Pictures, wanted: Wanted) -> None:
+        """Takes pictures that were made before for what is wanted now."""
+        with self._changed:
+            self._pictures, self._wanted = pictures, wanted
             self._changed.notify()
 
     @property
@@ -157,7 +186,7 @@ class Renderer:
             while not self._stopped:
                 wanted = self._wanted
                 if wanted is not None and not self._is_bad(wanted):
-                    task = next_task(wanted, self._pictures, time.monotonic())
+                    task = next_task(wanted, self._pictures, time.monotonic(), self._is_slow)
                     if task is not None:
                         return wanted, task
                     if not is_exact(wanted, self._pictures):  # time alone may ask for a render
@@ -195,12 +224,12 @@ class Renderer:
             over |= _DRAFT
         if task.kind not in ("exact", "verify"):
             over["camera.overscan"] = 0
-            over["output.layers"] = [] if task.kind == "whole" and task.stage == "motion" else LAYERS
+            over["output.layers"] = LAYERS if task.kind == "layers" else []
         if task.kind == "light":
             over["output.layers"] = ["light"]
             over["ambient.color"] = [0.0, 0.0, 0.0]
             over |= {f"light.{name}.intensity": 0.0 for name in wanted.shape.lights if name != task.light}
-        elif task.kind == "whole" and task.stage == "motion":
+        elif task.kind in ("whole", "region"):
             over |= {f"{n}.intensity": 0.0 for n in wanted.muted if n.startswith("light.")}
             over |= {"ambient.color": [0.0, 0.0, 0.0]} if "ambient" in wanted.muted else {}
         return over, size
@@ -217,15 +246,25 @@ class Renderer:
         shot = scrim.loads(
             wanted.text, over, resolution=size, sharing=self._shot, checked_frame=wanted.frame, **self._given
         )
+        for name, grids in self._grids.items():
+            shot.set_volume(name, grids)
         self._shot = shot
-        job = self._job = shot.start(wanted.frame, verify=_VERIFIED if task.kind == "verify" else 0)
+        job = self._job = shot.start(wanted.frame, crop=wanted.region if task.kind == "region" else None,
+                         verify=_VERIFIED if task.kind == "verify" else 0)  # fmt: skip
         while not job.wait(_POLL):
+            seconds = time.monotonic() - started
             with self._changed:
-                if self._stopped or not self._serves(task, wanted, time.monotonic() - started):
+                if (
+                    self._stopped
+                    or not self._serves(task, wanted, seconds)
+                    or self._is_long(task, seconds, job.progress)
+                ):
                     job.cancel()
                     break
         frame = job.result()
         seconds = time.monotonic() - started
+        if task.kind == "exact":
+            self._is_slow = seconds > _LONG
         if task.stage == "motion":
             self._adapt(seconds)
         with self._changed:
@@ -244,10 +283,17 @@ class Renderer:
             return False
         if task.kind == "light":
             return newest.shape.lights == wanted.shape.lights
-        if newest.shape != wanted.shape:
+        if newest.shape != wanted.shape or newest.region != wanted.region or newest.muted != wanted.muted:
             return False
         same = all((newest.strengths.of[n] == rgb).all() for n, rgb in wanted.strengths.of.items())
-        return task.kind == "whole" or (same and (task.kind == "exact" or newest.verify))
+        return same and (task.kind != "verify" or newest.verify)
+
+    def _is_long(self, task: Task, seconds: float, part: float) -> bool:
+        """Whether the picture of the file will take so long that a draft should go before it."""
+        if task.kind != "exact" or self._is_slow or seconds < _SOON or self._pictures.stage != "motion":
+            return False
+        self._is_slow = seconds > part * _LONG
+        return self._is_slow
 
     def _adapt(self, seconds: float) -> None:
         if seconds > _SLOW:
@@ -256,14 +302,23 @@ class Renderer:
             self._level = max(self._level - 1, 0)
 
     def _take(self, frame: object, wanted: Wanted, task: Task, seconds: float) -> None:
-        pictures = self._pictures
-        made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds)
+        pictures, has_layers = self._pictures, task.kind in ("layers", "light")
+        made = pictures_of(frame, wanted.shape, wanted.strengths, task.stage, seconds, has_layers)
         if task.kind == "whole":
-            self._pictures = made
+            self._pictures = replace(made, muted=wanted.muted)
         elif task.kind in ("exact", "verify"):
-            # The layers stay; the sum without them is rounded otherwise.
-            self._pictures = replace(pictures, beauty=made.beauty, strengths=wanted.strengths, shape=wanted.shape,
-                                     frame=frame, is_whole=True, seconds=seconds)  # fmt: skip
+            # Layers that still fit stay; the sum without them is rounded otherwise.
+            fits = pictures.shape == wanted.shape and pictures.layers is not None
+            self._pictures = replace(made, frame=frame, layers=pictures.layers if fits else None,
+                                     rest=pictures.rest if fits else None,
+                                     depth=pictures.depth if fits else None)  # fmt: skip
+        elif task.kind == "layers" and is_exact(wanted, pictures):
+            self._pictures = replace(pictures, layers=made.layers, rest=made.rest, depth=made.depth)
+        elif task.kind == "layers":
+            self._pictures = made
+        elif task.kind == "region":
+            beauty = with_region(pictures, frame, wanted.region, wanted.resolution)
+            self._pictures = replace(made, beauty=beauty, muted=wanted.muted, region=wanted.region)
         else:
             name = f"light.{task.light}"
             layers = dict(pictures.layers)

@@ -14,7 +14,6 @@ import ipaddress
 import json
 import logging
 import os
-import secrets
 import socket
 import struct
 import tempfile
@@ -22,7 +21,6 @@ import urllib.parse
 from dataclasses import replace
 
 import tornado.httpserver
-import tornado.netutil
 import tornado.web
 import tornado.websocket
 from tornado.escape import json_encode
@@ -30,16 +28,18 @@ from tornado.escape import json_encode
 import scrim
 
 from . import _luts, _messages
+from ._door import Door, is_any
+from ._luts import Lut
 from ._opening import opened
 from ._pictures import Texture
-from ._session import Opened, Session
+from ._opened import Opened
+from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
+_PARTS = ("curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values")
 _FILES = {
     "": ("index.html", "text/html; charset=utf-8"),
-    "page.js": ("page.js", "text/javascript; charset=utf-8"),
-    "picture.js": ("picture.js", "text/javascript; charset=utf-8"),
-    "panel.js": ("panel.js", "text/javascript; charset=utf-8"),
+    **{f"{name}.js": (f"{name}.js", "text/javascript; charset=utf-8") for name in _PARTS},
     "style.css": ("style.css", "text/css; charset=utf-8"),
 }
 _LOCAL = ("localhost", "127.0.0.1", "::1")
@@ -48,27 +48,15 @@ _PROGRESS_SECONDS = 0.25
 
 
 class Server:
-    """Listens at once; `run` serves. `listen`: host and port, 0 for a free one. Raises scrim.Error where the scene is
-    bad, and OutputError where the address cannot be had."""
+    """Serves at a door; `run` begins. Raises scrim.Error where the scene is bad."""
 
-    def __init__(self, opened: Opened, listen: tuple[str, int] = ("127.0.0.1", 0)) -> None:
-        self.host, port = listen
-        try:
-            self._sockets = tornado.netutil.bind_sockets(port, self.host, reuse_port=False)
-        except OSError as error:
-            raise scrim.OutputError(f"cannot listen on {self.host}:{port}: {error.strerror}") from error
-        self.port = self._sockets[0].getsockname()[1]
-        self.token = secrets.token_urlsafe(24)
+    def __init__(self, opened: Opened, door: Door) -> None:
+        self._door = door
+        self.host, self.port, self.token = door.host, door.port, door.token
         self.browsers: set[_Socket] = set()
         self._opened = opened
         self._ended: asyncio.Event | None = None
         self.status = 0
-
-    @property
-    def url(self) -> str:
-        """The address for a browser on this machine, with the token."""
-        host = "127.0.0.1" if _is_any(self.host) else self.host
-        return f"http://{f'[{host}]' if ':' in host else host}:{self.port}/?token={self.token}"
 
     async def run(self, ready: asyncio.Event | None = None) -> int:
         """Serves until `end`; gives the exit status."""
@@ -85,16 +73,15 @@ class Server:
         try:
             self.session = self._begin(self._opened)
         except BaseException:
-            for one in self._sockets:
-                one.close()
+            self._door.close()
             raise
-        rules = [("/socket", _Socket), ("/picture.exr", _Exr), ("/(.*)", _Page)]
+        rules = [("socket", _Socket), ("picture.exr", _Exr), ("(?P<name>[^/]*)", _Page)]
         app = tornado.web.Application(
-            [(path, handler, {"server": self}) for path, handler in rules],
+            [(f"/(?:t/(?P<key>[^/]+)/)?{path}", handler, {"server": self}) for path, handler in rules],
             websocket_max_message_size=_MOST_MESSAGE, websocket_ping_interval=20, log_function=lambda handler: None,
         )  # fmt: skip
         http = tornado.httpserver.HTTPServer(app)
-        http.add_sockets(self._sockets)
+        http.add_sockets([self._door.socket])
         telling = asyncio.ensure_future(self._tell_progress())
         if ready is not None:
             ready.set()
@@ -115,11 +102,15 @@ class Server:
     def open(self, name: object, serial: int) -> None:
         """Shows another file of the folder. Raises scrim.Error where that cannot be; the scene stays then."""
         others = self.session.opened.others
-        if name not in others:
-            raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
-        path = os.path.join(os.path.dirname(self._opened.input), name)
-        scene = replace(opened(path, ocio=self._opened.ocio), others=others)
-        before, self.session = self.session, self._begin(scene, serial)
+        try:
+            if name not in others:
+                raise scrim.UsageError(f"there is no {name!r} among the files of the folder")
+            path = os.path.join(os.path.dirname(self._opened.input), name)
+            scene = replace(opened(path, ocio=self._opened.ocio), others=others)
+            before, self.session = self.session, self._begin(scene, serial)
+        except scrim.Error:
+            self.session.refuse(serial)
+            raise
         before.close()
         self.tell(self.session.state())
 
@@ -153,9 +144,9 @@ class Server:
         """Whether a request names this machine as it should, and comes from our own page if from any."""
         host = _name_of(request.host)
         mine = {self.host.lower(), *_LOCAL}
-        if _is_any(self.host):  # all that listen on every address: any number, and names of this machine
+        if is_any(self.host):  # all that listen on every address: any number, and names of this machine
             mine |= {socket.gethostname().lower(), socket.getfqdn().lower()}
-        if host not in mine and not (_is_any(self.host) and _is_number(host)):
+        if host not in mine and not (is_any(self.host) and _is_number(host)):
             return False
         origin = request.headers.get("Origin")
         return origin is None or urllib.parse.urlsplit(origin).netloc.lower() == request.host.lower()
@@ -169,10 +160,6 @@ def _name_of(host: str) -> str:
         return (urllib.parse.urlsplit(f"//{host}").hostname or "").lower()
     except ValueError:
         return ""
-
-
-def _is_any(host: str) -> bool:
-    return host in ("", "0.0.0.0", "::")
 
 
 def _is_number(host: str) -> bool:
@@ -193,10 +180,15 @@ class _Guarded(tornado.web.RequestHandler):
     def _cookie(self) -> str:
         return f"scrim-view-{self.server.port}"  # cookies of all ports of a host are one
 
+    @property
+    def _framed_by(self) -> str:
+        # A notebook's page may frame what has the token in its address: cookies of a frame would not be sent to us.
+        return "*" if self.request.path.startswith("/t/") else "'self'"
+
     def set_default_headers(self) -> None:
         self.set_header(
             "Content-Security-Policy",
-            "default-src 'self'; img-src 'self' data:; frame-ancestors 'self'; base-uri 'none'",
+            f"default-src 'self'; img-src 'self' data:; frame-ancestors {self._framed_by}; base-uri 'none'",
         )
         self.set_header("X-Content-Type-Options", "nosniff")
         self.set_header("Referrer-Policy", "no-referrer")
@@ -205,9 +197,8 @@ class _Guarded(tornado.web.RequestHandler):
     def prepare(self) -> None:
         if not self.server.allows(self.request):
             raise tornado.web.HTTPError(403, reason="Foreign host or origin")
-        if not (
-            self.server.knows(self.get_cookie(self._cookie)) or self.server.knows(self.get_argument("token", None))
-        ):
+        given = (self.path_kwargs.get("key"), self.get_cookie(self._cookie), self.get_argument("token", None))
+        if not any(self.server.knows(one) for one in given):
             raise tornado.web.HTTPError(403, reason="The token is missing")
 
     def write_error(self, status_code: int, **more: object) -> None:
@@ -216,7 +207,7 @@ class _Guarded(tornado.web.RequestHandler):
 
 
 class _Page(_Guarded):
-    def get(self, name: str) -> None:
+    def get(self, name: str, key: str | None = None) -> None:
         if name not in _FILES:
             raise tornado.web.HTTPError(404)
         if self.get_argument("token", None) is not None:
@@ -233,7 +224,7 @@ class _Page(_Guarded):
 class _Exr(_Guarded):
     """The picture that the scene's file makes, once it is there."""
 
-    def get(self) -> None:
+    def get(self, key: str | None = None) -> None:
         frame = self.server.session.exact_frame()
         if frame is None:
             raise tornado.web.HTTPError(409, reason="The picture is not finished")
@@ -253,12 +244,12 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._has: set[int] = set()  # numbers of textures there
         self._waits = False  # for a browser that has not said yet that it has the last picture
         self._is_old = False  # what the browser has is not the newest
-        self._lut: tuple[str, str] | None = None
+        self._lut: Lut | None = None  # that is there
 
     def check_origin(self, origin: str) -> bool:
         return True  # `allows` has checked it
 
-    def open(self, *arguments: str) -> None:
+    def open(self, *arguments: str, **named: str) -> None:
         self.set_nodelay(True)
         self.server.browsers.add(self)
         self.tell(json_encode(self.server.session.state()))
@@ -289,7 +280,6 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
                     self.server.session.handle(message)
             except scrim.Error as error:
                 self.tell(json_encode({"type": "error", "text": str(error)}))
-                self.tell(json_encode(self.server.session.state()))
 
     def tell(self, text: str | bytes, binary: bool = False) -> None:
         try:
@@ -303,13 +293,20 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
     def show(self) -> None:
         """Sends the newest pictures and the view's table, as far as the browser has not got them."""
         session = self.server.session
-        if self._lut != (session.display, session.view):
-            self._lut = (session.display, session.view)
-            head = {"type": "lut", "size": _luts.SIZE, "knee": _luts.KNEE, "most": _luts.MOST}
-            self.tell(_packed(head, [session.lut()]), binary=True)
         pictures = session.pictures
         if pictures is None:
             return
+        lut = session.lut()
+        if self._lut is not lut:
+            self._lut = lut
+            head = {
+                "type": "lut",
+                "size": lut.size,
+                "fine": lut.size == _luts.SIZE,
+                "knee": _luts.KNEE,
+                "most": _luts.MOST,
+            }
+            self.tell(_packed(head, [lut.data]), binary=True)
         self._is_old = self._waits
         if self._waits:
             return
@@ -317,7 +314,9 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         slots: dict[str, Texture] = {"beauty": pictures.beauty}
         if pictures.rest is not None:
             slots["rest"] = pictures.rest
-        slots |= {name: layer.texture for name, layer in pictures.layers.items() if layer.texture}
+        slots |= {name: layer.texture for name, layer in (pictures.layers or {}).items() if layer.texture}
+        if pictures.depth is not None:
+            slots["depth"] = pictures.depth.texture
         fresh = [texture for texture in slots.values() if texture.number not in self._has]
         self._has = {texture.number for texture in slots.values()}
         head = {
@@ -327,8 +326,10 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
             "weights": session.weights(),
             "stage": pictures.stage,
             "exact": session.exact_frame() is not None,
+            "layers": pictures.layers is not None,
             "seconds": pictures.seconds,
             "error": session.error(),
+            "depths": pictures.depth.ends if pictures.depth else None,
             "serial": session.serial_shown,
         }
         self.tell(_packed(head, [texture.pixels.tobytes() for texture in fresh]), binary=True)

@@ -7,42 +7,24 @@ Everything here runs in the thread of the server's event loop, except for what `
 from __future__ import annotations
 
 import os
-import shlex
 import time
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
 
-import numpy as np
-from scrim_kit import toml_text
 
 import scrim
 
-from . import _bounds, _luts, _messages
-from ._camera import Lens, Pose, world_up
+from . import _handles, _messages
 from ._controls import Control, groups_of
-from ._document import Document
+from ._document import Change, Document, name_of
+from ._luts import Lut, Tables
+from ._opened import Opened
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
+from ._playback import Player
 from ._renderer import Renderer, Task, Wanted, is_exact
+from ._viewpoint import Viewpoint
 
 _STILL = 0.25  # seconds without an event after which a held mouse counts as resting
-
-
-@dataclass(frozen=True)
-class Opened:
-    """What is looked at. `text`: the scene; `file`: its own file, "" where it has none yet; `folder`: what its paths
-    are relative to, and where it may be saved; `input`: what a command line names; `options`: further words of it;
-    `others`: files beside it that the page may open; `keeps`: what the scene's files live as long as."""
-
-    text: str
-    file: str
-    folder: str
-    input: str
-    frames: list[int]
-    frame: int = 1
-    ocio: str = ""
-    options: list[str] = field(default_factory=list)
-    others: list[str] = field(default_factory=list)
-    keeps: object = None
 
 
 class Session:
@@ -63,12 +45,14 @@ class Session:
         self.document = Document(opened.text, opened.file)
         self._reader: scrim.Shot | None = None
         self.frame = opened.frame
-        self._pose: Pose | None = None  # of the free view; None: the scene's camera
+        self._viewpoint = Viewpoint()
         self._muted: frozenset[str] = frozenset()
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
-        self._luts: dict[tuple[str, str], bytes] = {}
+        self.player = Player(self, opened.frames, tell, later)
+        self._tables = Tables(lambda: self._show(), later)
+        self._region: tuple[int, int, int, int] | None = None
         self.pictures: Pictures | None = None
         self.serial_shown = 0
         self._read(opened.text)
@@ -76,7 +60,9 @@ class Session:
         self.display = next(iter(self.displays))
         self.view = self.displays[self.display][0]
         self._wanted = self._now(moves=False)
-        self._renderer = Renderer(opened.folder, os.path.basename(opened.input), opened.ocio, self._took, self._lost)
+        self._renderer = Renderer(
+            opened.folder, os.path.basename(opened.input), opened.ocio, self._took, self._lost, opened.grids
+        )
         self._renderer.want(self._wanted)
 
     def close(self) -> None:
@@ -94,21 +80,21 @@ class Session:
             raise scrim.UsageError(f"the page asks for '{kind}', which this viewer does not know")
         self._serial = max(self._serial, _messages.whole(message.get("serial", 0)))
         self._message, self._verify = "", kind == "verify"
-        do(message)
+        try:
+            do(message)
+        except scrim.Error:
+            self.refuse(self._serial)
+            raise
+
+    def refuse(self, serial: int) -> None:
+        """What is there is right for this event, too, which changed nothing."""
+        self._serial = max(self._serial, serial)
+        self._update(moves=False)
 
     def _on_navigate(self, message: Mapping) -> None:
         dx, dy = _messages.number(message.get("dx")), _messages.number(message.get("dy"))
-        pose, mode = self._pose or self._scene_pose(), message.get("mode")
-        if mode == "orbit":
-            pose = pose.orbited(self._up, dx, dy)
-        elif mode == "pan":
-            pose = pose.panned(dx, dy)
-        elif mode == "dolly":
-            pose = pose.dollied(dy)
-        else:
-            raise scrim.UsageError(f"the page asks for the movement '{mode}'; expected orbit, pan or dolly")
-        is_new = self._pose is None
-        self._pose = pose
+        is_new = self._viewpoint.free is None
+        self._viewpoint.move(message.get("mode"), dx, dy)
         self._update(moves=True)
         if is_new:
             self.send_state()
@@ -120,11 +106,18 @@ class Session:
     def _on_view(self, message: Mapping) -> None:
         to = message.get("to")
         if to == "scene":
-            self._pose = None
+            self._viewpoint.free = None
         elif to == "frame":
-            self._frame_all()
+            self._viewpoint.frame_all()
         elif to == "keep":
-            self._keep_view()
+            kept, free = self._viewpoint.kept(), self._viewpoint.free
+            self._viewpoint.free = None
+            try:
+                self._change(kept, message)
+            except scrim.Error:
+                self._viewpoint.free = free
+                raise
+            return
         else:
             raise scrim.UsageError(f"the page asks for the view '{to}'; expected scene, frame or keep")
         self._update(moves=False)
@@ -134,10 +127,48 @@ class Session:
         value = message.get("value")
         if not control.accepts(value):
             raise scrim.UsageError(f"{control.id}: the page gives {value!r}; expected a {control.kind}")
-        text = self.document.changed(control.changes(value))
+        self._change(control.changes(value), message)
+
+    def _change(self, changes: Iterable[Change], message: Mapping) -> None:
+        text = self.document.changed(changes)
         self._read(text)  # raises where the scene is bad then
         self.document.take(text, message.get("step"))
         self._update(moves=not message.get("done", True))
+
+    def _on_place(self, message: Mapping) -> None:
+        """A light's handle was dragged."""
+        index, x, y = self._light(message)
+        self._change(_handles.moved(self.document.data, index, self._seen_from(), x, y), message)
+
+    def _on_highlight(self, message: Mapping) -> None:
+        """A light is to shine where the page was clicked."""
+        index, x, y = self._light(message)
+        depth = self.pictures.depth if self.pictures else None
+        if depth is None:
+            raise scrim.UsageError("where things are is known once the picture is finished: wait for it")
+        changes = _handles.highlit(self.document.data, index, self._seen_from(), depth.mean, x, y)
+        if changes is None:
+            raise scrim.UsageError("there is nothing to light at this place")
+        self._change(changes, message)
+
+    def _light(self, message: Mapping) -> tuple[int, float, float]:
+        name, lights = message.get("light"), self.document.data.get("light", [])
+        index = next((i for i, it in enumerate(lights) if name_of("light", i, it) == name), None)
+        if index is None or not _handles.has_handle(lights[index]):
+            raise scrim.UsageError(f"the scene has no light {name!r} that can be placed in the picture")
+        return index, _messages.number(message.get("x")), _messages.number(message.get("y"))
+
+    def _seen_from(self) -> _handles.View:
+        return _handles.View(self._viewpoint.pose, self._viewpoint.shift)
+
+    def _on_camera(self, message: Mapping) -> None:
+        """Looks through another camera of the stage."""
+        name = message.get("name")
+        if name not in self.opened.cameras:
+            raise scrim.UsageError(f"the stage has no camera {name!r}")
+        camera = self.opened.keeps.through(name).scene(self.frame)["camera"]
+        self._viewpoint.free = None
+        self._change([(("camera",), None), (("camera",), camera)], message)
 
     def _on_muted(self, message: Mapping) -> None:
         names = message.get("names")
@@ -156,6 +187,37 @@ class Session:
             self.frame = before
             raise
         self._update(moves=not message.get("done", True))
+
+    def _on_play(self, message: Mapping) -> None:
+        self.player.play(bool(message.get("on")))
+        self._update(moves=False)
+
+    def show_frame(self, number: int) -> bool:
+        """Goes to a frame while frames are played. Whether its picture is there; otherwise it is rendered."""
+        self.frame = number
+        self._read(self.document.text)
+        self._wanted = self._now(moves=False)
+        kept = self.player.find(self._look(), number)
+        if kept is None:
+            self._renderer.want(self._wanted)
+            return False
+        self._renderer.adopt(kept, self._wanted)
+        self.pictures = kept
+        self._show()
+        return True
+
+    @property
+    def fps(self) -> float:
+        return max(float(self.document.data.get("output", {}).get("fps", 24.0)), 0.1)
+
+    def _look(self) -> tuple:
+        """All that the picture of a frame depends on."""
+        return self.document.text, str(self._viewpoint.overrides()), self._muted
+
+    def _on_region(self, message: Mapping) -> None:
+        """A part of the picture alone is refined; without a box all of it."""
+        self._region = _messages.window(message.get("box"), self._viewpoint.resolution)
+        self._update(moves=False)
 
     def _on_verify(self, message: Mapping) -> None:
         self._message = "comparing pixels with brute force"
@@ -177,8 +239,10 @@ class Session:
         name = _messages.file_name(message.get("name"))
         if not name and not self.document.file:
             raise scrim.UsageError("the scene has no file yet: save it under a name")
-        file = os.path.join(self.opened.folder, name) if name else ""
-        self.document.save(file)
+        if name and self.opened.temporary:
+            changes = self.opened.with_files(self.document.data, name)
+            self._change(changes, {})
+        self.document.save(os.path.join(self.opened.folder, name) if name else "")
         self._message = f"saved {self.document.file}"
         self._update(moves=False)
 
@@ -200,93 +264,31 @@ class Session:
         )  # fmt: skip
         self._resolved = reader.resolved(self.frame)
         self._reader = reader
+        self._viewpoint.read(self.document.data_of(text), self._resolved)
 
     def _control(self, name: object) -> Control:
-        for group in groups_of(self.document.data, self._up):
+        for group in groups_of(self.document.data, self._viewpoint.up):
             for control in group.controls:
                 if control.id == name:
                     return control
         raise scrim.UsageError(f"the scene has no control {name!r}")
 
-    @property
-    def _up(self) -> np.ndarray:
-        camera = self.document.data.get("camera", {})
-        stated = camera.get("up") if isinstance(camera.get("up"), list) else None
-        return world_up(np.array(self._resolved["camera"]["matrix"]), stated)
-
-    def _lens(self) -> Lens:
-        camera = self._resolved["camera"]
-        width, height = camera["resolution"]
-        aspect = camera["pixel_aspect"] * width / height
-        is_flat = camera["type"] == "orthographic"
-        return Lens(np.radians(camera["fov"]), camera["height"] if is_flat else None, aspect)
-
-    def _scene_pose(self) -> Pose:
-        matrix = np.array(self._resolved["camera"]["matrix"])
-        eye, ahead = matrix[:3, 3], -matrix[:3, 2]
-        target = self.document.data.get("camera", {}).get("target")
-        if isinstance(target, list):
-            distance = float((np.array(target, float) - eye) @ ahead)
-        elif box := _bounds.of(self._resolved["volumes"]):
-            distance = float((0.5 * (box[0] + box[1]) - eye) @ ahead)
-        else:
-            distance = float(np.linalg.norm(eye))
-        return Pose(matrix, max(distance, 1e-3), self._lens())
-
-    def _frame_all(self) -> None:
-        box = _bounds.of(self._resolved["volumes"])
-        if box is None:
-            raise scrim.UsageError(
-                "the volumes of this scene are not files, so their size is not known before a render"
-            )
-        self._pose = (self._pose or self._scene_pose()).framed(*box)
-
-    def _view_overrides(self) -> dict:
-        """The free view as overrides of the scene's camera."""
-        if self._pose is None:
-            return {}
-        camera, over = self._resolved["camera"], {"camera.matrix": self._pose.matrix.tolist()}
-        if self._pose.lens.height is not None:
-            over["camera.height"] = self._pose.lens.height
-        if "exr" in self.document.data.get("camera", {}):  # the lens came from there, too
-            over |= {f"camera.{key}": camera[key] for key in ("fov", "shift", "pixel_aspect")}
-        return over
-
-    def _keep_view(self) -> None:
-        """Writes the free view into the scene's camera."""
-        if self._pose is None:
-            raise scrim.UsageError("the view is that of the scene's camera")
-        if any(isinstance(value, dict) and "keys" in str(value) for value in self.document.data["camera"].values()):
-            raise scrim.UsageError("the scene's camera has keys, which a still view would replace: edit the file")
-        pose, camera = self._pose, ("camera",)
-        changes = [((*camera, key), None) for key in ("matrix", "orbit", "exr", "ndc")]
-        places = {"position": pose.eye, "target": pose.pivot, "up": self._up}
-        changes += [((*camera, key), [float(v) for v in value]) for key, value in places.items()]
-        over = self._view_overrides()
-        changes += [((*camera, key[7:]), value) for key, value in over.items() if key != "camera.matrix"]
-        text = self.document.changed(changes)
-        before, self._pose = self._pose, None
-        try:
-            self._read(text)
-        except scrim.Error:
-            self._pose = before
-            raise
-        self.document.take(text)
-
     def _now(self, moves: bool) -> Wanted:
         data = self.document.data
-        view = self._view_overrides()
+        view = self._viewpoint.overrides()
         return Wanted(
             self.document.text,
             shape_of(data, view, self.frame),
             strengths_of(data, self._resolved),
             view,
             self.frame,
-            tuple(self._resolved["camera"]["resolution"]),
+            self._viewpoint.resolution,
             data.get("render", {}).get("quality") == "draft",
             self._muted,
             moves,
             self._verify,
+            self.player.is_playing,
+            self._region,
             self._serial,
             time.monotonic(),
         )
@@ -298,7 +300,8 @@ class Session:
         if moves:
             self._moved = time.monotonic()
             self._later(_STILL, self._rest_if_still)
-            self._tell({"type": "weights", "weights": self.weights(), "serial": self._serial})
+            handles = _handles.of(self.document.data, self._seen_from())
+            self._tell({"type": "weights", "weights": self.weights(), "handles": handles, "serial": self._serial})
             return
         if self.exact_frame() is not None:  # no picture will come of this event: the one that is there is right
             self.serial_shown = self._serial
@@ -322,7 +325,6 @@ class Session:
 
     def state(self) -> dict:
         """All that the page shows beside the pictures."""
-        width, height = self._resolved["camera"]["resolution"]
         return {
             "type": "state",
             "title": os.path.basename(self.opened.input),
@@ -330,18 +332,22 @@ class Session:
             "others": self.opened.others,
             "groups": [
                 {"kind": g.kind, "name": g.name, "title": g.title, "controls": [c.as_data() for c in g.controls]}
-                for g in groups_of(self.document.data, self._up)
+                for g in groups_of(self.document.data, self._viewpoint.up)
             ],
             "muted": sorted(self._muted),
             "weights": self.weights(),
             "frame": self.frame,
             "frames": self.opened.frames,
-            "resolution": [width, height],
-            "aspect": self._resolved["camera"]["pixel_aspect"] * width / height,
+            "resolution": self._viewpoint.resolution,
+            "aspect": self._viewpoint.aspect,
+            "handles": _handles.of(self.document.data, self._seen_from()),
+            "cameras": self.opened.cameras,
+            "region": self._region,
+            "playing": self.player.is_playing,
             "displays": self.displays,
             "display": self.display,
             "view": self.view,
-            "free": self._pose is not None,
+            "free": self._viewpoint.free is not None,
             "undo": self.document.can_undo,
             "redo": self.document.can_redo,
             "changed": self.document.is_changed,
@@ -359,21 +365,12 @@ class Session:
             sets = self.document.assignments()
         except scrim.UsageError as error:
             return f"# {error}"
-        sets += [toml_text.assignment(key, value) for key, value in self._view_overrides().items()]
-        sets += [f"{name}.intensity=0.0" for name in sorted(self._muted) if name.startswith("light.")]
-        sets += ["ambient.color=[0.0, 0.0, 0.0]"] if "ambient" in self._muted else []
-        words = ["scrim", "render", self.document.file or self.opened.input, *self.opened.options]
-        words += [word for one in sets for word in ("--set", one)]
-        if self.opened.frames != [1] or self.frame != 1:
-            words += ["--frames", str(self.frame)]
-        return shlex.join([*words, "-o", "picture.exr"])
+        frame = self.frame if self.opened.frames != [1] or self.frame != 1 else None
+        return self.opened.command(self.document.file, sets, self._viewpoint.overrides(), self._muted, frame)
 
-    def lut(self) -> bytes:
-        """The table of the chosen view: see `_luts`."""
-        chosen = (self.display, self.view)
-        if chosen not in self._luts:
-            self._luts[chosen] = _luts.table(self._reader, *chosen)
-        return self._luts[chosen]
+    def lut(self) -> Lut:
+        """The table of the chosen view."""
+        return self._tables.of(self._reader, self.display, self.view)
 
     def exact_frame(self) -> scrim.Frame | None:
         """The frame that the scene's file makes; None while it is not there."""
@@ -391,6 +388,8 @@ class Session:
         def take() -> None:
             self.pictures = pictures
             self.serial_shown = wanted.serial
+            if wanted.frame == self.frame and self.weights() is None:
+                self.player.took(self._look(), self.frame, pictures)
             self._show()
 
         self._later(0.0, take)

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // The page of the viewer: sends what the user does, and shows what comes back.
 
+import { Handles } from "./handles.js";
+import { Looks } from "./looks.js";
 import { Panel } from "./panel.js";
 import { Picture } from "./picture.js";
+import { drawBox, showBox, steer } from "./steer.js";
 
 const RETRY_MS = 500; // until a lost connection is tried again
-const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare" };
+const BUTTON_KEYS = { f: "frame-all", Home: "scene-camera", s: "snapshot", w: "compare", l: "layers", h: "lights", r: "region", " ": "play" };
 
 const by = (id) => document.getElementById(id);
 const canvas = by("picture");
@@ -19,7 +22,10 @@ const sent = new Map(); // serial -> time, of events whose picture has not come 
 // For measurements: milliseconds from an event to its picture, or to the picture with its weights.
 const times = { picture: [], weights: [] };
 
+/** An error stays until a later event went well. */
+let failed = 0;
 function fail(text) {
+    failed = serial;
     by("error").textContent = text;
     by("error").hidden = !text;
 }
@@ -40,7 +46,7 @@ function send(message) {
 // ---- what comes
 
 function connect() {
-    socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+    socket = new WebSocket(new URL("socket", location.href).href.replace("http", "ws")); // https becomes wss
     socket.binaryType = "arraybuffer";
     socket.onopen = () => fail("");
     socket.onmessage = ({ data }) => (typeof data === "string" ? hear(JSON.parse(data)) : receive(data));
@@ -54,7 +60,11 @@ function connect() {
 function hear(message) {
     if (message.type === "state") return showState(message);
     if (message.type === "error") return fail(message.text);
-    if (message.type === "weights") return weigh(message.weights, message.serial);
+    if (message.type === "weights") {
+        moved = message.handles;
+        return weigh(message.weights, message.serial);
+    }
+    if (message.type === "frame") showFrame(message.number);
     if (message.type === "progress") {
         by("progress").value = message.part ?? 0;
         by("progress").style.visibility = message.part === null ? "hidden" : "visible";
@@ -65,14 +75,18 @@ function receive(buffer) {
     const length = new DataView(buffer).getUint32(0, true);
     const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
     const bytes = new Uint8Array(buffer, 4 + length);
-    if (head.type === "lut") picture?.setTable(head, bytes);
+    if (head.type === "lut") {
+        picture?.setTable(head, bytes);
+        document.body.dataset.table = head.fine ? "fine" : "coarse";
+    }
     if (head.type === "pictures") {
         picture?.setPictures(head, bytes);
         stage = head;
         showStage();
     }
     if (head.type === "pictures") socket.send(JSON.stringify({ type: "have" }));
-    redraw(() => head.type === "pictures" && settle(head.serial, times.picture));
+    // While a light is dragged its layer comes again and again, and all of them are summed each time.
+    redraw(() => head.type === "pictures" && settle(head.serial, times.picture), sent.size > 1 && Boolean(picture?.weights));
 }
 
 function settle(upTo, list) {
@@ -89,6 +103,7 @@ function settle(upTo, list) {
 const SOON_MS = 150;
 let waiting = [];
 let better = 0;
+let moved = null; // handles of lights, which go with the next picture
 function redraw(after, isQuick = false) {
     if (after) waiting.push(after);
     if (!isDrawn) return;
@@ -96,10 +111,13 @@ function redraw(after, isQuick = false) {
     requestAnimationFrame((then) => {
         isDrawn = true;
         picture?.draw(isQuick);
+        if (moved) handles.update(moved);
+        moved = null;
         const all = waiting;
         waiting = [];
         requestAnimationFrame((now) => {
             if (isQuick) picture?.tookTo(now - then);
+            else looks?.update(canvas);
             all.forEach((call) => call());
         });
         clearTimeout(better);
@@ -108,20 +126,21 @@ function redraw(after, isQuick = false) {
 }
 
 function showStage() {
-    const words = { motion: "moving", draft: "draft", final: "finished" };
+    const words = { motion: "moving", draft: "draft", final: "finished", region: "finished in the region" };
     const isFile = stage.exact && state && !state.free && !state.changed && !state.muted.length;
     const text = isFile ? "finished: the file's picture" : words[stage.stage] ?? "";
     const percent = (part) => `${(100 * part).toPrecision(2)} %`;
     const error = stage.error ? `, error ${percent(stage.error.error)} of ${stage.error.pixels} pixels` : "";
     by("status").textContent = stage.seconds ? `${text} (${stage.seconds.toFixed(2)} s${error})` : text;
     document.body.dataset.stage = stage.exact ? "exact" : stage.stage ?? "";
+    document.body.dataset.layers = stage.layers ? "ready" : "";
     by("download").style.visibility = stage.exact ? "visible" : "hidden";
 }
 
 function showState(message) {
     state = message;
     serial = Math.max(serial, message.serial);
-    fail("");
+    if (message.serial > failed) fail("");
     document.title = `${state.changed ? "• " : ""}${state.title} · Scrim`;
     by("title").textContent = state.title + (state.changed ? " •" : "");
     by("undo").disabled = !state.undo;
@@ -136,18 +155,53 @@ function showState(message) {
     by("timeline").hidden = state.frames.length < 2;
     const frame = by("frame");
     [frame.min, frame.max] = [state.frames[0], state.frames[state.frames.length - 1]];
-    if (!frame.matches(":active")) frame.value = state.frame;
-    by("frame-number").textContent = state.frame;
+    if (!frame.matches(":active")) showFrame(state.frame);
+    by("play").setAttribute("aria-pressed", String(state.playing));
+    draws(isDrawing);
+    fillCameras();
     panel.update(state.groups, state.muted);
+    moved = null;
+    handles.update(state.handles);
     weigh(state.weights, state.serial);
     resize();
 }
 
 /** Shows other weights of the layers that are here. */
 function weigh(weights, upTo) {
-    if (!picture || picture.slots.beauty === undefined || JSON.stringify(weights) === JSON.stringify(picture.weights)) return;
+    if (!picture || picture.slots.beauty === undefined || alike(weights, picture.weights)) return;
     picture.setWeights(weights);
     redraw(() => weights && settle(upTo, times.weights), true);
+}
+
+function alike(a, b) {
+    if (!a || !b) return a === b;
+    return Object.keys(a).every((name) => b[name]?.every((v, i) => Math.abs(v - a[name][i]) <= 1e-5 * Math.abs(v)));
+}
+
+/** Shows what a control makes of its layer, before the viewer has read it: light adds up. */
+function foresee(control, value) {
+    const weight = picture?.weights?.[control.layer] ?? (stage.layers && picture.slots[control.layer] !== undefined ? [1, 1, 1] : null);
+    if (!weight || !control.law) return;
+    const [now, then] = [value, control.value].map((v) => (Array.isArray(v) ? v : [v, v, v]));
+    const factors = weight.map((w, i) => (control.law === "stops" ? w * 2 ** (now[i] - then[i]) : (w * now[i]) / then[i]));
+    if (state.muted.includes(control.layer) || factors.some((f) => !Number.isFinite(f))) return;
+    picture.setWeights({ ...(picture.weights ?? Object.fromEntries(picture.layers.map((name) => [name, [1, 1, 1]]))), [control.layer]: factors });
+    const upTo = serial;
+    redraw(() => settle(upTo, times.weights), true);
+}
+
+function showFrame(number) {
+    by("frame").value = number;
+    by("frame-number").textContent = number;
+}
+
+function fillCameras() {
+    const select = by("cameras");
+    select.hidden = state.cameras.length < 2;
+    if (select.options.length - 1 !== state.cameras.length) {
+        select.replaceChildren(new Option("Look through…", ""), ...state.cameras.map((name) => new Option(name)));
+    }
+    select.value = "";
 }
 
 function fillViews() {
@@ -172,63 +226,45 @@ function resize() {
     picture?.resize(Math.max(Math.round(width * share), 1), Math.max(Math.round(height * share), 1));
     if (before !== `${canvas.style.width} ${picture?.full}`) redraw();
     placeWipe();
+    handles.fit();
+    showBox(canvas, by("box"), state.region && state.region.map((v, i) => v / state.resolution[i % 2]));
 }
 
 // ---- what the user does
 
+const click = (id, call) => by(id).addEventListener("click", call);
 let step = 0;
-const panel = new Panel(by("panel"), (id, value, done) => {
-    send({ type: "set", id, value, done, step: `${id} ${step}` });
+const panel = new Panel(by("panel"), (control, value, done) => {
+    send({ type: "set", id: control.id, value, done, step: `${control.id} ${step}` });
+    if (!done) foresee(control, value);
+    control.value = value;
     if (done) ++step;
 }, (names) => send({ type: "muted", names }));
 
-let drag = null;
-let moved = { dx: 0, dy: 0 };
-function flush() {
-    if (!drag || (!moved.dx && !moved.dy)) return;
-    send({ type: "navigate", mode: drag.mode, ...moved });
-    moved = { dx: 0, dy: 0 };
-}
+const handles = new Handles(by("handles"), canvas, (light, x, y, done) => {
+    send({ type: "place", light, x, y, done, step: `place ${light} ${step}` });
+    if (done) ++step;
+});
+click("lights", () => {
+    by("handles").hidden = !by("handles").hidden;
+    by("lights").setAttribute("aria-pressed", String(!by("handles").hidden));
+});
+let isDrawing = false; // a region
+const draws = (on) => by("region").setAttribute("aria-pressed", String((isDrawing = on) || Boolean(state?.region)));
+click("region", () => {
+    if (isDrawing) return;
+    if (state.region) return send({ type: "region", box: null });
+    draws(true);
+    drawBox(canvas, by("box"), (box) => {
+        draws(false);
+        send({ type: "region", box });
+    });
+});
+const looks = picture && new Looks(picture, by, redraw, (layer) => layer !== "beauty" && panel.soloOf(layer));
 
-// Plain and Alt drags as in Maya and Houdini: left orbits, middle pans, right dollies; Shift and Ctrl choose for one button.
-function modeOf(event) {
-    if (event.button === 1 || event.shiftKey) return "pan";
-    return event.button === 2 || event.ctrlKey ? "dolly" : "orbit";
-}
-canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    drag = { mode: modeOf(event), x: event.clientX, y: event.clientY };
-    canvas.focus();
-    event.preventDefault();
-});
-canvas.addEventListener("pointermove", (event) => {
-    if (!drag) return showPixel(event);
-    const height = canvas.getBoundingClientRect().height;
-    moved.dx += (event.clientX - drag.x) / height;
-    moved.dy += (event.clientY - drag.y) / height;
-    [drag.x, drag.y] = [event.clientX, event.clientY];
-    flush(); // browsers give one such event for each picture of the screen
-});
-const drop = () => {
-    if (!drag) return;
-    flush();
-    drag = null;
-    send({ type: "rest" });
-};
-canvas.addEventListener("pointerup", drop);
-canvas.addEventListener("pointercancel", drop);
-canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-canvas.addEventListener("wheel", (event) => {
-    event.preventDefault();
-    send({ type: "navigate", mode: "dolly", dx: 0, dy: Math.sign(event.deltaY) * 0.08 });
-}, { passive: false });
-canvas.addEventListener("keydown", (event) => {
-    const turns = { ArrowLeft: [-0.03, 0], ArrowRight: [0.03, 0], ArrowUp: [0, -0.03], ArrowDown: [0, 0.03] }[event.key];
-    const dolly = { "+": -0.08, "-": 0.08 }[event.key];
-    if (turns) send({ type: "navigate", mode: event.shiftKey ? "pan" : "orbit", dx: turns[0], dy: turns[1] });
-    else if (dolly) send({ type: "navigate", mode: "dolly", dx: 0, dy: dolly });
-    else return;
-    event.preventDefault();
+steer(canvas, send, showPixel, (x, y) => {
+    if (handles.selected === null) return fail("There is no light with a handle that could shine here.");
+    send({ type: "highlight", light: handles.selected, x, y, done: true });
 });
 
 function showPixel(event) {
@@ -241,7 +277,6 @@ function showPixel(event) {
     by("pixel").textContent = `${place}:  ${[...value].map((v) => v.toPrecision(3)).join("  ")}`;
 }
 
-const click = (id, call) => by(id).addEventListener("click", call);
 for (const type of ["undo", "redo", "save", "verify"]) click(type, () => send({ type }));
 click("save-as", () => {
     const name = prompt("Name of the new scene, in the same folder:", state.file || state.title.replace(/\.[^.]*$/, "") + ".toml");
@@ -274,6 +309,8 @@ for (const name of ["exposure", "gamma"]) {
 }
 by("frame").addEventListener("input", () => send({ type: "frame", number: Number(by("frame").value), done: false }));
 by("frame").addEventListener("change", () => send({ type: "rest" }));
+click("play", () => send({ type: "play", on: !state.playing }));
+by("cameras").addEventListener("change", (event) => event.target.value && send({ type: "camera", name: event.target.value, done: true }));
 
 click("snapshot", () => {
     picture?.keepSnapshot();
@@ -301,7 +338,7 @@ by("wipe").addEventListener("pointermove", (event) => {
 
 addEventListener("resize", resize);
 addEventListener("keydown", (event) => {
-    if (event.target.matches("input, select")) return;
+    if (event.target.matches("input, select") || (event.key === " " && event.target.matches("button"))) return;
     if (event.ctrlKey || event.metaKey) {
         const id = { z: event.shiftKey ? "redo" : "undo", s: "save" }[event.key.toLowerCase()];
         if (!id) return;
@@ -323,6 +360,7 @@ globalThis.scrim = {
     times,
     get picture() { return picture; },
     get state() { return state; },
+    get pending() { return sent.size; },
     get isConnected() { return socket?.readyState === WebSocket.OPEN; },
     get isSettled() { return stage.serial >= (state?.serial ?? Infinity) && serial === state.serial; },
     cut: () => socket.close(),

@@ -3,16 +3,20 @@
 //
 // Elements are kept while the list has the same controls, so that a slider under the finger stays where it is.
 
+import { curve } from "./curves.js";
+import { element, encoded, linear, short } from "./values.js";
+
 const STEPS = 1000; // of a slider
 
 export class Panel {
-    /** `change(id, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
+    /** `change(control, value, done)`: a control was moved, or let go; `mute(names)`: layers that do not shine. */
     constructor(root, change, mute) {
         this.root = root;
         this.change = change;
         this.mute = mute;
         this.known = "";
         this.setters = new Map();
+        this.controls = new Map(); // as the viewer said them last, with the values that were changed since
         this.muted = new Set();
         this.solo = null;
     }
@@ -27,13 +31,22 @@ export class Panel {
             this.root.replaceChildren(...groups.map((group) => this.#group(group)));
         }
         for (const group of groups) {
-            for (const control of group.controls) this.setters.get(control.id)?.(control);
+            for (const control of group.controls) {
+                this.controls.set(control.id, control);
+                this.setters.get(control.id)?.(control);
+            }
         }
         for (const button of this.root.querySelectorAll("button[data-layer]")) {
             const name = button.dataset.layer;
             const isOn = button.dataset.does === "mute" ? this.muted.has(name) : this.solo === name;
             button.setAttribute("aria-pressed", String(isOn));
         }
+    }
+
+    /** Leaves all other layers out, or takes them in again. */
+    soloOf(name) {
+        this.solo = this.solo === name ? null : name;
+        this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
     }
 
     #group(group) {
@@ -52,11 +65,7 @@ export class Panel {
         const button = element("button", { textContent: text, ariaPressed: "false", ariaLabel: `${text} ${group.name}` });
         Object.assign(button.dataset, { layer: name, does });
         button.addEventListener("click", () => {
-            if (does === "solo") {
-                this.solo = this.solo === name ? null : name;
-                this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
-                return;
-            }
+            if (does === "solo") return this.soloOf(name);
             this.solo = null;
             if (!this.muted.delete(name)) this.muted.add(name);
             this.mute([...this.muted]);
@@ -72,8 +81,8 @@ export class Panel {
             row.append(element("span", { className: "keyed", textContent: "has keys: edit the file" }));
             return row;
         }
-        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox }[control.kind];
-        const { parts, set } = make(control, label, (value, done) => this.change(control.id, value, done));
+        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, ramp: curve, colours: curve, transfer: curve }[control.kind];
+        const { parts, set } = make(control, label, (value, done) => this.change(this.controls.get(control.id), value, done));
         row.append(...parts);
         this.setters.set(control.id, set);
         return row;
@@ -82,15 +91,6 @@ export class Panel {
 
 function layerOf(group) {
     return group.kind === "light" ? `light.${group.name}` : group.kind;
-}
-
-function element(name, values = {}) {
-    return Object.assign(document.createElement(name), values);
-}
-
-// Numbers as the viewer writes them, six digits, and as there is room for them.
-function short(value, digits = 6) {
-    return String(Number(Number(value).toPrecision(digits)));
 }
 
 function slider(control, label, change) {
@@ -144,15 +144,6 @@ function triple(control, label, change) {
         if (!patch.matches(":active")) patch.value = "#" + value.map((v) => encoded(Math.max(v, 0) / most)).join("");
     };
     return { parts: [box], set };
-}
-
-function linear(v) {
-    return v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4;
-}
-
-function encoded(v) {
-    const byte = Math.round(255 * (v <= 0.0031308 ? 12.92 * v : 1.055 * v ** (1 / 2.4) - 0.055));
-    return byte.toString(16).padStart(2, "0");
 }
 
 function choice(control, label, change) {

@@ -1,87 +1,62 @@
 // SPDX-License-Identifier: Apache-2.0
 // Draws pictures with WebGL 2: sums layers by their weights, and shows the sum through exposure, a view's table and gamma.
 //
-// The sum is kept in a texture of half floats, no larger than what the canvas shows. Other weights need one pass over it,
-// another exposure none.
+// One pass does all of it. It has a program for each number of layers, and for what is switched on: without a graphics
+// unit every operation on a pixel counts. Layers are brought to the size of the canvas once, so that the pass reads one
+// texel of each. The canvas has no more pixels than the picture has, nor than the screen shows.
+
+import { COPY, CORNERS, shader } from "./shaders.js";
 
 const LAYERS_A_PASS = 12; // every WebGL 2 has 16 textures
-// When quick sums become coarser or finer: at less than half of 60 draws a second, or at nearly all of them.
+const BEFORE = LAYERS_A_PASS; // units behind those of the layers
+const TABLE = LAYERS_A_PASS + 1;
+// When quick draws become coarser or finer: at less than half of 60 draws a second, or at nearly all of them.
 const SLOW_MS = 40;
 const FAST_MS = 18;
 const MOST_DIVISOR = 4;
-const CORNERS = `#version 300 es
-out vec2 uv;
-void main() {
-    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
-    uv = vec2(corner.x, corner.y);
-    gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
-}`;
-
-function sumShader(count) {
-    const layers = Array.from({ length: count }, (_, i) => i);
-    return `#version 300 es
-precision highp float;
-in vec2 uv;
-out vec4 sum;
-${layers.map((i) => `uniform sampler2D layer${i};`).join("\n")}
-uniform vec4 weights[${count}];
-void main() {
-    sum = ${layers.map((i) => `texture(layer${i}, uv) * weights[${i}]`).join(" + ")};
-}`;
-}
-
-// Rows of pictures go from top to bottom, so they are upside down in textures, and upright in the canvas.
-const SHOW = `#version 300 es
-precision highp float;
-precision highp sampler3D;
-in vec2 uv;
-out vec4 shown;
-uniform sampler2D now, before;
-uniform sampler3D table;
-uniform float gain, gamma, wipe, knee, reach, size;
-void main() {
-    vec2 at = vec2(uv.x, 1.0 - uv.y);
-    vec3 colour = uv.x < wipe ? texture(before, at).rgb : texture(now, at).rgb;
-    vec3 place = log2(1.0 + knee * max(colour * gain, 0.0)) / reach;
-    colour = texture(table, (clamp(place, 0.0, 1.0) * (size - 1.0) + 0.5) / size).rgb;
-    shown = vec4(pow(colour, vec3(1.0 / gamma)), 1.0);
-}`;
+// What is shown in false colours: a channel of a slot, or 1 less it; `hole` is shown black.
+const FALSE = {
+    depth: { slot: "depth", pick: [1, 0, 0, 0], shift: 0, hole: 0 },
+    transmittance: { slot: "beauty", pick: [0, 0, 0, -1], shift: 1, hole: -1 },
+};
 
 export class Picture {
     constructor(canvas) {
         this.canvas = canvas;
-        const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, preserveDrawingBuffer: true });
+        const gl = canvas.getContext("webgl2", { alpha: false, antialias: false, depth: false });
         if (!gl || !gl.getExtension("EXT_color_buffer_float")) {
             throw new Error("this browser has no WebGL 2 with pictures of half floats, which the viewer needs");
         }
         this.gl = gl;
         gl.getExtension("OES_texture_float_linear");
-        this.textures = new Map(); // number -> { texture, width, height }
+        this.textures = new Map(); // number -> { texture, width, height, fitted }
         this.slots = {};
         this.weights = null;
         this.exposure = 0;
         this.gamma = 1;
         this.wipe = 0;
         this.full = [canvas.width, canvas.height];
-        this.divisor = 1; // of the pixels of quick sums
-        this.drawn = 1; // that of the sum that is there
+        this.divisor = 1; // of the pixels of quick draws
         this.programs = new Map();
-        this.show = this.#program(SHOW);
         this.sum = this.#target();
         this.snapshot = this.#target();
         this.probe = this.#target();
+        this.few = this.#target();
+        this.look = "picture"; // or a key of FALSE
+        this.depths = [0, 1]; // the nearest and the farthest
+        this.sheet = null; // names of layers that are shown side by side
         this.frames = gl.createFramebuffer();
-        this.isStale = true;
     }
 
-    /** A view's table: half floats, red fastest. */
+    /** A view's table: ten bits for each of red, green and blue in a word, red fastest. */
     setTable(head, bytes) {
         const gl = this.gl;
         this.table ??= gl.createTexture();
         this.head = head;
+        gl.activeTexture(gl.TEXTURE0 + TABLE);
         gl.bindTexture(gl.TEXTURE_3D, this.table);
-        gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-        gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGB16F, head.size, head.size, head.size, 0, gl.RGB, gl.HALF_FLOAT, halves(bytes, 0, 3 * head.size ** 3));
+        const words = new Uint32Array(bytes.buffer, bytes.byteOffset, head.size ** 3);
+        gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGB10_A2, head.size, head.size, head.size, 0, gl.RGBA, gl.UNSIGNED_INT_2_10_10_10_REV, words);
         for (const name of ["MIN_FILTER", "MAG_FILTER"]) gl.texParameteri(gl.TEXTURE_3D, gl[`TEXTURE_${name}`], gl.LINEAR);
         for (const name of ["S", "T", "R"]) gl.texParameteri(gl.TEXTURE_3D, gl[`TEXTURE_WRAP_${name}`], gl.CLAMP_TO_EDGE);
     }
@@ -95,26 +70,32 @@ export class Picture {
             const texture = gl.createTexture();
             this.#bindPlain(texture);
             gl.pixelStorei(gl.UNPACK_ALIGNMENT, 2);
-            const formats = channels === 4 ? [gl.RGBA16F, gl.RGBA] : [gl.RGB16F, gl.RGB];
+            const formats = { 1: [gl.R16F, gl.RED], 3: [gl.RGB16F, gl.RGB], 4: [gl.RGBA16F, gl.RGBA] }[channels];
             gl.texImage2D(gl.TEXTURE_2D, 0, formats[0], width, height, 0, formats[1], gl.HALF_FLOAT, halves(bytes, offset, width * height * channels));
             offset += 2 * width * height * channels;
-            this.textures.set(number, { texture, width, height });
+            this.textures.set(number, { texture, width, height, fitted: null });
         }
         const used = new Set(Object.values(head.slots));
-        for (const [number, { texture }] of this.textures) {
+        for (const [number, { texture, fitted }] of this.textures) {
             if (!used.has(number)) {
                 gl.deleteTexture(texture);
+                if (fitted) gl.deleteTexture(fitted.texture);
                 this.textures.delete(number);
             }
         }
         this.slots = head.slots;
-        this.setWeights(head.weights);
+        this.weights = head.weights;
+        this.depths = head.depths ?? this.depths;
+    }
+
+    /** Names of the layers that add up to the picture. */
+    get layers() {
+        return Object.keys(this.slots).filter((name) => !["beauty", "rest", "depth"].includes(name));
     }
 
     /** Factors of layers by name; null: the beauty is the picture. */
     setWeights(weights) {
         this.weights = weights;
-        this.isStale = true;
     }
 
     get isReady() {
@@ -127,48 +108,85 @@ export class Picture {
         return [width, height];
     }
 
-    /** Sets how many pixels the canvas has, unless a draw is quick. */
+    /** Sets how many pixels the screen shows of the canvas. */
     resize(width, height) {
-        const [before, below] = this.full;
         this.full = [width, height];
-        this.isStale ||= before !== width || below !== height;
     }
 
     /** `isQuick`: coarser where the graphics unit is slow (`tookTo`); the next draw makes up for it. */
     draw(isQuick = false) {
         if (!this.isReady) return;
-        const gl = this.gl;
-        this.#bringUp(isQuick);
-        const { canvas } = this;
-        const [across, down] = this.full.map((n) => Math.ceil(n / this.drawn));
+        if (this.sheet) return this.#drawSheet();
+        const isFalse = FALSE[this.look] && this.#slot(FALSE[this.look].slot);
+        const parts = isFalse ? [[this.#slot(FALSE[this.look].slot), [1, 1, 1, 1]]] : this.#fewParts(this.#parts());
+        const [width, height] = this.#sizeOf(parts);
+        const divisor = isQuick ? this.divisor : 1;
+        const size = [Math.ceil(width / divisor), Math.ceil(height / divisor)];
+        const layers = parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]);
+        this.#begin(...size);
+        const switches = [];
+        if (isFalse) switches.push("FALSE");
+        if (this.wipe && this.snapshot.width) switches.push("WIPE");
+        if (this.gamma !== 1) switches.push("GAMMA");
+        this.#show(layers, switches, [0, 0, ...size]);
+    }
+
+    /** All layers side by side, which is `sheet` by rows: names of layers, or "beauty". */
+    #drawSheet() {
+        const columns = Math.ceil(Math.sqrt(this.sheet.length));
+        const [width, height] = this.full.map((side) => Math.floor(side / columns));
+        this.#begin(...this.full);
+        this.gl.clearColor(0.05, 0.05, 0.05, 1);
+        this.gl.clear(this.gl.COLOR_BUFFER_BIT);
+        this.sheet.forEach((name, i) => {
+            const weight = this.weights?.[name] ?? [1, 1, 1];
+            const parts = name === "beauty" ? this.#fewParts(this.#parts()) : [[this.#slot(name), [...weight, 0]]];
+            const row = Math.floor(i / columns);
+            if (parts[0][0]) this.#show(parts, this.gamma !== 1 ? ["GAMMA"] : [], [(i % columns) * width, this.full[1] - (row + 1) * height, width, height]);
+        });
+    }
+
+    #begin(across, down) {
+        const { gl, canvas } = this;
         if (canvas.width !== across || canvas.height !== down) [canvas.width, canvas.height] = [across, down];
         gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-        gl.viewport(0, 0, this.canvas.width, this.canvas.height);
-        gl.useProgram(this.show.program);
-        const { now, before, table, gain, gamma, wipe, knee, reach, size } = this.show.places;
-        this.#unit(0, this.sum.texture, now);
-        this.#unit(1, this.snapshot.width ? this.snapshot.texture : this.sum.texture, before);
-        gl.activeTexture(gl.TEXTURE2);
+    }
+
+    /** Shows a sum of layers in a part of the canvas. */
+    #show(layers, switches, viewport) {
+        const gl = this.gl;
+        const places = this.#use(layers, true, switches);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+        gl.viewport(...viewport);
+        if (places.before) this.#unit(BEFORE, this.snapshot.texture, places.before);
+        gl.activeTexture(gl.TEXTURE0 + TABLE);
         gl.bindTexture(gl.TEXTURE_3D, this.table);
-        gl.uniform1i(table, 2);
-        gl.uniform1f(gain, 2 ** this.exposure);
-        gl.uniform1f(gamma, this.gamma);
-        gl.uniform1f(wipe, this.wipe);
-        gl.uniform1f(knee, this.head.knee);
-        gl.uniform1f(reach, Math.log2(1 + this.head.knee * this.head.most));
-        gl.uniform1f(size, this.head.size);
+        const { pick, shift, hole, slot } = FALSE[this.look] ?? { pick: [0, 0, 0, 0] };
+        const [low, high] = slot === "depth" ? this.depths : [0, 1];
+        if (places.pick) gl.uniform4fv(places.pick, pick);
+        const { knee, most, size } = this.head;
+        const numbers = { gain: 2 ** this.exposure, gamma: this.gamma, wipe: this.wipe, knee, reach: Math.log2(1 + knee * most), size, shift, hole, low, high };
+        for (const [name, value] of Object.entries(numbers)) if (places[name]) gl.uniform1f(places[name], value);
+        if (places.table) gl.uniform1i(places.table, TABLE);
         gl.drawArrays(gl.TRIANGLES, 0, 3);
+    }
+
+    /** Red, green, blue and alpha of some pixels all over the picture: 160 by 90. */
+    samples() {
+        const gl = this.gl;
+        this.#resize(this.few, 160, 90);
+        this.#addUp(this.few, this.#parts(), [0, 0, 160, 90]);
+        const values = new Float32Array(4 * 160 * 90);
+        gl.readPixels(0, 0, 160, 90, gl.RGBA, gl.FLOAT, values);
+        return values;
     }
 
     /** Keeps the picture as the one to compare with. */
     keepSnapshot() {
-        const gl = this.gl;
-        this.#bringUp();
-        const { width, height } = this.sum;
+        const parts = this.#fewParts(this.#parts());
+        const [width, height] = this.#sizeOf(parts);
         this.#resize(this.snapshot, width, height);
-        gl.bindFramebuffer(gl.READ_FRAMEBUFFER, this.#framed(this.sum));
-        this.#bindPlain(this.snapshot.texture);
-        gl.copyTexSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 0, 0, width, height);
+        this.#addUp(this.snapshot, parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]), [0, 0, width, height]);
     }
 
     /** Premultiplied scene-linear R, G, B, A of the rendered picture at (0..1, 0..1 from the top), to half floats. */
@@ -177,9 +195,11 @@ export class Picture {
         const gl = this.gl;
         const [width, height] = this.size;
         const at = [Math.min(Math.floor(x * width), width - 1), Math.min(Math.floor(y * height), height - 1)];
+        const parts = this.#parts();
+        if (this.weights) parts.push([this.#slot("beauty"), [0, 0, 0, 1]]); // its alpha
         // The pixel is the only one of the sum that falls into the target.
         this.#resize(this.probe, 1, 1);
-        this.#addUp(this.probe, -at[0], -at[1], width, height);
+        this.#addUp(this.probe, parts, [-at[0], -at[1], width, height]);
         const value = new Float32Array(4);
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.FLOAT, value);
         return value;
@@ -201,51 +221,80 @@ export class Picture {
         return [...bytes];
     }
 
-    #bringUp(isQuick = false) {
-        const divisor = isQuick ? this.divisor : 1;
-        if (!this.isStale && divisor >= this.drawn) return;
-        this.isStale = false;
-        this.drawn = divisor;
-        const [width, height] = this.size;
-        const size = [Math.min(width, this.full[0]), Math.min(height, this.full[1])].map((n) => Math.ceil(n / divisor));
-        this.#resize(this.sum, ...size);
-        this.#addUp(this.sum, 0, 0, ...size);
+    // ---- what is summed
+
+    #slot(name) {
+        return this.textures.get(this.slots[name]);
     }
 
-    #addUp(target, left, top, width, height) {
+    /** The layers of the picture with their weights: the beauty alone where no weight differs from 1. */
+    #parts() {
+        if (!this.weights) return [[this.#slot("beauty"), [1, 1, 1, 1]]];
+        const shines = Object.entries(this.weights).filter(([name, weight]) => this.#slot(name) && weight.some((w) => w !== 0));
+        const all = shines.map(([name, weight]) => [this.#slot(name), [...weight, 0]]);
+        if (this.#slot("rest")) all.push([this.#slot("rest"), [1, 1, 1, 0]]);
+        return all.length ? all : [[this.#slot("beauty"), [0, 0, 0, 1]]];
+    }
+
+    /** As many as a pass takes: more are added up first. */
+    #fewParts(parts) {
+        if (parts.length <= LAYERS_A_PASS) return parts;
+        const [width, height] = this.#sizeOf(parts);
+        this.#resize(this.sum, width, height);
+        this.#addUp(this.sum, parts.map(([it, weight]) => [this.#fitted(it, width, height), weight]), [0, 0, width, height]);
+        return [[this.sum, [1, 1, 1, 1]]];
+    }
+
+    /** Pixels of a sum: no more than the largest part has, nor than the screen shows. */
+    #sizeOf(parts) {
+        const most = (side) => Math.max(...parts.map(([it]) => it[side]));
+        return [Math.min(most("width"), this.full[0]), Math.min(most("height"), this.full[1])];
+    }
+
+    /** A picture in this size: itself, or a copy that is kept. */
+    #fitted(it, width, height) {
+        if (it.width === width && it.height === height) return it;
+        if (it.fitted?.width === width && it.fitted.height === height) return it.fitted;
         const gl = this.gl;
-        // The beauty gives the alpha, and the colour where no weight differs from 1.
-        const all = [[this.slots.beauty, this.weights ? [0, 0, 0, 1] : [1, 1, 1, 1]]];
-        if (this.weights) {
-            if (this.slots.rest !== undefined) all.push([this.slots.rest, [1, 1, 1, 0]]);
-            for (const [name, weight] of Object.entries(this.weights)) {
-                if (this.slots[name] !== undefined && weight.some((w) => w !== 0)) all.push([this.slots[name], [...weight, 0]]);
-            }
-        }
-        gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framed(target));
-        gl.viewport(left, top, width, height);
+        it.fitted ??= this.#target();
+        this.#resize(it.fitted, width, height);
+        const { program, places } = this.#programOf("copy", () => COPY);
+        gl.useProgram(program);
+        this.#unit(0, it.texture, places.layer0);
+        gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framed(it.fitted));
+        gl.viewport(0, 0, width, height);
+        gl.drawArrays(gl.TRIANGLES, 0, 3);
+        return it.fitted;
+    }
+
+    #addUp(target, layers, viewport) {
+        const gl = this.gl;
         gl.blendFunc(gl.ONE, gl.ONE);
-        for (let first = 0; first < all.length; first += LAYERS_A_PASS) {
-            const some = all.slice(first, first + LAYERS_A_PASS);
-            const { program, places } = this.#sumOf(some.length);
+        for (let first = 0; first < layers.length; first += LAYERS_A_PASS) {
+            this.#use(layers.slice(first, first + LAYERS_A_PASS), false, []);
+            gl.bindFramebuffer(gl.FRAMEBUFFER, this.#framed(target));
+            gl.viewport(...viewport);
             if (first > 0) gl.enable(gl.BLEND);
-            gl.useProgram(program);
-            some.forEach(([number], i) => {
-                const it = this.textures.get(number);
-                this.#unit(i, it.texture, places[`layer${i}`]);
-                // Coarse sums and those of the same size take one texel, which is cheaper.
-                const isPlain = this.drawn > 1 || (it.width === width && it.height === height);
-                gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, isPlain ? gl.NEAREST : gl.LINEAR);
-            });
-            gl.uniform4fv(places["weights[0]"], some.flatMap(([, weight]) => weight));
             gl.drawArrays(gl.TRIANGLES, 0, 3);
         }
         gl.disable(gl.BLEND);
     }
 
-    #sumOf(count) {
-        if (!this.programs.has(count)) this.programs.set(count, this.#program(sumShader(count)));
-        return this.programs.get(count);
+    /** Takes the program for these layers and hands them to it; gives the places of its other uniforms. */
+    #use(layers, isShown, switches) {
+        const key = `${layers.length} ${isShown} ${switches}`;
+        const { program, places } = this.#programOf(key, () => shader(layers.length, isShown, switches));
+        this.gl.useProgram(program);
+        layers.forEach(([it], i) => this.#unit(i, it.texture, places[`layer${i}`]));
+        this.gl.uniform4fv(places["weights[0]"], layers.flatMap(([, weight]) => weight));
+        return places;
+    }
+
+    // ---- WebGL
+
+    #programOf(key, text) {
+        if (!this.programs.has(key)) this.programs.set(key, this.#program(text()));
+        return this.programs.get(key);
     }
 
     #program(fragments) {

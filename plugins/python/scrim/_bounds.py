@@ -12,7 +12,7 @@ from collections.abc import Mapping
 import numpy as np
 from scrim_kit import Failure, program
 
-from ..__main__ import program as program_path
+from .__main__ import program as program_path
 
 _SECONDS = 20.0
 

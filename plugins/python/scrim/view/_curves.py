@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Ramps and transfer functions as points that the page draws: [value of the grid, height, colour].
+
+A `ramp` has heights, `colours` have colours, and a `transfer` has both; what a kind does not have is None.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from ._document import Change, Place
+
+KINDS = ("ramp", "colours", "transfer")
+_WHITE = [1.0, 1.0, 1.0]
+
+
+def points(kind: str, given: object) -> list[list] | None:
+    """Of what a scene says; None where that is no list of plain numbers and colours."""
+    if not isinstance(given, list):
+        return None
+    out = [_point(kind, one) for one in given]
+    return out if accepts(kind, out) else None
+
+
+def _point(kind: str, one: object) -> list | None:
+    if kind == "transfer" and isinstance(one, Mapping):
+        return [one.get("value"), one.get("extinction"), one.get("color", _WHITE)]
+    if kind != "transfer" and isinstance(one, list) and len(one) == 2:
+        return [one[0], one[1], None] if kind == "ramp" else [one[0], None, one[1]]
+    return None
+
+
+def accepts(kind: str, value: object) -> bool:
+    """Whether the page may give this. Where values descend or heights are bad, the scene's reader says it."""
+    if not isinstance(value, list) or not (len(value) >= 2 or (not value and kind != "transfer")) or len(value) > 256:
+        return False
+    return all(isinstance(one, list) and len(one) == 3 and _is_point(kind, *one) for one in value)
+
+
+def _is_point(kind: str, place: object, height: object, colour: object) -> bool:
+    has_height, has_colour = kind != "colours", kind != "ramp"
+    return (
+        _is_number(place)
+        and (_is_number(height) if has_height else height is None)
+        and (_is_colour(colour) if has_colour else colour is None)
+    )
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def _is_colour(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(_is_number(part) for part in value)
+
+
+def changes(kind: str, place: Place, value: list[list], given: object) -> list[Change]:
+    """What writes the points into a scene. `given`: what it says now. No points: the key goes."""
+    if kind != "transfer":
+        said = [[float(x), float(y) if kind == "ramp" else [float(c) for c in colour]] for x, y, colour in value]
+        return [(place, said or None)]
+    new = [{"value": float(x), "color": [float(c) for c in rgb], "extinction": float(y)} for x, y, rgb in value]
+    if not isinstance(given, list) or len(given) != len(new):
+        return [(place, new)]
+    out: list[Change] = []
+    for index, (before, after) in enumerate(zip(given, new)):
+        for key, one in after.items():
+            if before.get(key, _WHITE if key == "color" else None) != one:
+                out.append(((*place, index, key), one))
+    return out

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights by where they are in the picture: handles that are dragged, and the light that makes a highlight at a place.
+
+Places in the picture are (x, y), 0 to 1 from its upper left corner. A light with a position has its handle there, and
+moves in the plane through it that the picture shows without perspective. A light with a direction has its handle on a
+ball around the point that the view turns about: inside of the ball's outline in front of it, and outside of the outline
+behind it, the farther out the more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ._camera import Pose
+from ._document import Change, name_of
+
+RADIUS = 0.35  # of the ball, in heights of the picture
+_REACH = 0.03  # of the picture's height on each side, from which a surface's normal is taken
+_STEPS = 5  # places on each side
+
+
+@dataclass(frozen=True)
+class View:
+    """A pose, and how much of the film is shifted: parts of its width, to the right and up."""
+
+    pose: Pose
+    shift: tuple[float, float] = (0.0, 0.0)
+
+    def seen(self, point: np.ndarray) -> tuple[float, float, float]:
+        """(x, y, how far ahead)"""
+        x, y, z = self.pose.matrix[:3, :3].T @ (point - self.pose.eye)
+        across = self.pose.lens.height_at(max(-z, 1e-9)) * self.pose.lens.aspect
+        aspect = self.pose.lens.aspect
+        return 0.5 + x / across - self.shift[0], 0.5 - (y / across - self.shift[1]) * aspect, -z
+
+    def point(self, x: float, y: float, ahead: float) -> np.ndarray:
+        """The point of the world that is seen there."""
+        lens = self.pose.lens
+        across = lens.height_at(ahead) * lens.aspect
+        place = ((x - 0.5 + self.shift[0]) * across, ((0.5 - y) / lens.aspect + self.shift[1]) * across, -ahead)
+        return self.pose.eye + self.pose.matrix[:3, :3] @ place
+
+
+def of(scene: Mapping, view: View) -> list[dict]:
+    """A handle for each light that has a place or a direction of plain numbers: its `light`, `kind` (place or way), and
+    where it is: `x`, `y`."""
+    out = []
+    for index, light in enumerate(scene.get("light", [])):
+        kind = _kind(light)
+        if kind == "place":
+            x, y, ahead = view.seen(np.array(light["position"], float))
+        elif kind == "way":
+            x, y, ahead = *_on_ball(light["direction"], view), 1.0
+        if kind and ahead > 0:
+            out.append({"light": name_of("light", index, light), "kind": kind, "x": float(x), "y": float(y)})
+    return out
+
+
+def moved(scene: Mapping, index: int, view: View, x: float, y: float) -> list[Change]:
+    """What brings the handle of a light to a place in the picture. No light without a handle may be asked for."""
+    light = scene["light"][index]
+    if _kind(light) == "place":
+        ahead = view.seen(np.array(light["position"], float))[2]
+        return [(("light", index, "position"), view.point(x, y, ahead).tolist())]
+    return [(("light", index, "direction"), _from_ball(view, x, y).tolist())]
+
+
+def has_handle(light: Mapping) -> bool:
+    return bool(_kind(light))
+
+
+def _kind(light: Mapping) -> str:
+    if "orbit" in light:
+        return ""
+    if _is_triple(light.get("position")):
+        return "place"
+    return "way" if _is_triple(light.get("direction")) and "target" not in light else ""
+
+
+def _is_triple(value: object) -> bool:
+    return isinstance(value, list) and len(value) == 3 and all(isinstance(v, (int, float)) for v in value)
+
+
+def _on_ball(direction: list[float], view: View) -> tuple[float, float]:
+    source = -np.array(direction, float)
+    right, up, back = view.pose.matrix[:3, :3].T @ (source / max(float(np.linalg.norm(source)), 1e-12))
+    length = float(np.hypot(right, up))
+    if back < 0:  # behind: mirrored at the outline
+        right, up = (v * (2 - length) / length for v in (right, up)) if length > 1e-9 else (2.0, 0.0)
+    x, y, _ = view.seen(view.pose.pivot)
+    return x + RADIUS * right / view.pose.lens.aspect, y - RADIUS * up
+
+
+def _from_ball(view: View, x: float, y: float) -> np.ndarray:
+    middle = view.seen(view.pose.pivot)
+    right, up = (x - middle[0]) * view.pose.lens.aspect / RADIUS, (middle[1] - y) / RADIUS
+    length = float(np.hypot(right, up))
+    flat = min(length, max(2 - length, 0.0))
+    scale = flat / length if length > 0 else 0.0
+    back = float(np.sqrt(max(1 - flat * flat, 0.0))) * (1 if length <= 1 else -1)
+    return -(view.pose.matrix[:3, :3] @ (right * scale, up * scale, back))
+
+
+def highlit(scene: Mapping, index: int, view: View, depth: np.ndarray, x: float, y: float) -> list[Change] | None:
+    """What makes a light shine brightest on the surface that is seen at a place: a medium from straight in front of it,
+    a classified surface so that it reflects the light to the eye. A light with a position keeps its distance. None
+    where nothing is seen. `depth`: along the view, (height, width), 0 where it is empty."""
+    found = _surface(view, depth, x, y)
+    if found is None:
+        return None
+    point, normal = found
+    if any("classified" in volume for volume in scene.get("volume", [])):
+        eye = view.pose.eye - point if view.pose.lens.height is None else view.pose.matrix[:3, 2]
+        eye = eye / np.linalg.norm(eye)
+        source = 2 * float(normal @ eye) * normal - eye
+    else:
+        source = normal
+    light = scene["light"][index]
+    if _kind(light) == "place":
+        distance = float(np.linalg.norm(np.array(light["position"], float) - point))
+        changes: list[Change] = [(("light", index, "position"), (point + distance * source).tolist())]
+        if "target" in light:
+            changes.append((("light", index, "target"), point.tolist()))
+        elif "direction" in light:
+            changes.append((("light", index, "direction"), (-source).tolist()))
+        return changes
+    return [(("light", index, "direction"), (-source).tolist())]
+
+
+def _surface(view: View, depth: np.ndarray, x: float, y: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """The point that is seen and its normal, of the plane that fits to what is seen around it."""
+    height, width = depth.shape
+    column, row = min(int(x * width), width - 1), min(int(y * height), height - 1)
+    if depth[row, column] <= 0:
+        return None
+    steps = np.unique(np.rint(np.linspace(-1, 1, 2 * _STEPS + 1) * max(_REACH * height, _STEPS)).astype(int))
+    rows, columns = (at + steps for at in (row, column))
+    rows, columns = rows[(rows >= 0) & (rows < height)], columns[(columns >= 0) & (columns < width)]
+    near = depth[np.ix_(rows, columns)]
+    places = [
+        view.point((c + 0.5) / width, (r + 0.5) / height, float(near[i, j]))
+        for i, r in enumerate(rows)
+        for j, c in enumerate(columns)
+        if near[i, j] > 0
+    ]
+    point = view.point(x, y, float(depth[row, column]))
+    eye = view.pose.eye - point if view.pose.lens.height is None else view.pose.matrix[:3, 2]
+    eye = eye / np.linalg.norm(eye)
+    if len(places) < 4:
+        return point, eye
+    _, sizes, axes = np.linalg.svd(np.array(places) - np.mean(places, axis=0))
+    normal = axes[2] if sizes[1] > 1e-9 else eye
+    return point, normal if normal @ eye > 0 else -normal

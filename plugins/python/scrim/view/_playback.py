@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Frames of a sequence, played one after the other from the pictures that are kept of them."""
+
+from __future__ import annotations
+
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+
+import scrim
+
+from ._pictures import Pictures
+
+LIMIT = 512 << 20  # bytes
+
+
+class FrameCache:
+    """The last pictures that were shown of each frame, up to `limit` bytes; those that were asked for longest ago go
+    first. They are kept without their layers."""
+
+    def __init__(self, limit: int = LIMIT) -> None:
+        self._limit, self._size = limit, 0
+        self._kept: OrderedDict[tuple[Hashable, int], Pictures] = OrderedDict()
+
+    def keep(self, look: Hashable, frame: int, pictures: Pictures) -> None:
+        """`look`: all that a picture depends on beside its frame."""
+        self._drop((look, frame))
+        self._kept[look, frame] = pictures
+        self._size += pictures.beauty.pixels.nbytes
+        while self._size > self._limit and self._kept:
+            self._drop(next(iter(self._kept)))
+
+    def find(self, look: Hashable, frame: int) -> Pictures | None:
+        found = self._kept.get((look, frame))
+        if found is not None:
+            self._kept.move_to_end((look, frame))
+        return found
+
+    def frames(self, look: Hashable) -> list[int]:
+        return sorted(frame for other, frame in self._kept if other == look)
+
+    @property
+    def size(self) -> int:
+        """Bytes."""
+        return self._size
+
+    def _drop(self, key: tuple[Hashable, int]) -> None:
+        pictures = self._kept.pop(key, None)
+        if pictures is not None:
+            self._size -= pictures.beauty.pixels.nbytes
+
+
+class Player:
+    """Plays the frames of a session, each as soon as its picture is there and not before its time. `session` shows a
+    frame (`show_frame`), and says how many there are a second (`fps`); `tell` and `later` are those of the session."""
+
+    def __init__(self, session: object, frames: list[int], tell: Callable, later: Callable) -> None:
+        self._session, self._frames, self._tell, self._later = session, frames, tell, later
+        self._cache = FrameCache()
+        self._since = 0.0  # when the frame was gone to
+        self._waits = False  # for its picture
+        self.is_playing = False
+
+    def play(self, on: bool) -> None:
+        begins = on and not self.is_playing and len(self._frames) > 1
+        self.is_playing = on and len(self._frames) > 1
+        if begins:
+            self._advance()
+
+    def find(self, look: Hashable, frame: int) -> Pictures | None:
+        return self._cache.find(look, frame)
+
+    def took(self, look: Hashable, frame: int, pictures: Pictures) -> None:
+        """Keeps a picture of a frame that was rendered, and goes on if that is what was waited for."""
+        if pictures.stage not in ("draft", "final"):
+            return
+        self._cache.keep(look, frame, replace(pictures, frame=None, layers=None, rest=None, depth=None))
+        if self.is_playing and self._waits:
+            self._go_on()
+
+    def _advance(self) -> None:
+        if not self.is_playing:
+            return
+        frame = next((f for f in self._frames if f > self._session.frame), self._frames[0])
+        self._since, self._waits = time.monotonic(), True
+        try:
+            if self._session.show_frame(frame):
+                self._go_on()
+        except scrim.Error as error:
+            self.is_playing = False
+            self._tell({"type": "error", "text": str(error)})
+
+    def _go_on(self) -> None:
+        self._waits = False
+        self._tell({"type": "frame", "number": self._session.frame})
+        self._later(max(1 / self._session.fps - (time.monotonic() - self._since), 0.001), self._advance)

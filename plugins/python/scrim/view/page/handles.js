@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+// Lights in the picture: a button for each, which is dragged to where the light shall be, or moved by arrow keys.
+
+const STEP = 0.01; // of an arrow key
+
+export class Handles {
+    /** `place(light, x, y, done)`: a handle is at this part of the canvas. */
+    constructor(root, canvas, place) {
+        Object.assign(this, { root, canvas, place, selected: null, held: null, width: 0, height: 0 });
+        this.buttons = new Map();
+    }
+
+    update(handles) {
+        const names = new Set(handles.map(({ light }) => light));
+        for (const [name, button] of this.buttons) {
+            if (names.has(name)) continue;
+            button.remove();
+            this.buttons.delete(name);
+        }
+        for (const handle of handles) {
+            if (!this.buttons.has(handle.light)) this.buttons.set(handle.light, this.root.appendChild(this.#button(handle)));
+            if (this.held !== handle.light) this.#put(handle.light, handle.x, handle.y);
+        }
+        if (!names.has(this.selected)) this.select(handles[0]?.light ?? null);
+    }
+
+    select(light) {
+        this.selected = light;
+        for (const [name, button] of this.buttons) button.setAttribute("aria-pressed", String(name === light));
+    }
+
+    /** Lies over the canvas. */
+    fit() {
+        const { offsetLeft, offsetTop, offsetWidth, offsetHeight } = this.canvas;
+        Object.assign(this, { width: offsetWidth, height: offsetHeight });
+        for (const [light, { x, y }] of this.buttons) this.#put(light, x, y);
+        Object.assign(this.root.style, { left: `${offsetLeft}px`, top: `${offsetTop}px`, width: `${offsetWidth}px`, height: `${offsetHeight}px` });
+    }
+
+    #put(light, x, y) {
+        const button = this.buttons.get(light);
+        Object.assign(button, { x, y });
+        // A transform needs no new layout, nor a new painting, while the view turns.
+        button.style.transform = `translate(${x * this.width}px, ${y * this.height}px)`;
+    }
+
+    #button({ light, kind }) {
+        const button = Object.assign(document.createElement("button"), { textContent: kind === "way" ? "☀" : "●", title: light });
+        button.className = kind;
+        button.ariaLabel = `Place light ${light}: drag, or use arrow keys`;
+        button.setAttribute("aria-pressed", "false");
+        const move = (x, y, done) => {
+            this.#put(light, x, y);
+            this.place(light, x, y, done);
+        };
+        const at = (event) => {
+            const box = this.canvas.getBoundingClientRect();
+            return [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height];
+        };
+        button.addEventListener("pointerdown", (event) => {
+            button.setPointerCapture(event.pointerId);
+            this.held = light;
+            this.select(light);
+        });
+        button.addEventListener("pointermove", (event) => this.held === light && move(...at(event), false));
+        button.addEventListener("pointerup", (event) => {
+            if (this.held !== light) return;
+            this.held = null;
+            move(...at(event), true);
+        });
+        button.addEventListener("pointercancel", () => (this.held = null));
+        button.addEventListener("focus", () => this.select(light));
+        button.addEventListener("keydown", (event) => {
+            const steps = { ArrowLeft: [-STEP, 0], ArrowRight: [STEP, 0], ArrowUp: [0, -STEP], ArrowDown: [0, STEP] }[event.key];
+            if (!steps) return;
+            event.preventDefault();
+            move(button.x + steps[0], button.y + steps[1], true);
+        });
+        return button;
+    }
+}

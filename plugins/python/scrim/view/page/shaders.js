@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: Apache-2.0
+// The programs of the graphics unit. Switches leave out of them what is not wanted.
+
+export const CORNERS = `#version 300 es
+out vec2 uv;
+void main() {
+    vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0;
+    uv = vec2(corner.x, corner.y);
+    gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
+}`;
+
+// Rows of pictures go from top to bottom, so they are upside down in textures, and upright in the canvas.
+const SHOW = `
+    vec3 colour = sum.rgb;
+#ifdef FALSE
+    float value = dot(sum, pick) + shift;
+    float part = clamp((value - low) / (high - low), 0.0, 1.0);
+    colour = value <= hole ? vec3(0.0) : clamp(1.5 - abs(4.0 * part - vec3(3.0, 2.0, 1.0)), 0.0, 1.0);
+#else
+#ifdef WIPE
+    if (uv.x < wipe) colour = texture(before, at).rgb;
+#endif
+    vec3 place = log2(1.0 + knee * max(colour * gain, 0.0)) / reach;
+    colour = texture(table, (clamp(place, 0.0, 1.0) * (size - 1.0) + 0.5) / size).rgb;
+#ifdef GAMMA
+    colour = pow(colour, vec3(1.0 / gamma));
+#endif
+#endif
+    result = vec4(colour, 1.0);`;
+
+/** Sums layers by weights; `isShown`: and shows the sum, as `switches` say: FALSE, WIPE, GAMMA. */
+export function shader(count, isShown, switches) {
+    const layers = Array.from({ length: count }, (_, i) => i);
+    return `#version 300 es
+${switches.map((name) => `#define ${name}`).join("\n")}
+precision highp float;
+precision highp sampler3D;
+in vec2 uv;
+out vec4 result;
+${layers.map((i) => `uniform sampler2D layer${i};`).join("\n")}
+uniform vec4 weights[${count}];
+uniform sampler2D before;
+uniform sampler3D table;
+uniform float gain, gamma, wipe, knee, reach, size;
+uniform vec4 pick;
+uniform float shift, low, high, hole;
+vec4 of(sampler2D layer, vec2 at) { return texelFetch(layer, ivec2(at * vec2(textureSize(layer, 0))), 0); }
+void main() {
+    vec2 at = ${isShown ? "vec2(uv.x, 1.0 - uv.y)" : "uv"};
+    vec4 sum = ${layers.map((i) => `of(layer${i}, at) * weights[${i}]`).join(" + ")};
+    ${isShown ? SHOW : "result = sum;"}
+}`;
+}
+
+export const COPY = `#version 300 es
+precision highp float;
+in vec2 uv;
+out vec4 result;
+uniform sampler2D layer0;
+void main() { result = texture(layer0, uv); }`;

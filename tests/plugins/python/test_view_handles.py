@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Lights by their place in the picture, curves as points, and pictures that are kept of frames."""
+
+import math
+from types import SimpleNamespace
+
+import numpy
+import pytest
+
+pytest.importorskip("tornado")
+tomlkit = pytest.importorskip("tomlkit")
+
+from scrim.view import _camera, _curves, _document, _handles, _playback  # noqa: E402
+from scrim.view._pictures import Texture  # noqa: E402
+
+
+def view_of(height=None, shift=(0.0, 0.0)):
+    """From (0, 0, 5) to the origin, four by three, 36 degrees across."""
+    matrix = numpy.eye(4)
+    matrix[2, 3] = 5
+    return _handles.View(_camera.Pose(matrix, 5.0, _camera.Lens(math.radians(36), height, 4 / 3)), shift)
+
+
+VIEWS = [view_of(), view_of(3.0), view_of(shift=(0.1, -0.05))]
+
+
+@pytest.mark.parametrize("view", VIEWS)
+def test_a_place_in_the_picture_is_a_point_and_back(view):
+    for point in ([0, 0, 0], [0.4, -0.3, 1], [-1, 0.2, -2]):
+        x, y, ahead = view.seen(numpy.array(point, float))
+        assert ahead == pytest.approx(5 - point[2])
+        assert view.point(x, y, ahead) == pytest.approx(point)
+
+
+def test_a_place_in_the_picture_is_the_pixel_that_the_camera_shows():
+    x, y, _ = view_of().seen(numpy.array([0.5, 0.25, 0.0]))
+    half = math.tan(math.radians(18))
+    assert x == pytest.approx(0.5 + 0.5 * 0.1 / half) and y == pytest.approx(0.5 - 0.5 * 0.05 / (half * 3 / 4))
+    moved = view_of(shift=(0.1, 0.0)).seen(
+        numpy.array([0.5, 0.25, 0.0])
+    )  # the film to the right, what it shows to the left
+    assert moved[0] == pytest.approx(x - 0.1)
+
+
+@pytest.mark.parametrize("view", VIEWS)
+@pytest.mark.parametrize("direction", [[0.3, -0.5, -0.8], [0.3, -0.5, 0.8], [1, 0, 0], [0, 0, -1], [-0.2, 0.1, 0.99]])
+def test_a_handle_says_where_light_comes_from_before_and_behind(view, direction):
+    scene = {"light": [{"name": "key", "type": "distant", "direction": direction}]}
+    (handle,) = _handles.of(scene, view)
+    ((place, found),) = _handles.moved(scene, 0, view, handle["x"], handle["y"])
+    assert place == ("light", 0, "direction")
+    assert found == pytest.approx(numpy.array(direction) / numpy.linalg.norm(direction), abs=1e-9)
+
+
+def test_a_light_with_a_place_moves_beside_the_picture():
+    scene = {"light": [{"name": "lamp", "type": "point", "position": [0.5, 0.5, 2.0]}]}
+    view = view_of()
+    ((place, found),) = _handles.moved(scene, 0, view, 0.5, 0.5)
+    assert place == ("light", 0, "position") and found == pytest.approx([0, 0, 2])
+    scene["light"][0]["position"] = [0, 0, 9]
+    assert _handles.of(scene, view) == []  # behind the eye
+
+
+def test_lights_that_the_scene_animates_or_aims_otherwise_have_no_handle():
+    lights = [
+        {"type": "distant", "direction": {"keys": [[1, [0, 0, -1]]]}},
+        {"type": "spot", "orbit": {"radius": 2}, "position": [0, 0, 1]},
+        {"type": "dome"},
+    ]
+    assert not any(_handles.has_handle(light) for light in lights)
+
+
+def ball(view, radius=0.9, size=(192, 256)):
+    """The depth of a ball around the origin."""
+    depth = numpy.zeros(size, numpy.float32)
+    for row, column in numpy.ndindex(size):
+        way = view.point((column + 0.5) / size[1], (row + 0.5) / size[0], 1.0) - view.pose.eye
+        a, b, c = way @ way, way @ view.pose.eye, view.pose.eye @ view.pose.eye - radius**2
+        if b * b > a * c:
+            depth[row, column] = (-b - math.sqrt(b * b - a * c)) / a
+    return depth
+
+
+def test_a_highlight_on_a_ball_is_lit_along_its_normal_or_reflected():
+    view = view_of()
+    depth = ball(view)
+    scene = {"light": [{"type": "distant", "direction": [1, 0, 0]}], "volume": [{"medium": {}}]}
+    x, y = 0.42, 0.62
+    column, row = int(x * 256), int(y * 192)
+    point = view.point(x, y, float(depth[row, column]))
+    normal = point / numpy.linalg.norm(point)
+    ((_, found),) = _handles.highlit(scene, 0, view, depth, x, y)
+    assert -numpy.array(found) @ normal > math.cos(math.radians(3))
+    scene["volume"] = [{"classified": {}}]
+    ((_, found),) = _handles.highlit(scene, 0, view, depth, x, y)
+    eye = (view.pose.eye - point) / numpy.linalg.norm(view.pose.eye - point)
+    half = eye - numpy.array(found)
+    assert half @ normal / numpy.linalg.norm(half) > math.cos(math.radians(3))
+    scene["light"] = [{"type": "spot", "position": [3, 0, 0], "target": [0, 0, 0]}]
+    (_, place), (_, target) = _handles.highlit(scene, 0, view, depth, x, y)
+    assert target == pytest.approx(point, abs=0.02)
+    assert numpy.linalg.norm(numpy.array(place) - point) == pytest.approx(numpy.linalg.norm(point - (3, 0, 0)))
+    assert _handles.highlit(scene, 0, view, depth, 0.01, 0.01) is None
+
+
+# ---- curves
+
+
+CURVES = """\
+[[volume]]
+density = { scale = 2.0, ramp = [[0, 0], [0.5, 1]] }   # thin
+
+[[volume]]
+[volume.classified]
+transfer = [
+    { value = 10, extinction = 0 },   # air
+    { value = 20, extinction = 3, color = [1, 0.5, 0.25] },
+]
+"""
+
+
+def test_curves_are_points_and_points_are_curves():
+    data = tomlkit.parse(CURVES).unwrap()
+    ramp, transfer = data["volume"][0]["density"]["ramp"], data["volume"][1]["classified"]["transfer"]
+    assert _curves.points("ramp", ramp) == [[0, 0, None], [0.5, 1, None]]
+    assert _curves.points("colours", [[0, [0, 0, 0]], [1, [1, 0.5, 0]]]) == [
+        [0, None, [0, 0, 0]],
+        [1, None, [1, 0.5, 0]],
+    ]
+    assert _curves.points("transfer", transfer) == [[10, 0, [1, 1, 1]], [20, 3, [1, 0.5, 0.25]]]
+    for kind, given in [
+        ("ramp", {"keys": []}),
+        ("colours", [[0, {"rgb": [1, 0, 0], "colorspace": "ACEScg"}], [1, [1, 1, 1]]]),
+    ]:
+        assert _curves.points(kind, given) is None
+    for kind, bad in [
+        ("ramp", [[0, 0, None]]),
+        ("ramp", [[0, True, None], [1, 1, None]]),
+        ("transfer", []),
+        ("ramp", 3),
+    ]:
+        assert not _curves.accepts(kind, bad)
+
+
+def test_a_moved_point_of_a_transfer_function_changes_its_number_alone():
+    document = _document.Document(CURVES)
+    place = ("volume", 1, "classified", "transfer")
+    given = document.data["volume"][1]["classified"]["transfer"]
+    moved = _curves.points("transfer", given)
+    moved[1][1] = 4.5
+    text = document.changed(_curves.changes("transfer", place, moved, given))
+    assert text == CURVES.replace("extinction = 3", "extinction = 4.5")
+    document.take(text)
+    more = [*moved, [30, 1.0, [0.0, 0.0, 1.0]]]
+    text = document.changed(
+        _curves.changes("transfer", place, more, document.data["volume"][1]["classified"]["transfer"])
+    )
+    told = tomlkit.parse(text).unwrap()["volume"][1]["classified"]["transfer"]
+    assert told[2] == {"value": 30.0, "color": [0.0, 0.0, 1.0], "extinction": 1.0} and len(told) == 3
+    assert document.data_of(text)["volume"][1]["classified"]["transfer"] == told
+
+
+def test_a_curve_is_added_and_removed():
+    document = _document.Document(CURVES)
+    place = ("volume", 0, "density", "ramp")
+    text = document.changed(_curves.changes("ramp", place, [], [[0, 0], [0.5, 1]]))
+    assert tomlkit.parse(text).unwrap()["volume"][0]["density"] == {"scale": 2.0}
+    document.take(text)
+    text = document.changed(_curves.changes("ramp", place, [[0, 0, None], [1, 2, None]], None))
+    assert tomlkit.parse(text).unwrap()["volume"][0]["density"]["ramp"] == [[0.0, 0.0], [1.0, 2.0]]
+
+
+# ---- frames
+
+
+def test_pictures_of_frames_are_kept_up_to_a_limit():
+    def picture():
+        return SimpleNamespace(beauty=Texture.of(numpy.zeros((10, 10, 4), numpy.float32)))  # 800 bytes
+
+    cache = _playback.FrameCache(limit=2500)
+    for frame in (1, 2, 3):
+        cache.keep("look", frame, picture())
+    assert cache.find("look", 1) and cache.size == 2400
+    cache.keep("look", 4, picture())  # the second was asked for longest ago
+    assert cache.frames("look") == [1, 3, 4] and cache.find("look", 2) is None and cache.size == 2400
+    cache.keep("other", 1, picture())
+    assert cache.find("other", 1) and cache.frames("look") == [1, 4] and cache.find("other", 4) is None
