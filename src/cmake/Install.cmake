@@ -12,6 +12,9 @@ install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LI
                                                   NAMELINK_COMPONENT development)
 install(TARGETS scrim_meshes scrim_vdb LIBRARY DESTINATION ${scrim_modules} COMPONENT library)
 install(TARGETS scrim_images LIBRARY DESTINATION ${scrim_modules} COMPONENT pictures)
+if(SCRIM_WITH_AX)
+    install(TARGETS scrim_ax LIBRARY DESTINATION ${scrim_modules} COMPONENT ax)
+endif()
 install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT library)
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 # The headers that users of the library need, and no others. They include no other headers of Scrim.
@@ -43,6 +46,7 @@ foreach(
     shot/shot_options.h
     solid/triangle_mesh.h
     volume/field_builder.h
+    volume/grid_edit.h
     volume/grid_request.h
     volume/scrim_source.h # for volume sources, in C
     volume/sparse_field.h

@@ -137,6 +137,7 @@ void sendRequest(int fd, const LoadRequest& request) {
     writer.text(request.path);
     writer.text(request.source);
     writer.text(request.beside);
+    writer.text(request.edit);
     for (const GridRequest& grid : request.grids) writer.text(toText(grid));
     for (const auto& [name, value] : request.parameters) {
         writer.text(name);
@@ -179,6 +180,7 @@ LoadRequest receiveRequest(int fd) {
     out.path = reader.text();
     out.source = reader.text();
     out.beside = reader.text();
+    out.edit = reader.text();
     for (std::uint64_t i = 0; i < header.fields; ++i) out.grids.push_back(gridRequestFrom(reader.text()));
     for (std::uint64_t i = 0; i < header.messages; ++i) {
         const std::string name = reader.text();

@@ -27,16 +27,19 @@ namespace scrim {
 inline constexpr const char* kPictureHeader = "header";
 inline constexpr const char* kPictureDepth = "depth";  ///< depth channel; the one parameter is its name
 inline constexpr const char* kMesh = "mesh";
+inline constexpr const char* kMadeFields = "made";  ///< fields that a source made, to be edited
 
 /// The task for a child. `what` is "fields" or "info" of a volume file, "picture", kPictureHeader or kPictureDepth of a
-/// picture, "source" to run a source on a file, or kMesh. The file is passed as a descriptor; its path is for messages.
+/// picture, "source" to run a source on a file, kMesh, or kMadeFields. The file is passed as a descriptor; its path is
+/// for messages.
 struct LoadRequest {
     std::string what;
     std::string path;
     std::vector<GridRequest> grids;
-    std::string source = {};  ///< path of the source's shared object, or of the module that reads meshes
+    std::string source = {};  ///< path of the source's shared object, or of the module that reads meshes or runs AX
     SourceParameters parameters = {};
     std::string beside = {};  ///< name of a second file of the same folder that is passed, too; "": none
+    std::string edit = {};    ///< what is done to the grids (grid_edit.h); "": nothing
 };
 
 struct TransferMessage {

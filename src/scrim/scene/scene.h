@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain structs that describe a scene at one frame. Values are checked, keyed values are evaluated, colours are in the
-// working space and paths are expanded; no file but the scene's own was read. Whoever builds a scene in code fills
+// working space and paths are expanded; no file was read but the
+// scene's own, and those of expressions. Whoever builds a scene in code fills
 // these structs and needs no TOML.
 #pragma once
 
@@ -14,6 +15,7 @@
 #include <scrim/scene/classified.h>
 #include <scrim/scene/medium.h>
 #include <scrim/solid/triangle_mesh.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <memory>
 #include <optional>
@@ -94,9 +96,10 @@ struct SceneVolume {
     std::string source;  ///< name of a volume source; empty for a file
     /// Parameters of the source, as text; `file` is expanded as above.
     std::vector<std::pair<std::string, std::string>> parameters;
-    Mat4 wsFromAsset{1.0};    ///< maps the asset's own world space to the scene's
-    std::string densityGrid;  ///< a name as VdbFile::field takes it; "": the reader chooses
-    double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
+    std::shared_ptr<const GridEdit> edit = nullptr;  ///< what is done to the grids before they are used; null: nothing
+    Mat4 wsFromAsset{1.0};                           ///< maps the asset's own world space to the scene's
+    std::string densityGrid;                         ///< a name as VdbFile::field takes it; "": the reader chooses
+    double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale
     /// Maps grid values (ascending) to values; constant outside; empty: no ramp.
     std::vector<std::pair<double, double>> ramp;
     Medium medium;                                   ///< its densityScale does not count, but the member above

@@ -14,6 +14,10 @@ std::string roleOf(const SceneVolume& volume) {
 
 void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
     const std::string role = roleOf(volume);
+    if (volume.edit)
+        for (const AxCode& code : volume.edit->programs)
+            if (!code.file.empty() && !code.where.starts_with(code.file + ":"))
+                files.push_back({code.file, "the expression of " + role});
     if (!volume.source.empty()) {
         if (const std::string file = fileIn(volume.parameters); !file.empty())
             files.push_back({file, "the file of " + role});

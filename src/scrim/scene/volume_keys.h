@@ -252,7 +252,8 @@ struct VolumeKeys : SectionOf<SceneVolume> {
         : SectionOf("volume", "[[volume]]",
                     "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
                     "reads something else (`scrim make --list`).") {
-        exclude({&source, &parameters}, {&file, &frame, &velocity});
+        exclude({&source}, {&file, &frame, &velocity});
+        exclude({&ax}, {&axFile});
         exclude({&medium}, {&classified});
     }
     const Key& name =
@@ -265,8 +266,20 @@ struct VolumeKeys : SectionOf<SceneVolume> {
     const Key& parameters =
         other(
             "parameters", "a table", kAnyTable, {},
-            "Parameters of the source; `scrim make SOURCE --help-source` lists them. 'file' is a path like all others.")
-            .onlyFor("'source'");
+            "Parameters of the source; `scrim make SOURCE --help-source` lists them. 'file' is a path like all others. "
+            "A number or vector that 'ax' mentions as $NAME or v$NAME belongs to the expression, and may be keyed.")
+            .onlyFor("'source' or 'ax'");
+    const Key& clip = other("clip", "two points [[x, y, z], [x, y, z]]",
+                            R"({"type":"array","minItems":2,"maxItems":2})", Range::coordinate(),
+                            "Cuts away the voxels with centres outside of this box, in world units of the file.");
+    const Key& resample =
+        number("resample", Range::fromTo(0.125, 16), 1,
+               "Divides voxels by this factor along each axis, so that 'ax' can add detail finer than the file's "
+               "voxels. 2 takes 8 times the memory.");
+    const Key& ax = text("ax", "code in OpenVDB AX",
+                         "Changes grids, and makes new ones, at each active voxel: \"f@density *= 2;\". $frame, $time "
+                         "(in seconds) and $seed are known, and numbers of 'parameters'.");
+    const Key& axFile = path("ax_file", "a file of such code", "In place of 'ax'.");
     const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
     const Key& density = table(keysOf<DensityKeys>(), "density", "The grid of densities, and their scale.");
     const Key& velocity =

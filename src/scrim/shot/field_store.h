@@ -57,7 +57,8 @@ class FieldStore {
     ScanInfo scanInfo(const std::string& path) const;
 
   private:
-    /// A file, a source with its parameters, or the name of a volume whose grids were set.
+    /// A file, a source with its parameters, or the name of a volume whose grids were set; then what is done to the
+    /// grids.
     using Origin = std::vector<std::string>;
     using Key = std::pair<Origin, GridRequest>;
     struct Use {
@@ -78,11 +79,13 @@ class FieldStore {
     std::vector<bool> shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
                               const std::vector<std::string>& culled, VolumesOf volumesOf) const;
     void dropKnown(Uses& uses) const;
-    std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests);
+    std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests,
+                                      const GridEdit* edit);
     std::optional<std::vector<SparseField>> readBefore(const std::string& path,
-                                                       const std::vector<GridRequest>& requests);
+                                                       const std::vector<GridRequest>& requests, const GridEdit* edit);
     void load(const Origin& origin, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
+    void makeEdited(const Origin& origin, const std::vector<Use>& missing, const Grids& grids);
     Grids generated(const SceneVolume& volume) const;
 
     LoadOptions m_options;
