@@ -3,7 +3,8 @@
 # libraries that Scrim uses stay behind its shared object: a consumer needs GLM and nothing else.
 #
 # The components, each of which becomes a Debian package (Packages.cmake): `library` (with the modules it loads and the program that
-# reads volumes), `program`, `pictures` (reads slides and writes previews, and brings 260 libraries along), `development`.
+# reads volumes), `program`, `pictures` (reads slides and writes previews, and brings 260 libraries along), `ax` (runs
+# OpenVDB AX, and brings LLVM along), `development`.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -46,7 +47,6 @@ foreach(
     shot/shot_options.h
     solid/triangle_mesh.h
     volume/field_builder.h
-    volume/grid_edit.h
     volume/grid_request.h
     volume/scrim_source.h # for volume sources, in C
     volume/sparse_field.h

@@ -6,6 +6,7 @@
 #include <scrim/base/parallel.h>
 #include <scrim/base/system_error.h>
 #include <scrim/volume/read_fields.h>
+#include <scrim/volume/vdb_file.h>
 #include <scrim/volume/vdb_module.h>
 
 #include <utility>
@@ -26,27 +27,30 @@ EditVolume::EditVolume(int transfer, LoadRequest request, int input, int threads
         m_bytes = std::make_unique<VdbBytes>(m_request.path, input);
 }
 
-std::vector<SparseField> EditVolume::fields(const MessageSink& messages) const {
+void EditVolume::send() const {
     if (m_problem) throw *m_problem;
     const auto editor = vdbModule().editor(m_edit, m_ax);
     if (const int problem = forbidCode(); problem != 0)
         throw Error(ErrorKind::render, "cannot forbid code in memory: " + systemErrorText(problem));
-    std::vector<SparseField> made;
+    std::vector<TransferMessage> messages;
+    const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
+    const std::vector<GridRequest>& requests = m_request.grids;
     TaskArena(m_threads).run([&] {
-        made = m_bytes ? readFields(*m_bytes, m_request.grids, *editor, messages)
-                       : editFields(m_made, m_request.path, m_request.grids, *editor, messages);
+        if (m_request.what == kMadeFields)
+            return sendFields(m_transfer, editFields(m_made, m_request.path, requests, *editor, hear), messages);
+        if (m_request.what == "fields")
+            return sendFields(m_transfer, readFields(*m_bytes, requests, *editor, hear), messages);
+        const VdbFile all = VdbFile::open(*m_bytes, *editor, hear);
+        if (m_request.what == kEditedFile) return sendFile(m_transfer, all.asFile(), messages);
+        VdbFileInfo info = all.info();
+        for (const TransferMessage& message : messages) info.metadata.emplace_back("edit", message.text);
+        sendInfo(m_transfer, info);
     });
-    return made;
 }
 
 void EditVolume::run() const {
     try {
-        readWithErrors(m_request.path, [&] {
-            std::vector<TransferMessage> messages;
-            const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
-            const std::vector<SparseField> made = fields(hear);
-            sendFields(m_transfer, made, messages);
-        });
+        readWithErrors(m_request.path, [&] { send(); });
     } catch (const Error& error) {
         sendError(m_transfer, error);
     }

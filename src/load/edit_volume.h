@@ -22,12 +22,12 @@ class EditVolume {
     /// Loads the module of AX where an expression needs it, and takes over grids that a source made, which the process
     /// that asks for this has checked. May use `threads` threads.
     EditVolume(int transfer, LoadRequest request, int input, int threads);
-    /// Compiles, and gives up the right to make code; only then reads the file, edits, and sends the fields, or the
-    /// error.
+    /// Compiles, and gives up the right to make code; only then reads the file, edits, and sends what was
+    /// requested, or the error.
     void run() const;
 
   private:
-    std::vector<SparseField> fields(const MessageSink& messages) const;
+    void send() const;
 
     int m_transfer, m_threads;
     LoadRequest m_request;

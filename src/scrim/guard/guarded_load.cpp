@@ -234,6 +234,26 @@ VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, con
     });
 }
 
+std::string guardedFile(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                        const MessageSink& messages, const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        begin(kEditedFile, path, {}, options, transfer.fd(), &edit).wait(checkpoint);
+        auto [bytes, said] = received(path, [&] { return receiveFile(transfer.fd()); });
+        for (const TransferMessage& message : said) notify(messages, message.severity, message.text);
+        return std::move(bytes);
+    });
+}
+
+VdbFileInfo guardedEditInfo(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                            const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        begin("info", path, {}, options, transfer.fd(), &edit).wait(checkpoint);
+        return received(path, [&] { return receiveInfo(transfer.fd()); });
+    });
+}
+
 FilePicture guardedPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     return pictureJob<FilePicture>(path, "picture", receivePicture, options, checkpoint);
 }

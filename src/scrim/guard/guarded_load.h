@@ -78,6 +78,13 @@ FileDepth guardedDepth(const std::string& path, const std::string& channel, cons
 /// The mesh of an OBJ or PLY file; a defect of the file is reported in its `problem`. Throws Error as `loadFields`.
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
 
+/// All grids of a .vdb file after an edit, as the bytes of a .vdb file. Throws Error as `loadFields`.
+std::string guardedFile(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                        const MessageSink& messages, const Checkpoint& checkpoint);
+/// Describes them; what expressions did is part of the metadata.
+VdbFileInfo guardedEditInfo(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                            const Checkpoint& checkpoint);
+
 /// As `editedFields`.
 std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, const std::string& name,
                                      const std::vector<GridRequest>& requests, const GridEdit& edit,

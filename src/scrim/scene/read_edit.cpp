@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Reads what a scene does to the grids of a volume: clip, resample, and expressions in OpenVDB AX.
 #include <scrim/scene/read_sections.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <fmt/format.h>
 
@@ -17,7 +18,7 @@ const VolumeKeys& k = keysOf<VolumeKeys>();
 constexpr std::uintmax_t kLongestCode = std::uintmax_t{1} << 20;  ///< bytes of a file of code
 
 /// External variables that need no parameter.
-const std::string kFrame = k.frame.name, kTime = "time", kSeed = "random";
+const std::string kFrame = k.frame.name, kTime = "time", kSeed = keysOf<NoiseKeys>().seed.name;
 
 std::string readCodeFile(const TomlValue& value, const std::string& path) {
     std::error_code error;

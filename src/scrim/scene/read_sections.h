@@ -52,6 +52,12 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume);
 /// The names of the external variables of the volume's expression, which are not parameters of its source.
 std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context);
+/// Reads what is done to a density: remap, edge, mask, noise.
+void readDensityShading(TomlTable& table, const ReadContext& context, DensityShading& shading);
+/// Read a table inside of the one that messages call `of`. What is random depends on the frame alone, not on the moment
+/// within it.
+Mask readMask(const TomlValue& value, const std::string& of);
+Noise readNoise(const TomlValue& value, const std::string& of, const ReadContext& context);
 /// Reads [volume.medium] into the medium, albedoGrid and emission of `volume`.
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
 /// Reads [volume.classified]: the transfer function and Phong's coefficients.

@@ -60,6 +60,7 @@ void readDensity(TomlTable table, const ReadContext& context, SceneVolume& volum
     const DensityKeys& d = keysOf<DensityKeys>();
     volume.densityGrid = table.string(d.grid);
     table.read(d, context.frame, volume);
+    readDensityShading(table, context, volume.shading);
     if (const auto ramp = table.find(d.ramp)) {
         volume.ramp = readRamp<double>(*ramp, "[grid value, value]", [](const TomlValue& y) { return y.number(); });
         if (!keepsZero(volume.ramp))
@@ -143,6 +144,8 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
     if (const auto density = table.find(k.density))
         readDensity(of(*density, fmt::format("{}", k.density)), context, volume);
     volume.edit = readEdit(table, context, volume);
+    if (const auto displacement = table.find(k.displacement))
+        volume.displacement = readNoise(*displacement, table.description(), context);
     if (const auto velocity = table.find(k.velocity))
         volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);

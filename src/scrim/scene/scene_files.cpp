@@ -2,6 +2,7 @@
 #include <scrim/scene/scene_files.h>
 
 #include <scrim/guard/load_fields.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <fmt/format.h>
 

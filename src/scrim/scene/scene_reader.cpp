@@ -135,7 +135,8 @@ bool movesBetween(const toml::node& node, double begin, double end) {
         // within it.
         const VolumeKeys& volume = keysOf<VolumeKeys>();
         const auto is = [&](const Key& key) { return entry.first.str() == key.name && entry.second.is_table(); };
-        if (is(volume.frame) || is(volume.parameters)) return false;
+        if (is(volume.frame) || is(volume.parameters) || is(volume.displacement) || is(keysOf<DensityKeys>().noise))
+            return false;
         const bool isKeys = entry.first.str() == keysOf<KeyedKeys>().keys.name && entry.second.is_array();
         return isKeys ? changesBetween(*entry.second.as_array(), begin, end) : moves(entry.second);
     });

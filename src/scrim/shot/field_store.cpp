@@ -26,7 +26,8 @@ bool usesDensity(const SceneVolume& volume) {
 }
 
 GridRequest albedoRequest(const SceneVolume& volume, int component) {
-    return {volume.albedoGrid->grid, component};
+    // A ramp makes colours of a scalar.
+    return {volume.albedoGrid->grid, volume.albedoGrid->ramp.empty() ? component : GridRequest::kScalar};
 }
 
 /// The requests for both fields of velocity component `axis`: values above 0 and values below 0.
@@ -143,7 +144,11 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, bool 
         add({volume.densityGrid}, "");
         for (int c = 0; volume.albedoGrid && c < 3; ++c) add(albedoRequest(volume, c), volume.albedoGrid->where);
     }
-    for (const Emission& emission : volume.emission) add({emission.grid}, emission.where);
+    if (usesDensity(volume) && volume.shading.mask) add({volume.shading.mask->grid}, volume.shading.mask->where);
+    for (const Emission& emission : volume.emission) {
+        add({emission.grid}, emission.where);
+        if (emission.mask) add({emission.mask->grid}, emission.mask->where);
+    }
     for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
         for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
             add(request, volume.velocity->where);
@@ -240,7 +245,7 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
     if (isBlurred(scene)) return std::vector<std::string>(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
-        if (!isFile(volume) || volume.edit) continue;  // an edit may change bounds
+        if (!isFile(volume) || volume.edit || volume.displacement) continue;  // either may change bounds
         if (files[i].state != FileState::present) {
             corners[i].emplace();
             continue;
@@ -324,17 +329,25 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         if (isFile(volume) && files[i].state == FileState::present) fields.culled = culled[i];
         if (!shown[i]) continue;
         const Origin origin = originOf(volume, files[i]);
-        const auto fieldOf = [&](const GridRequest& request) { return m_fields.at({origin, request}); };
+        const auto fieldOf = [&](const GridRequest& request) {
+            return m_shader.displaced(volume, m_fields.at({origin, request}));
+        };
         if (usesDensity(volume)) {
-            fields.density = fieldOf({volume.densityGrid});
+            const auto& mask = volume.shading.mask;
+            fields.density =
+                m_shader.density(volume, fieldOf({volume.densityGrid}), mask ? fieldOf({mask->grid}) : nullptr);
             for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = fieldOf(albedoRequest(volume, c));
         }
-        for (std::size_t k = 0; k < volume.emission.size(); ++k)
+        for (std::size_t k = 0; k < volume.emission.size(); ++k) {
             fields.emission[k] = fieldOf({volume.emission[k].grid});
+            const auto& mask = volume.emission[k].mask;
+            fields.emissionMasks.push_back(mask ? fieldOf({mask->grid}) : nullptr);
+        }
         for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
             for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
-                fields.velocity.push_back(fieldOf(request));
+                fields.velocity.push_back(m_fields.at({origin, request}));
     }
+    m_shader.forgetUnused();
     return all;
 }
 
@@ -365,6 +378,7 @@ std::size_t bytesOf(const Fields& fields) {
         all.insert(of.density);
         all.insert(of.albedo.begin(), of.albedo.end());
         all.insert(of.emission.begin(), of.emission.end());
+        all.insert(of.emissionMasks.begin(), of.emissionMasks.end());
         all.insert(of.velocity.begin(), of.velocity.end());
     }
     for (const auto& field : all)

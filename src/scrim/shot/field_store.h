@@ -10,6 +10,7 @@
 #include <scrim/guard/guarded_load.h>
 #include <scrim/guard/load_options.h>
 #include <scrim/shot/scan_info.h>
+#include <scrim/shot/shaded_field.h>
 #include <scrim/volume/source_parameters.h>
 
 #include <map>
@@ -93,6 +94,7 @@ class FieldStore {
     Checkpoint m_checkpoint;
     std::map<std::string, Grids> m_grids;  ///< grids that were set, by volume
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
+    FieldShader m_shader;
     std::vector<GuardedFields> m_ahead;  ///< fields that children are reading
 };
 

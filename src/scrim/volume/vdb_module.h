@@ -24,12 +24,13 @@ struct VdbFile::Content {
     virtual std::vector<std::string> usableGrids() const = 0;
     virtual SparseField field(const GridRequest& request, const MessageSink& messages) const = 0;
     virtual SparseField lastField(const GridRequest& request, const MessageSink& messages) = 0;
+    virtual std::string asFile() const = 0;
 };
 
 /// Each implements the function that calls it: VdbFile::open (null: read the whole file, for no particular requests),
 /// VdbFile::of, writeVdb and writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests);
-std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>& requests,
+std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
                                                        const GridEditor& editor, const MessageSink& messages);
 std::unique_ptr<VdbFile::Content> editedContent(const std::vector<SparseField>& fields, const std::string& name,
                                                 const GridEditor& editor, const MessageSink& messages);
@@ -49,7 +50,7 @@ struct VdbModule {
 };
 
 /// The single function that the module exports. The name must change whenever anything above changes.
-#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_3"
+#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_4"
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be

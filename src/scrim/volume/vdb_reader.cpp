@@ -14,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <sstream>
 #include <streambuf>
 
 #include <fmt/format.h>
@@ -38,6 +39,7 @@ struct ParsedVdb : VdbFile::Content {
     std::vector<std::string> usableGrids() const override;
     SparseField field(const GridRequest& request, const MessageSink& messages) const override;
     SparseField lastField(const GridRequest& request, const MessageSink& messages) override;
+    std::string asFile() const override;
     void edit(const GridEditor& editor, const MessageSink& messages);
 };
 
@@ -288,6 +290,15 @@ void ParsedVdb::edit(const GridEditor& editor, const MessageSink& messages) {
         if (grids[i]) offers[i] = offerOf(*grids[i]);
 }
 
+std::string ParsedVdb::asFile() const {
+    openvdb::GridCPtrVec all;
+    for (const auto& grid : grids)
+        if (grid) all.push_back(grid);
+    std::ostringstream out;
+    openvdb::io::Stream(out).write(all);
+    return out.str();
+}
+
 SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& messages) {
     const auto choice = chooseGrid(offers, request);
     if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar)
@@ -335,14 +346,14 @@ std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std
     return withinMemory(file.path(), [&] { return read(file, requests); });
 }
 
-std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>& requests,
+std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
                                                        const GridEditor& editor, const MessageSink& messages) {
     return withinMemory(file.path(), [&] {
-        std::vector<GridRequest> all = requests;
         const std::vector<std::string> used = editor.usedGrids();
+        std::vector<GridRequest> all = requests ? *requests : std::vector<GridRequest>();
         all.push_back({editor.density()});
         if (std::find(used.begin(), used.end(), editor.density()) != used.end()) all.push_back({});
-        auto content = read(file, &all, used);
+        auto content = read(file, requests ? &all : nullptr, used);
         content->edit(editor, messages);
         return content;
     });

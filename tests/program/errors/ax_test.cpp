@@ -5,6 +5,8 @@
 
 #include <scrim/image/exr_read.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -105,6 +107,149 @@ TEST_F(Ax, EndlessLoopsEndByTheLimitOfTime) {
                   "scene.toml:8:6: smoke.vdb with its 'ax': reading it exceeded the limit on CPU time; raise it "
                   "(ulimit -t)",
                   limited);
+}
+
+/// Expressions that are wrong, or that want too much: none may do more than fail.
+std::vector<std::string> hostileCode() {
+    const auto times = [](int count, const std::string& text) {
+        std::string all;
+        for (int i = 0; i < count; ++i) all += text;
+        return all;
+    };
+    const std::string set = "f@density = ";
+    return {
+        // Text that is no program, or an odd one.
+        " ",
+        ";",
+        "// nothing",
+        "/* never ends",
+        "\"",
+        "string s = \"abc",
+        "f@density = 'c';",
+        "}{",
+        "f@",
+        "@",
+        "$",
+        "v$",
+        "f@density",
+        "density = 1;",
+        "f@density == 1;",
+        "1;",
+        "float float = 1;",
+        "if",
+        "return;",
+        "break;",
+        "continue;",
+        "\xc3\xa9 = 1;",
+        "f@d\xc3\xa9 = 1;",
+        "#include <stdio.h>",
+        "import os;",
+        "void f() { f(); }",
+        // Nesting and length.
+        set + times(90, "(") + "1" + times(90, ")") + ";",
+        set + times(5000, "(") + "1" + times(5000, ")") + ";",
+        times(3000, "{") + times(3000, "}"),
+        times(50, "if (f@density > 0) ") + "f@density = 1;",
+        set + times(200, "1 + ") + "1;",
+        set + times(5000, "!") + "1;",
+        times(1000, "f@density += 1;"),
+        "// " + times(500000, "x"),
+        times(150, "f@a") + " = 1;",
+        // Numbers.
+        set + "1e400;",
+        set + "99999999999999999999999;",
+        set + "1 / 0;",
+        set + "1 % 0;",
+        set + "1.0f / 0.0f;",
+        set + "sqrt(-1.0f);",
+        set + "log(0.0f) - log(0.0f);",
+        set + "3e38f * 10.0f;",
+        set + "-1.0f;",
+        "i@n = getcoordx(); f@density = 1 / (i@n - i@n);",
+        "int n = 0; f@density = 7 % n;",
+        set + "1 << 70;",
+        set + "pow(0.0f, -1.0f);",
+        // Wrong types, and grids and variables that are not there.
+        set + "f@nothing;",
+        set + "v@density;",
+        "v@density = {1, 2, 3};",
+        "s@density = \"a\";",
+        "m4@density = 1;",
+        "s@name = \"a\";",
+        "m3@m = identity3();",
+        "f@density = f@a; v@a = {1, 2, 3};",
+        "f@density = $nothing;",
+        "$frame = 1;",
+        set + "v$frame;",
+        "vec3f p = 1; f@density = p;",
+        "f@density = {1, 2};",
+        // What programs may not do.
+        "open(\"/etc/passwd\");",
+        "system(\"id\");",
+        "f@density = read(\"/etc/passwd\");",
+        "print(\"x\");",
+        "f@density = external(\"HOME\");",
+        "deletepoint();",
+        "addtogroup(\"x\");",
+        "f@density = lookup(\"x\");",
+    };
+}
+
+TEST_F(Ax, HostileExpressionsEndWithAPictureOrALocatedError) {
+    ProgramOptions limited;
+    limited.shell = "ulimit -t 20; exec \"$0\" \"$@\"";
+    const std::vector<std::string> all = hostileCode();
+    EXPECT_GE(all.size(), 60u);
+    scene("ax_file = 'a.ax'");
+    int pictures = 0, errors = 0;
+    for (const std::string& code : all) {
+        write("a.ax", code);
+        const ProgramResult result = run({"render", "scene.toml", "-o", "out.exr", "-q"}, limited);
+        const std::string what = code.substr(0, 60) + "\n" + result.err;
+        ASSERT_EQ(result.signal, 0) << what;
+        ASSERT_FALSE(result.timedOut) << what;
+        if (result.status == 0) {
+            ++pictures;
+            for (const float v : pixels(file("out.exr"))) ASSERT_TRUE(std::isfinite(v)) << what;
+            continue;
+        }
+        ++errors;
+        EXPECT_EQ(result.status, 3) << what;
+        EXPECT_TRUE(result.err.starts_with("scrim: error: scene.toml:8:11: ")) << what;
+        EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << what;
+    }
+    EXPECT_GT(pictures, 10);
+    EXPECT_GT(errors, 30);
+}
+
+TEST_F(Ax, ExpressionsThatNeverEndOrTakeAllMemoryMeetTheirLimits) {
+    ProgramOptions limited;
+    limited.shell = "ulimit -t 2; exec \"$0\" \"$@\"";
+    for (const char* const code :
+         {"for (;;) { f@density += 1; }", "do { f@density = 1; } while (true);",
+          "int i = 0; while (i < 1000000000) { f@density += sin(i); }",
+          "for (int i = 0; i < 100000000; ++i) for (int j = 0; j < 100000000; ++j) f@density += sin(i + j);"}) {
+        scene("ax_file = 'a.ax'");
+        write("a.ax", code);
+        const ProgramResult result = run({"render", "scene.toml", "-o", "out.exr", "-q"}, limited);
+        EXPECT_NE(result.status, 0) << code;
+        EXPECT_TRUE(result.err.starts_with("scrim: error: scene.toml:8:11: smoke.vdb with its 'ax': ")) << result.err;
+    }
+    write("a.ax", "string s = \"0123456789abcdef\"; for (int i = 0; i < 40; ++i) { s = s + s; } f@density = atof(s);");
+    const ProgramResult result = run({"render", "scene.toml", "-o", "out.exr", "-q", "--memory", "1G"}, limited);
+    EXPECT_NE(result.status, 0);
+    EXPECT_TRUE(result.err.starts_with("scrim: error: scene.toml:8:11: smoke.vdb with its 'ax': ")) << result.err;
+    EXPECT_FALSE(result.timedOut);
+}
+
+#else
+
+TEST_F(Ax, NamesThePackageThatExpressionsNeed) {
+    scene("ax = 'f@density = 1;'");
+    const ProgramResult result = run({"render", "scene.toml", "-o", "out.exr"});
+    EXPECT_EQ(result.status, 1);
+    EXPECT_TRUE(result.err.starts_with("scrim: error: scene.toml:8:6: this needs OpenVDB AX")) << result.err;
+    EXPECT_NE(result.err.find("libopenvdb-ax-dev"), std::string::npos) << result.err;
 }
 
 #endif
