@@ -9,6 +9,7 @@
 #include <scrim/base/error.h>
 #include <scrim/scene/frame_path.h>
 #include <scrim/volume/foreign_format.h>
+#include <scrim/guard/guarded_load.h>
 #include <scrim/guard/load_fields.h>
 #include <scrim/shot/scan_info.h>
 #include <scrim/volume/vdb_info_text.h>
@@ -73,12 +74,18 @@ class Info {
             const ScanInfo info = loadScanInfo(file, m_loading, throwIfInterrupted);
             return add(m_options.json ? toJson(info) : infoText(info));
         }
-        const VdbFileInfo info = loadInfo(file, m_loading, throwIfInterrupted);
+        const VdbFileInfo info = infoOf(file);
         add(m_options.json ? toJson(info) : infoText(info));
+    }
+    VdbFileInfo infoOf(const std::string& file) const {
+        if (m_options.ax.empty()) return loadInfo(file, m_loading, throwIfInterrupted);
+        GridEdit edit;
+        edit.programs = {{m_options.ax, "--ax", ""}};
+        return guardedEditInfo(file, edit, m_loading, throwIfInterrupted);
     }
     void addSequence(const Asked& what) {
         std::vector<VdbFileInfo> infos;
-        for (const std::string& file : what.files) infos.push_back(loadInfo(file, m_loading, throwIfInterrupted));
+        for (const std::string& file : what.files) infos.push_back(infoOf(file));
         add(sequenceText(what.name, what.frames, infos));
     }
 

@@ -11,6 +11,7 @@ struct InfoOptions {
     std::vector<std::string> files;
     std::vector<int> frames;  ///< frames of sequences; empty: all existing ones
     bool json = false;
+    std::string ax;  ///< an expression that changes the grids first; "": none
     bool verbose = false;
 };
 

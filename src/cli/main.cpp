@@ -129,11 +129,16 @@ struct CommandLine {
                 "of a sequence: 1-48x2,60")
             ->type_name("RANGE");
         command->add_flag("--json", info.json, "print JSON");
+        command->add_option("--ax", info.ax, "an expression that changes the grids of .vdb files first")
+            ->type_name("CODE");
         command->add_flag("-v,--verbose", info.verbose, "show the output of the reading process");
     }
     void addMake() {
         CLI::App* command = app.add_subcommand("make", "run a volume source and save its grids");
-        command->add_option("source", make.source, "name of the source")->type_name("SOURCE");
+        command
+            ->add_option("source", make.source,
+                         "name of the source; or ax, to save the grids of a file after an expression")
+            ->type_name("SOURCE");
         command->add_option("parameters", make.parameters, "values in place of the defaults")->type_name("KEY=VALUE");
         command->add_option("-o,--output", make.output, "file to write")->type_name("OUT.vdb");
         make.threads = threadsOfJob();

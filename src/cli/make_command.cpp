@@ -5,6 +5,7 @@
 #include "file_claims.h"
 #include "guarded_loading.h"
 #include "interrupt.h"
+#include "make_ax.h"
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
@@ -72,6 +73,7 @@ void makeCommand(const MakeOptions& options) {
     const auto parameters = split(options.parameters);
     if (options.output.empty()) throw Error(ErrorKind::usage, "make: expected -o OUT.vdb, the file to write");
     checkOutput(options.output, parameters);
+    if (options.source == "ax") return makeAx(parameters, options.output, options.verbose, console);
 
     std::vector<SparseField> fields;
     TaskArena(options.threads).run([&] {

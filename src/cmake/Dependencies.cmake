@@ -18,6 +18,18 @@ set(CMAKE_MODULE_PATH ${scrim_module_path})
 unset(BUILD_SHARED_LIBS)
 unset(BUILD_SHARED_LIBS CACHE)
 
+# OpenVDB AX has no config of its own. It brings LLVM along, so that builds may do without it.
+find_path(SCRIM_AX_INCLUDE openvdb_ax/ax.h)
+find_library(SCRIM_AX_LIBRARY openvdb_ax)
+if(SCRIM_AX_INCLUDE AND SCRIM_AX_LIBRARY)
+    option(SCRIM_WITH_AX "Build the module that runs OpenVDB AX" ON)
+else()
+    option(SCRIM_WITH_AX "Build the module that runs OpenVDB AX" OFF)
+    if(SCRIM_WITH_AX)
+        message(FATAL_ERROR "SCRIM_WITH_AX needs OpenVDB AX (Debian: libopenvdb-ax-dev)")
+    endif()
+endif()
+
 find_package(OpenEXR CONFIG REQUIRED)
 find_package(OpenImageIO CONFIG REQUIRED)
 # Its target names an include folder of OpenCV that does not exist.

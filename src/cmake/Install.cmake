@@ -3,7 +3,8 @@
 # libraries that Scrim uses stay behind its shared object: a consumer needs GLM and nothing else.
 #
 # The components, each of which becomes a Debian package (Packages.cmake): `library` (with the modules it loads and the program that
-# reads volumes), `program`, `pictures` (reads slides and writes previews, and brings 260 libraries along), `development`.
+# reads volumes), `program`, `pictures` (reads slides and writes previews, and brings 260 libraries along), `ax` (runs
+# OpenVDB AX, and brings LLVM along), `development`.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
@@ -12,6 +13,9 @@ install(TARGETS scrim EXPORT scrimTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LI
                                                   NAMELINK_COMPONENT development)
 install(TARGETS scrim_meshes scrim_vdb LIBRARY DESTINATION ${scrim_modules} COMPONENT library)
 install(TARGETS scrim_images LIBRARY DESTINATION ${scrim_modules} COMPONENT pictures)
+if(SCRIM_WITH_AX)
+    install(TARGETS scrim_ax LIBRARY DESTINATION ${scrim_modules} COMPONENT ax)
+endif()
 install(TARGETS scrim_load RUNTIME DESTINATION ${CMAKE_INSTALL_LIBEXECDIR}/scrim COMPONENT library)
 install(TARGETS scrim_cli RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
 # The headers that users of the library need, and no others. They include no other headers of Scrim.

@@ -9,6 +9,9 @@ set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_GROUPING ONE_PER_GROUP)
 set(CPACK_COMPONENTS_ALL library program pictures development debian_python)
+if(SCRIM_WITH_AX)
+    list(APPEND CPACK_COMPONENTS_ALL ax)
+endif()
 set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/debian/finish.cmake)
 
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
@@ -40,13 +43,15 @@ scrim_package(program scrim graphics "${scrim_library} ${scrim_same}, python3:an
 scrim_package(pictures scrim-pictures graphics "${scrim_library} ${scrim_same}"
               "renderer of OpenVDB volumes, slides and previews"
               "This package reads pictures (slides of projectors, domes) and writes previews,\nby OpenImageIO.")
+scrim_package(ax scrim-ax graphics "${scrim_library} ${scrim_same}" "renderer of OpenVDB volumes, expressions"
+              "This package runs expressions in OpenVDB AX, which change volumes before they\nare rendered. It brings LLVM.")
 scrim_package(development libscrim-dev libdevel "${scrim_library} ${scrim_same}, libglm-dev"
               "renderer of OpenVDB volumes, headers" "This package holds what programs that use the library are built with.")
 scrim_package(debian_python python3-scrim python
               "${scrim_library} ${scrim_same}, scrim ${scrim_same}, python3 (>= 3.11), python3 (<< 3.12), python3-numpy"
               "renderer of OpenVDB volumes, Python module" "This package holds the module scrim of Python.")
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS scrim-pictures)
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS python3-scrim)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "python3-scrim, scrim-ax")
 set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-tornado, python3-tomlkit") # for scrim view
 # The dependency of packages that use the library, and the trigger that makes the library known: CPack's own way calls
 # ldconfig by hand.
@@ -58,4 +63,7 @@ set(CPACK_DEBIAN_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/d
 set(CPACK_SCRIM_SOURCE ${PROJECT_SOURCE_DIR}) # for finish.cmake
 set(CPACK_SCRIM_PACKAGES library:${scrim_library} program:scrim pictures:scrim-pictures development:libscrim-dev
                          debian_python:python3-scrim)
+if(SCRIM_WITH_AX)
+    list(APPEND CPACK_SCRIM_PACKAGES ax:scrim-ax)
+endif()
 include(CPack)

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
@@ -40,15 +41,32 @@ constexpr Limits kLimits{std::size_t{1} << 30, 10};
 
 /// The status of a child that runs `task` while confined.
 template <typename Task>
-int statusOf(Files files, const Task& task) {
+int statusOf(Rights rights, const Task& task) {
     ChildProcess child = forked([&] {
         const int file = ::open("/dev/null", O_RDONLY);
-        if (files == Files::answered) {
+        if (rights == Rights::names) {
             AnsweredCalls::install("scan.nhdr", file);
             AnsweredCalls::add("scan.raw", file);
         }
-        if (confine(kLimits, files) != 0) return kNotConfined;
+        if (confine(kLimits, rights) != 0) return kNotConfined;
         task();
+        return 0;
+    });
+    return child.wait().status;
+}
+
+/// The same for a task on a thread that was started before the child was confined.
+template <typename Task>
+int statusOfThread(Rights rights, const Task& task) {
+    ChildProcess child = forked([&] {
+        std::atomic<bool> confined = false;
+        std::thread thread([&] {
+            while (!confined) std::this_thread::yield();
+            task();
+        });
+        if (confine(kLimits, rights) != 0) return kNotConfined;
+        confined = true;
+        thread.join();
         return 0;
     });
     return child.wait().status;
@@ -57,8 +75,11 @@ int statusOf(Files files, const Task& task) {
 class Check {
   public:
     template <typename Task>
-    void operator()(Files files, const char* what, int signal, const Task& task) {
-        const int status = statusOf(files, task);
+    void operator()(Rights rights, const char* what, int signal, const Task& task) {
+        judge(what, signal, statusOf(rights, task));
+    }
+    /// `status`: how the child ended.
+    void judge(const char* what, int signal, int status) {
         const bool asExpected = signal == 0 ? WIFEXITED(status) && WEXITSTATUS(status) == 0
                                             : WIFSIGNALED(status) && WTERMSIG(status) == signal;
         m_good = m_good && asExpected;
@@ -76,38 +97,62 @@ void answerMustBe(bool right) {
 
 /// Tests for children whose libraries ask for files by name.
 void checkNames(Check& expect) {
-    constexpr Files kFiles = Files::answered;
-    expect(kFiles, "opening the file", 0, [] { answerMustBe(::open("scan.nhdr", O_RDONLY) >= 0); });
-    expect(kFiles, "opening the one beside it", 0, [] { answerMustBe(::open("./scan.raw", O_RDONLY) >= 0); });
-    expect(kFiles, "finding no other file", 0, [] {
+    constexpr Rights kRights = Rights::names;
+    expect(kRights, "opening the file", 0, [] { answerMustBe(::open("scan.nhdr", O_RDONLY) >= 0); });
+    expect(kRights, "opening the one beside it", 0, [] { answerMustBe(::open("./scan.raw", O_RDONLY) >= 0); });
+    expect(kRights, "finding no other file", 0, [] {
         for (const char* other : {"/dev/null", "/etc/passwd", "other.raw", "/scan.nhdr", "../scan.raw"})
             answerMustBe(::open(other, O_RDONLY) == -1 && errno == ENOENT);
         answerMustBe(::access("/", R_OK) == -1 && errno == ENOENT);
     });
-    expect(kFiles, "starting a thread", 0, [] { std::thread([] {}).join(); });
-    expect(kFiles, "starting no process", 0, [] { answerMustBe(::fork() == -1 && errno == EAGAIN); });
-    expect(kFiles, "writing to the file", SIGSYS, [] { (void)::open("scan.nhdr", O_RDWR); });
-    expect(kFiles, "making a file", SIGSYS, [] { (void)::open("new.raw", O_CREAT | O_WRONLY, 0600); });
-    expect(kFiles, "removing the file", SIGSYS, [] { (void)::unlink("scan.nhdr"); });
-    expect(kFiles, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
-    expect(kFiles, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
-    expect(kFiles, "loading code", SIGSYS,
+    expect(kRights, "starting a thread", 0, [] { std::thread([] {}).join(); });
+    expect(kRights, "starting no process", 0, [] { answerMustBe(::fork() == -1 && errno == EAGAIN); });
+    expect(kRights, "writing to the file", SIGSYS, [] { (void)::open("scan.nhdr", O_RDWR); });
+    expect(kRights, "making a file", SIGSYS, [] { (void)::open("new.raw", O_CREAT | O_WRONLY, 0600); });
+    expect(kRights, "removing the file", SIGSYS, [] { (void)::unlink("scan.nhdr"); });
+    expect(kRights, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
+    expect(kRights, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
+    expect(kRights, "loading code", SIGSYS,
            [] { (void)::mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0); });
 }
 
+/// Tests for children that compile expressions.
+void checkCode(Check& expect) {
+    constexpr Rights kRights = Rights::compiling;
+    const auto makeCode = [] {
+        return ::mmap(nullptr, 4096, PROT_READ | PROT_EXEC, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    };
+    expect(kRights, "making code", 0, [&] { answerMustBe(makeCode() != MAP_FAILED); });
+    expect(kRights, "starting a thread", 0, [] { std::thread([] {}).join(); });
+    const auto openFile = [] { (void)::open("/dev/null", O_RDONLY); };
+    expect(kRights, "opening a file", SIGSYS, openFile);
+    expect.judge("opening a file in a thread from before", SIGSYS, statusOfThread(kRights, openFile));
+    expect(kRights, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
+    expect(kRights, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
+    expect(kRights, "making code later", SIGSYS, [&] {
+        answerMustBe(forbidCode() == 0);
+        (void)makeCode();
+    });
+    expect(kRights, "changing memory into code later", SIGSYS, [] {
+        void* const page = ::mmap(nullptr, 4096, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+        answerMustBe(page != MAP_FAILED && forbidCode() == 0);
+        (void)::mprotect(page, 4096, PROT_READ | PROT_EXEC);
+    });
+}
+
 void checkLimits(Check& expect) {
-    constexpr Files kFiles = Files::answered;
-    expect(kFiles, "lowering a limit for good", 0, [] {
+    constexpr Rights kRights = Rights::names;
+    expect(kRights, "lowering a limit for good", 0, [] {
         const rlimit less{kLimits.seconds - 1, kLimits.seconds - 1}, more{kLimits.seconds, kLimits.seconds};
         answerMustBe(::setrlimit(RLIMIT_CPU, &less) == 0);
         answerMustBe(::setrlimit(RLIMIT_CPU, &more) == -1 && errno == EPERM);
     });
-    expect(kFiles, "asking for another process's limits", SIGSYS, [] {
+    expect(kRights, "asking for another process's limits", SIGSYS, [] {
         rlimit limits{};
         (void)::prlimit(1, RLIMIT_CPU, nullptr, &limits);
     });
     const int transfer = ::memfd_create("check", MFD_CLOEXEC);
-    expect(kFiles, "handing over no more than it may", 0, [transfer] {
+    expect(kRights, "handing over no more than it may", 0, [transfer] {
         answerMustBe(::ftruncate(transfer, off_t{kLimits.memory}) == 0);
         answerMustBe(::ftruncate(transfer, off_t{kLimits.memory} + 1) == -1 && errno == EFBIG);
     });
@@ -137,16 +182,19 @@ bool checkConfinement() {
         return true;
     }
     Check expect;
-    constexpr Files kFiles = Files::descriptors;
-    expect(kFiles, "computing", 0, [] { std::vector<char> memory(std::size_t{1} << 20, 'x'); });
-    expect(kFiles, "opening a file", SIGSYS, [] { (void)::open("/dev/null", O_RDONLY); });
-    expect(kFiles, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
-    expect(kFiles, "forking", SIGSYS, [] { (void)::fork(); });
-    expect(kFiles, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
-    expect(kFiles, "killing another process", SIGSYS, [] { (void)::kill(1, 0); });
-    expect(kFiles, "aborting", SIGABRT, [] { std::abort(); });
+    constexpr Rights kRights = Rights::reading;
+    expect(kRights, "computing", 0, [] { std::vector<char> memory(std::size_t{1} << 20, 'x'); });
+    expect(kRights, "opening a file", SIGSYS, [] { (void)::open("/dev/null", O_RDONLY); });
+    expect(kRights, "making a socket", SIGSYS, [] { (void)::socket(AF_INET, SOCK_STREAM, 0); });
+    expect(kRights, "forking", SIGSYS, [] { (void)::fork(); });
+    expect(kRights, "running a program", SIGSYS, [] { (void)::execl("/bin/true", "true", nullptr); });
+    expect(kRights, "killing another process", SIGSYS, [] { (void)::kill(1, 0); });
+    expect(kRights, "aborting", SIGABRT, [] { std::abort(); });
     std::printf("with volume sources loaded (%s)\n", loadSources().c_str());
     checkNames(expect);
+    std::puts("with expressions to compile");
+    checkCode(expect);
+    std::puts("limits");
     checkLimits(expect);
     return expect.good();
 }

@@ -50,14 +50,14 @@ int dropCapabilities() {
     return ::syscall(SYS_capset, &self, none) == 0 ? 0 : errno;
 }
 
-/// Builds a filter of system calls. A call that is not named ends the process.
+/// Builds a filter of system calls. A call that is not named ends the process, unless `otherwise` says something else.
 class Filter {
   public:
-    Filter() : m_context(::seccomp_init(SCMP_ACT_KILL_PROCESS)) {
-        // By default the library would end the thread only.
-        m_problem = m_context == nullptr
-                        ? ENOMEM
-                        : -::seccomp_attr_set(m_context, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
+    explicit Filter(std::uint32_t otherwise = SCMP_ACT_KILL_PROCESS) : m_context(::seccomp_init(otherwise)) {
+        m_problem = m_context == nullptr ? ENOMEM : 0;
+        // By default the library would end the thread only, and leave out threads that are running already.
+        set(SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_KILL_PROCESS);
+        set(SCMP_FLTATR_CTL_TSYNC, 1);
     }
     ~Filter() { ::seccomp_release(m_context); }
     Filter(const Filter&) = delete;
@@ -68,6 +68,10 @@ class Filter {
     void refuse(long call, int error) { add(SCMP_ACT_ERRNO(std::uint32_t(error)), call); }
     /// The call is passed to the handler of SIGSYS.
     void trap(long call) { add(SCMP_ACT_TRAP, call); }
+    /// The call ends the process where argument number `argument` has the bit `bit`.
+    void endWith(long call, unsigned argument, std::uint32_t bit) {
+        add(SCMP_ACT_KILL_PROCESS, call, hasBits(argument, bit, bit));
+    }
     /// Allowed where argument number `argument` has none of the bits `forbidden`.
     void allowWithout(long call, unsigned argument, std::uint32_t forbidden) {
         add(SCMP_ACT_ALLOW, call, hasBits(argument, forbidden, 0));
@@ -93,6 +97,9 @@ class Filter {
     static scmp_arg_cmp hasBits(unsigned argument, std::uint32_t mask, std::uint32_t value) {
         return {argument, SCMP_CMP_MASKED_EQ, mask, value};
     }
+    void set(scmp_filter_attr attribute, std::uint32_t value) {
+        if (m_problem == 0) m_problem = -::seccomp_attr_set(m_context, attribute, value);
+    }
     void add(std::uint32_t action, long call) { addRule(action, call, 0, nullptr); }
     void add(std::uint32_t action, long call, const scmp_arg_cmp& where) { addRule(action, call, 1, &where); }
     void addRule(std::uint32_t action, long call, unsigned conditions, const scmp_arg_cmp* where) {
@@ -104,6 +111,15 @@ class Filter {
     int m_problem = 0;
 };
 
+/// Allows threads, which run under the same filter, and questions about the machine.
+void allowThreads(Filter& filter) {
+    filter.allowOnlyWith(SYS_clone, 0, CLONE_THREAD, EAGAIN);
+    filter.refuse(SYS_clone3, ENOSYS);  // a filter cannot see its flags; callers then fall back to the call above
+    for (const long call : {SYS_set_robust_list, SYS_rseq, SYS_clock_nanosleep}) filter.allow(call);
+    filter.refuse(SYS_sched_getaffinity, ENOSYS);  // callers can do without
+    for (const long call : {SYS_sysinfo, SYS_uname, SYS_getrusage}) filter.allow(call);
+}
+
 /// Traps the calls of libraries that open files by name. Opening a file for writing is not included.
 void answerCalls(Filter& filter) {
     constexpr std::uint32_t kWriting = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
@@ -114,23 +130,19 @@ void answerCalls(Filter& filter) {
     for (const long call : AnsweredCalls::ofNames()) filter.trap(call);
     filter.allow(SYS_dup);
     // Callers can do without these, or report that they cannot.
-    for (const long call : {SYS_statx, SYS_fadvise64, SYS_sched_getaffinity}) filter.refuse(call, ENOSYS);
+    for (const long call : {SYS_statx, SYS_fadvise64}) filter.refuse(call, ENOSYS);
     // The process may query and lower its own limits; 0 stands for the process itself.
     filter.allowWith(SYS_prlimit64, 0, 0);
     filter.refuse(SYS_ioctl, ENOTTY);
     filter.refuse(SYS_fcntl, EINVAL);
     filter.refuse(SYS_getcwd, ENOENT);
-    // Some readers wait for threads that could not be started. Threads run under the same filter.
-    filter.allowOnlyWith(SYS_clone, 0, CLONE_THREAD, EAGAIN);
-    filter.refuse(SYS_clone3, ENOSYS);  // a filter cannot see its flags; callers then fall back to the call above
-    for (const long call : {SYS_set_robust_list, SYS_rseq}) filter.allow(call);
-    for (const long call : {SYS_sysinfo, SYS_uname, SYS_clock_nanosleep, SYS_getrusage}) filter.allow(call);
+    allowThreads(filter);  // some readers wait for threads that could not be started
 }
 
 /// Installs a filter under which no call opens, names or connects anything. Returns 0 or the errno.
-int filterCalls(Files files) {
+int filterCalls(Rights rights) {
     Filter filter;
-    if (files == Files::answered) answerCalls(filter);
+    if (rights == Rights::names) answerCalls(filter);
     for (const long call :
          {SYS_read,          SYS_pread64,      SYS_readv,     SYS_write,          SYS_writev,       SYS_pwrite64,
           SYS_lseek,         SYS_fstat,        SYS_ftruncate, SYS_close,          SYS_brk,          SYS_munmap,
@@ -138,15 +150,31 @@ int filterCalls(Files files) {
           SYS_clock_gettime, SYS_gettimeofday, SYS_getpid,    SYS_gettid,         SYS_getrandom,    SYS_exit,
           SYS_exit_group})
         filter.allow(call);
-    // Memory may not hold code.
-    filter.allowWithout(SYS_mmap, 2, PROT_EXEC);
-    filter.allowWithout(SYS_mprotect, 2, PROT_EXEC);
+    if (rights == Rights::compiling) {
+        allowThreads(filter);
+        for (const long call : {SYS_mmap, SYS_mprotect}) filter.allow(call);
+        filter.refuse(SYS_newfstatat, EBADF);  // LLVM asks what stderr is
+        // forbidCode() adds a filter, which can only take rights away.
+        filter.allowWith(SYS_prctl, 0, PR_SET_NO_NEW_PRIVS);
+        filter.allow(SYS_seccomp);
+    } else {
+        // Memory may not hold code.
+        filter.allowWithout(SYS_mmap, 2, PROT_EXEC);
+        filter.allowWithout(SYS_mprotect, 2, PROT_EXEC);
+    }
     // abort() ends a process by sending it a signal.
     filter.allowWith(SYS_tgkill, 0, static_cast<std::uint32_t>(::getpid()));
     return filter.install();
 }
 
 }  // namespace
+
+int forbidCode() {
+    if (!hasFilter()) return 0;
+    Filter filter(SCMP_ACT_ALLOW);
+    for (const long call : {SYS_mmap, SYS_mprotect}) filter.endWith(call, 2, PROT_EXEC);
+    return filter.install();
+}
 
 bool hasFilter() {
 #if defined(SCRIM_SANITIZED)
@@ -156,7 +184,7 @@ bool hasFilter() {
 #endif
 }
 
-int confine(const Limits& limits, Files files) {
+int confine(const Limits& limits, Rights rights) {
     int problem = ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0 ? 0 : errno;
     const auto keep = [&problem](int next) {
         if (problem == 0) problem = next;
@@ -169,8 +197,8 @@ int confine(const Limits& limits, Files files) {
     keep(lowerLimit(RLIMIT_FSIZE, limits.memory));
     if (!hasFilter()) return problem;  // sanitizers also take huge address spaces
     keep(lowerLimit(RLIMIT_AS, addressSpace() + limits.memory));
-    keep(lowerLimit(RLIMIT_NOFILE, files == Files::answered ? kMostAnsweredFiles : 0));
-    return problem != 0 ? problem : filterCalls(files);
+    keep(lowerLimit(RLIMIT_NOFILE, rights == Rights::names ? kMostAnsweredFiles : 0));
+    return problem != 0 ? problem : filterCalls(rights);
 }
 
 }  // namespace scrim::load

@@ -16,16 +16,21 @@ struct Limits {
 /// True if `confine` installs the system call filter. False under sanitizers, which open files of their own.
 bool hasFilter();
 
-enum class Files {
-    descriptors,  ///< only descriptors that are open
-    answered,     ///< also what libraries ask for by name, as AnsweredCalls answers it (answered_calls.h)
+enum class Rights {
+    reading,  ///< files whose descriptors are open
+    names,    ///< also files that libraries ask for by name, as AnsweredCalls answers them (answered_calls.h); threads
+    compiling,  ///< as `reading`; also threads, and memory that holds code, until forbidCode() is called
 };
 
 /// Confines this process permanently: no core dumps, no capabilities of root and no new privileges, limits of memory
 /// and time, and only system calls that compute or read and write open descriptors. Any other call (to open a file,
-/// make a socket, start a thread or a program) ends the process by SIGSYS. With Files::answered, threads may be started
+/// make a socket, start a thread or a program) ends the process by SIGSYS. With Rights::names, threads may be started
 /// (some libraries need them to decode), and harmless queries fail instead. Returns 0, or the errno of what failed:
 /// ENOMEM where there is not enough memory to build the filter, anything else where the system refuses.
-int confine(const Limits& limits, Files files = Files::descriptors);
+int confine(const Limits& limits, Rights rights = Rights::reading);
+
+/// After confine() with Rights::compiling: from now on no memory can be made to hold code. What holds code already can
+/// still be run. Returns 0 or the errno.
+int forbidCode();
 
 }  // namespace scrim::load

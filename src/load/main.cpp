@@ -8,6 +8,7 @@
 //   scrim-load --check                    tests whether children are confined (check.h)
 #include "check.h"
 #include "confine.h"
+#include "edit_volume.h"
 #include "fork.h"
 #include "read_mesh.h"
 #include "read_picture.h"
@@ -85,19 +86,22 @@ bool receive(Request& request) {
 
 template <typename Task>
 void runConfined(const Task& task, const Limits& limits) {
-    if (const int problem = confine(limits, Task::kFiles); problem != 0)
+    if (const int problem = confine(limits, Task::kRights); problem != 0)
         ::_exit(problem == ENOMEM ? kNoMemoryToConfine : kNotConfined);
     task.run();
 }
 
-/// Runs a source. A thread takes address space for its stack and its memory, which a small limit must provide.
-void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
+/// Runs a source, or edits a volume. A thread takes address space for its stack and its memory, which a small limit
+/// must provide.
+void runThreaded(LoadRequest request, const LoadMessage& message, Limits limits) {
     constexpr std::uint64_t kThreadBytes = std::uint64_t{128} << 20;
     const auto most = std::max<std::uint64_t>(message.memory / kThreadBytes / 2, 1);
-    const auto threads = std::min<std::uint64_t>(message.threads, most);
-    limits.seconds *= threads;
-    runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, static_cast<int>(threads)),
-                limits);
+    const int threads = static_cast<int>(std::min<std::uint64_t>(message.threads, most));
+    limits.seconds *= static_cast<std::size_t>(threads);
+    if (request.edit.empty())
+        runConfined(ReadSource(kChildTransfer, std::move(request), kChildInput, kChildBeside, threads), limits);
+    else
+        runConfined(EditVolume(kChildTransfer, std::move(request), kChildInput, threads), limits);
 }
 
 /// The child: keeps its own descriptors and nothing else. Never returns.
@@ -123,8 +127,8 @@ void runSource(LoadRequest request, const LoadMessage& message, Limits limits) {
         runConfined(ReadPicture(*pictures, kChildTransfer, std::move(wanted), kChildInput), limits);
     else if (wanted.what == kMesh)
         runConfined(ReadMesh(kChildTransfer, std::move(wanted), kChildInput), limits);
-    else if (!wanted.source.empty())
-        runSource(std::move(wanted), request.message, limits);
+    else if (!wanted.source.empty() || !wanted.edit.empty())
+        runThreaded(std::move(wanted), request.message, limits);
     else
         runConfined(ReadVolume(kChildTransfer, std::move(wanted), kChildInput), limits);
     // The heap may be corrupted by a damaged file, so it is not cleaned up.

@@ -5,7 +5,8 @@
 namespace scrim {
 
 const VdbModule& vdbModule() {
-    static const VdbModule module{readVdbContent, nullptr, nullptr};
+    static const VdbModule module{readVdbContent, readEditedVdbContent, editedContent, makeGridEditor, nullptr,
+                                  nullptr};
     return module;
 }
 

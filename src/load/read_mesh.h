@@ -13,7 +13,7 @@ namespace scrim::load {
 
 class ReadMesh {
   public:
-    static constexpr Files kFiles = Files::answered;
+    static constexpr Rights kRights = Rights::names;
 
     /// Loads the module, which the request names as its source. From then on, names of files lead to the open file
     /// `input` only.

@@ -16,7 +16,7 @@ const PictureModule* loadPictureModule(const std::string& path);
 
 class ReadPicture {
   public:
-    static constexpr Files kFiles = Files::answered;
+    static constexpr Rights kRights = Rights::names;
 
     /// From then on, names of files lead to the open file `input` only.
     ReadPicture(const PictureModule& module, int transfer, LoadRequest request, int input);

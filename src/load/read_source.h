@@ -14,7 +14,7 @@ namespace scrim::load {
 
 class ReadSource {
   public:
-    static constexpr Files kFiles = Files::answered;
+    static constexpr Rights kRights = Rights::names;
 
     /// Loads the source, which may use `threads` threads. From then on, names of files lead to the open file `input`
     /// and to the one beside it, if there is one.

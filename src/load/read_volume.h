@@ -20,7 +20,7 @@ void allowThreads();
 
 class ReadVolume {
   public:
-    static constexpr Files kFiles = Files::descriptors;
+    static constexpr Rights kRights = Rights::reading;
 
     /// Determines the size of the open file `input`.
     ReadVolume(int transfer, LoadRequest request, int input);

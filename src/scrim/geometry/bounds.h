@@ -17,6 +17,7 @@ struct Bounds {
     Vec3 lower{std::numeric_limits<double>::infinity()};
     Vec3 upper{-std::numeric_limits<double>::infinity()};
 
+    bool operator==(const Bounds&) const = default;
     bool empty() const { return lower.x > upper.x || lower.y > upper.y || lower.z > upper.z; }
     Vec3 center() const { return 0.5 * lower + 0.5 * upper; }
     Vec3 size() const { return upper - lower; }

@@ -102,14 +102,27 @@ SparseField readField(TransferReader& reader, const std::shared_ptr<const Transf
     return field;
 }
 
-}  // namespace
-
-void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
-    TransferWriter writer(fd);
+void sendMessages(TransferWriter& writer, const std::vector<TransferMessage>& messages) {
     for (const TransferMessage& message : messages) {
         writer.value(static_cast<std::uint32_t>(message.severity));
         writer.text(message.text);
     }
+}
+
+std::vector<TransferMessage> receiveMessages(TransferReader& reader, const TransferHeader& header) {
+    std::vector<TransferMessage> messages;
+    for (std::uint64_t i = 0; i < header.messages; ++i) {
+        const auto severity = reader.value<std::uint32_t>();
+        messages.push_back({severity == 0 ? Severity::info : Severity::warning, shortened(reader.text(), 2000)});
+    }
+    return messages;
+}
+
+}  // namespace
+
+void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages) {
+    TransferWriter writer(fd);
+    sendMessages(writer, messages);
     for (const SparseField& field : fields) {
         FieldHeader header;
         header.blocks = field.blockCount();
@@ -137,6 +150,7 @@ void sendRequest(int fd, const LoadRequest& request) {
     writer.text(request.path);
     writer.text(request.source);
     writer.text(request.beside);
+    writer.text(request.edit);
     for (const GridRequest& grid : request.grids) writer.text(toText(grid));
     for (const auto& [name, value] : request.parameters) {
         writer.text(name);
@@ -152,6 +166,15 @@ void sendInfo(int fd, const VdbFileInfo& info) {
     TransferWriter writer(fd);
     writer.text(toJson(info));
     writer.finish({}, TransferKind::info);
+}
+
+void sendFile(int fd, const std::string& bytes, const std::vector<TransferMessage>& messages) {
+    TransferWriter writer(fd);
+    sendMessages(writer, messages);
+    writer.text(bytes);
+    TransferHeader header;
+    header.messages = messages.size();
+    writer.finish(header, TransferKind::file);
 }
 
 void sendError(int fd, const Error& error) {
@@ -179,6 +202,7 @@ LoadRequest receiveRequest(int fd) {
     out.path = reader.text();
     out.source = reader.text();
     out.beside = reader.text();
+    out.edit = reader.text();
     for (std::uint64_t i = 0; i < header.fields; ++i) out.grids.push_back(gridRequestFrom(reader.text()));
     for (std::uint64_t i = 0; i < header.messages; ++i) {
         const std::string name = reader.text();
@@ -192,13 +216,18 @@ ReceivedFields receiveFields(int fd) {
     TransferReader reader(*mapping);
     const TransferHeader header = reader.header(TransferKind::fields);
     ReceivedFields out;
-    for (std::uint64_t i = 0; i < header.messages; ++i) {
-        const auto severity = reader.value<std::uint32_t>();
-        out.messages.push_back({severity == 0 ? Severity::info : Severity::warning, shortened(reader.text(), 2000)});
-    }
+    out.messages = receiveMessages(reader, header);
     for (std::uint64_t i = 0; i < header.fields; ++i) out.fields.push_back(readField(reader, mapping));
     if (!reader.done()) incompleteTransfer("it is longer than its header says");
     return out;
+}
+
+std::pair<std::string, std::vector<TransferMessage>> receiveFile(int fd) {
+    const TransferMapping mapping(fd);
+    TransferReader reader(mapping);
+    const TransferHeader header = reader.header(TransferKind::file);
+    std::vector<TransferMessage> messages = receiveMessages(reader, header);
+    return {reader.text(), std::move(messages)};
 }
 
 VdbFileInfo receiveInfo(int fd) {

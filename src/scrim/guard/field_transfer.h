@@ -27,16 +27,20 @@ namespace scrim {
 inline constexpr const char* kPictureHeader = "header";
 inline constexpr const char* kPictureDepth = "depth";  ///< depth channel; the one parameter is its name
 inline constexpr const char* kMesh = "mesh";
+inline constexpr const char* kEditedFile = "file";  ///< all grids of a file after an edit, as a .vdb file
+inline constexpr const char* kMadeFields = "made";  ///< fields that a source made, to be edited
 
 /// The task for a child. `what` is "fields" or "info" of a volume file, "picture", kPictureHeader or kPictureDepth of a
-/// picture, "source" to run a source on a file, or kMesh. The file is passed as a descriptor; its path is for messages.
+/// picture, "source" to run a source on a file, kMesh, kMadeFields, or kEditedFile. The file is passed as a descriptor;
+/// its path is for messages.
 struct LoadRequest {
     std::string what;
     std::string path;
     std::vector<GridRequest> grids;
-    std::string source = {};  ///< path of the source's shared object, or of the module that reads meshes
+    std::string source = {};  ///< path of the source's shared object, or of the module that reads meshes or runs AX
     SourceParameters parameters = {};
     std::string beside = {};  ///< name of a second file of the same folder that is passed, too; "": none
+    std::string edit = {};    ///< what is done to the grids (grid_edit.h); "": nothing
 };
 
 struct TransferMessage {
@@ -54,6 +58,7 @@ struct ReceivedFields {
 void sendRequest(int fd, const LoadRequest& request);
 void sendFields(int fd, const std::vector<SparseField>& fields, const std::vector<TransferMessage>& messages);
 void sendInfo(int fd, const VdbFileInfo& info);
+void sendFile(int fd, const std::string& bytes, const std::vector<TransferMessage>& messages);
 void sendError(int fd, const Error& error);
 
 /// Each returns what was sent, or throws the Error that was sent instead (a GridError or BesideError again, if it was
@@ -62,5 +67,6 @@ void sendError(int fd, const Error& error);
 LoadRequest receiveRequest(int fd);
 ReceivedFields receiveFields(int fd);
 VdbFileInfo receiveInfo(int fd);
+std::pair<std::string, std::vector<TransferMessage>> receiveFile(int fd);
 
 }  // namespace scrim

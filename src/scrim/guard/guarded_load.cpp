@@ -5,6 +5,7 @@
 #include <scrim/base/installed.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/field_transfer.h>
+#include <scrim/volume/ax_module.h>
 #include <scrim/volume/loaded_source.h>
 #include <scrim/guard/mesh_transfer.h>
 #include <scrim/guard/picture_transfer.h>
@@ -45,6 +46,9 @@ constexpr Kind kPicture{std::size_t{4} << 30, std::chrono::minutes{2}};
 /// Scrim's own sources refuse larger results by themselves.
 constexpr Kind kSource{std::size_t{16} << 30, std::chrono::minutes{10}};
 
+/// Expressions make grids, and refining multiplies voxels.
+constexpr Kind kEdited{std::size_t{16} << 30, std::chrono::minutes{10}};
+
 LoadLimits limitsFor(const Kind& kind, std::uint64_t bytes, const LoadOptions& options) {
     LoadLimits limits;
     limits.memory = options.memory > 0 ? std::max(options.memory, kLeastGivenMemory)
@@ -83,13 +87,28 @@ class OpenFile {
     std::string m_problem;
 };
 
+/// What messages about a child call its work.
+std::string workOn(const std::string& name, const GridEdit* edit) {
+    if (edit == nullptr || edit->programs.empty()) return name;
+    return fmt::format("{}: {} with its 'ax'", edit->programs.front().where, name);
+}
+
+LoadRequest requestOf(const std::string& what, const std::string& name, const std::vector<GridRequest>& grids,
+                      const GridEdit* edit) {
+    LoadRequest request{what, name, grids};
+    if (edit == nullptr) return request;
+    request.edit = toText(*edit);
+    if (!edit->programs.empty()) request.source = besideLibrary(kAxModule);
+    return request;
+}
+
 /// Starts a child that reads `what` of a file. The file is opened here, because children cannot open files.
 LoadJob begin(const std::string& what, const std::string& path, const std::vector<GridRequest>& requests,
-              const LoadOptions& options, int transfer) {
+              const LoadOptions& options, int transfer, const GridEdit* edit = nullptr) {
     const VdbBytes file(path);
-    sendRequest(transfer, {what, path, requests});
-    return LoadJob(options.loader, LoadedFiles::volumes, path, transfer, file.descriptor(),
-                   limitsFor(kVolume, file.size(), options), options.showStderr);
+    sendRequest(transfer, requestOf(what, path, requests, edit));
+    return LoadJob(options.loader, LoadedFiles::volumes, workOn(path, edit), transfer, file.descriptor(),
+                   limitsFor(edit == nullptr ? kVolume : kEdited, file.size(), options), options.showStderr);
 }
 
 /// Runs `receive` and puts the path in front of its error about an incomplete transfer.
@@ -147,12 +166,13 @@ Result pictureJob(const std::string& path, const std::string& what, Result (*rec
 }  // namespace
 
 GuardedFields::GuardedFields(const std::string& path, const std::vector<GridRequest>& requests,
-                             const LoadOptions& options)
+                             const LoadOptions& options, const GridEdit* edit)
     : m_path(path),
       m_requests(requests),
+      m_edit(edit == nullptr ? std::nullopt : std::optional(*edit)),
       m_identity(identityOf(path)),
       m_transfer(createTransfer()),
-      m_job(begin("fields", path, requests, options, m_transfer.fd())) {}
+      m_job(begin("fields", path, requests, options, m_transfer.fd(), edit)) {}
 
 GuardedFields::Identity GuardedFields::identityOf(const std::string& path) {
     struct stat status {};
@@ -178,14 +198,58 @@ std::vector<SparseField> GuardedFields::take(const MessageSink& messages, const 
 
 std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
                                        const LoadOptions& options, const MessageSink& messages,
-                                       const Checkpoint& checkpoint) {
-    return withLoader(checkpoint, [&] { return GuardedFields(path, requests, options).take(messages, checkpoint); });
+                                       const Checkpoint& checkpoint, const GridEdit* edit) {
+    return withLoader(checkpoint,
+                      [&] { return GuardedFields(path, requests, options, edit).take(messages, checkpoint); });
+}
+
+std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, const std::string& name,
+                                     const std::vector<GridRequest>& requests, const GridEdit& edit,
+                                     const LoadOptions& options, const MessageSink& messages,
+                                     const Checkpoint& checkpoint) {
+    std::uint64_t bytes = 0;
+    for (const SparseField& grid : grids) bytes += grid.bytes();
+    const std::string what = workOn(name, &edit);
+    ReceivedFields result = withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer()), made(createTransfer());
+        sendFields(made.fd(), grids, {});
+        sendRequest(transfer.fd(), requestOf(kMadeFields, name, requests, &edit));
+        LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), made.fd(),
+                limitsFor(kEdited, bytes, options), options.showStderr)
+            .wait(checkpoint);
+        return received(what, [&] { return receiveFields(transfer.fd()); });
+    });
+    if (result.fields.size() != requests.size())
+        throw Error(ErrorKind::input, fmt::format("{}: damaged: {} grids were made, expected {}", what,
+                                                  result.fields.size(), requests.size()));
+    for (const TransferMessage& message : result.messages) notify(messages, message.severity, message.text);
+    return std::move(result.fields);
 }
 
 VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
         begin("info", path, {}, options, transfer.fd()).wait(checkpoint);
+        return received(path, [&] { return receiveInfo(transfer.fd()); });
+    });
+}
+
+std::string guardedFile(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                        const MessageSink& messages, const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        begin(kEditedFile, path, {}, options, transfer.fd(), &edit).wait(checkpoint);
+        auto [bytes, said] = received(path, [&] { return receiveFile(transfer.fd()); });
+        for (const TransferMessage& message : said) notify(messages, message.severity, message.text);
+        return std::move(bytes);
+    });
+}
+
+VdbFileInfo guardedEditInfo(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                            const Checkpoint& checkpoint) {
+    return withLoader(checkpoint, [&] {
+        const Descriptor transfer(createTransfer());
+        begin("info", path, {}, options, transfer.fd(), &edit).wait(checkpoint);
         return received(path, [&] { return receiveInfo(transfer.fd()); });
     });
 }

@@ -8,6 +8,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/solid/mesh_module.h>
+#include <scrim/volume/grid_edit.h>
 #include <scrim/volume/grid_request.h>
 #include <scrim/guard/load_job.h>
 #include <scrim/guard/load_options.h>
@@ -16,6 +17,7 @@
 #include <scrim/volume/vdb_info.h>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,8 +27,10 @@ namespace scrim {
 /// the child ends, too.
 class GuardedFields {
   public:
-    /// Starts a child that reads. Throws Error where the file cannot be opened or no child can be started.
-    GuardedFields(const std::string& path, const std::vector<GridRequest>& requests, const LoadOptions& options);
+    /// Starts a child that reads, and edits if `edit` is not null. Throws Error where the file cannot be opened or no
+    /// child can be started.
+    GuardedFields(const std::string& path, const std::vector<GridRequest>& requests, const LoadOptions& options,
+                  const GridEdit* edit = nullptr);
 
     /// Waits for the child and returns its fields. May be called once. Throws as `loadFields` (load_fields.h); calls
     /// `checkpoint` every few milliseconds.
@@ -34,6 +38,7 @@ class GuardedFields {
 
     const std::string& path() const { return m_path; }
     const std::vector<GridRequest>& requests() const { return m_requests; }
+    const std::optional<GridEdit>& edit() const { return m_edit; }
     /// True if the path still names the file that was opened and nobody has written to it since.
     bool isCurrent() const;
 
@@ -48,6 +53,7 @@ class GuardedFields {
 
     std::string m_path;
     std::vector<GridRequest> m_requests;
+    std::optional<GridEdit> m_edit;
     Identity m_identity;
     Descriptor m_transfer;
     LoadJob m_job;
@@ -56,7 +62,7 @@ class GuardedFields {
 /// As `loadFields` and `loadInfo`.
 std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
                                        const LoadOptions& options, const MessageSink& messages,
-                                       const Checkpoint& checkpoint);
+                                       const Checkpoint& checkpoint, const GridEdit* edit = nullptr);
 VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
 
 /// The picture that the module of pictures (picture_module.h) reads from a regular file. Throws Error as `loadFields`.
@@ -71,6 +77,19 @@ FileDepth guardedDepth(const std::string& path, const std::string& channel, cons
 
 /// The mesh of an OBJ or PLY file; a defect of the file is reported in its `problem`. Throws Error as `loadFields`.
 FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+
+/// All grids of a .vdb file after an edit, as the bytes of a .vdb file. Throws Error as `loadFields`.
+std::string guardedFile(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                        const MessageSink& messages, const Checkpoint& checkpoint);
+/// Describes them; what expressions did is part of the metadata.
+VdbFileInfo guardedEditInfo(const std::string& path, const GridEdit& edit, const LoadOptions& options,
+                            const Checkpoint& checkpoint);
+
+/// As `editedFields`.
+std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, const std::string& name,
+                                     const std::vector<GridRequest>& requests, const GridEdit& edit,
+                                     const LoadOptions& options, const MessageSink& messages,
+                                     const Checkpoint& checkpoint);
 
 /// The fields that the source in the shared object `source` makes of these parameters, one of which is `path`. The
 /// source can open that file and one other file beside it that it asks for, and no others. Throws Error as

@@ -9,6 +9,7 @@
 #include <scrim/volume/read_fields.h>
 #include <scrim/volume/source.h>
 #include <scrim/volume/vdb_file.h>
+#include <scrim/volume/vdb_module.h>
 
 #include <filesystem>
 
@@ -29,14 +30,37 @@ ProgressSink asProgress(const Checkpoint& checkpoint) {
     };
 }
 
+/// The editor for grids of this process.
+std::shared_ptr<const GridEditor> editorHere(const GridEdit& edit) {
+    const AxModule* const ax =
+        edit.programs.empty() ? nullptr : loadAxModule(besideLibrary(kAxModule), edit.programs.front().where);
+    return vdbModule().editor(edit, ax);
+}
+
 }  // namespace
 
 std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
                                     const LoadOptions& options, const MessageSink& messages,
-                                    const Checkpoint& checkpoint) {
-    if (options.volumes == VolumeLoading::guarded) return guardedFields(path, requests, options, messages, checkpoint);
+                                    const Checkpoint& checkpoint, const GridEdit* edit) {
+    if (options.volumes == VolumeLoading::guarded)
+        return guardedFields(path, requests, options, messages, checkpoint, edit);
     std::vector<SparseField> fields;
-    readWithErrors(path, [&] { fields = readFields(VdbBytes(path), requests, messages); });
+    readWithErrors(path, [&] {
+        const VdbBytes file(path);
+        fields = edit == nullptr ? readFields(file, requests, messages)
+                                 : readFields(file, requests, *editorHere(*edit), messages);
+    });
+    return fields;
+}
+
+std::vector<SparseField> editedFields(const std::vector<SparseField>& grids, const std::string& name,
+                                      const std::vector<GridRequest>& requests, const GridEdit& edit,
+                                      const LoadOptions& options, const MessageSink& messages,
+                                      const Checkpoint& checkpoint) {
+    if (options.volumes == VolumeLoading::guarded)
+        return guardedEdit(grids, name, requests, edit, options, messages, checkpoint);
+    std::vector<SparseField> fields;
+    readWithErrors(name, [&] { fields = editFields(grids, name, requests, *editorHere(edit), messages); });
     return fields;
 }
 

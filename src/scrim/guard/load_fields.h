@@ -5,6 +5,7 @@
 #include <scrim/base/messages.h>
 #include <scrim/image/picture_module.h>
 #include <scrim/solid/triangle_mesh.h>
+#include <scrim/volume/grid_edit.h>
 #include <scrim/volume/grid_request.h>
 #include <scrim/guard/load_options.h>
 #include <scrim/volume/source_parameters.h>
@@ -16,12 +17,19 @@
 
 namespace scrim {
 
-/// The fields that `requests` mean in one file, in the order of the requests. A guarded load calls `checkpoint` while
+/// The fields that `requests` mean in one file, in the order of the requests, after its grids were edited if `edit` is
+/// not null. A guarded load calls `checkpoint` while
 /// it waits. Throws GridError where the file lacks one of them, otherwise Error: input, memory, render (guarded: the
 /// loader cannot be started), and whatever `checkpoint` throws.
 std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
                                     const LoadOptions& options, const MessageSink& messages,
-                                    const Checkpoint& checkpoint = {});
+                                    const Checkpoint& checkpoint = {}, const GridEdit* edit = nullptr);
+
+/// The same of grids of a source or from code; `name` stands for the file in messages.
+std::vector<SparseField> editedFields(const std::vector<SparseField>& grids, const std::string& name,
+                                      const std::vector<GridRequest>& requests, const GridEdit& edit,
+                                      const LoadOptions& options, const MessageSink& messages,
+                                      const Checkpoint& checkpoint = {});
 
 /// The path that a source gets as its parameter `file`; "" without one.
 std::string fileIn(const SourceParameters& parameters);

@@ -24,6 +24,7 @@ enum class TransferKind : std::uint32_t {
     pictureHeader = 6,
     mesh = 7,
     pictureDepth = 8,
+    file = 9,
 };
 
 /// The start of the file; the contents that `kind` stands for follow. An error consists of its text; a GridError

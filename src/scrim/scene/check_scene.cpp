@@ -180,9 +180,38 @@ void checkPhase(const Check& check, const Phase& phase) {
         check.refuse("strength", fmt::format("{}", phase.strength), "a number from 0 to 1");
 }
 
+void checkRemap(const Check& check, const Remap& remap) {
+    const RemapKeys& k = keysOf<RemapKeys>();
+    check.members(k, remap);
+    check.numbers(k.from, {remap.from[0], remap.from[1]});
+    check.numbers(k.to, {remap.to[0], remap.to[1]});
+    if (!(remap.from[0] < remap.from[1]))
+        check.refuse(k.from.name, fmt::format("{}, {}", remap.from[0], remap.from[1]), "ascending numbers");
+}
+
+void checkNoise(const Check& check, const Noise& noise) {
+    const NoiseKeys& k = keysOf<NoiseKeys>();
+    check.members(k, noise);
+    check.point(k.offset, noise.offset);
+}
+
+void checkShading(const Check& check, const SceneVolume& volume) {
+    const DensityKeys& k = keysOf<DensityKeys>();
+    const DensityShading& shading = volume.shading;
+    if (volume.displacement) checkNoise(check, *volume.displacement);
+    if (shading.noise) checkNoise(check, *shading.noise);
+    if (shading.mask) checkRemap(check, shading.mask->remap);
+    if (shading.edge) check.numbers(k.edge, {(*shading.edge)[0], (*shading.edge)[1]});
+    if (!shading.remap) return;
+    checkRemap(check, *shading.remap);
+    if (shading.remap->at(0) != 0)
+        check.refuse(k.remap.name, "above 0 at grid value 0", "0 there, because empty space is skipped");
+}
+
 void checkEmission(const Check& check, const Emission& emission) {
     const EmissionKeys& k = keysOf<EmissionKeys>();
     check.members(k, emission);
+    if (emission.mask) checkRemap(check, emission.mask->remap);
     const auto ends = [](const Rgb& rgb) {
         return isFinite(rgb) ? std::pair(std::min({rgb.x, rgb.y, rgb.z}), std::max({rgb.x, rgb.y, rgb.z}))
                              : std::pair(std::nan(""), std::nan(""));
@@ -227,6 +256,7 @@ void checkVolume(const Check& check, const SceneVolume& volume) {
     check.members(d, volume);
     check.ramp(d.ramp, volume.ramp, std::numeric_limits<double>::max(), [](double v) { return std::pair(v, v); });
     if (volume.velocity) check.members(keysOf<VelocityKeys>(), *volume.velocity);
+    checkShading(check, volume);
     checkMedium(check, volume);
     if (volume.classified) checkClassified(check, *volume.classified);
 }

@@ -75,6 +75,9 @@ ColourGrid readColourGrid(TomlTable table, const ReadContext& context) {
     table.read(k, context.frame, out);
     if (const auto space = table.find(k.colorspace))
         out.workingFromGrid = located(*space, [&] { return context.colour.workingFrom(space->string()); });
+    if (const auto ramp = table.find(k.ramp))
+        out.ramp = readRamp<Rgb>(*ramp, "[grid value, colour]",
+                                 [&](const TomlValue& y) { return readBounded(y, context, 1); });
     table.finish();
     return out;
 }
@@ -111,6 +114,7 @@ Emission readEmission(TomlTable table, const ReadContext& context) {
             ramp->fail(fmt::format(
                 "{} is not black at grid value 0; expected black there, because empty space is skipped", k.ramp));
     }
+    if (const auto mask = table.find(k.mask)) emission.mask = readMask(*mask, table.description());
     table.finish();
     return emission;
 }
@@ -137,6 +141,9 @@ Emission readBlackbody(const TomlValue& value, const std::string& of, const Read
     readKelvin(table, k, emission);
     const auto normalize = table.find(k.normalize);
     const bool normalized = normalize && normalize->boolean();
+    const auto tint = table.find(k.tint);
+    const Rgb factor = tint ? readBounded(*tint, context, kMostTint) : Rgb(1);
+    if (const auto mask = table.find(k.mask)) emission.mask = readMask(*mask, table.description());
     table.finish();
     if (!normalize && context.version < 2)
         context.warnings->push_back(
@@ -145,6 +152,8 @@ Emission readBlackbody(const TomlValue& value, const std::string& of, const Read
                         value.where(), k.normalize, keysOf<SceneKeys>().sceneVersion.name, kSceneVersion));
     emission.ramp = located(
         value, [&] { return Blackbody(context.colour).ramp(emission.kelvinScale, emission.kelvinOffset, normalized); });
+    if (tint)
+        for (auto& [kelvin, colour] : emission.ramp) colour *= factor;
     return emission;
 }
 

@@ -26,6 +26,7 @@ struct ReadContext {
     VariableLookup variables;              ///< [variables], then the environment
     std::vector<std::string> lights = {};  ///< names of all [[light]] tables
     bool gridsFromCode = false;            ///< volumes may name neither a file nor a source
+    double fps = 24;                       ///< frames per second
     int version = 1;                       ///< `scene_version`: the defaults that the author knew
     std::shared_ptr<std::vector<std::string>> warnings = std::make_shared<std::vector<std::string>>();
 
@@ -47,6 +48,16 @@ struct Orbit {
 void readCamera(TomlTable table, const ReadContext& context, Scene& scene);
 /// `defaultName` names a volume or light without a name of its own.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
+/// Reads what is done to the grids of `volume`, whose density is known: clip, resample, ax. Null where nothing is.
+std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume);
+/// The names of the external variables of the volume's expression, which are not parameters of its source.
+std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context);
+/// Reads what is done to a density: remap, edge, mask, noise.
+void readDensityShading(TomlTable& table, const ReadContext& context, DensityShading& shading);
+/// Read a table inside of the one that messages call `of`. What is random depends on the frame alone, not on the moment
+/// within it.
+Mask readMask(const TomlValue& value, const std::string& of);
+Noise readNoise(const TomlValue& value, const std::string& of, const ReadContext& context);
 /// Reads [volume.medium] into the medium, albedoGrid and emission of `volume`.
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
 /// Reads [volume.classified]: the transfer function and Phong's coefficients.

@@ -15,11 +15,13 @@ namespace {
 
 const VolumeKeys& k = keysOf<VolumeKeys>();
 
-/// Reads the parameters of a source as text. A source does not know the scene's folder, so its parameter `file` is
-/// expanded here like all other paths: relative to the scene, with variables and the frame put in.
-std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table, const ReadContext& context) {
+/// Reads the parameters of a source as text, without `others`. A source does not know the scene's folder, so its
+/// parameter `file` is expanded here like all other paths: relative to the scene, with variables and the frame put in.
+std::vector<std::pair<std::string, std::string>> readParameters(TomlTable table, const ReadContext& context,
+                                                                const std::vector<std::string>& others) {
     std::vector<std::pair<std::string, std::string>> parameters;
     for (const TomlValue& value : table.all()) {
+        if (std::find(others.begin(), others.end(), value.name()) != others.end()) continue;
         std::string text;
         if (value.isString())
             text = value.name() == k.file.name ? context.path(value).at(context.fileFrame()) : value.string();
@@ -58,6 +60,7 @@ void readDensity(TomlTable table, const ReadContext& context, SceneVolume& volum
     const DensityKeys& d = keysOf<DensityKeys>();
     volume.densityGrid = table.string(d.grid);
     table.read(d, context.frame, volume);
+    readDensityShading(table, context, volume.shading);
     if (const auto ramp = table.find(d.ramp)) {
         volume.ramp = readRamp<double>(*ramp, "[grid value, value]", [](const TomlValue& y) { return y.number(); });
         if (!keepsZero(volume.ramp))
@@ -116,7 +119,7 @@ void readAsset(TomlTable& table, const ReadContext& context, SceneVolume& volume
         volume.where = source->where();
         volume.source = source->string();
         if (const auto parameters = table.find(k.parameters))
-            volume.parameters = readParameters(inner(*parameters, table), context);
+            volume.parameters = readParameters(inner(*parameters, table), context, variablesOf(table, context));
         return;
     }
     table.describe(table.description() + " with a file");
@@ -140,6 +143,9 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         volume.wsFromAsset = readTransform(of(*transform, fmt::format("{}", k.transform)), context);
     if (const auto density = table.find(k.density))
         readDensity(of(*density, fmt::format("{}", k.density)), context, volume);
+    volume.edit = readEdit(table, context, volume);
+    if (const auto displacement = table.find(k.displacement))
+        volume.displacement = readNoise(*displacement, table.description(), context);
     if (const auto velocity = table.find(k.velocity))
         volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);

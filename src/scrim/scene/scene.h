@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Plain structs that describe a scene at one frame. Values are checked, keyed values are evaluated, colours are in the
-// working space and paths are expanded; no file but the scene's own was read. Whoever builds a scene in code fills
+// working space and paths are expanded; no file was read but the
+// scene's own, and those of expressions. Whoever builds a scene in code fills
 // these structs and needs no TOML.
 #pragma once
 
@@ -15,6 +16,7 @@
 #include <scrim/scene/medium.h>
 #include <scrim/solid/triangle_mesh.h>
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +26,7 @@
 namespace scrim {
 
 struct DepthPicture;
+struct GridEdit;
 
 /// Pictures that can be written beside the beauty.
 enum class Layer { light, ambient, emission, albedo, depth, transmittance, shadow, volume, motion, cryptomatte };
@@ -47,10 +50,67 @@ struct FrameMap {
     std::optional<int> frameOf(int file) const;
 };
 
+/// A sum of gradient noises (Perlin 2002), of which each octave is finer and fainter. It depends on the place alone, so
+/// that it is the same in every frame, whatever the bounds of a grid.
+struct Noise {
+    double amount = 1;
+    double frequency = 1;  ///< features per world unit, of the first octave
+    int octaves = 4;
+    double roughness = 0.5;  ///< amplitude of an octave relative to the one before
+    double lacunarity = 2;   ///< frequency of an octave relative to the one before
+    Vec3 offset{0};          ///< displaces the pattern, in world units
+    double evolution = 0;    ///< changes the pattern in place; 1 makes a pattern that has nothing in common
+    int seed = 0;
+    bool inWorld = false;  ///< places are those of the scene, not of the asset
+
+    bool operator==(const Noise&) const = default;
+};
+
+/// Maps one range of values to another. Values outside of the first count as its nearest limit.
+struct Remap {
+    std::array<double, 2> from{0, 1}, to{0, 1};  ///< `from` ascends
+    double gamma = 1;                            ///< t of the range becomes t^(1 / gamma): above 1 lifts the middle
+    double contrast = 1;  ///< above 1, values around the middle of the range move apart; both ends stay
+
+    bool operator==(const Remap&) const = default;
+    double at(double value) const;
+};
+
+/// A factor from another grid of the volume.
+struct Mask {
+    std::string grid;
+    Remap remap;        ///< maps the grid's values to the factor
+    std::string where;  ///< where the scene names the grid
+
+    bool operator==(const Mask&) const = default;
+};
+
+/// How noise changes a density.
+enum class NoiseMode {
+    multiply,  ///< times 1 + amount * noise, and at least 0
+    erode,     ///< minus amount * (1 + noise) / 2, and at least 0: thin places vanish first
+};
+
+/// In the order in which it is done.
+struct DensityShading {
+    std::optional<Remap> remap = {};
+    std::optional<std::array<double, 2>> edge = {};  ///< from the first value to the second, density fades in
+    std::optional<Mask> mask = {};
+    std::optional<Noise> noise = {};
+    NoiseMode noiseMode = NoiseMode::multiply;
+
+    bool operator==(const DensityShading&) const = default;
+    bool any() const { return remap || edge || mask || noise; }
+    /// The density of a voxel where the mask's grid and the noise have these values.
+    double at(double density, double maskValue, double noiseValue) const;
+};
+
 /// A colour that varies in space and comes from grids.
 struct ColourGrid {
-    std::string grid;           ///< the grid's name, as GridRequest names colours
-    double scale = 1;           ///< factor on the grid's values
+    std::string grid;  ///< the grid's name, as GridRequest names colours
+    double scale = 1;  ///< factor on the grid's values
+    /// Not empty: the grid is a scalar one, whose values (ascending) this maps to colours; constant outside.
+    std::vector<std::pair<double, Rgb>> ramp = {};
     Mat3 workingFromGrid{1.0};  ///< maps colours of the grid's colour space to the working space
     std::string where;          ///< where the scene names the grid: "file:line:column"
 };
@@ -81,6 +141,7 @@ struct Emission {
     double scale = 1;                          ///< factor on the ramp's values
     bool blackbody = false;                    ///< the scene said `blackbody`; only messages depend on it
     double kelvinScale = 1, kelvinOffset = 0;  ///< blackbodies: kelvin = grid value * scale + offset
+    std::optional<Mask> mask = {};             ///< a factor on what is emitted
     std::string where;                         ///< where the scene names the grid
 };
 
@@ -101,11 +162,14 @@ struct SceneVolume {
     std::string source;  ///< name of a volume source; empty for a file
     /// Parameters of the source, as text; `file` is expanded as above.
     std::vector<std::pair<std::string, std::string>> parameters;
-    Mat4 wsFromAsset{1.0};    ///< maps the asset's own world space to the scene's
-    std::string densityGrid;  ///< a name as VdbFile::field takes it; "": the reader chooses
-    double densityScale = 1;  ///< extinction per world unit = ramp(grid value) * densityScale
+    std::shared_ptr<const GridEdit> edit = nullptr;  ///< what is done to the grids first (grid_edit.h); null: nothing
+    Mat4 wsFromAsset{1.0};                           ///< maps the asset's own world space to the scene's
+    std::string densityGrid;                         ///< a name as VdbFile::field takes it; "": the reader chooses
+    double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale
     /// Maps grid values (ascending) to values; constant outside; empty: no ramp.
     std::vector<std::pair<double, double>> ramp;
+    DensityShading shading = {};                     ///< is done to the density before its ramp
+    std::optional<Noise> displacement = {};          ///< displaces all grids, before any other shading
     Medium medium;                                   ///< its densityScale does not count, but the member above
     std::optional<ColourGrid> albedoGrid;            ///< replaces medium.albedo
     std::vector<Emission> emission;                  ///< sources of emission of a medium; they add up

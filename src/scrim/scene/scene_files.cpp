@@ -2,6 +2,7 @@
 #include <scrim/scene/scene_files.h>
 
 #include <scrim/guard/load_fields.h>
+#include <scrim/volume/grid_edit.h>
 
 #include <fmt/format.h>
 
@@ -14,6 +15,10 @@ std::string roleOf(const SceneVolume& volume) {
 
 void addVolume(const SceneVolume& volume, std::vector<SceneFile>& files) {
     const std::string role = roleOf(volume);
+    if (volume.edit)
+        for (const AxCode& code : volume.edit->programs)
+            if (!code.file.empty() && !code.where.starts_with(code.file + ":"))
+                files.push_back({code.file, "the expression of " + role});
     if (!volume.source.empty()) {
         if (const std::string file = fileIn(volume.parameters); !file.empty())
             files.push_back({file, "the file of " + role});

@@ -41,13 +41,14 @@ OutputKeys::OutputKeys()
 
 const std::vector<const Section*>& sceneSections() {
     static const std::vector<const Section*> all{
-        &keysOf<SceneKeys>(),    &keysOf<CameraKeys>(),     &keysOf<OrbitKeys>(),      &keysOf<VolumeKeys>(),
-        &keysOf<FrameKeys>(),    &keysOf<TransformKeys>(),  &keysOf<DensityKeys>(),    &keysOf<VelocityKeys>(),
-        &keysOf<MediumKeys>(),   &keysOf<AlbedoGridKeys>(), &keysOf<PhaseKeys>(),      &keysOf<OctavesKeys>(),
-        &keysOf<EmissionKeys>(), &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(), &keysOf<TransferKeys>(),
-        &keysOf<MeshKeys>(),     &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),      &keysOf<TextureKeys>(),
-        &keysOf<AmbientKeys>(),  &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),     &keysOf<PreviewKeys>(),
-        &keysOf<HoldoutKeys>(),  &keysOf<KeyedKeys>(),      &keysOf<ColourKeys>()};
+        &keysOf<SceneKeys>(),      &keysOf<CameraKeys>(),     &keysOf<OrbitKeys>(),    &keysOf<VolumeKeys>(),
+        &keysOf<FrameKeys>(),      &keysOf<TransformKeys>(),  &keysOf<DensityKeys>(),  &keysOf<RemapKeys>(),
+        &keysOf<MaskKeys>(),       &keysOf<NoiseKeys>(),      &keysOf<VelocityKeys>(), &keysOf<MediumKeys>(),
+        &keysOf<AlbedoGridKeys>(), &keysOf<PhaseKeys>(),      &keysOf<OctavesKeys>(),  &keysOf<EmissionKeys>(),
+        &keysOf<BlackbodyKeys>(),  &keysOf<ClassifiedKeys>(), &keysOf<TransferKeys>(), &keysOf<MeshKeys>(),
+        &keysOf<LightKeys>(),      &keysOf<SlideKeys>(),      &keysOf<TextureKeys>(),  &keysOf<AmbientKeys>(),
+        &keysOf<RenderKeys>(),     &keysOf<OutputKeys>(),     &keysOf<PreviewKeys>(),  &keysOf<HoldoutKeys>(),
+        &keysOf<KeyedKeys>(),      &keysOf<ColourKeys>()};
     return all;
 }
 

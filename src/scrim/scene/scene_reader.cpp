@@ -131,8 +131,12 @@ bool movesBetween(const toml::node& node, double begin, double end) {
     const toml::table* table = node.as_table();
     if (table == nullptr) return false;
     return std::any_of(table->begin(), table->end(), [&](const auto& entry) {
-        // The choice of a volume's file depends on the frame only, not on the moment within it.
-        if (entry.first.str() == keysOf<VolumeKeys>().frame.name && entry.second.is_table()) return false;
+        // The choice of a volume's file, and what is done to its grids, depend on the frame only, not on the moment
+        // within it.
+        const VolumeKeys& volume = keysOf<VolumeKeys>();
+        const auto is = [&](const Key& key) { return entry.first.str() == key.name && entry.second.is_table(); };
+        if (is(volume.frame) || is(volume.parameters) || is(volume.displacement) || is(keysOf<DensityKeys>().noise))
+            return false;
         const bool isKeys = entry.first.str() == keysOf<KeyedKeys>().keys.name && entry.second.is_array();
         return isKeys ? changesBetween(*entry.second.as_array(), begin, end) : moves(entry.second);
     });
@@ -182,6 +186,7 @@ Scene readScene(const SceneText& text, double frame, const std::vector<std::stri
     ReadContext context{frame + within, frame, colour, text.folder, lookupIn({})};
     context.gridsFromCode = text.gridsFromCode;
     if (const auto variables = section(k.variables)) context.variables = lookupIn(readVariables(*variables));
+    if (auto output = section(k.output)) context.fps = output->number(keysOf<OutputKeys>().fps);
     context.version = root.integer(k.sceneVersion);
 
     Scene scene;

@@ -249,12 +249,20 @@ class Override {
         return nullptr;
     }
 
+    /// Removes a key, and with a volume's source its parameters, unless an expression has some, too.
+    static void erase(toml::table& table, const std::string& key) {
+        const VolumeKeys& k = keysOf<VolumeKeys>();
+        if (table.erase(key) > 0 && key == k.source.name && !table.contains(k.ax.name) &&
+            !table.contains(k.axFile.name))
+            table.erase(k.parameters.name);
+    }
+
     /// Puts the value into `table` and removes the keys that would contradict it: whoever sets a lens wants no field of
     /// view.
     void put(toml::table& table, const Section* section, std::size_t first) const {
         toml::table value = parsed(first);
         if (section != nullptr)
-            for (const std::string& rival : section->rivalsOf(m_parts[first].key)) table.erase(rival);
+            for (const std::string& rival : section->rivalsOf(m_parts[first].key)) erase(table, rival);
         const toml::key key = value.begin()->first;
         table.erase(key.str());
         value.begin()->second.visit([&](auto& node) { table.insert_or_assign(key, std::move(node)); });

@@ -74,6 +74,24 @@ std::string TomlValue::string() const {
     return text->get();
 }
 
+TextPlace TomlValue::textPlace() const {
+    const toml::source_region& region = m_node->source();
+    if (whereOf(region) !=
+        fmt::format("{}:{}:{}", region.path ? *region.path : "scene", region.begin.line, region.begin.column))
+        return {};
+    const std::string text = string();
+    const auto isCharacter = [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; };
+    const auto characters = std::count_if(text.begin(), text.end(), isCharacter);
+    const int lines = static_cast<int>(region.end.line) - static_cast<int>(region.begin.line);
+    TextPlace place{region.path ? *region.path : "scene", static_cast<int>(region.begin.line),
+                    static_cast<int>(region.begin.column)};
+    // A newline right behind three quotes is no part of the string.
+    if (lines > std::count(text.begin(), text.end(), '\n')) return {place.file, place.line + 1, 1};
+    const bool three = lines > 0 || static_cast<int>(region.end.column) - place.column >= characters + 6;
+    place.column += three ? 3 : 1;
+    return place;
+}
+
 std::size_t TomlValue::choice() const {
     return choice(m_key->words);
 }

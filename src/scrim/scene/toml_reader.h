@@ -20,6 +20,12 @@ namespace scrim {
 
 class TomlTable;
 
+/// A place in a file; "" where the text does not come from a file.
+struct TextPlace {
+    std::string file;
+    int line = 1, column = 1;
+};
+
 class TomlValue {
   public:
     /// `key` states what the value may be; null: anything.
@@ -41,6 +47,8 @@ class TomlValue {
     int integer() const;
     bool boolean() const;
     std::string string() const;  ///< never empty
+    /// The place of a string's first character, behind its quotes. It is exact for strings without escapes.
+    TextPlace textPlace() const;
     /// The index of the word in the key's `words`, or in `words`.
     std::size_t choice() const;
     std::size_t choice(const std::vector<std::string>& words) const;

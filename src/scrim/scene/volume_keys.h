@@ -4,6 +4,7 @@
 
 #include <scrim/scene/scene.h>
 #include <scrim/scene/scene_key.h>
+#include <scrim/scene/shading_keys.h>
 
 namespace scrim {
 
@@ -55,7 +56,7 @@ struct DensityKeys : SectionOf<SceneVolume> {
         : SectionOf(
               "density", "density = { ... } of a [[volume]]",
               "Extinction per world unit = ramp(grid value) * scale. An optical depth of 1 takes away 63 % of the "
-              "light.") {}
+              "light. 'remap', 'edge', 'mask' and 'noise' change the grid's values before that, in this order.") {}
     const Key& grid = text(
         "grid", "the name of a grid",
         "\"density[1]\" selects the second of that name. Without it, the grid is 'density', or the only scalar grid.");
@@ -64,6 +65,16 @@ struct DensityKeys : SectionOf<SceneVolume> {
     const Key& ramp =
         other("ramp", "a list of at least two [grid value, value]", kPoints, Range::atLeast(0),
               "Maps the grid's values, which ascend: linear between points, constant outside of them, 0 at 0.");
+    const Key& remap = table(keysOf<RemapKeys>(), "remap", "Range, gamma and contrast.").unless("as it is");
+    const Key& edge = other("edge", "two numbers [low, high]", kTwoNumbers, Range::atLeast(0),
+                            "Densities fade in from the first to the second; thinner ones vanish. Ascending.")
+                          .unless("as it is");
+    const Key& mask = table(keysOf<MaskKeys>(), "mask", "A factor from another grid.").unless("none");
+    const Key& noise = table(keysOf<NoiseKeys>(), "noise", "A random pattern.").unless("none");
+    const Key& noiseMode =
+        choice("noise_mode", {"multiply", "erode"}, within(&SceneVolume::shading, &DensityShading::noiseMode),
+               "The density times 1 + amount * noise; or minus amount * (1 + noise) / 2, which eats "
+               "thin places first.");
 };
 
 struct VelocityKeys : SectionOf<Velocity> {
@@ -92,6 +103,8 @@ struct AlbedoGridKeys : SectionOf<ColourGrid> {
         number("scale", Range::fromTo(0, 1e30), &ColourGrid::scale, "Factor on the grid's values.").keyed();
     const Key& colorspace =
         text("colorspace", "the name of a colour space", "Colour space of the grid; without it, the working space.");
+    const Key& ramp = other("ramp", "a list of at least two [grid value, colour]", R"({"type":"array","minItems":2})",
+                            {}, "The grid is a scalar one, and this maps its values, which ascend, to colours.");
 };
 
 struct PhaseKeys : SectionOf<Phase> {
@@ -144,6 +157,7 @@ struct EmissionKeys : SectionOf<Emission> {
         other("ramp", "a list of at least two [grid value, colour]", R"({"type":"array","minItems":2})", {},
               "Maps grid values, which ascend, to colours: linear between points, constant outside of them, black at "
               "0. Without it, the value itself is emitted, in white.");
+    const Key& mask = table(keysOf<MaskKeys>(), "mask", "A factor from another grid.").unless("none");
 };
 
 struct BlackbodyKeys : SectionOf<Emission> {
@@ -171,6 +185,8 @@ struct BlackbodyKeys : SectionOf<Emission> {
     const Key& normalize = boolean("normalize", false,
                                    "Makes all temperatures equally bright, so that only colour changes. If false, "
                                    "radiance is proportional to the fourth power of temperature.");
+    const Key& tint = colour("tint", "[1, 1, 1]", "Factor on the light in each channel.");
+    const Key& mask = table(keysOf<MaskKeys>(), "mask", "A factor from another grid.").unless("none");
 };
 
 /// The most that a part of an extinction tint may be, and of the colours of a ramp.
@@ -252,7 +268,8 @@ struct VolumeKeys : SectionOf<SceneVolume> {
         : SectionOf("volume", "[[volume]]",
                     "A volume, of which a scene needs at least one: a .vdb file or sequence, or a source that makes or "
                     "reads something else (`scrim make --list`).") {
-        exclude({&source, &parameters}, {&file, &frame, &velocity});
+        exclude({&source}, {&file, &frame, &velocity});
+        exclude({&ax}, {&axFile});
         exclude({&medium}, {&classified});
     }
     const Key& name =
@@ -265,14 +282,28 @@ struct VolumeKeys : SectionOf<SceneVolume> {
     const Key& parameters =
         other(
             "parameters", "a table", kAnyTable, {},
-            "Parameters of the source; `scrim make SOURCE --help-source` lists them. 'file' is a path like all others.")
-            .onlyFor("'source'");
+            "Parameters of the source; `scrim make SOURCE --help-source` lists them. 'file' is a path like all others. "
+            "A number or vector that 'ax' mentions as $NAME or v$NAME belongs to the expression, and may be keyed.")
+            .onlyFor("'source' or 'ax'");
+    const Key& clip = other("clip", "two points [[x, y, z], [x, y, z]]",
+                            R"({"type":"array","minItems":2,"maxItems":2})", Range::coordinate(),
+                            "Cuts away the voxels with centres outside of this box, in world units of the file.");
+    const Key& resample =
+        number("resample", Range::fromTo(0.125, 16), 1,
+               "Divides voxels by this factor along each axis, so that 'ax' can add detail finer than the file's "
+               "voxels. 2 takes 8 times the memory.");
+    const Key& ax = text("ax", "code in OpenVDB AX",
+                         "Changes grids, and makes new ones, at each active voxel: \"f@density *= 2;\". $frame, $time "
+                         "(in seconds) and $seed are known, and numbers of 'parameters'.");
+    const Key& axFile = path("ax_file", "a file of such code", "In place of 'ax'.");
     const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
     const Key& density = table(keysOf<DensityKeys>(), "density", "The grid of densities, and their scale.");
     const Key& interpolation =
         choice("interpolation", {"auto", "linear", "smooth"}, &SceneVolume::interpolation,
                "Between voxels: 'linear', or 'smooth' (cubic B-splines), which shows no stripes along rows of voxels "
                "where these are larger than a few pixels. 'auto' is as 'kernel' of [render].");
+    const Key& displacement =
+        table(keysOf<NoiseKeys>(), "displacement", "Displaces all grids of the volume by noise.").unless("none");
     const Key& velocity =
         table(keysOf<VelocityKeys>(), "velocity", "The motion of the volume while the shutter is open.")
             .onlyFor("'file'");

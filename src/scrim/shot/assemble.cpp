@@ -4,6 +4,7 @@
 #include <scrim/base/error.h>
 #include <scrim/shot/derived_fields.h>
 #include <scrim/shot/moved_field.h>
+#include <scrim/shot/shaded_field.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/volume/coarser.h>
 
@@ -122,8 +123,13 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     if (!volume.classified && !volume.holdout) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
-                for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i]))
-                    out.emission.push_back({placed(emitted.field), emitted.color});
+                for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i])) {
+                    const auto& mask = volume.emission[i].mask;
+                    const bool masked = mask && i < fields.emissionMasks.size() && fields.emissionMasks[i];
+                    out.emission.push_back(
+                        {placed(masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field),
+                         emitted.color});
+                }
         if (volume.albedoGrid && fields.albedo[0] && !density->empty())
             for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
                 out.scatter.push_back(placed(channel));

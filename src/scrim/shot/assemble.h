@@ -18,6 +18,7 @@ struct VolumeFields {
     std::shared_ptr<const SparseField> density;
     std::array<std::shared_ptr<const SparseField>, 3> albedo;       ///< red, green and blue, where the albedo is a grid
     std::vector<std::shared_ptr<const SparseField>> emission = {};  ///< one for each of SceneVolume::emission
+    std::vector<std::shared_ptr<const SparseField>> emissionMasks = {};  ///< likewise; null where it has no mask
     /// Where the volume moves while the shutter is open: for each of x, y and z the field of positive and the field of
     /// negative velocities (GridPart). Otherwise empty.
     std::vector<std::shared_ptr<const SparseField>> velocity = {};

@@ -16,14 +16,16 @@ namespace {
 
 using Ramp = std::vector<std::pair<double, double>>;
 
-float ramped(const Ramp& ramp, double value) {
+/// Linear between points, constant outside of them.
+template <typename T>
+T ramped(const std::vector<std::pair<double, T>>& ramp, double value) {
     const auto next =
         std::upper_bound(ramp.begin(), ramp.end(), value, [](double v, const auto& point) { return v < point.first; });
-    if (next == ramp.begin()) return static_cast<float>(next->second);
+    if (next == ramp.begin()) return next->second;
     const auto& before = *(next - 1);
-    if (next == ramp.end()) return static_cast<float>(before.second);
+    if (next == ramp.end()) return before.second;
     const double t = (value - before.first) / (next->first - before.first);
-    return static_cast<float>(before.second + t * (next->second - before.second));
+    return before.second + t * (next->second - before.second);
 }
 
 // Values of an albedo grid at the voxels of another grid.
@@ -38,11 +40,11 @@ class AlbedoAt {
                 m_aligned = m_aligned && std::abs(m_toAlbedo[axis][row] - (axis == row ? 1 : 0)) < kRounding;
     }
     Rgb at(const Int3& voxel) const {
-        Rgb value;
-        for (int c = 0; c < 3; ++c) {
-            const FieldSampler& sampler = m_samplers[c];
-            value[c] = m_aligned ? sampler.voxel(voxel) : sampler.value(transformPoint(m_toAlbedo, Vec3(voxel)));
-        }
+        const auto part = [&](const FieldSampler& sampler) {
+            return m_aligned ? sampler.voxel(voxel) : sampler.value(transformPoint(m_toAlbedo, Vec3(voxel)));
+        };
+        const Rgb value = m_look.ramp.empty() ? Rgb(part(m_samplers[0]), part(m_samplers[1]), part(m_samplers[2]))
+                                              : ramped(m_look.ramp, part(m_samplers[0]));
         return glm::clamp(m_look.scale * (m_look.workingFromGrid * value), Rgb(0), Rgb(1));
     }
 
@@ -108,14 +110,14 @@ FieldPointer withRamp(const SparseField& field, const Ramp& ramp) {
     parallelFor(field.blockCount(), [&](std::size_t b) {
         for (int i = 0; i < kBlockVoxels; ++i) {
             const float v = field.block(b)[i];
-            (*values)[b * kBlockVoxels + std::size_t(i)] = v > 0 ? ramped(ramp, v) : 0.0f;
+            (*values)[b * kBlockVoxels + std::size_t(i)] = v > 0 ? static_cast<float>(ramped(ramp, double(v))) : 0.0f;
         }
     });
     out->blockValues = std::shared_ptr<const float>(values, values->data());
     out->maxValue = 0;
     for (const float v : *values) out->maxValue = std::max(out->maxValue, v);
     for (ConstantTile& tile : out->tiles) {
-        tile.value = ramped(ramp, tile.value);
+        tile.value = static_cast<float>(ramped(ramp, double(tile.value)));
         out->maxValue = std::max(out->maxValue, tile.value);
     }
     return out;

@@ -26,7 +26,8 @@ bool usesDensity(const SceneVolume& volume) {
 }
 
 GridRequest albedoRequest(const SceneVolume& volume, int component) {
-    return {volume.albedoGrid->grid, component};
+    // A ramp makes colours of a scalar.
+    return {volume.albedoGrid->grid, volume.albedoGrid->ramp.empty() ? component : GridRequest::kScalar};
 }
 
 /// The requests for both fields of velocity component `axis`: values above 0 and values below 0.
@@ -68,6 +69,26 @@ std::size_t chooseGridOf(const std::vector<std::shared_ptr<const SparseField>>& 
                                               parts, choices(names)));
 }
 
+/// What is done to the grids of the volume that all of `uses` belong to; null: nothing.
+template <typename Use>
+const GridEdit* editOf(const std::vector<Use>& uses) {
+    const SceneVolume* const volume = uses.front().volume;
+    return volume == nullptr ? nullptr : volume->edit.get();
+}
+
+/// Runs `task`. An error about the grid of one of `uses` gets the place where the scene names it.
+template <typename Use, typename Task>
+void withPlaces(const std::vector<Use>& uses, const Task& task) {
+    try {
+        task();
+    } catch (const GridError& error) {
+        for (const Use& use : uses)
+            if (use.request == error.request() && !use.where.empty())
+                throw Error(error.kind(), fmt::format("{}: {}", use.where, error.what()));
+        throw;
+    }
+}
+
 }  // namespace
 
 void FieldStore::listen(LoadOptions options, MessageSink messages, Checkpoint checkpoint) {
@@ -80,7 +101,8 @@ void FieldStore::setGrids(const std::string& volume, std::vector<SparseField> gr
     Grids& own = m_grids[volume];
     own.clear();
     for (SparseField& grid : grids) own.push_back(std::make_shared<SparseField>(std::move(grid)));
-    std::erase_if(m_fields, [&](const auto& entry) { return entry.first.first == Origin{kSet, volume}; });
+    std::erase_if(m_fields,
+                  [&](const auto& entry) { return entry.first.first[0] == kSet && entry.first.first[1] == volume; });
 }
 
 bool FieldStore::isFile(const SceneVolume& volume) const {
@@ -95,13 +117,18 @@ std::vector<VolumeFile> FieldStore::filesOf(const Scene& scene) const {
 }
 
 FieldStore::Origin FieldStore::originOf(const SceneVolume& volume, const VolumeFile& file) const {
-    if (hasGrids(volume.name)) return {kSet, volume.name};
-    if (volume.source.empty()) return {kFile, file.path};
     Origin origin{kSource, volume.source};
-    for (const auto& [name, value] : volume.parameters) {
-        origin.push_back(name);
-        origin.push_back(value);
+    if (hasGrids(volume.name)) {
+        origin = {kSet, volume.name};
+    } else if (volume.source.empty()) {
+        origin = {kFile, file.path};
+    } else {
+        for (const auto& [name, value] : volume.parameters) {
+            origin.push_back(name);
+            origin.push_back(value);
+        }
     }
+    if (volume.edit) origin.push_back(toText(*volume.edit));
     return origin;
 }
 
@@ -117,7 +144,11 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, bool 
         add({volume.densityGrid}, "");
         for (int c = 0; volume.albedoGrid && c < 3; ++c) add(albedoRequest(volume, c), volume.albedoGrid->where);
     }
-    for (const Emission& emission : volume.emission) add({emission.grid}, emission.where);
+    if (usesDensity(volume) && volume.shading.mask) add({volume.shading.mask->grid}, volume.shading.mask->where);
+    for (const Emission& emission : volume.emission) {
+        add({emission.grid}, emission.where);
+        if (emission.mask) add({emission.mask->grid}, emission.mask->where);
+    }
     for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
         for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
             add(request, volume.velocity->where);
@@ -127,9 +158,11 @@ std::vector<FieldStore::Use> FieldStore::usesOf(const SceneVolume& volume, bool 
 /// The fields that were read ahead, if they are exactly these and no error occurred. An error is not reported here: the
 /// file is read again at its regular time, and reports it then.
 std::optional<std::vector<SparseField>> FieldStore::readBefore(const std::string& path,
-                                                               const std::vector<GridRequest>& requests) {
+                                                               const std::vector<GridRequest>& requests,
+                                                               const GridEdit* edit) {
+    const std::optional<GridEdit> edited = edit == nullptr ? std::nullopt : std::optional(*edit);
     const auto found = std::find_if(m_ahead.begin(), m_ahead.end(), [&](const GuardedFields& fields) {
-        return fields.path() == path && fields.requests() == requests && fields.isCurrent();
+        return fields.path() == path && fields.requests() == requests && fields.edit() == edited && fields.isCurrent();
     });
     if (found == m_ahead.end()) return {};
     GuardedFields ahead = std::move(*found);
@@ -148,24 +181,36 @@ std::optional<std::vector<SparseField>> FieldStore::readBefore(const std::string
     }
 }
 
-std::vector<SparseField> FieldStore::fieldsOf(const std::string& path, const std::vector<GridRequest>& requests) {
-    if (auto fields = readBefore(path, requests)) return std::move(*fields);
-    return loadFields(path, requests, m_options, m_messages, m_checkpoint);
+std::vector<SparseField> FieldStore::fieldsOf(const std::string& path, const std::vector<GridRequest>& requests,
+                                              const GridEdit* edit) {
+    if (auto fields = readBefore(path, requests, edit)) return std::move(*fields);
+    return loadFields(path, requests, m_options, m_messages, m_checkpoint, edit);
 }
 
 void FieldStore::load(const Origin& origin, const std::vector<Use>& missing) {
     std::vector<GridRequest> requests;
     for (const Use& use : missing) requests.push_back(use.request);
-    try {
-        std::vector<SparseField> fields = fieldsOf(origin[1], requests);
+    withPlaces(missing, [&] {
+        std::vector<SparseField> fields = fieldsOf(origin[1], requests, editOf(missing));
         for (std::size_t i = 0; i < requests.size(); ++i)
             m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(fields[i]));
-    } catch (const GridError& error) {
-        for (const Use& use : missing)
-            if (use.request == error.request() && !use.where.empty())
-                throw Error(error.kind(), fmt::format("{}: {}", use.where, error.what()));
-        throw;
-    }
+    });
+}
+
+/// Edits the grids of a source, or those that were set.
+void FieldStore::makeEdited(const Origin& origin, const std::vector<Use>& missing, const Grids& grids) {
+    std::vector<SparseField> fields;
+    for (const auto& grid : grids) fields.push_back(*grid);  // copies share their voxels
+    std::vector<GridRequest> requests;
+    for (const Use& use : missing) requests.push_back(use.request);
+    const std::string name =
+        origin[0] == kSet ? fmt::format("volume '{}'", origin[1]) : fmt::format("source '{}'", origin[1]);
+    withPlaces(missing, [&] {
+        std::vector<SparseField> edited =
+            editedFields(fields, name, requests, *missing.front().volume->edit, m_options, m_messages, m_checkpoint);
+        for (std::size_t i = 0; i < requests.size(); ++i)
+            m_fields[{origin, requests[i]}] = std::make_shared<SparseField>(std::move(edited[i]));
+    });
 }
 
 FieldStore::Grids FieldStore::generated(const SceneVolume& volume) const {
@@ -186,6 +231,7 @@ void FieldStore::make(const Origin& origin, const std::vector<Use>& missing) {
     const Grids grids = wasSet ? m_grids.at(volume.name) : generated(volume);
     const std::string maker =
         wasSet ? fmt::format("volume '{}' has", volume.name) : fmt::format("source '{}' makes", volume.source);
+    if (volume.edit) return makeEdited(origin, missing, grids);
     for (const Use& use : missing) {
         const std::string& where = use.where.empty() ? use.volume->where : use.where;
         m_fields[{origin, use.request}] = grids[chooseGridOf(grids, use.request, where, maker)];
@@ -199,7 +245,7 @@ std::vector<std::string> FieldStore::culledOf(const Scene& scene, const std::vec
     if (isBlurred(scene)) return std::vector<std::string>(scene.volumes.size());
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
         const SceneVolume& volume = scene.volumes[i];
-        if (!isFile(volume)) continue;
+        if (!isFile(volume) || volume.edit || volume.displacement) continue;  // either may change bounds
         if (files[i].state != FileState::present) {
             corners[i].emplace();
             continue;
@@ -252,7 +298,7 @@ void FieldStore::readAhead(const Scene& scene, const std::vector<VolumeFile>& fi
         if (origin[0] != kFile) continue;
         std::vector<GridRequest> requests;
         for (const Use& use : missing) requests.push_back(use.request);
-        m_ahead.emplace_back(origin[1], requests, m_options);
+        m_ahead.emplace_back(origin[1], requests, m_options, editOf(missing));
     }
 }
 
@@ -283,17 +329,25 @@ Fields FieldStore::fieldsOf(const Scene& scene, const std::vector<VolumeFile>& f
         if (isFile(volume) && files[i].state == FileState::present) fields.culled = culled[i];
         if (!shown[i]) continue;
         const Origin origin = originOf(volume, files[i]);
-        const auto fieldOf = [&](const GridRequest& request) { return m_fields.at({origin, request}); };
+        const auto fieldOf = [&](const GridRequest& request) {
+            return m_shader.displaced(volume, m_fields.at({origin, request}));
+        };
         if (usesDensity(volume)) {
-            fields.density = fieldOf({volume.densityGrid});
+            const auto& mask = volume.shading.mask;
+            fields.density =
+                m_shader.density(volume, fieldOf({volume.densityGrid}), mask ? fieldOf({mask->grid}) : nullptr);
             for (int c = 0; volume.albedoGrid && c < 3; ++c) fields.albedo[c] = fieldOf(albedoRequest(volume, c));
         }
-        for (std::size_t k = 0; k < volume.emission.size(); ++k)
+        for (std::size_t k = 0; k < volume.emission.size(); ++k) {
             fields.emission[k] = fieldOf({volume.emission[k].grid});
+            const auto& mask = volume.emission[k].mask;
+            fields.emissionMasks.push_back(mask ? fieldOf({mask->grid}) : nullptr);
+        }
         for (int axis = 0; blurred && volume.velocity && axis < 3; ++axis)
             for (const GridRequest& request : velocityRequests(*volume.velocity, axis))
-                fields.velocity.push_back(fieldOf(request));
+                fields.velocity.push_back(m_fields.at({origin, request}));
     }
+    m_shader.forgetUnused();
     return all;
 }
 
@@ -324,6 +378,7 @@ std::size_t bytesOf(const Fields& fields) {
         all.insert(of.density);
         all.insert(of.albedo.begin(), of.albedo.end());
         all.insert(of.emission.begin(), of.emission.end());
+        all.insert(of.emissionMasks.begin(), of.emissionMasks.end());
         all.insert(of.velocity.begin(), of.velocity.end());
     }
     for (const auto& field : all)

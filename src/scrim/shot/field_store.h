@@ -10,6 +10,7 @@
 #include <scrim/guard/guarded_load.h>
 #include <scrim/guard/load_options.h>
 #include <scrim/shot/scan_info.h>
+#include <scrim/shot/shaded_field.h>
 #include <scrim/volume/source_parameters.h>
 
 #include <map>
@@ -57,7 +58,8 @@ class FieldStore {
     ScanInfo scanInfo(const std::string& path) const;
 
   private:
-    /// A file, a source with its parameters, or the name of a volume whose grids were set.
+    /// A file, a source with its parameters, or the name of a volume whose grids were set; then what is done to the
+    /// grids.
     using Origin = std::vector<std::string>;
     using Key = std::pair<Origin, GridRequest>;
     struct Use {
@@ -78,11 +80,13 @@ class FieldStore {
     std::vector<bool> shownOf(const Scene& scene, const std::vector<VolumeFile>& files,
                               const std::vector<std::string>& culled, VolumesOf volumesOf) const;
     void dropKnown(Uses& uses) const;
-    std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests);
+    std::vector<SparseField> fieldsOf(const std::string& path, const std::vector<GridRequest>& requests,
+                                      const GridEdit* edit);
     std::optional<std::vector<SparseField>> readBefore(const std::string& path,
-                                                       const std::vector<GridRequest>& requests);
+                                                       const std::vector<GridRequest>& requests, const GridEdit* edit);
     void load(const Origin& origin, const std::vector<Use>& missing);
     void make(const Origin& origin, const std::vector<Use>& missing);
+    void makeEdited(const Origin& origin, const std::vector<Use>& missing, const Grids& grids);
     Grids generated(const SceneVolume& volume) const;
 
     LoadOptions m_options;
@@ -90,6 +94,7 @@ class FieldStore {
     Checkpoint m_checkpoint;
     std::map<std::string, Grids> m_grids;  ///< grids that were set, by volume
     std::map<Key, std::shared_ptr<const SparseField>> m_fields;
+    FieldShader m_shader;
     std::vector<GuardedFields> m_ahead;  ///< fields that children are reading
 };
 

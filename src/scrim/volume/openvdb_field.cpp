@@ -225,6 +225,35 @@ GridOffer offerOf(const openvdb::GridBase& grid) {
     return {grid.getName(), grid.type(), openvdb::GridBase::gridClassToString(grid.getGridClass())};
 }
 
+void placeGrid(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs) {
+    grid.setName(name);
+    openvdb::Mat4d m;
+    for (int i = 0; i < 4; ++i)
+        for (int j = 0; j < 4; ++j) m(i, j) = wsFromIs[i][j];
+    grid.setTransform(openvdb::math::Transform::createLinearTransform(m));
+}
+
+openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
+    using Leaf = openvdb::FloatTree::LeafNodeType;
+    openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(0.0f);
+    placeGrid(*grid, field.name, field.wsFromIs);
+    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
+
+    openvdb::FloatTree& tree = grid->tree();
+    for (const ConstantTile& tile : field.tiles) {
+        const openvdb::Coord low(tile.origin.x, tile.origin.y, tile.origin.z);
+        tree.sparseFill(openvdb::CoordBBox(low, low.offsetBy(tile.edge - 1)), tile.value, /*active=*/true);
+    }
+    for (std::size_t i = 0; i < field.blockCount(); ++i) {
+        const Int3& origin = field.blockOrigins[i];
+        Leaf* leaf = tree.touchLeaf(openvdb::Coord(origin.x, origin.y, origin.z));
+        const float* values = field.block(i);
+        for (openvdb::Index n = 0; n < kBlockVoxels; ++n)
+            if (values[n] > 0) leaf->setValueOn(n, values[n]);
+    }
+    return grid;
+}
+
 void levelSetIntoFog(openvdb::GridBase& grid, const std::string& where, const MessageSink& messages) {
     if (grid.getGridClass() != openvdb::GRID_LEVEL_SET || !offerOf(grid).isScalar()) return;
     withScalarGrid(grid, [&](const auto& typed) {

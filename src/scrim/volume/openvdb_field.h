@@ -13,6 +13,12 @@
 
 namespace scrim {
 
+/// Gives the grid a name and a place.
+void placeGrid(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs);
+
+/// The field as a fog volume; voxels above 0 are active.
+openvdb::FloatGrid::Ptr gridFrom(const SparseField& field);
+
 /// The properties of a grid by which a request chooses.
 GridOffer offerOf(const openvdb::GridBase& grid);
 

@@ -9,9 +9,9 @@
 
 namespace scrim {
 
-std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
-                                    const MessageSink& messages) {
-    VdbFile file = VdbFile::open(bytes, requests);
+namespace {
+
+std::vector<SparseField> fieldsOf(VdbFile file, const std::vector<GridRequest>& requests, const MessageSink& messages) {
     std::set<std::string> said;
     const auto sayOnce = [&](Severity severity, const std::string& text) {
         if (said.insert(text).second) notify(messages, severity, text);
@@ -20,6 +20,24 @@ std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<Gri
     for (const GridRequest& request : requests)
         fields.push_back(requests.size() == 1 ? file.lastField(request, sayOnce) : file.field(request, sayOnce));
     return fields;
+}
+
+}  // namespace
+
+std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
+                                    const MessageSink& messages) {
+    return fieldsOf(VdbFile::open(bytes, requests), requests, messages);
+}
+
+std::vector<SparseField> readFields(const VdbBytes& bytes, const std::vector<GridRequest>& requests,
+                                    const GridEditor& editor, const MessageSink& messages) {
+    return fieldsOf(VdbFile::open(bytes, requests, editor, messages), requests, messages);
+}
+
+std::vector<SparseField> editFields(const std::vector<SparseField>& grids, const std::string& name,
+                                    const std::vector<GridRequest>& requests, const GridEditor& editor,
+                                    const MessageSink& messages) {
+    return fieldsOf(VdbFile::of(grids, name, editor, messages), requests, messages);
 }
 
 void readWithErrors(const std::string& path, const std::function<void()>& task) {

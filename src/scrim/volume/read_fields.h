@@ -13,9 +13,18 @@
 
 namespace scrim {
 
+class GridEditor;
+
 /// The fields that `requests` mean, in their order. Each message is sent once, although a grey grid is read once for
 /// each component.
 std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
+                                    const MessageSink& messages);
+/// The same of grids that were edited.
+std::vector<SparseField> readFields(const VdbBytes& file, const std::vector<GridRequest>& requests,
+                                    const GridEditor& editor, const MessageSink& messages);
+/// The same of the grids of a source called `name`.
+std::vector<SparseField> editFields(const std::vector<SparseField>& grids, const std::string& name,
+                                    const std::vector<GridRequest>& requests, const GridEditor& editor,
                                     const MessageSink& messages);
 
 /// Runs `task`, which reads `path`, and turns exceptions of libraries into Errors.

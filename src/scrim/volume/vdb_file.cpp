@@ -21,8 +21,26 @@ VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& req
     return VdbFile(vdbModule().read(bytes, &requests));
 }
 
+VdbFile VdbFile::open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, const GridEditor& editor,
+                      const MessageSink& messages) {
+    return VdbFile(vdbModule().readEdited(bytes, &requests, editor, messages));
+}
+
+VdbFile VdbFile::open(const VdbBytes& bytes, const GridEditor& editor, const MessageSink& messages) {
+    return VdbFile(vdbModule().readEdited(bytes, nullptr, editor, messages));
+}
+
+VdbFile VdbFile::of(const std::vector<SparseField>& fields, const std::string& name, const GridEditor& editor,
+                    const MessageSink& messages) {
+    return VdbFile(vdbModule().editFields(fields, name, editor, messages));
+}
+
 VdbFileInfo VdbFile::info() const {
     return m_content->info();
+}
+
+std::string VdbFile::asFile() const {
+    return m_content->asFile();
 }
 
 std::vector<std::string> VdbFile::usableGrids() const {

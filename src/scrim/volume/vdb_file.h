@@ -18,6 +18,7 @@
 
 namespace scrim {
 
+class GridEditor;
 class VdbBytes;
 
 class VdbFile {
@@ -31,6 +32,14 @@ class VdbFile {
     /// The same for a file that is already open, or in memory.
     static VdbFile open(const VdbBytes& bytes);
     static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests);
+    /// The same with the grids edited before they can be requested; messages are about that.
+    static VdbFile open(const VdbBytes& bytes, const std::vector<GridRequest>& requests, const GridEditor& editor,
+                        const MessageSink& messages);
+    /// The same with all grids of the file.
+    static VdbFile open(const VdbBytes& bytes, const GridEditor& editor, const MessageSink& messages);
+    /// No file: fields made by a source, edited in the same way. `name` stands for the file in messages.
+    static VdbFile of(const std::vector<SparseField>& fields, const std::string& name, const GridEditor& editor,
+                      const MessageSink& messages);
 
     /// Describes all grids that were read; visits every active voxel of the scalar ones.
     VdbFileInfo info() const;
@@ -53,6 +62,9 @@ class VdbFile {
     /// The same for a grid that will not be requested again: a level set is turned into fog in place, which takes half
     /// the memory.
     SparseField lastField(const GridRequest& request, const MessageSink& messages);
+
+    /// The grids as a .vdb file of their own.
+    std::string asFile() const;
 
     VdbFile(VdbFile&&) noexcept;
     VdbFile& operator=(VdbFile&&) noexcept;

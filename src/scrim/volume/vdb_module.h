@@ -5,6 +5,7 @@
 // too.
 #pragma once
 
+#include <scrim/volume/ax_module.h>
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_file.h>
 #include <scrim/volume/vdb_write.h>
@@ -23,23 +24,33 @@ struct VdbFile::Content {
     virtual std::vector<std::string> usableGrids() const = 0;
     virtual SparseField field(const GridRequest& request, const MessageSink& messages) const = 0;
     virtual SparseField lastField(const GridRequest& request, const MessageSink& messages) = 0;
+    virtual std::string asFile() const = 0;
 };
 
 /// Each implements the function that calls it: VdbFile::open (null: read the whole file, for no particular requests),
-/// writeVdb and writeVdbGrids.
+/// VdbFile::of, writeVdb and writeVdbGrids.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests);
+std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
+                                                       const GridEditor& editor, const MessageSink& messages);
+std::unique_ptr<VdbFile::Content> editedContent(const std::vector<SparseField>& fields, const std::string& name,
+                                                const GridEditor& editor, const MessageSink& messages);
+/// Makes the editor of an edit; null `ax`: no AX is needed.
+std::shared_ptr<const GridEditor> makeGridEditor(const GridEdit& edit, const AxModule* ax);
 void writeVdbContent(const std::string& path, const std::vector<SparseField>& fields);
 void writeVdbGridContent(const std::string& path, const std::vector<VdbGrid>& grids,
                          const std::vector<std::pair<std::string, std::string>>& metadata);
 
 struct VdbModule {
     decltype(&readVdbContent) read = nullptr;
+    decltype(&readEditedVdbContent) readEdited = nullptr;
+    decltype(&editedContent) editFields = nullptr;
+    decltype(&makeGridEditor) editor = nullptr;
     decltype(&writeVdbContent) write = nullptr;
     decltype(&writeVdbGridContent) writeGrids = nullptr;
 };
 
 /// The single function that the module exports. The name must change whenever anything above changes.
-#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_2"
+#define SCRIM_VDB_MODULE_SYMBOL "scrim_vdb_module_4"
 using VdbModuleFunction = const VdbModule* (*)();
 
 /// Loads the module and never unloads it. May be called from any thread. Throws Error(render) where it cannot be

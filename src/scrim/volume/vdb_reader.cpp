@@ -3,15 +3,18 @@
 
 #include <scrim/base/error.h>
 #include <scrim/volume/grid_choice.h>
+#include <scrim/volume/grid_editor.h>
 #include <scrim/volume/openvdb_field.h>
 #include <scrim/volume/vdb_layout.h>
 
+#include <algorithm>
 #include <cstring>
 #include <istream>
 #include <numeric>
 #include <optional>
 #include <set>
 #include <span>
+#include <sstream>
 #include <streambuf>
 
 #include <fmt/format.h>
@@ -36,6 +39,8 @@ struct ParsedVdb : VdbFile::Content {
     std::vector<std::string> usableGrids() const override;
     SparseField field(const GridRequest& request, const MessageSink& messages) const override;
     SparseField lastField(const GridRequest& request, const MessageSink& messages) override;
+    std::string asFile() const override;
+    void edit(const GridEditor& editor, const MessageSink& messages);
 };
 
 constexpr std::size_t kMessageLimit = 1000;  ///< bytes of an error that lists grids
@@ -69,14 +74,21 @@ class MemoryBuffer : public std::streambuf {
     }
 };
 
-/// The indices of the grids that `requests` need, in the file's order. No value where the whole file must be read,
-/// because it does not say where its grids are, or one of the grids shares the voxels of another.
-std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests) {
+/// The indices of the grids that `requests` need, and of those called `others`, in the file's order. No value where the
+/// whole file must be read, because it does not say where its grids are, or one of the grids shares the voxels of
+/// another.
+std::optional<std::vector<std::size_t>> neededGrids(const VdbLayout& layout, const std::vector<GridRequest>& requests,
+                                                    const std::vector<std::string>& others) {
     if (!layout.hasOffsets) return {};
     const std::vector<GridOffer> offers = offersOf(layout);
     std::set<std::size_t> needed;
     for (const GridRequest& request : requests)
         if (const auto choice = chooseGrid(offers, request)) needed.insert(choice->grid);
+    for (const std::string& name : others) {
+        const auto called = [&](const GridOffer& offer) { return offer.name == name; };
+        if (const auto i = std::find_if(offers.begin(), offers.end(), called); i != offers.end())
+            needed.insert(std::size_t(i - offers.begin()));
+    }
     for (const std::size_t i : needed)
         if (layout.grids[i].instance) return {};
     return std::vector<std::size_t>(needed.begin(), needed.end());
@@ -186,8 +198,9 @@ void readSingly(const VdbBytes& file, ParsedVdb& content) {
         }
 }
 
-/// Opens the file for `requests`, or for all grids.
-std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests) {
+/// Opens the file for `requests` and the grids called `others`, or for all grids.
+std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequest>* requests,
+                                const std::vector<std::string>& others = {}) {
     const std::string& path = file.path();
     auto content = std::make_unique<ParsedVdb>();
     content->path = path;
@@ -195,7 +208,7 @@ std::unique_ptr<ParsedVdb> read(const VdbBytes& file, const std::vector<GridRequ
     content->layout = checkVdbLayout(file);
     content->offers = offersOf(content->layout);
     std::optional<std::vector<std::size_t>> places;
-    if (requests) places = neededGrids(content->layout, *requests);
+    if (requests) places = neededGrids(content->layout, *requests, others);
     std::vector<char> bytes = places ? partOfFile(file, content->layout, *places) : allOfFile(file);
 
     openvdb::initialize();
@@ -268,6 +281,24 @@ std::vector<std::string> ParsedVdb::usableGrids() const {
     return scalarNames(offers);
 }
 
+void ParsedVdb::edit(const GridEditor& editor, const MessageSink& messages) {
+    EditedGrids all{std::move(grids)};
+    editor.apply(all, path, messages);
+    grids = std::move(all.grids);
+    offers.resize(grids.size());
+    for (std::size_t i = 0; i < grids.size(); ++i)
+        if (grids[i]) offers[i] = offerOf(*grids[i]);
+}
+
+std::string ParsedVdb::asFile() const {
+    openvdb::GridCPtrVec all;
+    for (const auto& grid : grids)
+        if (grid) all.push_back(grid);
+    std::ostringstream out;
+    openvdb::io::Stream(out).write(all);
+    return out.str();
+}
+
 SparseField ParsedVdb::lastField(const GridRequest& request, const MessageSink& messages) {
     const auto choice = chooseGrid(offers, request);
     if (choice && grids[choice->grid] && request.part == GridPart::whole && request.component == GridRequest::kScalar)
@@ -298,15 +329,52 @@ SparseField ParsedVdb::field(const GridRequest& request, const MessageSink& mess
     }
 }
 
+/// Runs `task`; lack of memory becomes an error about `path`.
+template <typename Task>
+std::unique_ptr<ParsedVdb> withinMemory(const std::string& path, const Task& task) {
+    try {
+        return task();
+    } catch (const std::bad_alloc&) {
+        throw Error(ErrorKind::memory, shortened(path + ": not enough memory to read this file", kMessageLimit));
+    }
+}
+
 }  // namespace
 
 /// As `read`; a file that is too large becomes the reason of the error.
 std::unique_ptr<VdbFile::Content> readVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests) {
-    try {
-        return read(file, requests);
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorKind::memory, shortened(file.path() + ": not enough memory to read this file", kMessageLimit));
-    }
+    return withinMemory(file.path(), [&] { return read(file, requests); });
+}
+
+std::unique_ptr<VdbFile::Content> readEditedVdbContent(const VdbBytes& file, const std::vector<GridRequest>* requests,
+                                                       const GridEditor& editor, const MessageSink& messages) {
+    return withinMemory(file.path(), [&] {
+        const std::vector<std::string> used = editor.usedGrids();
+        std::vector<GridRequest> all = requests ? *requests : std::vector<GridRequest>();
+        all.push_back({editor.density()});
+        if (std::find(used.begin(), used.end(), editor.density()) != used.end()) all.push_back({});
+        auto content = read(file, requests ? &all : nullptr, used);
+        content->edit(editor, messages);
+        return content;
+    });
+}
+
+std::unique_ptr<VdbFile::Content> editedContent(const std::vector<SparseField>& fields, const std::string& name,
+                                                const GridEditor& editor, const MessageSink& messages) {
+    return withinMemory(name, [&] {
+        auto content = std::make_unique<ParsedVdb>();
+        content->path = name;
+        for (const SparseField& field : fields) {
+            content->grids.push_back(gridFrom(field));
+            content->offers.push_back(offerOf(*content->grids.back()));
+        }
+        content->edit(editor, messages);
+        return content;
+    });
+}
+
+std::shared_ptr<const GridEditor> makeGridEditor(const GridEdit& edit, const AxModule* ax) {
+    return std::make_shared<const GridEditor>(edit, ax);
 }
 
 }  // namespace scrim

@@ -3,6 +3,7 @@
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/system_error.h>
+#include <scrim/volume/openvdb_field.h>
 #include <scrim/volume/vdb_bytes.h>
 #include <scrim/volume/vdb_layout.h>
 
@@ -19,40 +20,11 @@ namespace scrim {
 
 namespace {
 
-void place(openvdb::GridBase& grid, const std::string& name, const Mat4& wsFromIs) {
-    grid.setName(name);
-    openvdb::Mat4d m;
-    for (int i = 0; i < 4; ++i)
-        for (int j = 0; j < 4; ++j) m(i, j) = wsFromIs[i][j];
-    grid.setTransform(openvdb::math::Transform::createLinearTransform(m));
-}
-
-openvdb::FloatGrid::Ptr gridFrom(const SparseField& field) {
-    using Leaf = openvdb::FloatTree::LeafNodeType;
-    openvdb::FloatGrid::Ptr grid = openvdb::FloatGrid::create(0.0f);
-    place(*grid, field.name, field.wsFromIs);
-    grid->setGridClass(openvdb::GRID_FOG_VOLUME);
-
-    openvdb::FloatTree& tree = grid->tree();
-    for (const ConstantTile& tile : field.tiles) {
-        const openvdb::Coord low(tile.origin.x, tile.origin.y, tile.origin.z);
-        tree.sparseFill(openvdb::CoordBBox(low, low.offsetBy(tile.edge - 1)), tile.value, /*active=*/true);
-    }
-    for (std::size_t i = 0; i < field.blockCount(); ++i) {
-        const Int3& origin = field.blockOrigins[i];
-        Leaf* leaf = tree.touchLeaf(openvdb::Coord(origin.x, origin.y, origin.z));
-        const float* values = field.block(i);
-        for (openvdb::Index n = 0; n < kBlockVoxels; ++n)
-            if (values[n] > 0) leaf->setValueOn(n, values[n]);
-    }
-    return grid;
-}
-
 /// Makes a grid of type `Grid`. `valueAt(floats of the block, voxel)` gives a voxel's value.
 template <typename Grid, typename ValueAt>
 openvdb::GridBase::Ptr gridFrom(const VdbGrid& from, std::size_t floatsABlock, const ValueAt& valueAt) {
     typename Grid::Ptr grid = Grid::create();
-    place(*grid, from.name, from.wsFromIs);
+    placeGrid(*grid, from.name, from.wsFromIs);
     if (!from.colour) grid->setGridClass(openvdb::GRID_FOG_VOLUME);
     for (std::size_t b = 0; b < from.blockOrigins.size(); ++b) {
         const Int3& origin = from.blockOrigins[b];

@@ -59,6 +59,28 @@ class FieldStoreTest : public ::testing::Test {
     test::TempFolder m_folder;
 };
 
+TEST_F(FieldStoreTest, ShadesDensitiesAndEmissionAndKeepsTheResults) {
+    volume().shading.mask = Mask{"heat", Remap{{0, 14}, {0, 1}}, "s.toml:4:9"};
+    volume().emission = {glow("density")};
+    volume().emission[0].mask = Mask{"heat", {}, ""};
+    const Fields first = fields();
+    EXPECT_EQ(first[0].density->activeVoxels, 4u * 4 * 4) << "there is no heat elsewhere";
+    EXPECT_FLOAT_EQ(first[0].density->maxValue, 0.25f);
+    ASSERT_EQ(first[0].emissionMasks.size(), 1u);
+    EXPECT_FLOAT_EQ(first[0].emissionMasks[0]->maxValue, 7);
+    EXPECT_EQ(fields()[0].density, first[0].density) << "it is computed once";
+    volume().shading.mask->remap.to = {0, 2};
+    EXPECT_FLOAT_EQ(fields()[0].density->maxValue, 0.5f);
+    volume().shading = {};
+    EXPECT_EQ(fields()[0].density->activeVoxels, 1000u);
+    volume().displacement = Noise{.amount = 3, .frequency = 0.1, .octaves = 1};
+    const Fields moved = fields();
+    EXPECT_NE(moved[0].density->blockOrigins, first[0].density->blockOrigins);
+    EXPECT_NE(moved[0].emissionMasks[0], first[0].emissionMasks[0]) << "all grids are displaced";
+    volume().shading.mask = Mask{"fuel", {}, "s.toml:4:9"};
+    EXPECT_EQ(failure().substr(0, 12), "s.toml:4:9: ");
+}
+
 TEST_F(FieldStoreTest, GivesAllGridsOfAVolume) {
     volume().albedoGrid = colour("Cd");
     volume().emission = {glow("heat"), glow("density")};

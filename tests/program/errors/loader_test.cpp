@@ -64,7 +64,11 @@ TEST_F(Loader, IsConfined) {
               "opening the file: allowed\nopening the one beside it: allowed\nfinding no other file: allowed\n"
               "starting a thread: allowed\nstarting no process: allowed\nwriting to the file: killed\n"
               "making a file: killed\nremoving the file: killed\nmaking a socket: killed\n"
-              "running a program: killed\nloading code: killed\nlowering a limit for good: allowed\n"
+              "running a program: killed\nloading code: killed\n"
+              "with expressions to compile\nmaking code: allowed\nstarting a thread: allowed\n"
+              "opening a file: killed\nopening a file in a thread from before: killed\nmaking a socket: killed\n"
+              "running a program: killed\nmaking code later: killed\nchanging memory into code later: killed\n"
+              "limits\nlowering a limit for good: allowed\n"
               "asking for another process's limits: killed\nhanding over no more than it may: allowed\n");
 #endif
 }

@@ -41,6 +41,11 @@ const std::map<std::string, std::vector<std::string>>& places() {
         {"volume",
          {kCamera + "[[volume]]\nfile = \"a.vdb\"\n@", kCamera + "[[volume]]\nsource = \"noise\"\n@",
           kCamera + "[[volume]]\n@"}},
+        {"remap", {kCamera + kVolume + "[volume.density.remap]\n@"}},
+        {"mask",
+         {kCamera + kVolume + "[volume.density.mask]\ngrid = \"m\"\n@",
+          kCamera + kVolume + "[volume.density.mask]\n@"}},
+        {"noise", {kCamera + kVolume + "[volume.density.noise]\n@"}},
         {"frame", {kCamera + kVolume + "[volume.frame]\n@"}},
         {"transform", {kCamera + kVolume + "[volume.transform]\n@"}},
         {"density", {kCamera + kVolume + "[volume.density]\n@"}},
@@ -235,6 +240,8 @@ TEST(SceneKeys, HoldScenesInCodeToWhatTheyAllowInFiles) {
     expectHeldTo(keysOf<RenderKeys>(), scene);
     expectHeldTo(keysOf<FrameKeys>(), volume);
     expectHeldTo(keysOf<DensityKeys>(), volume);
+    expectHeldTo(keysOf<RemapKeys>(), [](Scene& s) -> Remap& { return s.volumes[0].shading.remap.emplace(); });
+    expectHeldTo(keysOf<NoiseKeys>(), [](Scene& s) -> Noise& { return s.volumes[0].displacement.emplace(); });
     expectHeldTo(keysOf<VelocityKeys>(), [](Scene& s) -> Velocity& { return s.volumes[0].velocity.emplace(); });
     expectHeldTo(keysOf<AlbedoGridKeys>(), [](Scene& s) -> ColourGrid& { return s.volumes[0].albedoGrid.emplace(); });
     expectHeldTo(keysOf<OctavesKeys>(), [](Scene& s) -> Octaves& { return s.volumes[0].medium.octaves; });

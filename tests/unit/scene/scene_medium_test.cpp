@@ -168,7 +168,7 @@ TEST(SceneAlbedo, IsChecked) {
     EXPECT_EQ(
         errorIn("albedo = { grid = \"Cd\", rgb = [1, 1, 1] }"),
         "scene.toml:7:25: 'rgb' is not known here ('albedo' of [volume.medium] of [[volume]] 'volume1'); allowed: "
-        "'grid', 'scale' or 'colorspace'");
+        "'grid', 'scale', 'colorspace' or 'ramp'");
     EXPECT_EQ(errorIn("albedo = { gird = \"Cd\" }"),
               "scene.toml:7:12: 'gird' is not known here (the colour 'albedo'); allowed: 'rgb' or 'colorspace'");
 }

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "edit_volume.h"
+
+#include "read_volume.h"
+
+#include <scrim/base/parallel.h>
+#include <scrim/base/system_error.h>
+#include <scrim/volume/read_fields.h>
+#include <scrim/volume/vdb_file.h>
+#include <scrim/volume/vdb_module.h>
+
+#include <utility>
+
+namespace scrim::load {
+
+EditVolume::EditVolume(int transfer, LoadRequest request, int input, int threads)
+    : m_transfer(transfer), m_threads(threads), m_request(std::move(request)), m_edit(gridEditFrom(m_request.edit)) {
+    allowThreads();
+    try {
+        if (!m_edit.programs.empty()) m_ax = loadAxModule(m_request.source, m_edit.programs.front().where);
+    } catch (const Error& error) {
+        m_problem = error;
+    }
+    if (m_request.what == kMadeFields)
+        m_made = receiveFields(input).fields;
+    else
+        m_bytes = std::make_unique<VdbBytes>(m_request.path, input);
+}
+
+void EditVolume::send() const {
+    if (m_problem) throw *m_problem;
+    const auto editor = vdbModule().editor(m_edit, m_ax);
+    if (const int problem = forbidCode(); problem != 0)
+        throw Error(ErrorKind::render, "cannot forbid code in memory: " + systemErrorText(problem));
+    std::vector<TransferMessage> messages;
+    const auto hear = [&](Severity severity, const std::string& text) { messages.push_back({severity, text}); };
+    const std::vector<GridRequest>& requests = m_request.grids;
+    TaskArena(m_threads).run([&] {
+        if (m_request.what == kMadeFields)
+            return sendFields(m_transfer, editFields(m_made, m_request.path, requests, *editor, hear), messages);
+        if (m_request.what == "fields")
+            return sendFields(m_transfer, readFields(*m_bytes, requests, *editor, hear), messages);
+        const VdbFile all = VdbFile::open(*m_bytes, *editor, hear);
+        if (m_request.what == kEditedFile) return sendFile(m_transfer, all.asFile(), messages);
+        VdbFileInfo info = all.info();
+        for (const TransferMessage& message : messages) info.metadata.emplace_back("edit", message.text);
+        sendInfo(m_transfer, info);
+    });
+}
+
+void EditVolume::run() const {
+    try {
+        readWithErrors(m_request.path, [&] { send(); });
+    } catch (const Error& error) {
+        sendError(m_transfer, error);
+    }
+}
+
+}  // namespace scrim::load

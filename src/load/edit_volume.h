@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: Apache-2.0
+// The work of a child: edits grids (grid_edit.h), those of a .vdb file or those that a source made.
+#pragma once
+
+#include "confine.h"
+
+#include <scrim/base/error.h>
+#include <scrim/guard/field_transfer.h>
+#include <scrim/volume/ax_module.h>
+#include <scrim/volume/vdb_bytes.h>
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace scrim::load {
+
+class EditVolume {
+  public:
+    static constexpr Rights kRights = Rights::compiling;
+
+    /// Loads the module of AX where an expression needs it, and takes over grids that a source made, which the process
+    /// that asks for this has checked. May use `threads` threads.
+    EditVolume(int transfer, LoadRequest request, int input, int threads);
+    /// Compiles, and gives up the right to make code; only then reads the file, edits, and sends what was
+    /// requested, or the error.
+    void run() const;
+
+  private:
+    void send() const;
+
+    int m_transfer, m_threads;
+    LoadRequest m_request;
+    GridEdit m_edit;
+    const AxModule* m_ax = nullptr;
+    std::optional<Error> m_problem;     ///< why the module cannot be loaded
+    std::unique_ptr<VdbBytes> m_bytes;  ///< null: the grids are `m_made`
+    std::vector<SparseField> m_made;
+};
+
+}  // namespace scrim::load
