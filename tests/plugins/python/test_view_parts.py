@@ -3,6 +3,8 @@
 table of a view."""
 
 import math
+import threading
+import time
 from dataclasses import replace
 
 import numpy
@@ -15,7 +17,7 @@ tomlkit = pytest.importorskip("tomlkit")
 from conftest import SMOKE  # noqa: E402
 
 import scrim  # noqa: E402
-from scrim.view import _camera, _controls, _document, _luts, _pictures, _renderer  # noqa: E402
+from scrim.view import _camera, _controls, _document, _luts, _opened, _pictures, _renderer, _session  # noqa: E402
 
 TEXT = """\
 # A shot
@@ -209,6 +211,26 @@ def test_a_draft_goes_before_a_picture_that_takes_long(pictures):
     for there, expected in [("motion", "whole draft"), ("draft", "exact final"), ("all", None)]:
         task = _renderer.next_task(wanted(), pictures[there], 1.0, is_slow=True)
         assert (task and f"{task.kind} {task.stage}") == expected
+
+
+def test_a_picture_that_comes_late_is_that_of_the_last_event():
+    calls, shown = [], threading.Event()
+    opened = _opened.Opened(SMOKE, "", ".", "smoke", [1])
+    session = _session.Session(opened, lambda message: None, shown.set, lambda seconds, call: calls.append(call))
+    for _ in range(3000):
+        while calls:
+            calls.pop(0)()
+        if session.pictures is not None and session.pictures.layers is not None and session.exact_frame() is not None:
+            break
+        time.sleep(0.01)
+    late, wanted_then = session.pictures, session._wanted
+    session.handle({"type": "rest", "serial": 5})  # changes nothing, while layers of before are under way
+    assert session.serial_shown == 5
+    calls.clear()
+    session._took(late, wanted_then, None)
+    calls.pop()()
+    assert session.serial_shown == 5
+    session.close()
 
 
 def test_layers_with_weights_are_the_picture_of_other_strengths():

@@ -387,7 +387,9 @@ class Session:
     def _took(self, pictures: Pictures, wanted: Wanted, task: Task) -> None:
         def take() -> None:
             self.pictures = pictures
-            self.serial_shown = wanted.serial
+            # Events that changed nothing may have come while it was rendered.
+            is_right = self.exact_frame() is not None
+            self.serial_shown = self._serial if is_right else max(self.serial_shown, wanted.serial)
             if wanted.frame == self.frame and self.weights() is None:
                 self.player.took(self._look(), self.frame, pictures)
             self._show()
