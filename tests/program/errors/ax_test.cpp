@@ -109,6 +109,25 @@ TEST_F(Ax, EndlessLoopsEndByTheLimitOfTime) {
                   limited);
 }
 
+TEST_F(Ax, InfoDescribesAndMakeSavesTheGridsThatExpressionsLeave) {
+    const ProgramResult info = runWell({"info", "smoke.vdb", "--ax", "f@density *= 2; v@Cd = {1, 2, 3};"});
+    EXPECT_NE(info.out.find("reads 'density'; writes 'density', 'Cd'; 4394 voxels in "), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("values         0.4 to 0.4"), std::string::npos) << info.out;
+    EXPECT_NE(info.out.find("grid 'Cd'"), std::string::npos) << info.out;
+    EXPECT_NE(runWell({"info", "smoke.vdb", "--ax", "f@density *= 2;", "--json"}).out.find("\"max_value\":0.4"),
+              std::string::npos);
+    expectFailure({"info", "smoke.vdb", "--ax", "f@density *= ;"}, 3, "--ax: line 1, column 14: unexpected SEMICOLON");
+    runWell({"make", "ax", "file=smoke.vdb", "code=f@density *= $gain; f@heat = f@density;", "gain=2", "-o", "b.vdb",
+             "-q"});
+    const std::string saved = runWell({"info", "b.vdb"}).out;
+    EXPECT_NE(saved.find("grid 'heat'"), std::string::npos) << saved;
+    EXPECT_NE(saved.find("values         0.4 to 0.4"), std::string::npos) << saved;
+    expectFailure({"make", "ax", "code=f@density *= 2;", "-o", "c.vdb"}, 2,
+                  "make ax: expected file=IN.vdb, and code=CODE or ax_file=FILE or resample=2");
+    expectFailure({"make", "ax", "file=smoke.vdb", "code=f@density *= $gain;", "gain=1,2", "-o", "c.vdb"}, 2,
+                  "'gain=1,2': expected a number, or three with commas between them");
+}
+
 /// Expressions that are wrong, or that want too much: none may do more than fail.
 std::vector<std::string> hostileCode() {
     const auto times = [](int count, const std::string& text) {

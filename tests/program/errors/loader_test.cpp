@@ -166,6 +166,7 @@ TEST_F(Loader, AndProgramStartWithoutWhatStartsSlowly) {
     for (const std::string& libraries : {program, loader}) {
         EXPECT_NE(libraries.find("libc.so"), std::string::npos);
         EXPECT_EQ(libraries.find("libOpenImageIO"), std::string::npos) << libraries;
+        EXPECT_EQ(libraries.find("libLLVM"), std::string::npos) << libraries;
         EXPECT_LT(std::count(libraries.begin(), libraries.end(), '\n'), 40) << libraries;
     }
     EXPECT_EQ(program.find("libopenvdb"), std::string::npos) << program;
