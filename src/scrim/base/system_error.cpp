@@ -52,9 +52,11 @@ bool limitsFileSizes() {
 }
 
 bool limitsTime(std::chrono::microseconds used) {
-    constexpr std::chrono::milliseconds kRounding{100};  // processor time is counted in clock ticks
+    // Processor time is counted in clock ticks, and that of threads which end together is counted late.
+    constexpr std::chrono::milliseconds kRounding{100};
+    constexpr double kNear = 0.75;
     const rlim_t most = limitOf(RLIMIT_CPU);
-    return most != RLIM_INFINITY && used + kRounding >= std::chrono::seconds(most);
+    return most != RLIM_INFINITY && used + kRounding >= kNear * std::chrono::duration<double>(most);
 }
 
 bool limitsMemory(std::size_t bytes) {
