@@ -8,7 +8,7 @@ import pytest
 pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from pxr import Gf, Sdf, UsdGeom, UsdRender, UsdVol  # noqa: E402
-from usd_stages import fog_stage  # noqa: E402
+from usd_stages import Stage, fog_stage, write_fog  # noqa: E402
 
 import scrim  # noqa: E402
 import scrim.usd  # noqa: E402
@@ -57,6 +57,7 @@ def test_shapes_of_lights(foggy):
 
 
 def test_cameras(foggy):
+    foggy.light("DistantLight", intensity=1.0, angle=0.0)
     camera = UsdGeom.Camera.Get(foggy.stage, "/cam")
     camera.GetShutterOpenAttr().Set(0.5)
     camera.GetShutterCloseAttr().Set(0.25)
@@ -70,6 +71,7 @@ def test_cameras(foggy):
 
 
 def test_solids(foggy):
+    foggy.light("DistantLight", intensity=1.0, angle=0.0)
     mesh = UsdGeom.Mesh.Define(foggy.stage, "/odd")
     mesh.CreateSubdivisionSchemeAttr("none")
     mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0.5, 2, 0), (0, 1, 0)])
@@ -167,3 +169,12 @@ def test_a_shot_does_one_thing_at_a_time(foggy):
     assert scrim.usd.Shot is type(shot)
     with pytest.raises(AttributeError, match="module 'scrim.usd' has no attribute 'shoot'"):
         scrim.usd.shoot  # noqa: B018
+
+
+def test_a_stage_in_the_dark_says_so(tmp_path):
+    write_fog(tmp_path)
+    dark = Stage(tmp_path, "Y")
+    dark.volume()
+    assert "/: it has no light, and nothing that glows: the volumes are black" in warnings_of(dark)
+    dark.light("DistantLight", intensity=1.0, angle=0.0)
+    assert not [warning for warning in warnings_of(dark) if "no light" in warning]

@@ -101,4 +101,15 @@ def scene_at(
     if camera:
         _own.merge(scene["camera"], sidecar.of(camera))
     _own.merge(scene, sidecar.scene)
+    if not _shines(scene):
+        reading.warn("/", "it has no light, and nothing that glows: the volumes are black")
     return FrameScene(scene, crop)
+
+
+def _shines(scene: dict) -> bool:
+    """Whether anything in it gives light."""
+    glows = any(
+        "classified" in volume or {"emission", "blackbody"} & set(volume.get("medium", {}))
+        for volume in scene["volume"]
+    )
+    return glows or bool(scene.get("light")) or "ambient" in scene
