@@ -81,7 +81,7 @@ class Info {
         if (m_options.ax.empty()) return loadInfo(file, m_loading, throwIfInterrupted);
         GridEdit edit;
         edit.programs = {{m_options.ax, "--ax", ""}};
-        return guardedEditInfo(file, edit, m_loading, throwIfInterrupted);
+        return guardedInfo(file, m_loading, throwIfInterrupted, &edit);
     }
     void addSequence(const Asked& what) {
         std::vector<VdbFileInfo> infos;

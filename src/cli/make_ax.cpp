@@ -6,12 +6,10 @@
 
 #include <scrim/base/atomic_file.h>
 #include <scrim/base/error.h>
-#include <scrim/base/system_error.h>
 #include <scrim/guard/guarded_load.h>
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <charconv>
 #include <fstream>
 #include <iterator>
@@ -67,13 +65,7 @@ void makeAx(const std::vector<std::pair<std::string, std::string>>& parameters, 
     if (!(edit.resample >= 0.125 && edit.resample <= 16))
         throw Error(ErrorKind::usage, fmt::format("'resample={}': expected a number from 0.125 to 16", edit.resample));
     const std::string bytes = guardedFile(file, edit, guardedLoading(0, verbose), console.sink(), throwIfInterrupted);
-    AtomicFile out(output);
-    std::ofstream stream(out.tempPath(), std::ios::binary);
-    stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-    stream.close();
-    if (!stream)
-        throw Error(ErrorKind::output, fmt::format("{}: cannot be written: {}", output, systemErrorText(errno)));
-    out.commit();
+    writeWholeFile(output, bytes);
 }
 
 }  // namespace scrim::cli

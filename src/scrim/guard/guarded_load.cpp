@@ -226,10 +226,11 @@ std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, cons
     return std::move(result.fields);
 }
 
-VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
+VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint,
+                        const GridEdit* edit) {
     return withLoader(checkpoint, [&] {
         const Descriptor transfer(createTransfer());
-        begin("info", path, {}, options, transfer.fd()).wait(checkpoint);
+        begin("info", path, {}, options, transfer.fd(), edit).wait(checkpoint);
         return received(path, [&] { return receiveInfo(transfer.fd()); });
     });
 }
@@ -242,15 +243,6 @@ std::string guardedFile(const std::string& path, const GridEdit& edit, const Loa
         auto [bytes, said] = received(path, [&] { return receiveFile(transfer.fd()); });
         for (const TransferMessage& message : said) notify(messages, message.severity, message.text);
         return std::move(bytes);
-    });
-}
-
-VdbFileInfo guardedEditInfo(const std::string& path, const GridEdit& edit, const LoadOptions& options,
-                            const Checkpoint& checkpoint) {
-    return withLoader(checkpoint, [&] {
-        const Descriptor transfer(createTransfer());
-        begin("info", path, {}, options, transfer.fd(), &edit).wait(checkpoint);
-        return received(path, [&] { return receiveInfo(transfer.fd()); });
     });
 }
 

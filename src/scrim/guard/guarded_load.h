@@ -63,7 +63,9 @@ class GuardedFields {
 std::vector<SparseField> guardedFields(const std::string& path, const std::vector<GridRequest>& requests,
                                        const LoadOptions& options, const MessageSink& messages,
                                        const Checkpoint& checkpoint, const GridEdit* edit = nullptr);
-VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
+/// After an edit, what expressions did is part of the metadata.
+VdbFileInfo guardedInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint,
+                        const GridEdit* edit = nullptr);
 
 /// The picture that the module of pictures (picture_module.h) reads from a regular file. Throws Error as `loadFields`.
 FilePicture guardedPicture(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint);
@@ -81,9 +83,6 @@ FileMesh guardedMesh(const std::string& path, const LoadOptions& options, const 
 /// All grids of a .vdb file after an edit, as the bytes of a .vdb file. Throws Error as `loadFields`.
 std::string guardedFile(const std::string& path, const GridEdit& edit, const LoadOptions& options,
                         const MessageSink& messages, const Checkpoint& checkpoint);
-/// Describes them; what expressions did is part of the metadata.
-VdbFileInfo guardedEditInfo(const std::string& path, const GridEdit& edit, const LoadOptions& options,
-                            const Checkpoint& checkpoint);
 
 /// As `editedFields`.
 std::vector<SparseField> guardedEdit(const std::vector<SparseField>& grids, const std::string& name,

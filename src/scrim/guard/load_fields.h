@@ -18,9 +18,8 @@
 namespace scrim {
 
 /// The fields that `requests` mean in one file, in the order of the requests, after its grids were edited if `edit` is
-/// not null. A guarded load calls `checkpoint` while
-/// it waits. Throws GridError where the file lacks one of them, otherwise Error: input, memory, render (guarded: the
-/// loader cannot be started), and whatever `checkpoint` throws.
+/// not null. A guarded load calls `checkpoint` while it waits. Throws GridError where the file lacks one of them,
+/// otherwise Error: input, memory, render (guarded: the loader cannot be started), and whatever `checkpoint` throws.
 std::vector<SparseField> loadFields(const std::string& path, const std::vector<GridRequest>& requests,
                                     const LoadOptions& options, const MessageSink& messages,
                                     const Checkpoint& checkpoint = {}, const GridEdit* edit = nullptr);

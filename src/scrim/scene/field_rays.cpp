@@ -85,6 +85,24 @@ ValueBins binsOf(const SparseField& field) {
     return all;
 }
 
+Negligible negligibleIn(const ValueBins& all) {
+    constexpr double kNegligible = 1e-4;  // of the value above which half of the sum lies
+    const double voxels = total(all.count), sum = total(all.sum);
+    if (voxels == 0) return {};
+    double sumAbove = 0;
+    std::size_t core = all.sum.size() - 1;
+    for (; core > 0; --core) {
+        sumAbove += all.sum[core];
+        if (2 * sumAbove >= sum) break;
+    }
+    const double bins = -ValueBins::kPerOctave * std::log2(kNegligible);
+    const std::size_t least = core - std::min(core, static_cast<std::size_t>(bins));
+    Negligible negligible;
+    negligible.below = all.lowest(least);
+    for (std::size_t bin = 0; bin < least; ++bin) negligible.part += all.count[bin] / voxels;
+    return negligible;
+}
+
 }  // namespace
 
 Bounds isOccupied(const SparseField& field) {
@@ -124,28 +142,13 @@ std::vector<Vec3> isOutline(const SparseField& field, float least, double reach)
 }
 
 Negligible negligibleIn(const SparseField& field) {
-    constexpr double kNegligible = 1e-4;  // of the value above which half of the sum lies
-    const ValueBins all = binsOf(field);
-    const double voxels = total(all.count), sum = total(all.sum);
-    if (voxels == 0) return {};
-    double sumAbove = 0;
-    std::size_t core = all.sum.size() - 1;
-    for (; core > 0; --core) {
-        sumAbove += all.sum[core];
-        if (2 * sumAbove >= sum) break;
-    }
-    const double bins = -ValueBins::kPerOctave * std::log2(kNegligible);
-    const std::size_t least = core - std::min(core, static_cast<std::size_t>(bins));
-    Negligible negligible;
-    negligible.below = all.lowest(least);
-    for (std::size_t bin = 0; bin < least; ++bin) negligible.part += all.count[bin] / voxels;
-    return negligible;
+    return negligibleIn(binsOf(field));
 }
 
 float faintValue(const SparseField& field) {
     constexpr double kFaint = 0.002;  // of the sum of all values
     const ValueBins all = binsOf(field);
-    const Negligible negligible = negligibleIn(field);
+    const Negligible negligible = negligibleIn(all);
     const double voxels = total(all.count) * (1 - negligible.part), sum = total(all.sum);
     auto bin = static_cast<std::size_t>(ValueBins::of(negligible.below));
     for (double voxelsBelow = 0, sumBelow = 0; bin + 1 < all.count.size(); ++bin) {

@@ -169,8 +169,8 @@ double glow(const FieldRays& fire, const FieldRays& smoke, double extinction, co
 FireLook fireLook(const FramedFire& fire, const SparseField& smokeField, double extinction, const Camera& camera) {
     constexpr int kRays = 64;
     constexpr double kSeen = 0.05;  // fraction of the largest radiance above which a ray counts as burning
-    constexpr double kBright = 0.8,
-                     kRadiance = 1.2;  // the quantile kBright of burning rays gets the radiance kRadiance
+    // The quantile kBright of burning rays gets the radiance kRadiance.
+    constexpr double kBright = 0.8, kRadiance = 1.2;
     FireLook look = temperaturesOf(fire.hottest);
     const FieldRays rays(*fire.field), smoke(smokeField);
     const Bounds ws = transformed(fire.field->wsFromIs, isOccupied(*fire.field));
@@ -215,8 +215,7 @@ std::string lightsText(const Mat3& wsFromCamera, double part, double front) {
 double pixelsPerVoxel(const SparseField& field, const Camera& camera, const Vec3& wsTarget) {
     double edge = 0;
     for (int axis = 0; axis < 3; ++axis) edge = std::max(edge, glm::length(Vec3(field.wsFromIs[axis])));
-    const double width = 2 * std::tan(glm::radians(0.5 * kFov)) * glm::length(wsTarget - camera.wsPosition);
-    return edge / width * camera.resolution.x;
+    return edge / pixelAt(camera, glm::distance(wsTarget, camera.wsPosition));
 }
 
 std::string mediumText(const FramedAsset& asset, double scale, const Camera& camera, const Vec3& wsTarget) {

@@ -39,9 +39,8 @@ struct FramedAsset {
 /// The TOML text of a scene with one volume. A perspective camera looks at it from three-quarter front and is fitted to
 /// the voxels that make up the volume (faintValue of field_rays.h). Extinction is such that half of the rays that meet
 /// the volume have an optical depth above 3.5. Where there is fire, the extinction is lower, the lights are dimmed, and
-/// the fire is made as bright as the picture can hold. Voxels wider
-/// than four pixels are interpolated smoothly. If all fields are empty, the camera frames the unit cube around
-/// the origin. The result is deterministic.
+/// the fire is made as bright as the picture can hold. Voxels wider than four pixels are interpolated smoothly. If all
+/// fields are empty, the camera frames the unit cube around the origin. The result is deterministic.
 std::string framingScene(const FramedAsset& asset, Int2 resolution);
 
 }  // namespace scrim

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/noise_blocks.h>
 
+#include <scrim/base/split_mix.h>
 #include <scrim/volume/sparse_field.h>
 
 #include <algorithm>
@@ -56,12 +57,9 @@ namespace {
 
 HWY_EXPORT(fillNoise);
 
-/// Seeds that have nothing in common (the finaliser of SplitMix64).
+/// Seeds that have nothing in common.
 std::uint32_t mixedSeed(std::uint64_t v) {
-    v += 0x9e3779b97f4a7c15u;
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9u;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebu;
-    return static_cast<std::uint32_t>(v ^ (v >> 31));
+    return static_cast<std::uint32_t>(splitMix(v));
 }
 
 }  // namespace

@@ -100,8 +100,9 @@ Vec3 readDirection(const TomlValue& value, double frame);
 /// The unit vector from `from` to `to`. Throws at `value` where they coincide, with "`problem` at frame ...".
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame);
-/// Reads the name and describes the table in messages by it: "[[light]] 'key'". Returns the name.
+/// A text without control characters.
 std::string nameIn(const TomlValue& value);
+/// Reads the name and describes the table in messages by it: "[[light]] 'key'". Returns the name.
 std::string readName(TomlTable& table, const Key& key, const std::string& defaultName);
 
 }  // namespace scrim

@@ -2,6 +2,7 @@
 #include <scrim/shot/derived_fields.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/shot/values_at.h>
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/field_sampler.h>
 
@@ -32,27 +33,18 @@ T ramped(const std::vector<std::pair<double, T>>& ramp, double value) {
 class AlbedoAt {
   public:
     AlbedoAt(const SparseField& density, const std::array<FieldPointer, 3>& albedo, const ColourGrid& look)
-        : m_look(look), m_toAlbedo(glm::inverse(albedo[0]->wsFromIs) * density.wsFromIs), m_aligned(true) {
-        for (std::size_t c = 0; c < 3; ++c) m_samplers.emplace_back(*albedo[c]);
-        constexpr double kRounding = 1e-9;
-        for (int axis = 0; axis < 4; ++axis)
-            for (int row = 0; row < 3; ++row)
-                m_aligned = m_aligned && std::abs(m_toAlbedo[axis][row] - (axis == row ? 1 : 0)) < kRounding;
+        : m_look(look) {
+        for (const FieldPointer& channel : albedo) m_channels.emplace_back(density, *channel);
     }
     Rgb at(const Int3& voxel) const {
-        const auto part = [&](const FieldSampler& sampler) {
-            return m_aligned ? sampler.voxel(voxel) : sampler.value(transformPoint(m_toAlbedo, Vec3(voxel)));
-        };
-        const Rgb value = m_look.ramp.empty() ? Rgb(part(m_samplers[0]), part(m_samplers[1]), part(m_samplers[2]))
-                                              : ramped(m_look.ramp, part(m_samplers[0]));
+        const auto part = [&](std::size_t c) { return m_channels[c].at(voxel); };
+        const Rgb value = m_look.ramp.empty() ? Rgb(part(0), part(1), part(2)) : ramped(m_look.ramp, part(0));
         return glm::clamp(m_look.scale * (m_look.workingFromGrid * value), Rgb(0), Rgb(1));
     }
 
   private:
     const ColourGrid& m_look;
-    Mat4 m_toAlbedo;
-    bool m_aligned;
-    std::vector<FieldSampler> m_samplers;
+    std::vector<ValuesAt> m_channels;
 };
 
 // A block of a field's voxels; tiles are divided into blocks.

@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 namespace scrim {
@@ -104,19 +105,11 @@ void addAlpha(ShotLayer& volume, const std::vector<float>& opacity) {
     volume.channels.push_back(volume.name + ".A");
 }
 
-/// Adds the layers that are made from the opacities of the volumes: the alphas of their own layers, and Cryptomatte.
-void addOpacities(ShotFrame::Content& content, const std::vector<FrameLayer>& opacities) {
+/// Adds Cryptomatte, which is made from the opacities of the volumes.
+void addMattes(ShotFrame::Content& content, std::vector<FrameLayer> opacities) {
     std::vector<MatteObject> objects;
-    for (const FrameLayer& opacity : opacities) {
-        const std::string& name = content.scene.volumes[std::size_t(opacity.volume)].name;
-        objects.push_back({name, opacity.data});
-        for (std::size_t i = 0; i < content.layers.size(); ++i)
-            if (content.kinds[i] == Layer::volume &&
-                content.layers[i].name == layerName(content.scene, {Layer::volume, -1, {}, opacity.volume}))
-                addAlpha(content.layers[i], opacity.data);
-    }
-    const std::vector<Layer>& wanted = content.scene.output.layers;
-    if (std::find(wanted.begin(), wanted.end(), Layer::cryptomatte) == wanted.end()) return;
+    for (FrameLayer& opacity : opacities)
+        objects.push_back({content.scene.volumes[std::size_t(opacity.volume)].name, std::move(opacity.data)});
     for (MatteLevel& level : cryptomatteLevels(objects)) {
         content.kinds.push_back(Layer::cryptomatte);
         content.layers.push_back({level.name, level.channels, std::move(level.data)});
@@ -203,16 +196,20 @@ void convertDeep(DeepImage& deep, const ColourConfig& colour, const std::string&
 void takeFrame(ShotFrame::Content& content, Frame frame) {
     content.image = std::move(frame.image);
     content.deep = std::move(frame.deep);
-    std::vector<FrameLayer> opacities;
+    const auto first = std::stable_partition(frame.layers.begin(), frame.layers.end(),
+                                             [](const FrameLayer& layer) { return layer.layer != Layer::cryptomatte; });
+    std::vector<FrameLayer> opacities(std::make_move_iterator(first), std::make_move_iterator(frame.layers.end()));
+    frame.layers.erase(first, frame.layers.end());
     for (FrameLayer& layer : frame.layers) {
-        if (layer.layer == Layer::cryptomatte) {
-            opacities.push_back(std::move(layer));
-            continue;
-        }
+        const int volume = layer.layer == Layer::volume ? layer.volume : -1;
         content.kinds.push_back(layer.layer);
         content.layers.push_back(shotLayer(content.scene, std::move(layer)));
+        for (const FrameLayer& opacity : opacities)
+            if (opacity.volume == volume) addAlpha(content.layers.back(), opacity.data);
     }
-    addOpacities(content, opacities);
+    const std::vector<Layer>& wanted = content.scene.output.layers;
+    if (std::find(wanted.begin(), wanted.end(), Layer::cryptomatte) != wanted.end())
+        addMattes(content, std::move(opacities));
     // Values are checked here, and once more wherever they are converted, so that no file, preview or array holds
     // anything but finite numbers.
     const int number = content.report.frame;

@@ -3,6 +3,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/scene/noise_blocks.h>
+#include <scrim/shot/values_at.h>
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/field_sampler.h>
 
@@ -41,26 +42,6 @@ Int3 voxelOf(int i) {
 Mat4 placeOf(const Noise& noise, const SparseField& field, const Mat4& wsFromAsset) {
     return noise.inWorld ? wsFromAsset * field.wsFromIs : field.wsFromIs;
 }
-
-/// The values of another field at the voxels of a field.
-class ValuesAt {
-  public:
-    ValuesAt(const SparseField& field, const SparseField& other)
-        : m_sampler(other), m_toOther(glm::inverse(other.wsFromIs) * field.wsFromIs), m_aligned(true) {
-        constexpr double kRounding = 1e-9;
-        for (int axis = 0; axis < 4; ++axis)
-            for (int row = 0; row < 3; ++row)
-                m_aligned = m_aligned && std::abs(m_toOther[axis][row] - (axis == row ? 1 : 0)) < kRounding;
-    }
-    double at(const Int3& voxel) const {
-        return m_aligned ? m_sampler.voxel(voxel) : m_sampler.value(transformPoint(m_toOther, Vec3(voxel)));
-    }
-
-  private:
-    FieldSampler m_sampler;
-    Mat4 m_toOther;
-    bool m_aligned;
-};
 
 /// The field with `fill(origin, values)` run on each of its blocks. Its tiles become blocks.
 template <typename Fill>

@@ -2,7 +2,7 @@
 #include <scrim/verify/path_tracer.h>
 
 #include <scrim/verify/held_ray.h>
-#include <scrim/verify/split_mix.h>
+#include <scrim/base/split_mix.h>
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/verify/held_ray.h>
 #include <scrim/verify/reference.h>
-#include <scrim/verify/split_mix.h>
+#include <scrim/base/split_mix.h>
 
 #include <algorithm>
 #include <bit>

@@ -3,7 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/volume/kernel.h>
-#include <scrim/verify/split_mix.h>
+#include <scrim/base/split_mix.h>
 
 #include <algorithm>
 #include <bit>
