@@ -3,7 +3,6 @@
 
 #include <scrim/base/error.h>
 #include <scrim/shot/derived_fields.h>
-#include <scrim/shot/moved_field.h>
 #include <scrim/shot/shaded_field.h>
 #include <scrim/engine/plan/culling.h>
 #include <scrim/volume/coarser.h>
@@ -46,10 +45,8 @@ std::vector<bool> lightsOf(const Scene& scene, const SceneVolume& volume) {
     return lit;
 }
 
-// The rest of `limit` (0: none) after the fields that were derived from those in `fields`.
-std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vector<VolumeFields>& fields,
-                        std::size_t limit) {
-    if (limit == 0) return 0;
+// The memory of the fields that were derived from those in `fields`.
+std::size_t derivedBytes(const std::vector<ViewVolume>& volumes, const std::vector<VolumeFields>& fields) {
     std::set<FieldPointer> given, made;
     for (const VolumeFields& of : fields) {
         given.insert(of.density);
@@ -64,32 +61,7 @@ std::size_t limitBeside(const std::vector<ViewVolume>& volumes, const std::vecto
         for (const ViewField& scatter : volume.scatter) add(scatter.field);
         for (const ViewEmission& emission : volume.emission) add(emission.field.field);
     }
-    if (bytes >= limit)
-        throw Error(
-            ErrorKind::memory,
-            fmt::format("the data made from the volumes' grids needs {}, more than the {} that the memory limit leaves",
-                        bytesText(bytes), bytesText(limit)));
-    return limit - bytes;
-}
-
-// Moves the fields of a volume by its velocity; null where nothing moves.
-std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const SparseField& density) {
-    const FieldPath path{fields.velocity, fields.time};
-    if (!path.moves()) return nullptr;
-    const auto glows = std::find_if(fields.emission.begin(), fields.emission.end(),
-                                    [](const FieldPointer& field) { return field && !field->empty(); });
-    return std::make_unique<const FieldMover>(path,
-                                              density.empty() && glows != fields.emission.end() ? **glows : density);
-}
-
-/// Gives the volume its look, with the scale of its extinction.
-void addLook(const SceneVolume& volume, ViewVolume& out) {
-    out.medium = volume.medium;
-    out.medium.densityScale = volume.densityScale;
-    if (!volume.classified) return;
-    Classified look = *volume.classified;
-    look.densityScale = volume.densityScale;
-    out.classified = std::make_shared<const Classified>(std::move(look));
+    return bytes;
 }
 
 std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
@@ -98,28 +70,19 @@ std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
 }
 
 // A volume with all fields that are derived from its grids; no value where all of it is empty.
-std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields,
-                                 Moved moved) {
-    std::unique_ptr<const FieldMover> mover;
-    const auto placed = [&](FieldPointer field) {
-        if (mover) field = (*mover)(field);
+std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, const VolumeFields& fields) {
+    const auto viewed = [&](FieldPointer field) {
         if (scene.dials.lod > 0)
             field = withLevelOfDetail(scene.camera, scene.dials.lod, volume.wsFromAsset, std::move(field));
-        const Mat4 wsFromIs = volume.wsFromAsset * field->wsFromIs;
-        return ViewField{std::move(field), wsFromIs, kernelOf(volume.interpolation)};
+        return ViewField{std::move(field), Mat4(1.0), kernelOf(volume.interpolation)};
     };
     ViewVolume out;
     out.name = volume.name;
     out.kernel = kernelOf(volume.interpolation);
-    addLook(volume, out);
     out.lights = lightsOf(scene, volume);
     out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
     if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
-    if (moved == Moved::byVelocity)
-        out.velocity = velocityOf(volume, fields);
-    else
-        mover = moverOf(fields, *density);
     if (!volume.classified && !volume.holdout) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
@@ -127,37 +90,69 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
                     const auto& mask = volume.emission[i].mask;
                     const bool masked = mask && i < fields.emissionMasks.size() && fields.emissionMasks[i];
                     out.emission.push_back(
-                        {placed(masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field),
+                        {viewed(masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field),
                          emitted.color});
                 }
         if (volume.albedoGrid && fields.albedo[0] && !density->empty())
             for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
-                out.scatter.push_back(placed(channel));
+                out.scatter.push_back(viewed(channel));
     }
     if (density->empty() && out.emission.empty()) return std::nullopt;
-    const ViewField own = placed(density);
-    out.field = own.field;
-    out.wsFromIs = own.wsFromIs;
+    out.field = viewed(density).field;
+    place(volume, fields, out);
     return out;
 }
 
 }  // namespace
+
+std::size_t limitBeside(std::size_t limit, std::size_t bytes) {
+    if (limit == 0) return 0;
+    if (bytes >= limit)
+        throw Error(
+            ErrorKind::memory,
+            fmt::format("the data made from the volumes' grids needs {}, more than the {} that the memory limit leaves",
+                        bytesText(bytes), bytesText(limit)));
+    return limit - bytes;
+}
 
 PixelWindow pictureOf(const Scene& scene) {
     const Int2 size = scene.camera.resolution;
     return {-scene.overscan, -scene.overscan, size.x + scene.overscan, size.y + scene.overscan};
 }
 
-std::shared_ptr<const ViewVelocity> velocityOf(const SceneVolume& volume, const VolumeFields& fields) {
-    if (!FieldPath{fields.velocity, fields.time}.moves()) return nullptr;
-    auto out = std::make_shared<ViewVelocity>();
-    for (const FieldPointer& part : fields.velocity) out->parts.push_back({part, volume.wsFromAsset * part->wsFromIs});
-    out->wsPath = fields.time * Mat3(volume.wsFromAsset);
-    return out;
+void place(const SceneVolume& volume, const VolumeFields& fields, ViewVolume& out) {
+    const auto placed = [&](const SparseField& field) { return volume.wsFromAsset * field.wsFromIs; };
+    out.wsFromIs = placed(*out.field);
+    for (ViewField& field : out.scatter) field.wsFromIs = placed(*field.field);
+    for (ViewEmission& emission : out.emission) emission.field.wsFromIs = placed(*emission.field.field);
+    out.medium = volume.medium;
+    out.medium.densityScale = volume.densityScale;
+    if (volume.classified) {
+        Classified look = *volume.classified;
+        look.densityScale = volume.densityScale;
+        out.classified = std::make_shared<const Classified>(std::move(look));
+    }
+    out.velocity = nullptr;
+    if (fields.velocity.empty() || fields.time == 0) return;
+    auto velocity = std::make_shared<ViewVelocity>();
+    for (const FieldPointer& part : fields.velocity) velocity->parts.push_back({part, placed(*part)});
+    velocity->wsPath = fields.time * Mat3(volume.wsFromAsset);
+    out.velocity = std::move(velocity);
+}
+
+void cull(const Scene& scene, ViewScene& view) {
+    std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size(), std::vector<Vec3>{});
+    for (std::size_t i = 0; i < view.volumes.size(); ++i)
+        corners[std::size_t(placeOf(view, i))] = wsCorners(view.volumes[i], scene.dials.kernel);
+    const std::vector<std::string> reasons = culledVolumes(scene, corners);
+    for (std::size_t i = 0; i < view.volumes.size(); ++i)
+        if (const std::string& reason = reasons[std::size_t(placeOf(view, i))]; !reason.empty())
+            view.culled.emplace_back(view.volumes[i].name, reason);
+    std::erase_if(view.volumes, [&](const ViewVolume& volume) { return !reasons[std::size_t(volume.place)].empty(); });
 }
 
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
-                   std::size_t memoryLimit, VolumesOf volumesOf, Moved moved) {
+                   std::size_t memoryLimit, VolumesOf volumesOf) {
     ViewScene out;
     out.camera = scene.camera;
     out.region = out.picture = pictureOf(scene);
@@ -179,23 +174,18 @@ ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, 
     out.depths = scene.output.holdout.picture;
     if (scene.shutter) out.shutter = ViewShutter{scene.shutter->open, scene.shutter->close};
     out.lines = scene.lines;
-    std::vector<std::optional<std::vector<Vec3>>> corners;
-    std::vector<std::optional<ViewVolume>> volumes;
     out.volumeCount = scene.volumes.size();
     for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        volumes.push_back(viewOf(scene, scene.volumes[i], fields[i], moved));
-        if (volumes[i]) volumes[i]->place = static_cast<int>(i);
-        corners.push_back(volumes[i] ? wsCorners(*volumes[i], scene.dials.kernel) : std::vector<Vec3>{});
+        std::optional<ViewVolume> volume = viewOf(scene, scene.volumes[i], fields[i]);
+        if (!volume || (!fields[i].culled.empty() && volumesOf == VolumesOf::picture)) {
+            if (!fields[i].culled.empty()) out.culled.emplace_back(scene.volumes[i].name, fields[i].culled);
+            continue;
+        }
+        volume->place = static_cast<int>(i);
+        out.volumes.push_back(std::move(*volume));
     }
-    const std::vector<std::string> reasons = culledVolumes(scene, corners);
-    for (std::size_t i = 0; i < scene.volumes.size(); ++i) {
-        const std::string& reason = fields[i].culled.empty() ? reasons[i] : fields[i].culled;
-        if (volumes[i] && (reason.empty() || volumesOf == VolumesOf::scene))
-            out.volumes.push_back(std::move(*volumes[i]));
-        else if (volumes[i] || !fields[i].culled.empty())
-            out.culled.emplace_back(scene.volumes[i].name, reason);
-    }
-    out.memoryLimit = limitBeside(out.volumes, fields, memoryLimit);
+    if (volumesOf == VolumesOf::picture) cull(scene, out);
+    out.memoryLimit = limitBeside(memoryLimit, derivedBytes(out.volumes, fields));
     return out;
 }
 

@@ -31,10 +31,6 @@ struct VolumeFields {
 /// rely on that selection.
 enum class VolumesOf { picture, scene };
 
-/// How fields that a velocity moves are passed on: moved, for rendering, or in place together with their velocity, for
-/// the reference.
-enum class Moved { byVoxels, byVelocity };
-
 /// All pixels that a render of `scene` has, its overscan included.
 PixelWindow pictureOf(const Scene& scene);
 
@@ -43,13 +39,22 @@ PixelWindow pictureOf(const Scene& scene);
 std::vector<std::string> culledVolumes(const Scene& scene,
                                        const std::vector<std::optional<std::vector<Vec3>>>& wsCorners);
 
-/// The velocity that moves the fields of a volume, for the reference; null where nothing moves.
-std::shared_ptr<const ViewVelocity> velocityOf(const SceneVolume& volume, const VolumeFields& fields);
+/// Places `out`, a volume of a view, where `volume` is after it was keyed, with its look: all but what is derived from
+/// its grids. Its velocity is that of `fields`; null where nothing moves.
+void place(const SceneVolume& volume, const VolumeFields& fields, ViewVolume& out);
+
+/// The rest of a memory limit beside `bytes` that are derived from the volumes' grids; 0: no limit. Throws
+/// Error(memory) where nothing is left.
+std::size_t limitBeside(std::size_t limit, std::size_t bytes);
+
+/// Takes from `view`, a view of `scene`, the volumes that the picture has no use for.
+void cull(const Scene& scene, ViewScene& view);
 
 /// `fields[i]` belongs to `scene.volumes[i]`. `crop` restricts the region to pixels of it (display window coordinates).
-/// Ramps are applied, and coarser levels are built where the dial `lod` asks for them. Fields that are derived from
-/// others count against `memoryLimit` (bytes); throws Error(memory) where they exceed it.
+/// Ramps are applied, and coarser levels are built where the dial `lod` asks for them. Fields stay where the files have
+/// them, beside the velocity that moves them. Fields that are derived from others count against `memoryLimit` (bytes);
+/// throws Error(memory) where they exceed it.
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,
-                   std::size_t memoryLimit, VolumesOf volumesOf = VolumesOf::picture, Moved moved = Moved::byVoxels);
+                   std::size_t memoryLimit, VolumesOf volumesOf = VolumesOf::picture);
 
 }  // namespace scrim

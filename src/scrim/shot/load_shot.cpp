@@ -162,14 +162,11 @@ Fields LoadedShot::fieldsAt(double t) const {
     return out;
 }
 
-ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf,
-                             Moved moved) const {
+ViewScene LoadedShot::viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const {
     Scene at = sceneAt(t);
     at.dials.lod = lod;
-    ViewScene view =
-        assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf, moved);
+    ViewScene view = assemble(at, fieldsAt(t), options.crop, memoryLeft(options.memory, fields, slideBytes), volumesOf);
     view.solids = scene.movesWithin ? solidsOf(at) : solids;
-    if (wantsMotion(at)) addMotion(view, at, nextAt(t), fields);
     return view;
 }
 

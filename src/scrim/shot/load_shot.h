@@ -48,8 +48,9 @@ struct LoadedShot {
     /// The fields with the time by which velocities move them.
     Fields fieldsAt(double t) const;
 
-    /// The scene that the engine renders, or that the reference sees, `t` frames after the frame.
-    ViewScene viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf, Moved moved) const;
+    /// The scene `t` frames after the frame, with its fields where the files have them and without the data of the
+    /// layer `motion`. `lod` is the dial's value.
+    ViewScene viewAt(double t, const RenderOptions& options, double lod, VolumesOf volumesOf) const;
 
     /// The scene that the engine renders, with `lod` as the dial's value. Throws Error(memory) where volumes and slides
     /// leave nothing of the options' limit.

@@ -13,6 +13,7 @@
 
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace scrim {
 namespace {
@@ -29,6 +30,7 @@ class FieldMap {
     const SparseField& field() const { return m_field; }
     const Mat4& wsFromIs() const { return m_field.wsFromIs; }
     const Mat4& isFromWs() const { return m_isFromWs; }
+    const BlockIndex& index() const { return m_sampler.index(); }
     double at(const Vec3& is) const { return m_sampler.value(is); }
     double atWs(const Vec3& ws) const { return at(transformPoint(m_isFromWs, ws)); }
     // The largest value that samples in the box (index space) can have; 0 where all of them are 0.
@@ -51,6 +53,56 @@ class FieldMap {
     std::vector<float> m_most;
 };
 
+// The values of a box of voxels, 0 where none is active: a look-up in it is cheaper than one in the field.
+class DenseBox {
+  public:
+    // `lower` to `upper`: voxels.
+    void fill(const BlockIndex& index, const Int3& lower, const Int3& upper) {
+        m_lower = lower;
+        m_size = upper - lower + 1;
+        m_values.resize(std::size_t(m_size.x) * std::size_t(m_size.y) * std::size_t(m_size.z));
+        const Int3 first = lower >> 3, last = upper >> 3;
+        for (int x = first.x; x <= last.x; ++x)
+            for (int y = first.y; y <= last.y; ++y)
+                for (int z = first.z; z <= last.z; ++z) copy(index.at({x, y, z}), {x, y, z});
+    }
+    // Interpolates linearly; the eight voxels around `is` must be in the box.
+    double at(const Vec3& is) const {
+        const Vec3 floor = glm::floor(is);
+        return at(Int3(floor), is - floor);
+    }
+    // The same for voxel `base` and `f` in [0, 1) beyond it.
+    double at(const Int3& base, const Vec3& f) const {
+        const float* v = m_values.data() + offset(base);
+        const std::size_t x = std::size_t(m_size.y) * std::size_t(m_size.z), y = std::size_t(m_size.z);
+        const auto between = [](double a, double b, double t) { return a + t * (b - a); };
+        const auto along = [&](const float* at) { return between(double(at[0]), double(at[1]), f.z); };
+        return between(between(along(v), along(v + y), f.y), between(along(v + x), along(v + x + y), f.y), f.x);
+    }
+
+  private:
+    std::size_t offset(const Int3& is) const {
+        const Int3 at = is - m_lower;
+        return (std::size_t(at.x) * std::size_t(m_size.y) + std::size_t(at.y)) * std::size_t(m_size.z) +
+               std::size_t(at.z);
+    }
+    void copy(const BlockIndex::Place& place, const Int3& cube) {
+        const Int3 origin = cube * kBlockEdge;
+        const Int3 from = glm::max(origin, m_lower), to = glm::min(origin + kBlockEdge, m_lower + m_size);
+        for (int x = from.x; x < to.x; ++x)
+            for (int y = from.y; y < to.y; ++y) {
+                float* row = m_values.data() + offset({x, y, from.z});
+                if (place.values)
+                    std::copy_n(place.values + blockOffset(x & 7, y & 7, from.z & 7), to.z - from.z, row);
+                else
+                    std::fill_n(row, to.z - from.z, place.constant);
+            }
+    }
+
+    Int3 m_lower{0}, m_size{0};
+    std::vector<float> m_values;
+};
+
 // Visits the blocks that the box (index space) touches.
 template <typename Visit>
 void visitBlocks(const Bounds& is, const Visit& visit) {
@@ -65,6 +117,10 @@ template <typename Visit>
 void forCubes(const SparseField& field, const Visit& visit) {
     for (const Int3& origin : field.blockOrigins) visit(Bounds{Vec3(origin), Vec3(origin + (kBlockEdge - 1))});
     for (const ConstantTile& tile : field.tiles) visit(Bounds{Vec3(tile.origin), Vec3(tile.origin + (tile.edge - 1))});
+}
+
+Int3 voxelOf(int i) {
+    return {i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge};
 }
 
 Bounds boxOf(const Int3& block) {
@@ -86,7 +142,7 @@ Bounds rangeOf(double time, const Vec3& positive, const Vec3& negative) {
 }  // namespace
 
 struct FieldMover::Parts {
-    std::vector<FieldMap> maps;  // in the order of FieldPath::parts
+    std::vector<FieldMap> maps;  // in the order of m_velocity
 
     // The velocity at a point of asset space.
     Vec3 at(const Vec3& ws) const {
@@ -95,6 +151,10 @@ struct FieldMover::Parts {
             v[axis] = maps[std::size_t(2 * axis)].atWs(ws) - maps[std::size_t(2 * axis + 1)].atWs(ws);
         return v;
     }
+
+    // Adds to `velocities` the velocities at the voxels of the block whose first voxel is `origin`, in blockOffset
+    // order. `wsFromIs` belongs to the block.
+    void addVelocities(const Mat4& wsFromIs, const Int3& origin, DenseBox& box, Vec3* velocities) const;
 
     // The mean velocity over the voxels of `field`, weighted by their values.
     Vec3 mean(const SparseField& field) const;
@@ -109,15 +169,16 @@ struct FieldMover::Parts {
         }
         return rangeOf(time, positive, negative);
     }
+    // The same for all samples.
+    Bounds range(double time) const {
+        Vec3 positive, negative;
+        for (int axis = 0; axis < 3; ++axis) {
+            positive[axis] = maps[std::size_t(2 * axis)].field().maxValue;
+            negative[axis] = maps[std::size_t(2 * axis + 1)].field().maxValue;
+        }
+        return rangeOf(time, positive, negative);
+    }
 };
-
-namespace {
-
-Int3 voxelOf(int i) {
-    return {i / (kBlockEdge * kBlockEdge), i / kBlockEdge % kBlockEdge, i % kBlockEdge};
-}
-
-}  // namespace
 
 Vec3 FieldMover::Parts::mean(const SparseField& field) const {
     struct Sum {
@@ -134,17 +195,19 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
     // A tile is represented by its centre.
     std::vector<Sum> sums(field.blockCount() + field.tiles.size());
     parallelFor(sums.size(), [&](std::size_t b) {
-        const auto add = [&](const Vec3& is, double weight) {
-            sums[b].v += weight * glm::clamp(at(transformPoint(field.wsFromIs, is)), usual.lower, usual.upper);
+        const auto add = [&](const Vec3& velocity, double weight) {
+            sums[b].v += weight * glm::clamp(velocity, usual.lower, usual.upper);
             sums[b].weight += weight;
         };
         if (b < field.blockCount()) {
-            for (int i = 0; i < kBlockVoxels; ++i)
-                if (const float value = field.block(b)[i]; value != 0)
-                    add(Vec3(field.blockOrigins[b] + voxelOf(i)), double(value));
+            DenseBox box;
+            std::array<Vec3, kBlockVoxels> velocities{};
+            addVelocities(field.wsFromIs, field.blockOrigins[b], box, velocities.data());
+            for (std::size_t i = 0; i < kBlockVoxels; ++i) add(velocities[i], double(field.block(b)[i]));
         } else {
             const ConstantTile& tile = field.tiles[b - field.blockCount()];
-            add(Vec3(tile.origin) + 0.5 * (tile.edge - 1), double(tile.value) * std::pow(double(tile.edge), 3));
+            add(at(transformPoint(field.wsFromIs, Vec3(tile.origin) + 0.5 * (tile.edge - 1))),
+                double(tile.value) * std::pow(double(tile.edge), 3));
         }
     });
     Sum all;
@@ -155,29 +218,47 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
     return all.weight > 0 ? all.v / all.weight : Vec3(0);
 }
 
-Bounds FieldPath::range() const {
-    Vec3 positive(0), negative(0);
-    for (int axis = 0; axis < 3 && moves(); ++axis) {
-        positive[axis] = parts[std::size_t(2 * axis)]->maxValue;
-        negative[axis] = parts[std::size_t(2 * axis + 1)]->maxValue;
+void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, DenseBox& box, Vec3* velocities) const {
+    constexpr double kRounding = 1e-9;
+    for (std::size_t p = 0; p < maps.size(); ++p) {
+        const Mat4 partFromIs = maps[p].isFromWs() * wsFromIs;
+        const Bounds is = transformed(partFromIs, boxOf(origin >> 3));
+        if (maps[p].most(is) == 0) continue;
+        const int axis = int(p / 2);
+        const double sign = p % 2 == 0 ? 1 : -1;
+        bool aligned = true;
+        for (int column = 0; column < 3; ++column)
+            for (int row = 0; row < 3; ++row)
+                aligned = aligned && std::abs(partFromIs[column][row] - (column == row ? 1 : 0)) < kRounding;
+        if (!aligned) {
+            for (int i = 0; i < kBlockVoxels; ++i)
+                velocities[i][axis] += sign * maps[p].at(transformPoint(partFromIs, Vec3(origin + voxelOf(i))));
+            continue;
+        }
+        // Both lattices have the same voxels but for a shift, so all weights are the same.
+        const Vec3 first = transformPoint(partFromIs, Vec3(origin)), floor = glm::floor(first);
+        const Int3 base(floor);
+        box.fill(maps[p].index(), base, base + kBlockEdge);
+        for (int i = 0; i < kBlockVoxels; ++i) velocities[i][axis] += sign * box.at(base + voxelOf(i), first - floor);
     }
-    return rangeOf(time, positive, negative);
 }
 
-FieldMover::FieldMover(FieldPath path, const SparseField& weight) : m_path(std::move(path)) {
+FieldMover::FieldMover(std::vector<FieldPointer> velocity, const SparseField& weight)
+    : m_velocity(std::move(velocity)) {
     auto parts = std::make_unique<Parts>();
-    for (const FieldPointer& part : m_path.parts) parts->maps.emplace_back(*part);
-    m_mean = m_path.time * parts->mean(weight);
+    for (const FieldPointer& part : m_velocity) parts->maps.emplace_back(*part);
+    m_mean = parts->mean(weight);
     m_parts = std::move(parts);
 }
 
 FieldMover::~FieldMover() = default;
 
-FieldPointer FieldMover::operator()(const FieldPointer& field) const {
-    if (field->empty()) return field;
+FieldPointer FieldMover::moved(const FieldPointer& field, double time) const {
+    if (field->empty() || time == 0) return field;
     const FieldMap from(*field);
+    const Vec3 mean = time * m_mean;
     Mat4 shift(1.0);
-    shift[3] = glm::dvec4(m_mean, 1.0);
+    shift[3] = glm::dvec4(mean, 1.0);
     FieldPieces pieces;
     pieces.name = field->name;
     pieces.wsFromIs = shift * field->wsFromIs;
@@ -185,14 +266,14 @@ FieldPointer FieldMover::operator()(const FieldPointer& field) const {
     const Mat3 linear(isFromWs);
     // The displacements beyond the mean one, in index space: voxel i receives the value at i - displacement.
     const auto ways = [&](Bounds range) {
-        range.lower -= m_mean;
-        range.upper -= m_mean;
+        range.lower -= mean;
+        range.upper -= mean;
         return mapped(linear, range);
     };
     // Collects the blocks that the moved field may touch. Where the velocity is 0, all voxels move by the same
     // displacement; elsewhere the velocity has blocks. No block lies further away than the largest displacement.
     std::vector<Int3>& found = pieces.blockOrigins;
-    const Bounds still = ways({Vec3(0), Vec3(0)}), furthest = ways(m_path.range()), all = field->isBounds();
+    const Bounds still = ways({Vec3(0), Vec3(0)}), furthest = ways(m_parts->range(time)), all = field->isBounds();
     const Bounds reach{all.lower + furthest.lower - 1.0, all.upper + furthest.upper + 1.0};
     const auto find = [&](Bounds is) {
         is.lower = glm::max(is.lower, reach.lower);
@@ -207,16 +288,29 @@ FieldPointer FieldMover::operator()(const FieldPointer& field) const {
     std::sort(found.begin(), found.end(), originLess);
     found.erase(std::unique(found.begin(), found.end()), found.end());
     std::erase_if(found, [&](const Int3& block) {
-        const Bounds box = boxOf(block), way = ways(m_parts->range(transformed(pieces.wsFromIs, box), m_path.time));
+        const Bounds box = boxOf(block), way = ways(m_parts->range(transformed(pieces.wsFromIs, box), time));
         return from.most({box.lower - way.upper, box.upper - way.lower}) == 0;
     });
     for (Int3& origin : found) origin *= kBlockEdge;
     const std::vector<Int3> origins = found;
     pieces.fill = [&, wsFromIs = pieces.wsFromIs](std::size_t b, float* to) {
+        DenseBox box;
+        std::array<Vec3, kBlockVoxels> at{};
+        m_parts->addVelocities(wsFromIs, origins[b], box, at.data());
+        Bounds sampled;
         for (int i = 0; i < kBlockVoxels; ++i) {
-            const Vec3 is(origins[b] + voxelOf(i));
-            const Vec3 way = m_path.time * m_parts->at(transformPoint(wsFromIs, is)) - m_mean;
-            to[i] = static_cast<float>(from.at(is - linear * way));
+            at[std::size_t(i)] = Vec3(origins[b] + voxelOf(i)) - linear * (time * at[std::size_t(i)] - mean);
+            sampled.include(at[std::size_t(i)]);
+        }
+        // Neighbours mostly move alike, and come from near the field.
+        constexpr double kMostEdge = 32;
+        const Vec3 edges = sampled.size();
+        const bool near = glm::all(glm::lessThan(glm::abs(sampled.center() - all.center()), all.size() + kMostEdge));
+        if (near && std::max({edges.x, edges.y, edges.z}) < kMostEdge) {
+            box.fill(from.index(), Int3(glm::floor(sampled.lower)), Int3(glm::floor(sampled.upper)) + 1);
+            for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(box.at(at[std::size_t(i)]));
+        } else {
+            for (int i = 0; i < kBlockVoxels; ++i) to[i] = static_cast<float>(from.at(at[std::size_t(i)]));
         }
     };
     return std::make_shared<SparseField>(buildField(std::move(pieces)));

@@ -12,32 +12,24 @@
 
 namespace scrim {
 
-/// The velocity fields of a volume: for each of x, y and z the fields of positive and negative values (GridPart), in
-/// asset space. The displacement is time * velocity, in world units of the asset.
-struct FieldPath {
-    std::vector<FieldPointer> parts;
-    double time = 0;
-
-    bool moves() const { return !parts.empty() && time != 0; }
-    /// A box around all displacements, in world units of the asset.
-    Bounds range() const;
-};
-
+/// The velocity of a volume, ready to move the volume's fields to any moment. Safe to use from many threads at once.
 class FieldMover {
   public:
-    /// `weight`: the field whose mean displacement shifts all fields of the volume as a whole. Only the difference from
-    /// that mean is resampled.
-    FieldMover(FieldPath path, const SparseField& weight);
+    /// `velocity`: for each of x, y and z the fields of positive and negative values (GridPart), in asset space.
+    /// `weight`: the field whose mean velocity moves all fields of the volume as a whole. Only the difference from that
+    /// mean is resampled.
+    FieldMover(std::vector<FieldPointer> velocity, const SparseField& weight);
     ~FieldMover();
 
-    /// The field after the time has passed. Its lattice is shifted by the mean displacement.
-    FieldPointer operator()(const FieldPointer& field) const;
+    /// The field when it has moved for `time`, with displacements of time * velocity in world units of the asset. Its
+    /// lattice is shifted by the mean displacement.
+    FieldPointer moved(const FieldPointer& field, double time) const;
 
   private:
     struct Parts;
-    FieldPath m_path;
+    std::vector<FieldPointer> m_velocity;
     std::unique_ptr<const Parts> m_parts;
-    Vec3 m_mean{0};
+    Vec3 m_mean{0};  // velocity
 };
 
 }  // namespace scrim

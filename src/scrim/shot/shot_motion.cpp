@@ -5,9 +5,12 @@
 #include <scrim/engine/sweep.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/scene/quality.h>
+#include <scrim/shot/moved_field.h>
+#include <scrim/shot/view_motion.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -147,80 +150,184 @@ bool sameLook(const SceneVolume& a, const SceneVolume& b) {
     return true;
 }
 
+// A picture that is small and cheap, but moves like that of `view`: light that scatters more than once, layers and
+// details of soft lights hardly matter for that.
+ViewScene pilotOf(ViewScene view, double scale) {
+    const auto scaled = [&](int pixels) { return std::max(static_cast<int>(std::lround(scale * pixels)), 1); };
+    view.camera.resolution = {scaled(view.camera.resolution.x), scaled(view.camera.resolution.y)};
+    view.region = view.picture = PixelWindow{0, 0, view.camera.resolution.x, view.camera.resolution.y};
+    view.dials = *presetDials(presetNames().front());
+    view.dials.lightError = 0.1;
+    view.layers.clear();
+    view.deep.reset();
+    for (ViewVolume& volume : view.volumes)
+        if (volume.medium.scattering == Scattering::full) volume.medium.scattering = Scattering::single;
+    return view;
+}
+
+// The relative RMSE of `coarse` if `fine` were true; see Verification.
+double differenceOf(const Image& coarse, const Image& fine) {
+    constexpr float kVisible = 1e-3f;
+    float brightest = 0;
+    for (std::size_t i = 0; i < fine.rgba.size(); ++i)
+        if (i % 4 != 3) brightest = std::max(brightest, fine.rgba[i]);
+    double square = 0, mean = 0, alphaSquare = 0, alphaMean = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < fine.rgba.size(); i += 4) {
+        const float* a = &coarse.rgba[i];
+        const float* b = &fine.rgba[i];
+        const float most = std::max({b[0], b[1], b[2]});
+        if (std::max(a[3], b[3]) <= kVisible && most <= kVisible * brightest) continue;
+        ++count;
+        for (int c = 0; c < 3; ++c) {
+            square += (double(a[c]) - b[c]) * (double(a[c]) - b[c]) / 3;
+            mean += double(b[c]) / 3;
+        }
+        alphaSquare += (double(a[3]) - b[3]) * (double(a[3]) - b[3]);
+        alphaMean += double(b[3]);
+    }
+    if (mean > 0) return std::sqrt(square * double(count)) / mean;
+    return alphaMean > 0 ? std::sqrt(alphaSquare * double(count)) / alphaMean : 0;
+}
+
 }  // namespace
+
+// The views of a shot at any moment. What does not depend on the moment is made once.
+class ShotMotion::Moments {
+  public:
+    Moments(const LoadedShot& shot, const RenderOptions& options, double lod, double middle);
+    // The same moments at another level of detail.
+    Moments(const Moments& other, double lod)
+        : m_shot(other.m_shot),
+          m_options(other.m_options),
+          m_lod(lod),
+          m_time(other.m_time),
+          m_middle(other.m_middle),
+          m_base(m_shot.viewAt(m_time, m_options, lod, VolumesOf::scene)),
+          m_movers(other.m_movers) {}
+
+    // The fields are where the files have them, beside the velocity that moves them.
+    ViewScene inPlace(double t) const;
+    // The fields are moved, and volumes that the picture does not need are left out.
+    ViewScene moved(double t) const;
+
+  private:
+    const LoadedShot& m_shot;
+    const RenderOptions& m_options;
+    const double m_lod, m_time;
+    const Scene m_middle;
+    ViewScene m_base;
+    std::vector<std::shared_ptr<const FieldMover>> m_movers;  // for each of the scene's volumes; null: no velocity
+};
+
+ShotMotion::Moments::Moments(const LoadedShot& shot, const RenderOptions& options, double lod, double middle)
+    : m_shot(shot),
+      m_options(options),
+      m_lod(lod),
+      m_time(middle),
+      m_middle(shot.sceneAt(middle)),
+      m_base(shot.viewAt(middle, options, lod, VolumesOf::scene)),
+      m_movers(shot.fields.size()) {
+    for (const ViewVolume& volume : m_base.volumes) {
+        const std::vector<FieldPointer>& velocity = shot.fields[std::size_t(volume.place)].velocity;
+        if (velocity.empty()) continue;
+        const bool glows = volume.field->empty() && !volume.emission.empty();
+        m_movers[std::size_t(volume.place)] =
+            std::make_shared<const FieldMover>(velocity, glows ? *volume.emission.front().field.field : *volume.field);
+    }
+}
+
+ViewScene ShotMotion::Moments::inPlace(double t) const {
+    const Scene at = m_shot.sceneAt(t);
+    for (std::size_t i = 0; i < at.volumes.size(); ++i)
+        if (!sameLook(at.volumes[i], m_middle.volumes[i])) return m_shot.viewAt(t, m_options, m_lod, VolumesOf::scene);
+    ViewScene out = m_base;
+    out.camera = at.camera;
+    out.lights = at.lights;
+    out.ambient = at.ambient;
+    if (m_shot.scene.movesWithin) out.solids = solidsOf(at);
+    const Fields fields = m_shot.fieldsAt(t);
+    for (ViewVolume& volume : out.volumes)
+        place(at.volumes[std::size_t(volume.place)], fields[std::size_t(volume.place)], volume);
+    return out;
+}
+
+ViewScene ShotMotion::Moments::moved(double t) const {
+    ViewScene out = inPlace(t);
+    const Scene at = m_shot.sceneAt(t);
+    cull(at, out);
+    Fields fields = m_shot.fieldsAt(t);
+    std::size_t bytes = 0;
+    for (ViewVolume& volume : out.volumes) {
+        VolumeFields& own = fields[std::size_t(volume.place)];
+        const FieldMover* mover = m_movers[std::size_t(volume.place)].get();
+        if (!mover || own.time == 0) continue;
+        const auto move = [&](std::shared_ptr<const SparseField>& field) {
+            field = mover->moved(field, own.time);
+            bytes += field->bytes();
+        };
+        move(volume.field);
+        for (ViewField& field : volume.scatter) move(field.field);
+        for (ViewEmission& emission : volume.emission) move(emission.field.field);
+        own.time = 0;
+        place(at.volumes[std::size_t(volume.place)], own, volume);
+    }
+    out.memoryLimit = limitBeside(out.memoryLimit, bytes);
+    return out;
+}
 
 ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m_shot(shot), m_options(options) {
     if (!shot.scene.shutter) return;
     m_shutter = *shot.scene.shutter;
-    m_moves =
+    const bool moves =
         shot.scene.movesWithin || std::any_of(shot.fields.begin(), shot.fields.end(), [](const VolumeFields& fields) {
             return std::any_of(fields.velocity.begin(), fields.velocity.end(),
                                [](const auto& part) { return part && !part->empty(); });
         });
-    if (!m_moves) return;
+    if (!moves) return;
+    m_moments = std::make_shared<const Moments>(shot, options, shot.scene.dials.lod, middle());
     m_path = longestPath();
-    m_samples = shot.scene.dials.shutterSamples.value_or(samplesFor(m_path));
+    const std::optional<int>& samples = shot.scene.dials.shutterSamples;
+    m_samples = samples ? *samples : samplesFor(m_path);
 }
 
-ViewScene ShotMotion::viewAt(double t, double lod, VolumesOf volumesOf, Moved moved) const {
-    return m_shot.viewAt(t, m_options, lod, volumesOf, moved);
+ShotMotion::~ShotMotion() = default;
+
+ViewScene ShotMotion::viewAt(double t) const {
+    ViewScene view = m_moments->moved(t);
+    addMotion(view, m_shot.sceneAt(t), m_shot.nextAt(t), m_shot.fields);
+    return view;
 }
 
 ViewScene ShotMotion::view() const {
-    const double lod = m_shot.scene.dials.lod;
-    ViewScene view = m_moves ? viewAt(middle(), lod, VolumesOf::picture, Moved::byVoxels)
-                             : m_shot.view(m_options, lod, VolumesOf::picture);
-    if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, m_moves};
+    ViewScene view = moves() ? viewAt(middle()) : m_shot.view(m_options, m_shot.scene.dials.lod, VolumesOf::picture);
+    if (m_shot.scene.shutter) view.shutter = ViewShutter{m_shutter.open, m_shutter.close, m_samples, m_path, moves()};
     return view;
 }
 
 ViewScene ShotMotion::truth() const {
-    if (!m_moves) return m_shot.view(m_options, 0, VolumesOf::scene);
-    ViewScene out = viewAt(middle(), 0, VolumesOf::scene, Moved::byVelocity);
+    if (!moves()) return m_shot.view(m_options, 0, VolumesOf::scene);
+    const auto scenes = std::make_shared<const Moments>(*m_moments, 0);
+    ViewScene out = scenes->inPlace(middle());
     auto moments = std::make_shared<ViewMoments>();
     moments->open = m_shutter.open;
     moments->close = m_shutter.close;
     moments->path = m_path;
-    moments->at = [this, base = std::make_shared<const ViewScene>(out)](double t) { return truthAt(t, *base); };
+    moments->at = [scenes](double t) { return scenes->inPlace(t); };
     out.moments = std::move(moments);
-    return out;
-}
-
-// The view at `t`. It shares the fields of `base`, as many moments do, unless their look changes.
-ViewScene ShotMotion::truthAt(double t, const ViewScene& base) const {
-    const Scene at = m_shot.sceneAt(t), middle = m_shot.sceneAt(this->middle());
-    for (std::size_t i = 0; i < at.volumes.size(); ++i)
-        if (!sameLook(at.volumes[i], middle.volumes[i])) return viewAt(t, 0, VolumesOf::scene, Moved::byVelocity);
-    ViewScene out = base;
-    out.camera = at.camera;
-    out.lights = at.lights;
-    out.ambient = at.ambient;
-    out.solids = solidsOf(at);
-    for (ViewVolume& volume : out.volumes) {
-        const auto i = static_cast<std::size_t>(
-            std::find_if(at.volumes.begin(), at.volumes.end(), [&](const auto& v) { return v.name == volume.name; }) -
-            at.volumes.begin());
-        const SceneVolume& now = at.volumes[i];
-        const auto place = [&](ViewField& field) { field.wsFromIs = now.wsFromAsset * field.field->wsFromIs; };
-        volume.wsFromIs = now.wsFromAsset * volume.field->wsFromIs;
-        volume.medium = now.medium;
-        for (ViewField& field : volume.scatter) place(field);
-        for (ViewEmission& emission : volume.emission) place(emission.field);
-        volume.velocity = velocityOf(now, m_shot.fieldsAt(t)[i]);
-    }
     return out;
 }
 
 double ShotMotion::longestPath() {
     constexpr int kMoments = 9;
     std::vector<Places> places;
-    double wsWay = 0;  // displacement by velocities
+    double wsWay = 0;                             // displacement by velocities
+    std::map<const SparseField*, double> usuals;  // usualMost of each part of a velocity
     // For velocities with outliers: the displacement that counts, and the longest one.
     std::pair<double, double> outlier{0, 0};
-    const ViewScene base = viewAt(middle(), 0, VolumesOf::scene, Moved::byVelocity);
     for (int i = 0; i < kMoments; ++i) {
         const double part = static_cast<double>(i) / (kMoments - 1);
-        const ViewScene view = truthAt((1 - part) * m_shutter.open + part * m_shutter.close, base);
+        const ViewScene view = m_moments->inPlace((1 - part) * m_shutter.open + part * m_shutter.close);
         places.push_back(pointsOf(view));
         if (i == 0 || i == kMoments - 1)
             for (const ViewVolume& volume : view.volumes)
@@ -231,7 +338,11 @@ double ShotMotion::longestPath() {
                         return most;
                     };
                     // A few fast voxels are no reason for a hundred renders.
-                    const double usual = longest(volume.velocity->wsRange(usualMost)),
+                    const auto usualOf = [&](const SparseField& part) {
+                        const auto found = usuals.find(&part);
+                        return found != usuals.end() ? found->second : usuals[&part] = double(usualMost(part));
+                    };
+                    const double usual = longest(volume.velocity->wsRange(usualOf)),
                                  most = longest(volume.velocity->wsRange());
                     wsWay = std::max(wsWay, usual);
                     if (most > usual && most > outlier.second) outlier = {usual, most};
@@ -260,7 +371,7 @@ double ShotMotion::longestPath() {
     const double pixel = pixelAt(camera, std::max(distance, 0.25 * glm::length(box.size())));
     // No picture shows finer voxels than these one by one.
     constexpr double kFinest = 0.7;
-    m_voxelPixels = std::max(voxelUnit(base) / pixel, kFinest);
+    m_voxelPixels = std::max(voxelUnit(m_moments->inPlace(middle())) / pixel, kFinest);
     if (outlier.second > 0)
         notify(m_options.messages, Severity::warning,
                fmt::format("motion blur: fewer than one in 5,000 voxels of a velocity move up to {:.3g} pixels, all "
@@ -272,14 +383,17 @@ double ShotMotion::longestPath() {
 
 int ShotMotion::samplesFor(double path) const {
     const Scene& scene = m_shot.scene;
-    // Measured error of the mean: about 1.2 % for steps of one voxel, s^2 times that for s voxels, and about a fifth of
-    // a step for the hard edges of solids. Half of the promised error is reserved for it.
-    constexpr double kOfVoxelSteps = 0.012, kOfHardSteps = 0.2, kShare = 0.5;
+    // Motion blur may take this part of the promised error, since a mean of moments has about half the error of each:
+    // texels and sheets lie differently in them. Steps of one voxel are off by about 1.2 % of a cloud that is sharp at
+    // every voxel, and steps of s voxels by s^2 times that; the hard edges of solids by about a fifth of a step. That
+    // is the most renders; most pictures need far fewer.
+    constexpr double kShare = 0.7, kOfVoxelSteps = 0.012, kOfHardSteps = 0.14, kLeast = 4;
     const bool classified =
         std::any_of(scene.volumes.begin(), scene.volumes.end(), [](const auto& v) { return v.classified != nullptr; });
-    const double error = scene.tolerance > 0 ? scene.tolerance : promisedError(scene.quality, classified);
-    double wanted = std::max(path / m_voxelPixels / std::sqrt(kShare * error / kOfVoxelSteps), 4.0);
-    if (m_shot.solids) wanted = std::max(wanted, kOfHardSteps / error);
+    const double error = kShare * (scene.tolerance > 0 ? scene.tolerance : promisedError(scene.quality, classified));
+    double most = std::max(path / m_voxelPixels / std::sqrt(error / kOfVoxelSteps), kLeast);
+    if (m_shot.solids) most = std::max(most, kOfHardSteps / error);
+    const double wanted = std::min(wantedSamples(error, most), most);
     if (wanted > kMostSamples)
         notify(m_options.messages, Severity::warning,
                fmt::format("motion blur: the longest motion is {:.0f} pixels, which needs {} renders of the frame, but "
@@ -288,11 +402,40 @@ int ShotMotion::samplesFor(double path) const {
     return static_cast<int>(std::ceil(std::min(wanted, double(kMostSamples))));
 }
 
+// Small pictures with 2, 4, 8... moments tell how fast the error falls. They show the whole picture, whatever the crop,
+// so that crops have as many moments as the whole. The midpoint rule's error falls with order 2 where the picture is
+// smooth over a step and with less where an edge passes: 1.4 to 2.5 was measured from 2 to 16 moments.
+double ShotMotion::wantedSamples(double error, double most) const {
+    constexpr double kPilotEdge = 160, kPilotVoxel = 1.5;  // pixels
+    constexpr double kOrder = 1.75, kLeast = 2;
+    const Int2 size = m_shot.scene.camera.resolution;
+    const double scale = std::min(1.0, kPilotEdge / std::max(size.x, size.y));
+    const Moments moments(*m_moments, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod));
+    const ProgressSink waits = partOf(m_options.progress, 0, 0);
+    const auto picture = [&](int count) {
+        MeanFrame mean(count);
+        for (int i = 0; i < count; ++i) {
+            const ViewScene pilot = pilotOf(moments.moved(timeOf(i, count)), scale);
+            mean.add(scrim::render(pilot, makePlan(pilot, threadCount(), waits), waits));
+        }
+        return mean.take().image;
+    };
+    Image coarse = picture(2);
+    for (int count = 4;; count *= 2) {
+        Image fine = picture(count);
+        // The error of `fine`, if it falls with kOrder.
+        const double left = differenceOf(coarse, fine) / (std::pow(2, kOrder) - 1);
+        const double wanted = count * std::pow(left / error, 1 / kOrder);
+        // A further pilot pays where it may save renders.
+        if (wanted <= 2 * count || 2 * count > most) return std::max(wanted, kLeast);
+        coarse = std::move(fine);
+    }
+}
+
 Frame ShotMotion::render(const ViewScene& view, const ProgressSink& progress) const {
     MeanFrame mean(m_samples);
     for (int i = 0; i < m_samples; ++i) {
-        const double t = m_shutter.open + (i + 0.5) / m_samples * (m_shutter.close - m_shutter.open);
-        ViewScene moment = viewAt(t, view.dials.lod, VolumesOf::picture, Moved::byVoxels);
+        ViewScene moment = viewAt(timeOf(i, m_samples));
         moment.dials = view.dials;
         const double from = double(i) / m_samples, to = double(i + 1) / m_samples;
         const Plan plan = makePlan(moment, threadCount(), partOf(progress, from, from));

@@ -8,18 +8,20 @@
 #include <scrim/shot/load_shot.h>
 #include <scrim/shot/shot_options.h>
 
-#include <functional>
+#include <memory>
 
 namespace scrim {
 
 class ShotMotion {
   public:
-    /// `shot` must outlive this object and all views. If nothing in the shot moves while the shutter is open, there is
-    /// one moment, the shot's frame. Throws Error.
+    /// `shot` and `options` must outlive this object and all views. If nothing in the shot moves while the shutter is
+    /// open, there is one moment, the shot's frame. Otherwise small pilot renders choose how many moments the picture
+    /// needs, unless the dial says so. Throws Error.
     ShotMotion(const LoadedShot& shot, const RenderOptions& options);
+    ~ShotMotion();
 
     /// True if anything moves.
-    bool moves() const { return m_moves; }
+    bool moves() const { return m_moments != nullptr; }
     /// The number of renders that the picture averages.
     int samples() const { return m_samples; }
 
@@ -33,18 +35,24 @@ class ShotMotion {
     Frame render(const ViewScene& view, const ProgressSink& progress) const;
 
   private:
-    ViewScene viewAt(double t, double lod, VolumesOf volumesOf, Moved moved) const;
-    ViewScene truthAt(double t, const ViewScene& base) const;
+    class Moments;
+    /// The view of a moment that the engine renders.
+    ViewScene viewAt(double t) const;
     double longestPath();
     int samplesFor(double path) const;
+    double wantedSamples(double error, double most) const;
     double middle() const { return 0.5 * (m_shutter.open + m_shutter.close); }
+    /// The middle of part `i` of `count` equal parts of the shutter's time.
+    double timeOf(int i, int count) const {
+        return m_shutter.open + (i + 0.5) / count * (m_shutter.close - m_shutter.open);
+    }
 
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     Shutter m_shutter;
-    bool m_moves = false;
-    double m_path = 0;         // pixels
-    double m_voxelPixels = 1;  // pixels that a voxel covers
+    std::shared_ptr<const Moments> m_moments;  // null: nothing moves
+    double m_path = 0;                         // pixels
+    double m_voxelPixels = 1;                  // pixels that a voxel covers
     int m_samples = 1;
 };
 

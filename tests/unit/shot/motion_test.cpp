@@ -238,6 +238,14 @@ TEST_F(MotionBlur, IsJudgedByAReferenceThatSeesAllOfTheShutter) {
     EXPECT_LT(error({kShutter, kVelocity}), 0.01);
 }
 
+// The reference of a picture that moves knows the density's scale. If it took the grid's
+// own values, alpha would be 0.98 in place of 0.33.
+TEST_F(MotionBlur, IsJudgedWithTheDensityThatTheSceneStates) {
+    const std::string thin = "volume.block.density.scale=0.1";
+    EXPECT_LT(error({kShutter, kMoves, thin}), 0.02);
+    EXPECT_LT(error({kShutter, kVelocity, thin}), 0.02);
+}
+
 // What turns is not moved as a whole: voxels are sampled anew, while the reference follows each point. Trilinear
 // samples between voxels miss h^2 / 8 of the second derivative: of a bump exp(-r^2 / 32), whose is at most 1 / 16 along
 // each axis, 2 % in places where two axes are between voxels, and less where they are not.
@@ -284,6 +292,37 @@ TEST_F(MotionBlur, ChoosesMoreRendersForMoreMotionAndTellsThem) {
     };
     EXPECT_LT(count("draft"), count("standard"));
     EXPECT_LT(count("standard"), count("ultra"));
+}
+
+// The path is 16 pixels for both; a bump of 8 voxels' width changes slowly along it, a block's edge of one voxel at
+// once. Both keep the promise of 2 %, of which sheets and texels have their share.
+TEST_F(MotionBlur, TakesFewerRendersWhereThePictureIsSmooth) {
+    const auto count = [&] {
+        const std::string table = Shot::open(file("shot.toml"), {kShutter, kMoves}).plan(1).table;
+        return std::stoi(table.substr(table.find("motion blur") + 28));
+    };
+    const int sharp = count();
+    EXPECT_LT(error({kShutter, kMoves}), 0.02);
+    MadeGrid bump;
+    for (const MadeVoxel& voxel : box({-20, -20, -8}, {20, 20, 12}, 1)) {
+        const Vec3 d = Vec3(voxel.at) - Vec3(0, 0, 2);
+        const double value = std::exp(-(d.x * d.x + d.y * d.y + 4 * d.z * d.z) / 64);
+        if (value > 1e-3) bump.voxels.push_back({voxel.at, 0.3 * value});
+    }
+    makeVdb(file("block.vdb"), {bump});
+    EXPECT_LT(2 * count(), sharp);
+    EXPECT_LT(error({kShutter, kMoves}), 0.02);
+}
+
+// A part of the picture where nothing moves must not choose otherwise, or tiles would differ at their borders.
+TEST_F(MotionBlur, TakesAsManyRendersForACropAsForTheWhole) {
+    const auto table = [&](std::optional<PixelWindow> crop) {
+        RenderOptions options;
+        options.crop = crop;
+        const std::string text = Shot::open(file("shot.toml"), {kShutter, kVelocity}).plan(1, options).table;
+        return text.substr(text.find("motion blur"), 80);
+    };
+    EXPECT_EQ(table(std::nullopt), table(PixelWindow{0, 0, 4, 4}));
 }
 
 // One voxel, of 27,588, that a simulation has left with any speed: it is told, all others go on as they did, and the
