@@ -122,7 +122,7 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
     Sources out;
-    out.blocked = scene.solids && scene.solids->any(SolidRole::shadow);
+    out.blocked = solidsBlock(scene);
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     const SubLights parts = subLights(alone);
     for (std::size_t i = 0; i < parts.lights.size(); ++i)
@@ -185,7 +185,7 @@ class Pass {
         constexpr double kInfinity = std::numeric_limits<double>::infinity(), kBeside = 1.5;
         const SolidHit hit =
             m_scene.solids->trace(SolidRole::shadow, ws, wsPerStep, parallel ? -kInfinity : 0, kInfinity);
-        if (!hit.hides || hit.t == kInfinity) return hit.t;
+        if (hit.t == kInfinity || !hit.solid->holdout) return hit.t;
         const bool seen = glm::dot(hit.wsNormal, wsPerStep) *
                               glm::dot(hit.wsNormal, -travelToEye(m_scene.camera, ws + hit.t * wsPerStep)) >
                           0;
@@ -359,7 +359,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             jobs.push_back(std::move(job));
         }
     for (Job& job : jobs)
-        if (job.lamp && scene.solids && scene.solids->any(SolidRole::shadow)) {
+        if (job.lamp && solidsBlock(scene)) {
             job.open = std::make_shared<CellField>(grid, 1);
             bytes += job.open->bytes();
         }
