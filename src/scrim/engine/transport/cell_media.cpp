@@ -177,19 +177,26 @@ void goStraight(CellMedia& media, const std::vector<ScatterClass>& classes) {
 
 }  // namespace
 
-std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) {
-    std::vector<ScatterClass> classes;
+std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
+                                           const std::function<bool(const ViewVolume&)>& wanted) {
+    std::vector<std::vector<int>> classes;
     for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
         const ViewVolume& volume = scene.volumes[v];
-        if (!scattersFully(volume)) continue;
-        const auto same = std::find_if(classes.begin(), classes.end(), [&](const ScatterClass& c) {
-            return c.phase == volume.medium.phase && c.lights == volume.lights;
+        if (!wanted(volume)) continue;
+        const auto same = std::find_if(classes.begin(), classes.end(), [&](const std::vector<int>& cls) {
+            const ViewVolume& first = scene.volumes[std::size_t(cls.front())];
+            return first.medium.phase == volume.medium.phase && first.lights == volume.lights;
         });
-        ScatterClass& cls = same != classes.end()
-                                ? *same
-                                : classes.emplace_back(ScatterClass{
-                                      volume.medium.phase, {volume.medium.phase, ordinates}, volume.lights, {}});
-        cls.volumes.push_back(static_cast<int>(v));
+        (same != classes.end() ? *same : classes.emplace_back()).push_back(static_cast<int>(v));
+    }
+    return classes;
+}
+
+std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates) {
+    std::vector<ScatterClass> classes;
+    for (std::vector<int>& volumes : alikeVolumes(scene, scattersFully)) {
+        const ViewVolume& first = scene.volumes[std::size_t(volumes.front())];
+        classes.push_back({first.medium.phase, {first.medium.phase, ordinates}, first.lights, std::move(volumes)});
     }
     return classes;
 }
@@ -273,23 +280,6 @@ std::vector<Real> coarserRow(const CellGrid& fine, const CellGrid& coarse, const
     return out;
 }
 
-}  // namespace
-
-CellMedia coarser(const CellMedia& fine) {
-    CellMedia out;
-    out.grid = CellGrid::coarser(fine.grid);
-    const auto rows = [&](const std::vector<std::vector<Real>>& from) {
-        std::vector<std::vector<Real>> to;
-        for (const std::vector<Real>& row : from) to.push_back(coarserRow(fine.grid, out.grid, row));
-        return to;
-    };
-    out.extinction = rows(fine.extinction);
-    for (const auto& cls : fine.scattering) out.scattering.push_back(rows(cls));
-    return out;
-}
-
-namespace {
-
 // Coarser cells along an edge of a finer block, including one around it on each side.
 constexpr int kAround = kCellEdge / 2 + 2;
 constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
@@ -359,6 +349,19 @@ void addMany(const Rows& near, const Int3& cell, std::size_t values, Real* to) {
 }
 
 }  // namespace
+
+CellMedia coarser(const CellMedia& fine) {
+    CellMedia out;
+    out.grid = CellGrid::coarser(fine.grid);
+    const auto rows = [&](const std::vector<std::vector<Real>>& from) {
+        std::vector<std::vector<Real>> to;
+        for (const std::vector<Real>& row : from) to.push_back(coarserRow(fine.grid, out.grid, row));
+        return to;
+    };
+    out.extinction = rows(fine.extinction);
+    for (const auto& cls : fine.scattering) out.scattering.push_back(rows(cls));
+    return out;
+}
 
 void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
                      const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,

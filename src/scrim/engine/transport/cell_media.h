@@ -8,6 +8,7 @@
 #include <scrim/scene/view_scene.h>
 
 #include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace scrim {
@@ -21,6 +22,11 @@ struct ScatterClass {
 
     bool litBy(std::size_t light) const { return scrim::litBy(lights, light); }
 };
+
+/// Indices of those volumes that `wanted` holds for, by class: those of one scatter in the same way and are lit by the
+/// same lights.
+std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
+                                           const std::function<bool(const ViewVolume&)>& wanted);
 
 /// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);

@@ -225,28 +225,6 @@ class Pass {
     const std::function<void()>& m_checkpoint;
 };
 
-// Volumes that scatter alike and are lit by the same lights.
-struct VolumeClass {
-    Phase phase;
-    std::vector<bool> lights;
-    std::vector<std::size_t> volumes;
-};
-
-std::vector<VolumeClass> classesOf(const ViewScene& scene) {
-    std::vector<VolumeClass> classes;
-    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        const ViewVolume& volume = scene.volumes[v];
-        if (volume.field->empty() || volume.holdout) continue;
-        const auto same = std::find_if(classes.begin(), classes.end(), [&](const VolumeClass& c) {
-            return c.phase == volume.medium.phase && c.lights == volume.lights;
-        });
-        VolumeClass& cls =
-            same != classes.end() ? *same : classes.emplace_back(VolumeClass{volume.medium.phase, volume.lights, {}});
-        cls.volumes.push_back(v);
-    }
-    return classes;
-}
-
 // A corner of a voxel, so that cells of one voxel are the voxels, and their centres are where the field's values are.
 Vec3 cornerOfVoxels(const ViewScene& scene) {
     for (const ViewVolume& volume : scene.volumes)
@@ -316,26 +294,29 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     std::vector<Job> jobs;
     if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
-    for (const VolumeClass& cls : classesOf(scene)) {
+    const auto shown = [](const ViewVolume& volume) { return !volume.field->empty() && !volume.holdout; };
+    for (const std::vector<int>& volumes : alikeVolumes(scene, shown)) {
+        const ViewVolume& alike = scene.volumes[std::size_t(volumes.front())];
+        const Phase& phase = alike.medium.phase;
         std::vector<int> lit;
         for (const int i : group)
-            if (litBy(cls.lights, std::size_t(i))) lit.push_back(i);
+            if (litBy(alike.lights, std::size_t(i))) lit.push_back(i);
         if (lit.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
         const bool lamps = isLampOnCells(scene, first);
         std::shared_ptr<CellField> field;
         if (lamps && lampsShareCells(scene)) {
-            field = addLamps(scene, lit, cls.phase, grid, grey, jobs);
+            field = addLamps(scene, lit, phase, grid, grey, jobs);
         } else {
             Sources sources = sourcesOf(scene, lit);
             if (sources.lights.empty()) continue;
             if (!grey) sources.colours = 3;
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
-            if (lamps) field->setLamp(first, cls.phase, scene.camera, false);
-            jobs.push_back({std::move(sources), cls.phase, field, lamps ? &first : nullptr});
+            if (lamps) field->setLamp(first, phase, scene.camera, false);
+            jobs.push_back({std::move(sources), phase, field, lamps ? &first : nullptr});
         }
-        for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
+        for (const int v : volumes) light.ofVolume[std::size_t(v)] = field;
     }
     return jobs;
 }
