@@ -43,11 +43,42 @@ inline std::shared_ptr<const TriangleMesh> ballMesh(const Vec3& middle, double r
     return mesh;
 }
 
+/// The faces of a box, each a rectangle; one of them may have a rectangular window, whose corners are fractions of the
+/// face along the next two axes. `face`: 2 axis, + 1 for the upper one; -1: none.
+inline std::shared_ptr<const TriangleMesh> roomMesh(const Vec3& lower, const Vec3& upper, int face = -1,
+                                                    const Vec2& from = Vec2(0), const Vec2& to = Vec2(0)) {
+    auto mesh = std::make_shared<TriangleMesh>();
+    const auto add = [&](int side, const Vec2& a, const Vec2& b) {
+        const int axis = side / 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
+        const auto first = static_cast<std::uint32_t>(mesh->points.size());
+        for (const Vec2& at : {a, Vec2(b.x, a.y), b, Vec2(a.x, b.y)}) {
+            Vec3 point(0);
+            point[axis] = side % 2 == 1 ? upper[axis] : lower[axis];
+            point[u] = lower[u] + at.x * (upper[u] - lower[u]);
+            point[v] = lower[v] + at.y * (upper[v] - lower[v]);
+            mesh->points.push_back(point);
+        }
+        mesh->triangles.push_back({first, first + 1, first + 2});
+        mesh->triangles.push_back({first, first + 2, first + 3});
+    };
+    for (int side = 0; side < 6; ++side) {
+        if (side != face) {
+            add(side, Vec2(0), Vec2(1));
+            continue;
+        }
+        add(side, Vec2(0), Vec2(1, from.y));
+        add(side, Vec2(0, to.y), Vec2(1));
+        add(side, Vec2(0, from.y), Vec2(from.x, to.y));
+        add(side, Vec2(to.x, from.y), Vec2(1, to.y));
+    }
+    return mesh;
+}
+
 /// One solid, which hides and throws shadows.
 inline std::shared_ptr<const Solids> oneSolid(std::shared_ptr<const TriangleMesh> mesh, bool holdout = true,
-                                              bool shadows = true, bool catches = false) {
+                                              bool shadows = true, bool catches = false, const Rgb& albedo = Rgb(0)) {
     return std::make_shared<const Solids>(
-        std::vector<Solid>{{"solid", std::move(mesh), Mat4(1.0), holdout, shadows, catches}});
+        std::vector<Solid>{{"solid", std::move(mesh), Mat4(1.0), holdout, shadows, catches, albedo}});
 }
 
 }  // namespace scrim::test

@@ -282,8 +282,11 @@ void checkScene(const Scene& scene) {
     };
     checkCamera(Check(scene, "[camera]"), scene);
     for (const SceneVolume& volume : scene.volumes) checkVolume(named("volume", volume.name), volume);
-    for (const SceneMesh& mesh : scene.meshes)
-        named("mesh", mesh.name).transform(keysOf<TransformKeys>().matrix, mesh.wsFromMesh);
+    for (const SceneMesh& mesh : scene.meshes) {
+        const Check check = named("mesh", mesh.name);
+        check.transform(keysOf<TransformKeys>().matrix, mesh.wsFromMesh);
+        check.colour(keysOf<MeshKeys>().albedo, mesh.albedo, 1);
+    }
     for (const Light& light : scene.lights) checkLight(named("light", light.name), light);
     Check(scene, "[ambient]").light(keysOf<AmbientKeys>().color, scene.ambient);
     checkDials(scene.dials, scene.file.empty() ? "[render]" : scene.file + ": [render]");

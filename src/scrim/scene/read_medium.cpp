@@ -10,9 +10,7 @@
 #include <algorithm>
 
 namespace scrim {
-namespace {
 
-/// Reads a colour with components from 0 to `most` in the working space. Conversions may exceed the limits by rounding.
 Rgb readBounded(const TomlValue& value, const ReadContext& context, double most) {
     constexpr double kRounding = 1e-6;
     Rgb colour = value.colour(context.colour);
@@ -24,6 +22,8 @@ Rgb readBounded(const TomlValue& value, const ReadContext& context, double most)
     }
     return colour;
 }
+
+namespace {
 
 Phase readPhase(TomlTable table, double frame) {
     const PhaseKeys& k = keysOf<PhaseKeys>();

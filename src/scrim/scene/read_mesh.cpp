@@ -14,6 +14,7 @@ SceneMesh readMesh(TomlTable table, const std::string& defaultName, const ReadCo
     if (const auto transform = table.find(k.transform))
         mesh.wsFromMesh =
             readTransform(transform->table(fmt::format("{} of {}", k.transform, table.description())), context);
+    if (const auto albedo = table.find(k.albedo)) mesh.albedo = readBounded(*albedo, context, 1);
     table.read(k, context.frame, mesh);
     table.finish();
     return mesh;

@@ -100,6 +100,8 @@ Vec3 readDirection(const TomlValue& value, double frame);
 /// The unit vector from `from` to `to`. Throws at `value` where they coincide, with "`problem` at frame ...".
 Vec3 directionBetween(const Vec3& from, const Vec3& to, const TomlValue& value, const std::string& problem,
                       double frame);
+/// Reads a colour with components from 0 to `most` in the working space. Conversions may exceed the limits by rounding.
+Rgb readBounded(const TomlValue& value, const ReadContext& context, double most);
 /// A text without control characters.
 std::string nameIn(const TomlValue& value);
 /// Reads the name and describes the table in messages by it: "[[light]] 'key'". Returns the name.

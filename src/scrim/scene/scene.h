@@ -189,6 +189,7 @@ struct SceneMesh {
     std::string file;    ///< the path at this frame
     Mat4 wsFromMesh{1.0};
     bool holdout = true, shadows = true, catches = false;  ///< see Solid
+    Rgb albedo{0};                                         ///< likewise
     std::string where;                                     ///< where the scene says `file`: "scene.toml:12:8"
     std::shared_ptr<const TriangleMesh> mesh = nullptr;    ///< null until it is loaded
 };

@@ -10,6 +10,10 @@
 
 namespace scrim {
 
+bool solidsBlock(const ViewScene& scene) {
+    return scene.solids && scene.solids->any(SolidRole::shadow);
+}
+
 bool wants(const ViewScene& scene, Layer layer) {
     return std::find(scene.layers.begin(), scene.layers.end(), layer) != scene.layers.end();
 }

@@ -133,6 +133,9 @@ struct ViewScene {
 
 bool wants(const ViewScene& scene, Layer layer);
 
+/// True if solids stop light.
+bool solidsBlock(const ViewScene& scene);
+
 /// The light whose layer shows `light`: the first one of its group, or itself. Both are indices into
 /// ViewScene::lights.
 int lightOfLayer(const ViewScene& scene, int light);

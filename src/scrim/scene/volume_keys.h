@@ -257,10 +257,14 @@ struct MeshKeys : SectionOf<SceneMesh> {
     const Key& transform = table(keysOf<TransformKeys>(), "transform", "Its transform in the scene.");
     const Key& holdout =
         boolean("holdout", &SceneMesh::holdout, "The mesh hides what is behind it, and adds neither colour nor alpha.");
-    const Key& shadows = boolean("shadows", &SceneMesh::shadows, "Casts shadows into volumes.");
+    const Key& shadows = boolean("shadows", &SceneMesh::shadows,
+                                 "Casts shadows into volumes, and stops light that has scattered in them.");
     const Key& catches = boolean("catch", &SceneMesh::catches,
                                  "Shows the shadows of volumes. The picture then has layers 'shadow.LIGHT': the "
                                  "fraction of each light that reaches the first such surface; 1 where there is none.");
+    const Key& albedo = colour("albedo", "[0, 0, 0]",
+                               "The part of the light that the mesh sends back, evenly to all sides, into volumes that "
+                               "scatter fully. The mesh itself is not shown.");
 };
 
 struct VolumeKeys : SectionOf<SceneVolume> {

@@ -43,7 +43,8 @@ std::shared_ptr<const Solids> solidsOf(const Scene& scene) {
     if (scene.meshes.empty()) return nullptr;
     std::vector<Solid> solids;
     for (const SceneMesh& mesh : scene.meshes)
-        solids.push_back({mesh.name, mesh.mesh, mesh.wsFromMesh, mesh.holdout, mesh.shadows, mesh.catches});
+        solids.push_back(
+            {mesh.name, mesh.mesh, mesh.wsFromMesh, mesh.holdout, mesh.shadows, mesh.catches, mesh.albedo});
     return std::make_shared<const Solids>(std::move(solids));
 }
 

@@ -42,7 +42,7 @@ struct Solids::Traced {
     Vec3 wsMiddle{0};  // floats are relative to this point
     std::vector<Vec3> wsPoints;
     std::vector<std::array<std::uint32_t, 3>> triangles;
-    std::vector<bool> hides;  // for each triangle
+    std::vector<const Solid*> solidOf;  // for each triangle
     RTCScene scene = nullptr;
 
     Traced(const std::vector<Solid>& solids, SolidRole role) {
@@ -67,7 +67,7 @@ struct Solids::Traced {
             wsBounds.include(wsPoints.back());
         }
         for (const auto& t : solid.mesh->triangles) triangles.push_back({first + t[0], first + t[1], first + t[2]});
-        hides.resize(triangles.size(), solid.holdout);
+        solidOf.resize(triangles.size(), &solid);
     }
 
     void build() {
@@ -156,7 +156,7 @@ SolidHit Solids::trace(SolidRole role, const Vec3& wsOrigin, const Vec3& wsDirec
     // On a sliver of a triangle, or almost along one, its plane is less precise than the float, or useless.
     const double doubt = 1e-4 * (glm::length(traced.wsBounds.size()) + 1e-30) / length;
     const bool sure = std::abs(exact - near) < doubt;
-    return {sure ? exact : near, normal, traced.hides[query.hit.primID]};
+    return {sure ? exact : near, normal, traced.solidOf[query.hit.primID]};
 }
 
 std::size_t Solids::bytes() const {

@@ -16,7 +16,7 @@ namespace scrim {
 /// The roles of a solid. One mesh may have several.
 enum class SolidRole {
     holdout,  ///< hides what is behind it from the eye, and adds nothing
-    shadow,   ///< casts shadows into volumes
+    shadow,   ///< casts shadows into volumes, and stops scattered light
     catcher,  ///< shows the light that the volumes leave on it
 };
 
@@ -25,17 +25,19 @@ struct Solid {
     std::shared_ptr<const TriangleMesh> mesh;
     Mat4 wsFromMesh{1.0};
     bool holdout = true, shadows = true, catches = false;
+    Rgb albedo{0};  ///< the part of scattered light that comes back from it, evenly to all sides (Lambert); 0 to 1
 
     bool has(SolidRole role) const {
         return role == SolidRole::holdout ? holdout : role == SolidRole::shadow ? shadows : catches;
     }
+    bool sendsBack() const { return shadows && albedo != Rgb(0); }
 };
 
 /// A ray's intersection with a surface.
 struct SolidHit {
-    double t;            ///< the ray's parameter; infinity: no intersection
-    Vec3 wsNormal{0};    ///< normal of the triangle, of any length and to either side
-    bool hides = false;  ///< the surface belongs to a holdout
+    double t;                      ///< the ray's parameter; infinity: no intersection
+    Vec3 wsNormal{0};              ///< normal of the triangle, of any length and to either side
+    const Solid* solid = nullptr;  ///< null: no intersection
 };
 
 /// A set of solids, prepared for rays (Embree). May be used from many threads at once.

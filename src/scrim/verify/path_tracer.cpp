@@ -199,8 +199,8 @@ Rgb PathTracer::transmittance(const Vec3& ws, const Vec3& direction, double leng
     return left;
 }
 
-double PathTracer::solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const {
-    return m_scene.solids ? m_scene.solids->firstHit(role, ws, direction, begin, kInfinity) : kInfinity;
+SolidHit PathTracer::solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const {
+    return m_scene.solids ? m_scene.solids->trace(role, ws, direction, begin, kInfinity) : SolidHit{kInfinity};
 }
 
 // The light that arrives from a light before any attenuation. For an extended light, the ray is drawn at random.
@@ -211,18 +211,17 @@ Arriving PathTracer::arriving(std::size_t index, const Vec3& ws, Random& random)
     return {ray.weight, -ray.toLight, ray.distance};
 }
 
-// The radiance sent back along `direction` per unit of the volume's scattering coefficient, from light that comes
-// directly from lights.
-Rgb PathTracer::lit(const VolumeOptics& v, const Vec3& ws, const Vec3& direction, Random& random) const {
+// The light that arrives directly from those of the lights which are in `lights`, times factor(direction of travel).
+template <class Factor>
+Rgb PathTracer::lit(const std::vector<bool>& lights, const Vec3& ws, const Factor& factor, Random& random) const {
     Rgb sum(0);
     for (std::size_t i = 0; i < m_scene.lights.size(); ++i) {
-        const ViewVolume& volume = v.volume();
-        if (!volume.lights.empty() && !volume.lights[i]) continue;
+        if (!litBy(lights, i)) continue;
         const Arriving in = arriving(i, ws, random);
-        if (in.irradiance == Rgb(0)) continue;
-        Rgb light = in.irradiance * phaseValue(volume.medium.phase, -glm::dot(in.travel, direction));
+        Rgb light = in.irradiance * factor(in.travel);
+        if (light == Rgb(0)) continue;
         if (m_scene.lights[i].shadows) {
-            if (solidAhead(SolidRole::shadow, ws, -in.travel, 0) < in.distance) continue;
+            if (solidAhead(SolidRole::shadow, ws, -in.travel, 0).t < in.distance) continue;
             light *= transmittance(ws, -in.travel, in.distance, random);
         }
         sum += light;
@@ -230,48 +229,85 @@ Rgb PathTracer::lit(const VolumeOptics& v, const Vec3& ws, const Vec3& direction
     return sum;
 }
 
+// Ends most paths of little weight at random.
+bool PathTracer::goesOn(Rgb& weight, Random& random) {
+    if (most(weight) >= kRoulette) return true;
+    weight *= 2;
+    return random.next() < 0.5;
+}
+
+// A collision at `ws` with a path along `direction`, which is `first` if the path comes from the eye. False: the path
+// ends there.
+bool PathTracer::scatter(const Vec3& ws, Vec3& direction, bool first, Rgb& weight, Rgb& sum, Random& random) const {
+    // Draws the volume that scatters the path, or its absorption.
+    Rgb extinction(0), all(0);
+    std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
+    for (std::size_t i = 0; i < m_volumes.size(); ++i) {
+        extinction += m_volumes[i].extinction(ws);
+        if (scattersFully(m_volumes[i].volume())) parts[i] = m_volumes[i].scattering(ws);
+        all += parts[i];
+    }
+    if (most(all) <= 0) return false;
+    double choice = random.next() * most(all);
+    std::size_t drawn = 0;
+    while (drawn + 1 < parts.size() && choice >= most(parts[drawn])) choice -= most(parts[drawn++]);
+    if (most(parts[drawn]) <= 0) return false;
+    const double chance = most(parts[drawn]) / most(all);
+    for (int c = 0; c < 3; ++c) weight[c] *= extinction[c] > 0 ? parts[drawn][c] / (extinction[c] * chance) : 0;
+    const ViewVolume& volume = m_volumes[drawn].volume();
+    const Phase& phase = volume.medium.phase;
+    const auto towards = [&](const Vec3& travel) { return phaseValue(phase, -glm::dot(travel, direction)); };
+    if (!first) sum += weight * lit(volume.lights, ws, towards, random);
+    if (!goesOn(weight, random)) return false;
+    // The path is traced backwards, but the phase function depends only on the cosine between its two directions.
+    double cosine = 0;
+    if (phase.type == PhaseType::rayleigh) {
+        cosine = 2 * random.next() - 1;
+        weight *= 4 * std::numbers::pi * phaseValue(phase, cosine);
+    } else {
+        const bool second = phase.type == PhaseType::twoLobe && random.next() < phase.blend;
+        cosine = lobeCosine(second ? phase.g2 : phase.g, random.next());
+    }
+    direction = around(direction, cosine, 2 * std::numbers::pi * random.next());
+    return true;
+}
+
+// The same for a path that meets a solid, which is lit by all lights: Lambert's law, with directions drawn by their
+// cosine.
+bool PathTracer::sendBack(const SolidHit& hit, Vec3& ws, Vec3& direction, Rgb& weight, Rgb& sum, Random& random) const {
+    weight *= hit.solid->albedo;
+    if (most(weight) <= 0) return false;
+    Vec3 normal = glm::normalize(hit.wsNormal);
+    if (glm::dot(normal, direction) > 0) normal = -normal;
+    // Solids are traced in floats, so the next ray begins beside the surface.
+    ws += hit.t * direction + 1e-6 * glm::length(m_scene.solids->wsBounds(SolidRole::shadow).size()) * normal;
+    const auto lambert = [&](const Vec3& travel) {
+        return std::max(-glm::dot(travel, normal), 0.0) / std::numbers::pi;
+    };
+    sum += weight * lit({}, ws, lambert, random);
+    direction = around(normal, std::sqrt(random.next()), 2 * std::numbers::pi * random.next());
+    return goesOn(weight, random);
+}
+
 Rgb PathTracer::path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held, Random& random) const {
     const Vec3 eye = ws;
     Rgb weight(1), sum(0);
+    SolidHit ahead{length};
     for (int scattered = 0; scattered < kMostScatterings; ++scattered) {
-        const Flight flight = fly(ws, direction, scattered == 0 ? begin : 0, length, random);
-        if (scattered > 0) sum += weight * flight.glow;
+        const bool first = scattered == 0;
+        const Flight flight = fly(ws, direction, first ? begin : 0, ahead.t, random);
+        if (!first) sum += weight * flight.glow;
         weight *= flight.weight;
-        if (!flight.collided) return scattered > 0 && length == kInfinity ? sum + weight * m_scene.ambient : sum;
-        ws = flight.ws;
-        if (scattered == 0) weight *= held.transmittance(glm::distance(eye, ws));
-        // Draws the volume that scatters the path, or its absorption.
-        Rgb extinction(0), all(0);
-        std::vector<Rgb> parts(m_volumes.size(), Rgb(0));
-        for (std::size_t i = 0; i < m_volumes.size(); ++i) {
-            extinction += m_volumes[i].extinction(ws);
-            if (scattersFully(m_volumes[i].volume())) parts[i] = m_volumes[i].scattering(ws);
-            all += parts[i];
-        }
-        if (most(all) <= 0) return sum;
-        double choice = random.next() * most(all);
-        std::size_t volume = 0;
-        while (volume + 1 < parts.size() && choice >= most(parts[volume])) choice -= most(parts[volume++]);
-        if (most(parts[volume]) <= 0) return sum;
-        const double chance = most(parts[volume]) / most(all);
-        for (int c = 0; c < 3; ++c) weight[c] *= extinction[c] > 0 ? parts[volume][c] / (extinction[c] * chance) : 0;
-        if (scattered > 0) sum += weight * lit(m_volumes[volume], ws, direction, random);
-        if (most(weight) < kRoulette) {
-            if (random.next() >= 0.5) return sum;
-            weight *= 2;
-        }
-        // The path is traced backwards, but the phase function depends only on the cosine between its two directions.
-        const Phase& phase = m_volumes[volume].volume().medium.phase;
-        double cosine = 0;
-        if (phase.type == PhaseType::rayleigh) {
-            cosine = 2 * random.next() - 1;
-            weight *= 4 * std::numbers::pi * phaseValue(phase, cosine);
+        if (flight.collided) {
+            ws = flight.ws;
+            if (first) weight *= held.transmittance(glm::distance(eye, ws));
+            if (!scatter(ws, direction, first, weight, sum, random)) return sum;
         } else {
-            const bool second = phase.type == PhaseType::twoLobe && random.next() < phase.blend;
-            cosine = lobeCosine(second ? phase.g2 : phase.g, random.next());
+            if (first) return sum;
+            if (ahead.t == kInfinity) return sum + weight * m_scene.ambient;
+            if (!sendBack(ahead, ws, direction, weight, sum, random)) return sum;
         }
-        direction = around(direction, cosine, 2 * std::numbers::pi * random.next());
-        length = solidAhead(SolidRole::shadow, ws, direction, 0);
+        ahead = solidAhead(SolidRole::shadow, ws, direction, 0);
     }
     return sum;
 }
@@ -291,7 +327,7 @@ Estimate PathTracer::pixel(int x, int y, int paths, std::uint64_t seed) const {
         const double scale = glm::length(along);
         const Vec3 direction = along / scale, origin = rays.origin(px, py);
         const HeldRay held(m_scene.depths.get(), px, py, scale);
-        const double end = std::min(solidAhead(SolidRole::holdout, origin, direction, rays.near * scale), held.end());
+        const double end = std::min(solidAhead(SolidRole::holdout, origin, direction, rays.near * scale).t, held.end());
         const Rgb value = path(origin, direction, rays.near * scale, end, held, random);
         out.mean += value;
         squares += value * value;

@@ -31,8 +31,9 @@ class PathTracer {
     bool any() const { return m_any; }
 
     /// Premultiplied radiance, averaged over pixel (x, y), of light from lights that has scattered at least twice, and
-    /// of ambient light and emission that has scattered at least once. Averages `paths` paths; each `seed` gives a
-    /// different set.
+    /// of ambient light and emission that has scattered at least once. Solids that stop light send their albedo's part
+    /// of it back, which counts as scattering; what the eye sees last is a volume. Averages `paths` paths; each `seed`
+    /// gives a different set.
     Estimate pixel(int x, int y, int paths, std::uint64_t seed = 1) const;
 
   private:
@@ -54,9 +55,13 @@ class PathTracer {
     Flight fly(const Vec3& ws, const Vec3& direction, double from, double length, Random& random) const;
     Rgb transmittance(const Vec3& ws, const Vec3& direction, double length, Random& random) const;
     Arriving arriving(std::size_t light, const Vec3& ws, Random& random) const;
-    Rgb lit(const VolumeOptics& volume, const Vec3& ws, const Vec3& direction, Random& random) const;
+    template <class Factor>
+    Rgb lit(const std::vector<bool>& lights, const Vec3& ws, const Factor& factor, Random& random) const;
     Rgb path(Vec3 ws, Vec3 direction, double begin, double length, const HeldRay& held, Random& random) const;
-    double solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const;
+    SolidHit solidAhead(SolidRole role, const Vec3& ws, const Vec3& direction, double begin) const;
+    static bool goesOn(Rgb& weight, Random& random);
+    bool scatter(const Vec3& ws, Vec3& direction, bool first, Rgb& weight, Rgb& sum, Random& random) const;
+    bool sendBack(const SolidHit& hit, Vec3& ws, Vec3& direction, Rgb& weight, Rgb& sum, Random& random) const;
 
     const ViewScene& m_scene;
     bool m_any = false;

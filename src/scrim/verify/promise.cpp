@@ -123,7 +123,7 @@ PromisedDials promisedDials(const ViewScene& scene, const std::string& quality) 
                                  promised < kFine ? kFineAim * promised : promised, finest);
     out.promised = promised;
     if (classified) boundSurfaces(out, finest);
-    if (scene.solids && scene.solids->any(SolidRole::shadow)) resolveEdges(out, finest);
+    if (solidsBlock(scene)) resolveEdges(out, finest);
     return out;
 }
 

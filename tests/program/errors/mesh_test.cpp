@@ -44,6 +44,22 @@ TEST_F(SolidFiles, HideAndCatch) {
     EXPECT_TRUE(readExrAttributes(file("c.0007.exr")).at("channels").find("shadow.key.R") != std::string::npos);
 }
 
+// The plan says what meshes do to light that has scattered, where there is such light.
+TEST_F(SolidFiles, AreWallsForScatteredLight) {
+    const auto planOf = [&](const std::string& more, const std::string& scattering) {
+        return runWell({"plan", sceneOf("card.obj", more), "--set", "volume.volume1.medium.scattering=" + scattering})
+            .out;
+    };
+    EXPECT_NE(planOf("", "full").find("; mesh 'card' stops this light ("), std::string::npos);
+    EXPECT_NE(
+        planOf("albedo = [0.8, 0.7, 0]\n", "full").find("; mesh 'card' stops this light and sends part of it back ("),
+        std::string::npos);
+    EXPECT_EQ(planOf("shadows = false\n", "full").find("stops this light"), std::string::npos);
+    EXPECT_EQ(planOf("", "single").find("stops this light"), std::string::npos);
+    expectFailure({"plan", sceneOf("card.obj", "albedo = [0.8, 2, 0]\n")}, 3,
+                  "mesh.toml:15:10: 'albedo' is 0.8, 2, 0 in the working space; expected numbers from 0 to 1");
+}
+
 TEST_F(SolidFiles, ThatAreDamagedAreLocatedErrors) {
     const std::string place = "mesh.toml:14:8: mesh 'card': ";
     expectFailure({"render", sceneOf("none.obj"), "-o", "x.exr"}, 3, place + "none.obj: there is no such file");

@@ -52,44 +52,6 @@ ViewScene smoke(double sigma, double albedo, const Phase& phase, const Vec3& dir
     return scene;
 }
 
-// Of the light that scattered twice or more, which is what a render with scattering has beyond one without, as means
-// over blocks of 8 x 8 pixels: RMS over the blocks of what they differ from the path tracer's by, relative to the mean
-// of all light. The tracer's own noise is taken out.
-struct BlockError {
-    double error = 0, noise = 0, share = 0;
-};
-BlockError blockError(const ViewScene& scene, int paths) {
-    constexpr int kBlock = 8;
-    ViewScene once = scene;
-    for (ViewVolume& volume : once.volumes) volume.medium.scattering = Scattering::single;
-    once.ambient = Rgb(0);
-    const Frame full = renderScene(scene), single = renderScene(once);
-    const PathTracer tracer(scene);
-    const int size = scene.camera.resolution.x;
-    std::vector<Estimate> pixels(std::size_t(size) * std::size_t(size));
-    parallelFor(pixels.size(), [&](std::size_t i) {
-        pixels[i] = tracer.pixel(static_cast<int>(i) % size, static_cast<int>(i) / size, paths);
-    });
-    double square = 0, variance = 0, all = 0, multiple = 0, blocks = 0;
-    for (int y = 0; y < size; y += kBlock)
-        for (int x = 0; x < size; x += kBlock, ++blocks) {
-            double difference = 0, noise = 0;
-            for (int i = 0; i < kBlock * kBlock; ++i) {
-                const int px = x + i % kBlock, py = y + i / kBlock;
-                const Estimate& truth = pixels[std::size_t(py) * std::size_t(size) + std::size_t(px)];
-                const double rendered = pixelOf(full, px, py)[1], before = pixelOf(single, px, py)[1];
-                difference += (rendered - before - truth.mean.y) / (kBlock * kBlock);
-                noise += truth.variance.y / std::pow(kBlock * kBlock, 2);
-                all += rendered / (kBlock * kBlock);
-                multiple += truth.mean.y / (kBlock * kBlock);
-            }
-            square += difference * difference - noise;
-            variance += noise;
-        }
-    return {std::sqrt(std::max(square, 0.0) / blocks) / (all / blocks), std::sqrt(variance / blocks) / (all / blocks),
-            multiple / all};
-}
-
 // Chandrasekhar's H-function of isotropic scattering, by iteration of his integral equation (Radiative Transfer, 1950,
 // chapter V), in the form that converges also near albedo 1.
 double chandrasekharH(double albedo, double mu) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "scenes.h"
 
+#include <scrim/base/parallel.h>
+#include <scrim/verify/path_tracer.h>
 #include <scrim/volume/field_sampler.h>
 
 #include <algorithm>
@@ -147,6 +149,38 @@ ViewScene haze(double sigma) {
     ViewScene scene = orthographicScene(boxField({-40, -40, -10}, {39, 39, 9}), medium, 20, 20);
     scene.dials.sheetThickness = 1.3;
     return scene;
+}
+
+BlockError blockError(const ViewScene& scene, int paths) {
+    constexpr int kBlock = 8;
+    ViewScene once = scene;
+    for (ViewVolume& volume : once.volumes) volume.medium.scattering = Scattering::single;
+    once.ambient = Rgb(0);
+    const Frame full = renderScene(scene), single = renderScene(once);
+    const PathTracer tracer(scene);
+    const int size = scene.camera.resolution.x;
+    std::vector<Estimate> pixels(std::size_t(size) * std::size_t(size));
+    parallelFor(pixels.size(), [&](std::size_t i) {
+        pixels[i] = tracer.pixel(static_cast<int>(i) % size, static_cast<int>(i) / size, paths);
+    });
+    double square = 0, variance = 0, all = 0, multiple = 0, blocks = 0;
+    for (int y = 0; y < size; y += kBlock)
+        for (int x = 0; x < size; x += kBlock, ++blocks) {
+            double difference = 0, noise = 0;
+            for (int i = 0; i < kBlock * kBlock; ++i) {
+                const int px = x + i % kBlock, py = y + i / kBlock;
+                const Estimate& truth = pixels[std::size_t(py) * std::size_t(size) + std::size_t(px)];
+                const double rendered = pixelOf(full, px, py)[1], before = pixelOf(single, px, py)[1];
+                difference += (rendered - before - truth.mean.y) / (kBlock * kBlock);
+                noise += truth.variance.y / std::pow(kBlock * kBlock, 2);
+                all += rendered / (kBlock * kBlock);
+                multiple += truth.mean.y / (kBlock * kBlock);
+            }
+            square += difference * difference - noise;
+            variance += noise;
+        }
+    return {std::sqrt(std::max(square, 0.0) / blocks) / (all / blocks), std::sqrt(variance / blocks) / (all / blocks),
+            multiple / all};
 }
 
 }  // namespace scrim::test

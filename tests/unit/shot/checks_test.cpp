@@ -142,6 +142,14 @@ TEST(Checks, LightsAreHeldToTheirKeys) {
                   [](Scene& s) { s.ambient = Rgb(-1); });
 }
 
+TEST(Checks, MeshesAreHeldToTheirKeys) {
+    expectRefused("mesh 'card': 'albedo' is 0, 1.5, 0; expected numbers from 0 to 1", [](Scene& s) {
+        s.meshes.push_back({});
+        s.meshes.back().name = "card";
+        s.meshes.back().albedo = {0, 1.5, 0};
+    });
+}
+
 TEST(Checks, VolumesAreHeldToTheirKeys) {
     expectRefused("volume 'fog': 'scale' is nan; expected a number from 0 to 1e+30 per world unit",
                   volume([](SceneVolume& v) { v.densityScale = kNan; }));

@@ -40,7 +40,7 @@ LightSweep::LightSweep(const ViewScene& scene, const Plan& plan, const GroupPlan
     : m_scene(scene),
       m_group(group),
       m_channels(plan.extinction.count()),
-      m_passSolids(scene.solids && scene.solids->any(SolidRole::shadow)),
+      m_passSolids(solidsBlock(scene)),
       m_simd(plan.simd) {
     const ShadowFilter filter = scene.dials.shadowFilter;
     const int lookUps = plan.shadeAtPixels ? 1 : 2;

@@ -323,7 +323,7 @@ namespace {
 // sees is dark, and so is the space next to it. Thus the look of a surface does not depend on the positions of the
 // sheets. A surface that does not hide casts shadows from the middle of a sheet on.
 double pastSheet(const SolidHit& hit, const Vec3& wsLight, const Vec3& wsEye) {
-    if (!hit.hides) return 0.5;
+    if (!hit.solid->holdout) return 0.5;
     return glm::dot(hit.wsNormal, wsLight) * glm::dot(hit.wsNormal, wsEye) > 0 ? -1 : 2;
 }
 

@@ -177,7 +177,7 @@ bool isLampOnCells(const ViewScene& scene, const Light& light) {
 
 bool lampsShareCells(const ViewScene& scene) {
     constexpr std::ptrdiff_t kFew = 4;
-    if (wants(scene, Layer::light) || (scene.solids && scene.solids->any(SolidRole::shadow))) return false;
+    if (wants(scene, Layer::light) || solidsBlock(scene)) return false;
     return std::count_if(scene.lights.begin(), scene.lights.end(), [&](const Light& light) {
                return !light.distant() && !light.dome() && isLampOnCells(scene, light);
            }) > kFew;

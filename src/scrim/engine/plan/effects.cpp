@@ -236,6 +236,11 @@ Effect multipleScattering(const ViewScene& scene, const Plan& plan) {
         effect.reason += fmt::format("; {} solve{} along {} directions, cells of {:.4g} world units, about {}", solves,
                                      solves == 1 ? "" : "s", t.ordinates, t.edge, bytesText(t.bytes));
     if (const std::string skies = blurredSkies(scene, t); !skies.empty()) effect.reason += "; " + skies;
+    if (effect.on && solidsBlock(scene))
+        for (const Solid& solid : scene.solids->all())
+            if (solid.shadows)
+                effect.reason += fmt::format("; mesh {} stops this light{}", quoted(solid.name),
+                                             solid.sendsBack() ? " and sends part of it back" : "");
     return effect;
 }
 

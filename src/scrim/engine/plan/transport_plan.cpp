@@ -71,6 +71,9 @@ bool oneColour(const ViewScene& scene) {
     for (const ViewVolume& v : scene.volumes)
         for (const ViewEmission& e : v.emission)
             if (!same(e.color)) return false;
+    if (solidsBlock(scene))
+        for (const Solid& solid : scene.solids->all())
+            if (solid.shadows && !isGrey(solid.albedo)) return false;
     return same(scene.ambient);
 }
 
@@ -83,7 +86,11 @@ int ordinatesFor(const ViewScene& scene) {
         narrowest = std::max(narrowest, std::abs(v.medium.phase.g));
         if (v.medium.phase.type == PhaseType::twoLobe) narrowest = std::max(narrowest, std::abs(v.medium.phase.g2));
     }
-    return narrowest <= 0.75 ? 64 : narrowest <= 0.85 ? 128 : 256;
+    // A spot of light on a wall is small. In a room of haze with a window, and walls of albedo 0.8, the error is 1.8 %
+    // with 64 and 0.7 % with 128 or 256; with black walls 0.4 and 0.2 %.
+    const bool sentBack = solidsBlock(scene) && std::any_of(scene.solids->all().begin(), scene.solids->all().end(),
+                                                            [](const Solid& s) { return s.sendsBack(); });
+    return narrowest <= 0.75 && !sentBack ? 64 : narrowest <= 0.85 ? 128 : 256;
 }
 
 // The reason why light cannot be kept on cells; empty: it can.
@@ -214,7 +221,7 @@ CellLightPlan planCellLights(const ViewScene& scene) {
     }
     const double others = double(plan.lights.size()) - lamps;
     const bool shared = lampsShareCells(scene);
-    const double blocked = scene.solids && scene.solids->any(SolidRole::shadow) ? lamps : 0;
+    const double blocked = solidsBlock(scene) ? lamps : 0;
     const double fields = 2 * (colours * ((shared ? std::min(lamps, 1.0) : lamps) +
                                           (wants(scene, Layer::light) ? others : std::min(others, 1.0))) +
                                blocked);
@@ -254,7 +261,9 @@ TransportPlan planTransport(const ViewScene& scene) {
     plan.colours = oneColour(scene) ? 1 : 3;
     // Blocks of cells at the border are only partly covered by voxels' blocks, which about doubles their number.
     plan.cells = 2 * occupied(scene, 0.5 * plan.edge) / (plan.edge * plan.edge * plan.edge);
-    const double values = plan.isotropic ? 3 + 8 : 3 * plan.ordinates * 0.6;  // see TransportSolver and sweepIsotropic
+    // See TransportSolver and sweepIsotropic. Where walls stand, iterates are kept.
+    const bool walls = solidsBlock(scene);
+    const double values = plan.isotropic ? 3 + 8 + (walls ? 14 : 0) : (3 + (walls ? 8 : 0)) * plan.ordinates * 0.6;
     const double fields = double(plan.targets.size()) * 4 * 2;
     // The factor accounts for coarser levels, and for cells twice as large for extrapolation.
     const double bytes = 1.3 * plan.cells * sizeof(Real) * (values + fields + 6 + 3 * (plan.colours - 1));

@@ -16,101 +16,6 @@
 #include <glm/geometric.hpp>
 
 namespace scrim {
-namespace {
-
-// Coarser cells along an edge of a finer block, including one around it on each side.
-constexpr int kAround = kCellEdge / 2 + 2;
-constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
-// Of two neighbours along an axis, the nearer one has the weight three quarters.
-constexpr Real kNearer = Real(0.75), kFarther = Real(0.25);
-
-// The indices of the two coarser cells beside cell i of an edge: the nearer one, and the other.
-constexpr int nearer(int i) {
-    return i / 2 + 1;
-}
-constexpr int farther(int i) {
-    return nearer(i) + ((i & 1) != 0 ? 1 : -1);
-}
-
-using Rows = std::array<const Real*, kNear>;
-
-// Interpolates one value per row, along one axis after the other: sums of values, and how many cells they have.
-void addOne(const Rows& near, const std::int32_t* rows, Real* to) {
-    constexpr int kE = kCellEdge, kA = kAround;
-    using Pair = std::array<Real, 2>;  // value, weight
-    const auto mix = [](const Pair& a, const Pair& b) {
-        return Pair{kNearer * a[0] + kFarther * b[0], kNearer * a[1] + kFarther * b[1]};
-    };
-    std::array<Pair, kNear> cells;
-    for (std::size_t i = 0; i < kNear; ++i) cells[i] = near[i] ? Pair{*near[i], 1} : Pair{0, 0};
-    std::array<Pair, std::size_t(kE) * kA * kA> alongX;
-    for (int i = 0; i < kA * kA; ++i)
-        for (int x = 0; x < kE; ++x)
-            alongX[std::size_t(i * kE + x)] =
-                mix(cells[std::size_t(i * kA + nearer(x))], cells[std::size_t(i * kA + farther(x))]);
-    std::array<Pair, std::size_t(kE) * kE * kA> alongY;
-    for (int z = 0; z < kA; ++z)
-        for (int y = 0; y < kE; ++y)
-            for (int x = 0; x < kE; ++x)
-                alongY[std::size_t((z * kE + y) * kE + x)] = mix(alongX[std::size_t((z * kA + nearer(y)) * kE + x)],
-                                                                 alongX[std::size_t((z * kA + farther(y)) * kE + x)]);
-    for (int z = 0; z < kE; ++z)
-        for (int i = 0; i < kE * kE; ++i) {
-            const std::int32_t row = rows[z * kE * kE + i];
-            const Pair sum =
-                mix(alongY[std::size_t(nearer(z) * kE * kE + i)], alongY[std::size_t(farther(z) * kE * kE + i)]);
-            if (row >= 0 && sum[1] > 0) to[row] += sum[0] / sum[1];
-        }
-}
-
-void addMany(const Rows& near, const Int3& cell, std::size_t values, Real* to) {
-    std::array<std::pair<const Real*, Real>, 8> parts;
-    std::size_t count = 0;
-    Real sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        Int3 at;
-        Real weight = 1;
-        for (int axis = 0; axis < 3; ++axis) {
-            const bool other = (corner >> axis & 1) != 0;
-            at[axis] = other ? farther(cell[axis]) : nearer(cell[axis]);
-            weight *= other ? kFarther : kNearer;
-        }
-        const Real* row = near[std::size_t((at.z * kAround + at.y) * kAround + at.x)];
-        if (!row) continue;
-        sum += weight;
-        parts[count++] = {row, weight};
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-        const Real weight = parts[i].second / sum;
-        for (std::size_t m = 0; m < values; ++m) to[m] += weight * parts[i].first[m];
-    }
-}
-
-}  // namespace
-
-void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
-                     const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
-                     std::vector<Real>& to) {
-    const Int3 shift(glm::round(coarse.csFromWs(fine.wsFromCs(Vec3(0)))));
-    parallelFor(fine.storedBlocks().size(), [&](std::size_t block) {
-        Rows near;
-        const Int3 first = shift + fine.storedBlocks()[block] * (kCellEdge / 2) - 1;
-        for (std::size_t i = 0; i < near.size(); ++i) {
-            const auto n = static_cast<int>(i);
-            const std::ptrdiff_t cell =
-                coarse.index(first + Int3(n % kAround, n / kAround % kAround, n / (kAround * kAround)));
-            const std::int32_t row = cell < 0 ? -1 : coarseRows[std::size_t(cell)];
-            near[i] = row < 0 ? nullptr : from.data() + std::size_t(row) * values;
-        }
-        const std::int32_t* rows = fineRows.data() + block * kBlockCells;
-        if (values == 1) return addOne(near, rows, to.data());
-        for (int i = 0; i < kBlockCells; ++i)
-            if (rows[i] >= 0)
-                addMany(near, {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)}, values,
-                        to.data() + std::size_t(rows[i]) * values);
-    });
-}
-
 CellField::CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint)
     : m_grid(std::move(grid)),
       m_colours(static_cast<std::size_t>(colours)),
@@ -121,7 +26,7 @@ CellField::CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rg
 Real* CellField::cell(std::size_t index) {
     const std::size_t i = index % kBlockCells;
     const std::size_t x = i % kCellEdge + 1, y = i / kCellEdge % kCellEdge + 1, z = i / (kCellEdge * kCellEdge) + 1;
-    return block(index / kBlockCells) + ((z * kPadded + y) * kPadded + x) * m_colours;
+    return block(index / kBlockCells) + ((z * kPaddedEdge + y) * kPaddedEdge + x) * m_colours;
 }
 
 namespace {
@@ -184,7 +89,8 @@ void CellField::makeMean(std::shared_ptr<const CellField> open) {
         const Int3 first = m_grid->storedBlocks()[b] * kCellEdge - 1;
         Real* values = block(b);
         for (int i = 0; i < static_cast<int>(kPaddedCells); ++i, values += m_colours) {
-            const Int3 place = first + Int3(i % kPadded, i / kPadded % kPadded, i / (kPadded * kPadded));
+            const Int3 place =
+                first + Int3(i % kPaddedEdge, i / kPaddedEdge % kPaddedEdge, i / (kPaddedEdge * kPaddedEdge));
             const double r = glm::distance(m_grid->wsFromCs(Vec3(place) + 0.5), m_lamp->wsPosition);
             const double way = m_beyond > 0 ? wayFrom(*m_lamp, r) + m_beyond : r;
             for (std::size_t c = 0; c < m_colours; ++c)
@@ -308,6 +214,42 @@ void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
     }
 }
 
+namespace {
+
+constexpr unsigned kAllSides = 255;
+
+// Interpolates between eight cells; `corner` has the first one's values.
+void mixAll(const Real* corner, std::size_t colours, const Vec3& fraction, Real (&rgb)[3]) {
+    const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
+               fz = static_cast<Real>(fraction.z);
+    const std::size_t x = colours, y = kPaddedEdge * x, z = kPaddedEdge * y;
+    for (std::size_t c = 0; c < colours; ++c) {
+        const Real* p = corner + c;
+        const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
+        const Real near = mix(mix(p[0], p[x], fx), mix(p[y], p[y + x], fx), fy);
+        const Real far = mix(mix(p[z], p[z + x], fx), mix(p[z + y], p[z + y + x], fx), fy);
+        rgb[c] = mix(near, far, fz);
+    }
+}
+
+// The same for those cells alone that have a bit in `cells`.
+void mixSome(const Real* corner, std::size_t colours, const Vec3& fraction, unsigned cells, Real (&rgb)[3]) {
+    Real all = 0;
+    for (int i = 0; i < 8; ++i) {
+        if ((cells >> i & 1) == 0) continue;
+        constexpr double kLeast = 1e-3;  // where none of them has a weight, they count the same
+        double weight = 1;
+        for (int axis = 0; axis < 3; ++axis)
+            weight *= std::max((i >> axis & 1) != 0 ? fraction[axis] : 1 - fraction[axis], kLeast);
+        const Real* p = corner + std::size_t(paddedOffset(i & 1, i >> 1 & 1, i >> 2)) * colours;
+        for (std::size_t c = 0; c < colours; ++c) rgb[c] += static_cast<Real>(weight) * p[c];
+        all += static_cast<Real>(weight);
+    }
+    for (std::size_t c = 0; c < colours; ++c) rgb[c] /= all;
+}
+
+}  // namespace
+
 // `at` is relative to the centre of the first cell.
 void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
     const Vec3 low = glm::floor(at);
@@ -325,19 +267,15 @@ void CellField::sampleAt(const Vec3& at, Real (&rgb)[3]) const {
     for (Real& c : rgb) c = 0;
     if (stored < 0) return;
     const Vec3 fraction = at - low;
-    const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),
-               fz = static_cast<Real>(fraction.z);
-    const Real* corner = m_values.data() + (std::size_t(stored) * kPaddedCells +
-                                            std::size_t((inside.z * kPadded + inside.y) * kPadded + inside.x)) *
-                                               m_colours;
-    const std::size_t x = m_colours, y = kPadded * x, z = kPadded * y;
-    for (std::size_t c = 0; c < m_colours; ++c) {
-        const Real* p = corner + c;
-        const auto mix = [](Real a, Real b, Real t) { return a + t * (b - a); };
-        const Real near = mix(mix(p[0], p[x], fx), mix(p[y], p[y + x], fx), fy);
-        const Real far = mix(mix(p[z], p[z + x], fx), mix(p[z + y], p[z + y + x], fx), fy);
-        rgb[c] = mix(near, far, fz);
-    }
+    const Real* corner =
+        m_values.data() +
+        (std::size_t(stored) * kPaddedCells + std::size_t(paddedOffset(inside.x, inside.y, inside.z))) * m_colours;
+    const unsigned side =
+        m_grid->hasWalls() ? m_grid->onSideOf(m_grid->wsFromCs(at + 0.5), std::size_t(stored), inside) : kAllSides;
+    if (side == kAllSides)
+        mixAll(corner, m_colours, fraction, rgb);
+    else
+        mixSome(corner, m_colours, fraction, side, rgb);
     for (std::size_t c = 3; c-- > 0;) rgb[c] = rgb[m_colours == 1 ? 0 : c] * m_tint[c];
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Values on cells: interpolation to cells half as large, and the light that shading looks up at any point.
+// Light on cells, which shading looks up at any point.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -18,13 +18,6 @@
 
 namespace scrim {
 
-/// Adds to the rows of the finer cells, `values` numbers each, the values of the coarser cells (CellGrid::coarser)
-/// there, interpolated linearly between their centres. `coarseRows` and `fineRows` hold the number of each cell's row
-/// in `from` and `to`; cells with the number -1 have none and do not count.
-void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
-                     const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
-                     std::vector<Real>& to);
-
 /// The positions of a tile's samples, ws = origin + u perU + v perV, in the middle of a sheet. `wsPerSheet` leads to
 /// the next sheet along its normal, and a slope du/dw of 1 by `toTexels` along perU.
 struct SamplePlane {
@@ -34,13 +27,10 @@ struct SamplePlane {
 };
 
 /// Light on cells: radiance towards the eye per unit of scattering coefficient, which equals that of an equivalent
-/// uniform environment. It is interpolated linearly between the centres of cells.
+/// uniform environment. It is interpolated linearly between the centres of those cells that are on the same side of the
+/// grid's walls.
 class CellField {
   public:
-    /// Cells along an edge of a stored block, with one cell of its neighbours on either side.
-    static constexpr int kPadded = kCellEdge + 2;
-    static constexpr std::size_t kPaddedCells = std::size_t(kPadded) * kPadded * kPadded;
-
     /// Black. With one value per cell instead of three, the light is that value times `tint`.
     CellField(std::shared_ptr<const CellGrid> grid, int colours, const Rgb& tint = Rgb(1));
 

@@ -2,13 +2,18 @@
 #include <scrim/engine/transport/cell_grid.h>
 
 #include <scrim/base/error.h>
+#include <scrim/base/parallel.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <set>
 #include <utility>
 
 #include <fmt/format.h>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 
 namespace scrim {
 namespace {
@@ -20,6 +25,59 @@ constexpr double kFarthestBlock = 1 << 26;
 
 int blockOf(int cell) {
     return cell >> 3;  // also rounds down below 0
+}
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Calls visit(cube) for those cubes of a lattice, `edge` wide, that a solid passes within `reach`. `range`: the box of
+// cubes that count, for each solid.
+template <class Range, class Visit>
+void forCubesAt(const Solids& solids, double edge, const Vec3& wsCorner, double reach, const Range& range,
+                const Visit& visit) {
+    for (const Solid& solid : solids.all()) {
+        if (!solid.has(SolidRole::shadow)) continue;
+        const auto [least, most] = range(solid);
+        for (const auto& triangle : solid.mesh->triangles) {
+            std::array<Vec3, 3> corner;
+            Bounds box;
+            for (std::size_t i = 0; i < 3; ++i) {
+                corner[i] = (transformPoint(solid.wsFromMesh, solid.mesh->points[triangle[i]]) - wsCorner) / edge;
+                box.include(corner[i]);
+            }
+            const Vec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+            const double slack = (0.5 + reach / edge) * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
+            const Int3 first = glm::max(Int3(glm::floor(glm::clamp(box.lower - reach / edge, -1e9, 1e9))), least);
+            const Int3 last = glm::min(Int3(glm::floor(glm::clamp(box.upper + reach / edge, -1e9, 1e9))), most);
+            for (int z = first.z; z <= last.z; ++z)
+                for (int y = first.y; y <= last.y; ++y)
+                    for (int x = first.x; x <= last.x; ++x)
+                        if (std::abs(glm::dot(normal, Vec3(x, y, z) + 0.5 - corner[0])) <= slack) visit(Int3(x, y, z));
+        }
+    }
+}
+
+// Ways from one cell to the next one, beside the straight one, lead over these places of their cross-sections.
+constexpr int kWays = 4;
+constexpr double aside(int way) {
+    return (way + 0.5) / kWays - 0.5;
+}
+static_assert(kWays * kWays == kAllOpen);
+
+Int3 along(int axis) {
+    return {axis == 0, axis == 1, axis == 2};
+}
+Vec3 across(int axis, int i, int j) {
+    Vec3 out(0);
+    out[(axis + 1) % 3] = aside(i);
+    out[(axis + 2) % 3] = aside(j);
+    return out;
+}
+Int3 cornerOf(int bits) {
+    return {bits & 1, bits >> 1 & 1, bits >> 2};
+}
+// The surface of the stairs that stand for a wall, relative to the wall's.
+double stairs(const Vec3& normal) {
+    return std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
 }
 
 }  // namespace
@@ -90,6 +148,197 @@ Int3 CellGrid::place(std::size_t index) const {
     const auto inBlock = static_cast<int>(index % kBlockCells);
     return m_places[index / kBlockCells] * kCellEdge +
            Int3(inBlock % kCellEdge, inBlock / kCellEdge % kCellEdge, inBlock / (kCellEdge * kCellEdge));
+}
+
+std::vector<Bounds> CellGrid::boxesOfWalls(const Solids& solids, double edge, const Bounds& wsNear,
+                                           const Bounds& wsFar) {
+    const double blockEdge = edge * kCellEdge;
+    std::set<std::array<int, 3>> blocks;
+    const auto range = [&](const Solid& solid) {
+        const Bounds& box = solid.sendsBack() ? wsFar : wsNear;
+        return std::pair(Int3(glm::floor(box.lower / blockEdge)), Int3(glm::floor(box.upper / blockEdge)));
+    };
+    forCubesAt(solids, blockEdge, Vec3(0), 1.1 * edge, range, [&](const Int3& at) {
+        blocks.insert({at.x, at.y, at.z});
+    });
+    std::vector<Bounds> boxes;
+    for (const auto& at : blocks) {
+        const Vec3 middle = (Vec3(at[0], at[1], at[2]) + 0.5) * blockEdge;
+        boxes.push_back({middle, middle});
+    }
+    return boxes;
+}
+
+// For each cell whether a wall may pass through it, or just beside it.
+std::vector<bool> CellGrid::nearWalls() const {
+    std::vector<bool> near(cells(), false);
+    const auto everywhere = [&](const Solid&) { return std::pair(Int3(0), m_blocks * kCellEdge - 1); };
+    forCubesAt(*m_solids, m_edge, wsFromCs(Vec3(0)), 0.03 * m_edge, everywhere, [&](const Int3& at) {
+        if (const std::ptrdiff_t cell = index(at); cell >= 0) near[std::size_t(cell)] = true;
+    });
+    return near;
+}
+
+bool CellGrid::sees(const Vec3& wsFrom, const Vec3& wsTo) const {
+    return wsFrom == wsTo || m_solids->firstHit(SolidRole::shadow, wsFrom, wsTo - wsFrom, 0, 1) == kInfinity;
+}
+
+// The part of the ways from one cell to the next that no wall crosses. Only ways that begin on the one cell's side of
+// all walls, and end on the other's, count. Thus nothing leaks through a wall without edges, and a wall beside two
+// cells closes nothing between them, although it cuts through both.
+std::uint8_t CellGrid::openFace(const Int3& upper, int axis) const {
+    const Vec3 from = wsInside(upper - along(axis)), to = wsInside(upper);
+    int count = 0, all = 0;
+    const auto add = [&](const Vec3& beside) {
+        if (!sees(from, from + beside) || !sees(to, to + beside)) return;
+        ++all;
+        count += sees(from + beside, to + beside) ? 1 : 0;
+    };
+    constexpr int kLast = kWays - 1;
+    add(Vec3(0));
+    for (const auto& [i, j] : {std::pair(0, 0), {kLast, 0}, {0, kLast}, {kLast, kLast}})
+        add(m_edge * across(axis, i, j));
+    if (count == 0 || count == all) return count == 0 ? 0 : kAllOpen;
+    count = all = 0;
+    for (int way = 0; way < kAllOpen; ++way) add(m_edge * across(axis, way % kWays, way / kWays));
+    return static_cast<std::uint8_t>(std::lround(double(kAllOpen * count) / std::max(all, 1)));
+}
+
+void CellGrid::raiseWalls(std::shared_ptr<const Solids> solids) {
+    m_solids = std::move(solids);
+    const std::vector<bool> near = nearWalls();
+    const auto isNear = [&](const Int3& place) {
+        const std::ptrdiff_t cell = index(place);
+        return cell >= 0 && near[std::size_t(cell)];
+    };
+    std::vector<std::vector<std::uint8_t>> open(m_places.size());
+    parallelFor(m_places.size(), [&](std::size_t b) {
+        std::vector<std::uint8_t> ofBlock(3 * kPaddedCells, kAllOpen);
+        bool walled = false;
+        for (std::size_t i = 0; i < ofBlock.size(); ++i) {
+            const int axis = static_cast<int>(i / kPaddedCells), n = static_cast<int>(i % kPaddedCells);
+            const Int3 padded(n % kPaddedEdge, n / kPaddedEdge % kPaddedEdge, n / (kPaddedEdge * kPaddedEdge));
+            const Int3 place = m_places[b] * kCellEdge - 1 + padded;
+            if (padded[axis] == 0 || (!isNear(place) && !isNear(place - along(axis)))) continue;
+            ofBlock[i] = openFace(place, axis);
+            walled = walled || ofBlock[i] < kAllOpen;
+        }
+        if (walled) open[b] = std::move(ofBlock);
+    });
+    m_walled.assign(m_places.size(), -1);
+    m_open.clear();
+    for (std::size_t b = 0; b < open.size(); ++b) {
+        if (open[b].empty()) continue;
+        m_walled[b] = static_cast<std::int32_t>(m_open.size() / (3 * kPaddedCells));
+        m_open.insert(m_open.end(), open[b].begin(), open[b].end());
+    }
+    findSides();
+}
+
+// Where ways from a cell through one of its faces meet solids, with normals towards the cell.
+std::vector<std::pair<Vec3, SolidHit>> CellGrid::hitsOfFace(const Int3& cell, int face) const {
+    const int axis = face / 2;
+    const Vec3 from = wsInside(cell), way = m_edge * Vec3(along(axis)) * (face % 2 == 1 ? 1.0 : -1.0);
+    std::vector<std::pair<Vec3, SolidHit>> hits;
+    const auto add = [&](const Vec3& begin) {
+        SolidHit hit = m_solids->trace(SolidRole::shadow, begin, way, 0, 1);
+        if (hit.t == kInfinity) return;
+        hit.wsNormal = glm::normalize(hit.wsNormal);
+        if (glm::dot(hit.wsNormal, way) > 0) hit.wsNormal = -hit.wsNormal;
+        hits.emplace_back(begin + hit.t * way, hit);
+    };
+    for (int i = 0; i < kAllOpen; ++i) {
+        const Vec3 begin = from + m_edge * across(axis, i % kWays, i / kWays);
+        if (sees(from, begin)) add(begin);
+    }
+    if (hits.empty()) add(from);
+    return hits;
+}
+
+void CellGrid::findSides() {
+    m_sides.clear();
+    m_albedos.clear();
+    m_sideAt.clear();
+    const auto& all = m_solids->all();
+    if (std::none_of(all.begin(), all.end(), [](const Solid& s) { return s.sendsBack(); })) return;
+    m_sideAt.assign(m_open.size() / (3 * kPaddedCells) * 6 * kBlockCells, -1);
+    std::vector<std::vector<std::pair<std::size_t, Rgb>>> found(m_places.size());
+    parallelFor(m_places.size(), [&](std::size_t b) {
+        if (m_walled[b] < 0) return;
+        for (std::size_t i = 0; i < 6 * kBlockCells; ++i) {
+            const std::size_t cell = b * kBlockCells + i / 6;
+            const auto face = static_cast<int>(i % 6);
+            const Int3 at = place(cell), upper = at - m_places[b] * kCellEdge + 1 + along(face / 2) * (face % 2);
+            const int isOpen = open(m_walled[b], face / 2)[paddedOffset(upper.x, upper.y, upper.z)];
+            if (isOpen == kAllOpen) continue;
+            Rgb albedo(0);
+            const auto hits = hitsOfFace(at, face);
+            for (const auto& [ws, hit] : hits) {
+                const Rgb own = hit.solid->albedo;
+                const double k = stairs(hit.wsNormal);
+                albedo += own * k / (1.0 + own * (k - 1)) / double(hits.size());
+            }
+            if (albedo != Rgb(0)) found[b].emplace_back(6 * cell + i % 6, albedo * (1 - double(isOpen) / kAllOpen));
+        }
+    });
+    for (std::size_t b = 0; b < found.size(); ++b)
+        for (const auto& [side, albedo] : found[b]) {
+            const std::size_t at = (std::size_t(m_walled[b]) * 6 + side % 6) * kBlockCells + side / 6 % kBlockCells;
+            m_sideAt[at] = static_cast<std::int32_t>(m_sides.size());
+            m_sides.push_back(side);
+            m_albedos.push_back(albedo);
+        }
+}
+
+std::vector<std::pair<Vec3, Vec3>> CellGrid::pointsOfSide(std::size_t side) const {
+    std::vector<std::pair<Vec3, Vec3>> points;
+    const auto hits = hitsOfFace(place(m_sides[side] / 6), static_cast<int>(m_sides[side] % 6));
+    for (const auto& [ws, hit] : hits)
+        points.emplace_back(ws, hit.wsNormal / (stairs(hit.wsNormal) * double(hits.size())));
+    return points;
+}
+
+unsigned CellGrid::onSideOf(const Vec3& ws, std::size_t block, const Int3& low) const {
+    const std::int32_t walled = m_walled[block];
+    if (walled < 0) return 255;
+    std::array<unsigned, 8> beside{};
+    bool all = true;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int corner = 0; corner < 8; ++corner) {
+            if ((corner >> axis & 1) != 0) continue;
+            const int other = corner | 1 << axis;
+            const Int3 upper = low + cornerOf(other);
+            if (open(walled, axis)[paddedOffset(upper.x, upper.y, upper.z)] == 0) {
+                all = false;
+                continue;
+            }
+            beside[std::size_t(corner)] |= 1U << other;
+            beside[std::size_t(other)] |= 1U << corner;
+        }
+    if (all) return 255;
+    // The closest cell that is seen from there, and those that light reaches from it.
+    const Int3 first = m_places[block] * kCellEdge - 1 + low;
+    std::array<std::pair<double, int>, 8> order;
+    for (int corner = 0; corner < 8; ++corner)
+        order[std::size_t(corner)] = {glm::distance(ws, wsInside(first + cornerOf(corner))), corner};
+    std::sort(order.begin(), order.end());
+    for (const auto& [distance, corner] : order) {
+        if (!sees(ws, wsInside(first + cornerOf(corner)))) continue;
+        unsigned reached = 1U << corner;
+        for (unsigned before = 0; before != reached;) {
+            before = reached;
+            for (std::size_t c = 0; c < 8; ++c)
+                if ((reached >> c & 1) != 0) reached |= beside[c];
+        }
+        return reached;
+    }
+    return 255;
+}
+
+std::size_t CellGrid::bytes() const {
+    return m_stored.size() * sizeof(std::int32_t) + m_places.size() * sizeof(Int3) +
+           (m_walled.size() + m_sideAt.size()) * sizeof(std::int32_t) + m_open.size() +
+           m_sides.size() * (sizeof(std::size_t) + sizeof(Rgb));
 }
 
 }  // namespace scrim

@@ -1,24 +1,40 @@
 // SPDX-License-Identifier: Apache-2.0
 // The cells that carry scattered light: cubes along the world's axes, in blocks of 8^3, stored only where there are
 // volumes. Cells have fixed places in the world, independent of camera, lights and volumes.
+//
+// Solids are walls between cells. A face is closed if a wall separates the centres of the cells on both sides of it, so
+// walls move by up to half a cell, and slanting ones become stairs; but whatever is closed remains closed, however thin
+// it is, and light that crosses stairs is the light that would cross the wall.
 #pragma once
 
 #include <scrim/base/real.h>
 #include <scrim/geometry/bounds.h>
 #include <scrim/geometry/spaces.h>
+#include <scrim/solid/solids.h>
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace scrim {
 
 inline constexpr int kCellEdge = 8;                                    ///< cells along a block's edge
 inline constexpr int kBlockCells = kCellEdge * kCellEdge * kCellEdge;  ///< 512
+/// Cells along an edge of a block, with one cell of its neighbours on either side.
+inline constexpr int kPaddedEdge = kCellEdge + 2;
+inline constexpr std::size_t kPaddedCells = std::size_t(kPaddedEdge) * kPaddedEdge * kPaddedEdge;
+/// What is open of a face without walls.
+inline constexpr int kAllOpen = 16;
 
 /// Offset of a cell within its block; x varies fastest.
 constexpr int cellOffset(int x, int y, int z) {
     return (z * kCellEdge + y) * kCellEdge + x;
+}
+/// The same with the cells around the block, whose own first cell is (1, 1, 1).
+constexpr int paddedOffset(int x, int y, int z) {
+    return (z * kPaddedEdge + y) * kPaddedEdge + x;
 }
 
 class CellGrid {
@@ -28,8 +44,12 @@ class CellGrid {
     /// Cubes of `edge` world units, one of which has a corner at `wsCorner`, in all blocks that meet any of `wsBoxes`.
     /// Throws Error(memory) if the box around all blocks has too many to number.
     CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& wsCorner = Vec3(0));
-    /// The same space in cells twice as large.
+    /// The same space in cells twice as large, without walls.
     static CellGrid coarser(const CellGrid& fine);
+    /// Boxes within all blocks of such a grid that solids which stop light pass closely, for its constructor: those in
+    /// `wsNear`, or in `wsFar` where they also send light back.
+    static std::vector<Bounds> boxesOfWalls(const Solids& solids, double edge, const Bounds& wsNear,
+                                            const Bounds& wsFar);
 
     double edge() const { return m_edge; }
     /// The size, in blocks, of the box around all blocks.
@@ -55,7 +75,40 @@ class CellGrid {
     /// The centre of a cell.
     Vec3 wsCenter(std::size_t index) const { return wsFromCs(Vec3(place(index)) + 0.5); }
 
-    std::size_t bytes() const { return m_stored.size() * sizeof(std::int32_t) + m_places.size() * sizeof(Int3); }
+    /// Makes walls of the solids that stop light. The blocks of boxesOfWalls must be stored.
+    void raiseWalls(std::shared_ptr<const Solids> solids);
+    bool hasWalls() const { return !m_walled.empty(); }
+    /// The number of block `b` among the blocks with walls; -1: it has none.
+    std::int32_t walled(std::size_t b) const { return m_walled.empty() ? -1 : m_walled[b]; }
+    /// What is open of the lower face across `axis` of each cell of a block with walls, and of the cells around it
+    /// (kPaddedCells values), in parts of kAllOpen.
+    const std::uint8_t* open(std::int32_t walled, int axis) const {
+        return m_open.data() + (std::size_t(walled) * 3 + std::size_t(axis)) * kPaddedCells;
+    }
+    /// True if no wall stands between two points.
+    bool sees(const Vec3& wsFrom, const Vec3& wsTo) const;
+    /// A point near the centre of a cell, which stands for the cell where walls are concerned. It lies beside the
+    /// places that walls like, such as the middle between two voxels.
+    Vec3 wsInside(const Int3& place) const { return wsFromCs(Vec3(place) + Vec3(0.5113, 0.5171, 0.5237)); }
+    /// Which of eight neighbouring cells (bit a of the bit's number: the upper one along axis a) are on the same side
+    /// of the walls as `ws`, which lies between their centres. `low`: the place of the first in the padded block.
+    unsigned onSideOf(const Vec3& ws, std::size_t block, const Int3& low) const;
+
+    /// Sides of walls that send light back, as a cell sees one of its faces: 2 axis, + 1 for the upper one.
+    std::size_t sides() const { return m_sides.size(); }
+    std::size_t cellOfSide(std::size_t side) const { return m_sides[side] / 6; }
+    /// For each face the sides at the cells of a block with walls, kBlockCells values; -1: none.
+    const std::int32_t* sidesAt(std::int32_t walled, int face) const {
+        return m_sideAt.data() + (std::size_t(walled) * 6 + std::size_t(face)) * kBlockCells;
+    }
+    /// The part of the light on the whole face of a side that is sent back. Stairs have more surface than the wall they
+    /// stand for, and light that they send to each other is lost again: their albedo makes up for that.
+    const Rgb& albedoOfSide(std::size_t side) const { return m_albedos[side]; }
+    /// Points of the solid that a side stands for, each with the normal towards the cell: irradiance times the sum of
+    /// their cosines, times albedoOfSide / pi, is the radiance that comes from the whole face.
+    std::vector<std::pair<Vec3, Vec3>> pointsOfSide(std::size_t side) const;
+
+    std::size_t bytes() const;
 
   private:
     // The number of a block of the box; x varies fastest.
@@ -64,6 +117,10 @@ class CellGrid {
                std::size_t(at.x);
     }
     void number(std::vector<bool>&& wanted);
+    std::vector<bool> nearWalls() const;
+    std::uint8_t openFace(const Int3& upper, int axis) const;
+    void findSides();
+    std::vector<std::pair<Vec3, SolidHit>> hitsOfFace(const Int3& cell, int face) const;
 
     double m_edge = 1;
     Vec3 m_corner{0};  // world
@@ -71,6 +128,13 @@ class CellGrid {
     Int3 m_blocks{0};
     std::vector<std::int32_t> m_stored;  // for each block of the box, x fastest
     std::vector<Int3> m_places;
+
+    std::shared_ptr<const Solids> m_solids;
+    std::vector<std::int32_t> m_walled;  // for each stored block
+    std::vector<std::uint8_t> m_open;    // [block with walls][axis][padded cell]
+    std::vector<std::int32_t> m_sideAt;  // [block with walls][face][cell]; empty: no wall sends light back
+    std::vector<std::size_t> m_sides;    // 6 cell + face
+    std::vector<Rgb> m_albedos;
 };
 
 }  // namespace scrim

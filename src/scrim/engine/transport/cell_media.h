@@ -7,6 +7,8 @@
 #include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
 
+#include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace scrim {
@@ -20,6 +22,11 @@ struct ScatterClass {
 
     bool litBy(std::size_t light) const { return scrim::litBy(lights, light); }
 };
+
+/// Indices of those volumes that `wanted` holds for, by class: those of one scatter in the same way and are lit by the
+/// same lights.
+std::vector<std::vector<int>> alikeVolumes(const ViewScene& scene,
+                                           const std::function<bool(const ViewVolume&)>& wanted);
 
 /// The classes of the volumes whose medium scatters more than once, for a solve with `ordinates` directions.
 std::vector<ScatterClass> scatterClasses(const ViewScene& scene, int ordinates);
@@ -39,6 +46,13 @@ struct CellMedia {
     const std::vector<Real>& scatteringOf(std::size_t cls, std::size_t colour) const {
         return scattering[cls][scattering[cls].size() == 1 ? 0 : colour];
     }
+    /// True if the cell scatters light, or glows.
+    bool sends(std::size_t cell) const {
+        const auto any = [&](const auto& rows) {
+            return std::any_of(rows.begin(), rows.end(), [&](const std::vector<Real>& row) { return row[cell] > 0; });
+        };
+        return any(emission) || std::any_of(scattering.begin(), scattering.end(), any);
+    }
     std::size_t bytes() const;
 };
 
@@ -48,15 +62,20 @@ std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 /// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
 /// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. Throws
 /// Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach
-/// `margin` world units beyond the blocks of voxels, and at least one edge.
+/// `margin` world units beyond the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand
+/// in the grid, whose cells then also reach those that send light back, up to half of the volumes' size beyond these.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge,
-                    const Vec3& wsCorner = Vec3(0), double margin = 0);
+                    const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false);
 
 /// The media in cells twice as large: means over 2^3 cells each.
 CellMedia coarser(const CellMedia& fine);
 
-/// The means of a row on the grid `fine`, on the grid `coarse`, which CellGrid::coarser made from it.
-std::vector<Real> coarserRow(const CellGrid& fine, const CellGrid& coarse, const std::vector<Real>& row);
+/// Adds to the rows of the finer cells, `values` numbers each, the values of the coarser cells (CellGrid::coarser)
+/// there, interpolated linearly between their centres. `coarseRows` and `fineRows` hold the number of each cell's row
+/// in `from` and `to`; cells with the number -1 have none and do not count.
+void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& coarseRows, const std::vector<Real>& from,
+                     const CellGrid& fine, const std::vector<std::int32_t>& fineRows, std::size_t values,
+                     std::vector<Real>& to);
 
 /// greyExtinction: extinction is the same in all colours. greyScattering: so is its scattered part.
 bool greyExtinction(const ViewScene& scene);

@@ -86,7 +86,7 @@ void CellSlices::clearSums(std::size_t colours) {
 
 template <class Visit>
 void CellSlices::visitCells(CellField& field, const Visit& visit) const {
-    const int edge = CellField::kPadded;
+    const int edge = kPaddedEdge;
     const CellGrid& grid = field.grid();
     const Int3 shift(glm::round(m_grid.csFromWs(grid.wsFromCs(Vec3(0)))));
     parallelFor(grid.storedBlocks().size(), [&](std::size_t b) {

@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+
+#include <glm/common.hpp>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "scrim/engine/transport/cell_sweep.cpp"
@@ -32,9 +35,16 @@ struct Passed {
 // Some ordinates of one octant, which pass all cells in the same order.
 class Bundle {
   public:
-    HWY_ATTR Bundle(const CellSweep& sweep, int octant, int first)
-        : m_sweep(sweep), m_first(std::size_t(octant * sweep.ordinates->perOctant + first)), m_lanes(hn::Lanes(DL())) {
+    // `caught`: the bundle's own row, with one value for each side of walls that send light back.
+    HWY_ATTR Bundle(const CellSweep& sweep, int octant, int first, Real* caught)
+        : m_sweep(sweep),
+          m_caught(caught),
+          m_first(std::size_t(octant * sweep.ordinates->perOctant + first)),
+          m_lanes(hn::Lanes(DL())) {
         const Int3 blocks = sweep.grid->blocks();
+        Vec3 onFace(0);  // pi, but for the quadrature's error
+        for (std::size_t m = 0; m < sweep.ordinates->weights.size(); ++m)
+            onFace += 0.5 * sweep.ordinates->weights[m] * glm::abs(sweep.ordinates->directions[m]);
         for (std::size_t axis = 0; axis < 3; ++axis) {
             m_down[axis] = (octant >> axis & 1) != 0;
             for (std::size_t lane = 0; lane < m_lanes; ++lane)
@@ -42,6 +52,10 @@ class Bundle {
                     2 * std::abs(sweep.ordinates->directions[m_first + lane][int(axis)]) / sweep.grid->edge());
         }
         for (std::size_t lane = 0; lane < m_lanes; ++lane) {
+            for (int axis = 0; axis < 3; ++axis)
+                m_onFace[axis][lane] =
+                    static_cast<Real>(sweep.ordinates->weights[m_first + lane] *
+                                      std::abs(sweep.ordinates->directions[m_first + lane][axis]) / onFace[axis]);
             m_weight[lane] = static_cast<Real>(sweep.ordinates->weights[m_first + lane] / (4 * std::numbers::pi));
             m_inflow[lane] = sweep.inflow ? sweep.inflow[m_first + lane] : Real(0);
         }
@@ -56,21 +70,31 @@ class Bundle {
     template <class Source, class Result>
     HWY_ATTR void pass(const Source& source, const Result& result) {
         const Int3 blocks = m_sweep.grid->blocks();
-        enter(m_z.get(), std::size_t(blocks.y) * kCellEdge * m_acrossX);
+        const std::size_t acrossY = std::size_t(blocks.y) * kCellEdge, deep = std::size_t(blocks.z) * kCellEdge;
+        const std::size_t facesY = acrossY * deep, facesZ = facesY + m_acrossX * deep;
+        enter(m_z.get(), acrossY * m_acrossX, [&](std::size_t i) { return facesZ + i; });
         for (int k = 0; k < blocks.z; ++k) {
-            enter(m_y.get(), kCellEdge * m_acrossX);
+            const int atZ = m_down[2] ? blocks.z - 1 - k : k;
+            const std::size_t z = std::size_t(atZ) * kCellEdge;
+            enter(m_y.get(), kCellEdge * m_acrossX, [&](std::size_t i) { return facesY + z * m_acrossX + i; });
             for (int j = 0; j < blocks.y; ++j) {
-                enter(m_x.get(), kCellEdge * kCellEdge);
+                const int atY = m_down[1] ? blocks.y - 1 - j : j;
+                const std::size_t y = std::size_t(atY) * kCellEdge;
+                enter(m_x.get(), kCellEdge * kCellEdge,
+                      [&](std::size_t i) { return (z + i / kCellEdge) * acrossY + y + i % kCellEdge; });
                 for (int i = 0; i < blocks.x; ++i) {
-                    const Int3 at(m_down[0] ? blocks.x - 1 - i : i, m_down[1] ? blocks.y - 1 - j : j,
-                                  m_down[2] ? blocks.z - 1 - k : k);
+                    const Int3 at(m_down[0] ? blocks.x - 1 - i : i, atY, atZ);
                     const std::int32_t stored = m_sweep.grid->stored(at);
                     if (stored < 0)
                         passEmpty(at);
+                    else if (m_sweep.grid->walled(std::size_t(stored)) >= 0 && m_sweep.notBelowZero)
+                        passBlock<true, true>(at, std::size_t(stored), source, result);
+                    else if (m_sweep.grid->walled(std::size_t(stored)) >= 0)
+                        passBlock<false, true>(at, std::size_t(stored), source, result);
                     else if (m_sweep.notBelowZero)
-                        passBlock<true>(at, std::size_t(stored) * kBlockCells, source, result);
+                        passBlock<true, false>(at, std::size_t(stored), source, result);
                     else
-                        passBlock<false>(at, std::size_t(stored) * kBlockCells, source, result);
+                        passBlock<false, false>(at, std::size_t(stored), source, result);
                 }
             }
         }
@@ -80,16 +104,27 @@ class Bundle {
     HWY_ATTR VL weight() const { return lanes(m_weight); }
 
   private:
-    HWY_ATTR void enter(Real* faces, std::size_t count) const {
+    // Fills the faces at the border. borderFace(i): the number of face i (see bordersOpen).
+    template <class BorderFace>
+    HWY_ATTR void enter(Real* faces, std::size_t count, const BorderFace& borderFace) const {
         const VL inflow = lanes(m_inflow);
         for (std::size_t i = 0; i < count; ++i) hn::StoreU(inflow, DL(), faces + i * m_lanes);
+        if (!m_sweep.border || m_sweep.border->empty()) return;
+        const auto ordinates = std::size_t(m_sweep.ordinates->count());
+        for (std::size_t i = 0; i < count; ++i) {
+            const std::uint8_t* open = m_sweep.border->data() + borderFace(i) * ordinates + m_first;
+            for (std::size_t lane = 0; lane < m_lanes; ++lane)
+                faces[i * m_lanes + lane] *= static_cast<Real>(open[lane]);
+        }
     }
     Real* faceX(int y, int z) { return m_x.get() + std::size_t(z * kCellEdge + y) * m_lanes; }
     Real* faceY(int x, int z) { return m_y.get() + (std::size_t(z) * m_acrossX + std::size_t(x)) * m_lanes; }
     Real* faceZ(int x, int y) { return m_z.get() + (std::size_t(y) * m_acrossX + std::size_t(x)) * m_lanes; }
 
-    template <bool kNotBelowZero, class Source, class Result>
-    HWY_ATTR void passBlock(const Int3& at, std::size_t base, const Source& source, const Result& result) {
+    template <bool kNotBelowZero, bool kWalls, class Source, class Result>
+    HWY_ATTR void passBlock(const Int3& at, std::size_t block, const Source& source, const Result& result) {
+        const std::size_t base = block * kBlockCells;
+        const WallFaces walls = kWalls ? wallFaces(block) : WallFaces{};
         const VL slopeX = lanes(m_slope[0]), slopeY = lanes(m_slope[1]), slopeZ = lanes(m_slope[2]);
         const VL slopes = hn::Add(slopeX, hn::Add(slopeY, slopeZ));
         const DL d;
@@ -105,7 +140,13 @@ class Bundle {
                     Real* const intoY = faceY(at.x * kCellEdge + cx, z);
                     Real* const intoZ = faceZ(at.x * kCellEdge + cx, at.y * kCellEdge + y);
                     const VL extinction = hn::Set(d, m_sweep.extinction[cell]), sent = source(cell);
-                    const VL fromY = lanes(intoY), fromZ = lanes(intoZ);
+                    VL fromY = lanes(intoY), fromZ = lanes(intoZ);
+                    if constexpr (kWalls) {
+                        const auto padded = std::size_t(paddedOffset(cx + 1, y + 1, z + 1));
+                        x = past(walls, 0, padded, cell - base, x);
+                        fromY = past(walls, 1, padded, cell - base, fromY);
+                        fromZ = past(walls, 2, padded, cell - base, fromZ);
+                    }
                     // The cell's balance, with outflow = 2 in - inflow and slope = 2 |cosine| / edge.
                     const VL entered =
                         hn::MulAdd(slopeX, x, hn::MulAdd(slopeY, fromY, hn::MulAdd(slopeZ, fromZ, sent)));
@@ -117,6 +158,11 @@ class Bundle {
                         if (!hn::AllTrue(d, hn::Ge(least, hn::Zero(d))))
                             balance(x, fromY, fromZ, extinction, sent, out);
                     }
+                    if constexpr (kWalls) {
+                        collect(walls, 0, cell - base, out.x);
+                        collect(walls, 1, cell - base, out.y);
+                        collect(walls, 2, cell - base, out.z);
+                    }
                     hn::StoreU(out.y, d, intoY);
                     hn::StoreU(out.z, d, intoZ);
                     x = out.x;
@@ -125,6 +171,40 @@ class Bundle {
                 hn::StoreU(x, d, intoX);
             }
         }
+    }
+
+    // The walls of a block, for each axis: how open the faces are by which light enters cells, and the sides of walls
+    // at these faces and at those by which it leaves.
+    struct WallFaces {
+        const std::uint8_t* open[3];
+        const std::int32_t *entered[3], *left[3];
+    };
+    WallFaces wallFaces(std::size_t block) const {
+        const std::int32_t walled = m_sweep.grid->walled(block);
+        WallFaces faces{};
+        for (int axis = 0; axis < 3; ++axis) {
+            const int down = m_down[axis] ? 1 : 0;
+            faces.open[axis] =
+                m_sweep.grid->open(walled, axis) + (down == 0 ? 0 : paddedOffset(axis == 0, axis == 1, axis == 2));
+            if (!m_sweep.back) continue;
+            faces.entered[axis] = m_sweep.grid->sidesAt(walled, 2 * axis + down);
+            faces.left[axis] = m_sweep.grid->sidesAt(walled, 2 * axis + 1 - down);
+        }
+        return faces;
+    }
+    // What enters a cell through a face with walls: what gets past them, and what they send back.
+    HWY_ATTR HWY_INLINE VL past(const WallFaces& walls, int axis, std::size_t padded, std::size_t cell,
+                                VL light) const {
+        const DL d;
+        const std::uint8_t open = walls.open[axis][padded];
+        if (open == kAllOpen) return light;
+        light = hn::Mul(light, hn::Set(d, static_cast<Real>(open) / kAllOpen));
+        const std::int32_t side = walls.entered[axis] ? walls.entered[axis][cell] : -1;
+        return side < 0 ? light : hn::Add(light, hn::Set(d, m_sweep.back[side]));
+    }
+    HWY_ATTR HWY_INLINE void collect(const WallFaces& walls, int axis, std::size_t cell, VL light) const {
+        const std::int32_t side = walls.left[axis] ? walls.left[axis][cell] : -1;
+        if (side >= 0) m_caught[side] += hn::GetLane(hn::SumOfLanes(DL(), hn::Mul(lanes(m_onFace[axis]), light)));
     }
 
     // No light leaves through a face with negative outflow; the cell is balanced again without that face. Another face
@@ -188,10 +268,12 @@ class Bundle {
     }
 
     const CellSweep& m_sweep;
+    Real* m_caught;
     std::size_t m_first, m_lanes, m_acrossX;
     bool m_down[3];
-    Real m_slope[3][kOrdinateLanes];  // 2 |cosine| / edge
-    Real m_weight[kOrdinateLanes];    // they sum to 1 over all ordinates
+    Real m_slope[3][kOrdinateLanes];   // 2 |cosine| / edge
+    Real m_weight[kOrdinateLanes];     // they sum to 1 over all ordinates
+    Real m_onFace[3][kOrdinateLanes];  // weight times cosine: they sum to 1 over all ordinates to one side of a face
     Real m_inflow[kOrdinateLanes];
     // What enters the next cell along each axis: through the faces of a block, of a layer of blocks, of all of them.
     hwy::AlignedFreeUniquePtr<Real[]> m_x, m_y, m_z;
@@ -202,8 +284,9 @@ int bundleLanes() {
 }
 
 // `sum`: the bundle's own row, with one value for each cell.
-HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, const Real* source, Real* sum) {
-    Bundle bundle(sweep, octant, first);
+HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, Real* caught, const Real* source,
+                            Real* sum) {
+    Bundle bundle(sweep, octant, first, caught);
     const DL d;
     const VL weight = bundle.weight();
     bundle.pass([&](std::size_t cell) HWY_ATTR { return hn::Set(d, source[cell]); },
@@ -211,9 +294,9 @@ HWY_ATTR void passIsotropic(const CellSweep& sweep, int octant, int first, const
                     HWY_ATTR { sum[cell] = hn::GetLane(hn::SumOfLanes(d, hn::Mul(weight, in))); });
 }
 
-HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, const std::int32_t* slots,
+HWY_ATTR void passDirectional(const CellSweep& sweep, int octant, int first, Real* caught, const std::int32_t* slots,
                               Real* radiance) {
-    Bundle bundle(sweep, octant, first);
+    Bundle bundle(sweep, octant, first, caught);
     const DL d;
     const auto count = std::size_t(sweep.ordinates->count());
     const auto at = [&](std::size_t cell) {
@@ -238,16 +321,50 @@ HWY_EXPORT(passDirectional);
 
 namespace {
 
-// Calls task(bundle, octant, first ordinate of the octant) for all bundles.
+// Calls task(bundle, octant, first ordinate of the octant, the bundle's row of what walls catch) for all bundles.
 template <class Task>
 void forBundles(const CellSweep& sweep, const Task& task) {
     const int lanes = SCRIM_ON_TARGET(sweep.simd, bundleLanes)();
     const int each = sweep.ordinates->perOctant / lanes;
-    parallelFor(std::size_t(8 * each),
-                [&](std::size_t i) { task(i, static_cast<int>(i) / each, static_cast<int>(i) % each * lanes); });
+    const std::size_t sides = sweep.back ? sweep.grid->sides() : 0;
+    std::vector<Real> caught(std::size_t(8 * each) * sides, Real(0));
+    parallelFor(std::size_t(8 * each), [&](std::size_t i) {
+        task(i, static_cast<int>(i) / each, static_cast<int>(i) % each * lanes, caught.data() + i * sides);
+    });
+    if (!sweep.back) return;
+    sweep.caught->assign(sides, Real(0));
+    for (std::size_t i = 0; i < caught.size(); ++i) (*sweep.caught)[i % sides] += caught[i];
 }
 
 }  // namespace
+
+std::vector<std::uint8_t> bordersOpen(const CellGrid& grid, const Ordinates& ordinates) {
+    const Int3 size = grid.blocks() * kCellEdge;
+    const auto count = std::size_t(ordinates.count());
+    std::vector<std::uint8_t> open((std::size_t(size.y) * std::size_t(size.z) +
+                                    std::size_t(size.x) * std::size_t(size.z) +
+                                    std::size_t(size.x) * std::size_t(size.y)) *
+                                   count);
+    constexpr double kFar = 1e9;  // edges
+    std::size_t face = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const int u = axis == 0 ? 1 : 0, v = axis == 2 ? 1 : 2;
+        const std::size_t first = face, faces = std::size_t(size[u]) * std::size_t(size[v]);
+        parallelFor(faces, [&](std::size_t i) {
+            Int3 cell(0);
+            cell[u] = static_cast<int>(i) % size[u];
+            cell[v] = static_cast<int>(i) / size[u];
+            for (std::size_t m = 0; m < count; ++m) {
+                cell[axis] = ordinates.directions[m][axis] < 0 ? size[axis] - 1 : 0;
+                const Vec3 ws = grid.wsInside(cell);
+                open[(first + i) * count + m] =
+                    grid.sees(ws, ws - kFar * grid.edge() * ordinates.directions[m]) ? 1 : 0;
+            }
+        });
+        face += faces;
+    }
+    return open;
+}
 
 void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std::vector<Real>& mean,
                     std::vector<Real>& scratch) {
@@ -257,8 +374,9 @@ void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std
     // Sums have a fixed order, whichever thread finishes first.
     scratch.resize(std::max(scratch.size(), bundles * cells));
     std::fill_n(scratch.begin(), bundles * cells, Real(0));
-    forBundles(sweep, [&](std::size_t i, int octant, int first) {
-        SCRIM_ON_TARGET(sweep.simd, passIsotropic)(sweep, octant, first, source.data(), scratch.data() + i * cells);
+    forBundles(sweep, [&](std::size_t i, int octant, int first, Real* caught) {
+        SCRIM_ON_TARGET(sweep.simd, passIsotropic)
+        (sweep, octant, first, caught, source.data(), scratch.data() + i * cells);
     });
     mean.assign(cells, Real(0));
     parallelFor(sweep.grid->storedBlocks().size(), [&](std::size_t block) {
@@ -269,8 +387,8 @@ void sweepIsotropic(const CellSweep& sweep, const std::vector<Real>& source, std
 }
 
 void sweepDirectional(const CellSweep& sweep, const std::vector<std::int32_t>& slots, std::vector<Real>& radiance) {
-    forBundles(sweep, [&](std::size_t, int octant, int first) {
-        SCRIM_ON_TARGET(sweep.simd, passDirectional)(sweep, octant, first, slots.data(), radiance.data());
+    forBundles(sweep, [&](std::size_t, int octant, int first, Real* caught) {
+        SCRIM_ON_TARGET(sweep.simd, passDirectional)(sweep, octant, first, caught, slots.data(), radiance.data());
     });
 }
 

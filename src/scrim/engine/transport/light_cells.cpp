@@ -122,7 +122,7 @@ Sources sourcesOf(const ViewScene& scene, const std::vector<int>& lights) {
     alone.lights.clear();
     for (const int i : lights) alone.lights.push_back(scene.lights[std::size_t(i)]);
     Sources out;
-    out.blocked = scene.solids && scene.solids->any(SolidRole::shadow);
+    out.blocked = solidsBlock(scene);
     for (Light& light : alone.lights) light.samples = pointsOnCells(scene, light);
     const SubLights parts = subLights(alone);
     for (std::size_t i = 0; i < parts.lights.size(); ++i)
@@ -185,7 +185,7 @@ class Pass {
         constexpr double kInfinity = std::numeric_limits<double>::infinity(), kBeside = 1.5;
         const SolidHit hit =
             m_scene.solids->trace(SolidRole::shadow, ws, wsPerStep, parallel ? -kInfinity : 0, kInfinity);
-        if (!hit.hides || hit.t == kInfinity) return hit.t;
+        if (hit.t == kInfinity || !hit.solid->holdout) return hit.t;
         const bool seen = glm::dot(hit.wsNormal, wsPerStep) *
                               glm::dot(hit.wsNormal, -travelToEye(m_scene.camera, ws + hit.t * wsPerStep)) >
                           0;
@@ -224,28 +224,6 @@ class Pass {
     Simd m_simd;
     const std::function<void()>& m_checkpoint;
 };
-
-// Volumes that scatter alike and are lit by the same lights.
-struct VolumeClass {
-    Phase phase;
-    std::vector<bool> lights;
-    std::vector<std::size_t> volumes;
-};
-
-std::vector<VolumeClass> classesOf(const ViewScene& scene) {
-    std::vector<VolumeClass> classes;
-    for (std::size_t v = 0; v < scene.volumes.size(); ++v) {
-        const ViewVolume& volume = scene.volumes[v];
-        if (volume.field->empty() || volume.holdout) continue;
-        const auto same = std::find_if(classes.begin(), classes.end(), [&](const VolumeClass& c) {
-            return c.phase == volume.medium.phase && c.lights == volume.lights;
-        });
-        VolumeClass& cls =
-            same != classes.end() ? *same : classes.emplace_back(VolumeClass{volume.medium.phase, volume.lights, {}});
-        cls.volumes.push_back(v);
-    }
-    return classes;
-}
 
 // A corner of a voxel, so that cells of one voxel are the voxels, and their centres are where the field's values are.
 Vec3 cornerOfVoxels(const ViewScene& scene) {
@@ -316,26 +294,29 @@ std::vector<Job> jobsOf(const ViewScene& scene, const std::vector<int>& group,
     std::vector<Job> jobs;
     if (wants(scene, Layer::light)) light.output = Output{Layer::light, lightOfLayer(scene, group.front())};
     light.ofVolume.resize(scene.volumes.size());
-    for (const VolumeClass& cls : classesOf(scene)) {
+    const auto shown = [](const ViewVolume& volume) { return !volume.field->empty() && !volume.holdout; };
+    for (const std::vector<int>& volumes : alikeVolumes(scene, shown)) {
+        const ViewVolume& alike = scene.volumes[std::size_t(volumes.front())];
+        const Phase& phase = alike.medium.phase;
         std::vector<int> lit;
         for (const int i : group)
-            if (litBy(cls.lights, std::size_t(i))) lit.push_back(i);
+            if (litBy(alike.lights, std::size_t(i))) lit.push_back(i);
         if (lit.empty()) continue;
         const Light& first = scene.lights[std::size_t(group.front())];
         const bool lamps = isLampOnCells(scene, first);
         std::shared_ptr<CellField> field;
         if (lamps && lampsShareCells(scene)) {
-            field = addLamps(scene, lit, cls.phase, grid, grey, jobs);
+            field = addLamps(scene, lit, phase, grid, grey, jobs);
         } else {
             Sources sources = sourcesOf(scene, lit);
             if (sources.lights.empty()) continue;
             if (!grey) sources.colours = 3;
             if (sources.colours == 3) sources.tint = Rgb(1);
             field = std::make_shared<CellField>(grid, static_cast<int>(sources.colours), sources.tint);
-            if (lamps) field->setLamp(first, cls.phase, scene.camera, false);
-            jobs.push_back({std::move(sources), cls.phase, field, lamps ? &first : nullptr});
+            if (lamps) field->setLamp(first, phase, scene.camera, false);
+            jobs.push_back({std::move(sources), phase, field, lamps ? &first : nullptr});
         }
-        for (const std::size_t v : cls.volumes) light.ofVolume[v] = field;
+        for (const int v : volumes) light.ofVolume[std::size_t(v)] = field;
     }
     return jobs;
 }
@@ -359,7 +340,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
             jobs.push_back(std::move(job));
         }
     for (Job& job : jobs)
-        if (job.lamp && scene.solids && scene.solids->any(SolidRole::shadow)) {
+        if (job.lamp && solidsBlock(scene)) {
             job.open = std::make_shared<CellField>(grid, 1);
             bytes += job.open->bytes();
         }

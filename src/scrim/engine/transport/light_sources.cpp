@@ -84,7 +84,7 @@ struct ArrivingInCell : Arriving {
     Rgb straightDepth{0};  //< optical depth of scattering straight on, up to this cell
 };
 
-// Rays from cells to one light that is not extended, through extinction that is constant in each cell.
+// Rays to one light that is not extended, through extinction that is constant in each cell.
 class FirstCollisions {
   public:
     // `media`, `light` and the scene's solids must outlive this object. A light's slide must be loaded.
@@ -92,27 +92,73 @@ class FirstCollisions {
 
     // The light in cell `cell`: the mean along the ray through its centre.
     ArrivingInCell at(std::size_t cell) const;
+    // The irradiance on a small surface, one-sided and with the length of its normal as a factor.
+    Rgb onto(const Vec3& ws, const Vec3& wsNormal) const;
 
   private:
+    bool reaches(const Vec3& ws) const;
+    void findShadows();
+
     const ViewScene& m_scene;
     const CellMedia& m_media;
     const Light& m_light;
     LightAt m_unattenuated;
+    std::vector<Real> m_lit;  // the part of each cell that is not in a solid's shadow; empty: no solid casts one
 };
 
 // The distance to the light is at least the mean distance of a cell's points from its centre.
 FirstCollisions::FirstCollisions(const ViewScene& scene, const CellMedia& media, const Light& light)
-    : m_scene(scene), m_media(media), m_light(light), m_unattenuated(light, kNearest * media.grid.edge()) {}
+    : m_scene(scene), m_media(media), m_light(light), m_unattenuated(light, kNearest * media.grid.edge()) {
+    if (light.shadows && media.grid.hasWalls()) findShadows();
+}
+
+// True if no solid stands between a point and the light.
+bool FirstCollisions::reaches(const Vec3& ws) const {
+    const Arriving light = m_unattenuated.at(ws);
+    return m_scene.solids->firstHit(SolidRole::shadow, ws, -light.travel, 0, light.distance) == kInfinity;
+}
+
+// Where the edge of a shadow passes between the centres of neighbours, a cell counts by its part that is lit, on its
+// own side of walls.
+void FirstCollisions::findShadows() {
+    const CellGrid& grid = m_media.grid;
+    m_lit.assign(grid.cells(), Real(0));
+    const auto forCells = [&](const auto& visit) {
+        parallelFor(grid.storedBlocks().size(), [&](std::size_t block) {
+            for (std::size_t cell = block * kBlockCells; cell < (block + 1) * kBlockCells; ++cell) visit(block, cell);
+        });
+    };
+    forCells([&](std::size_t, std::size_t cell) {
+        if (reaches(grid.wsInside(grid.place(cell)))) m_lit[cell] = 1;
+    });
+    const std::vector<Real> centres = m_lit;
+    forCells([&](std::size_t block, std::size_t cell) {
+        const Int3 place = grid.place(cell);
+        bool edge = false;
+        for (int i = 0; i < 27 && !edge; ++i) {
+            const std::ptrdiff_t beside = grid.index(place + Int3(i % 3, i / 3 % 3, i / 9) - 1);
+            edge = beside >= 0 && centres[std::size_t(beside)] != centres[cell];
+        }
+        if (!edge) return;
+        constexpr int kParts = 4;
+        int lit = 0, all = 0;
+        for (int i = 0; i < kParts * kParts * kParts; ++i) {
+            const Vec3 part = (Vec3(i % kParts, i / kParts % kParts, i / (kParts * kParts)) + 0.5) / double(kParts);
+            const Vec3 ws = grid.wsFromCs(Vec3(place) + part);
+            if (grid.walled(block) >= 0 && !grid.sees(grid.wsInside(place), ws)) continue;
+            ++all;
+            lit += reaches(ws) ? 1 : 0;
+        }
+        if (all > 0) m_lit[cell] = static_cast<Real>(lit) / static_cast<Real>(all);
+    });
+}
 
 ArrivingInCell FirstCollisions::at(std::size_t cell) const {
     const Vec3 ws = m_media.grid.wsCenter(cell);
     ArrivingInCell out{m_unattenuated.at(ws)};
+    if (!m_lit.empty()) out.irradiance *= double(m_lit[cell]);
     if (out.irradiance == Rgb(0) || !m_light.shadows) return out;
     const Vec3 toLight = -out.travel;
-    if (m_scene.solids && m_scene.solids->firstHit(SolidRole::shadow, ws, toLight, 0, out.distance) < kInfinity) {
-        out.irradiance = Rgb(0);
-        return out;
-    }
     const Depths depths = opticalDepths(m_media, ws, toLight, out.distance);
     // The mean chord of a cube along a direction is its volume divided by its projected area.
     const double chord = m_media.grid.edge() / (std::abs(toLight.x) + std::abs(toLight.y) + std::abs(toLight.z));
@@ -121,6 +167,17 @@ ArrivingInCell FirstCollisions::at(std::size_t cell) const {
             std::exp(-depths.tau[c]) * meanOverCell(chord * m_media.extinctionOf(std::size_t(c))[cell]);
     out.straightDepth = depths.straight;
     return out;
+}
+
+Rgb FirstCollisions::onto(const Vec3& ws, const Vec3& wsNormal) const {
+    const Arriving light = m_unattenuated.at(ws);
+    const double factor = -glm::dot(light.travel, wsNormal);
+    if (factor <= 0 || light.irradiance == Rgb(0)) return Rgb(0);
+    if (!m_light.shadows) return light.irradiance * factor;
+    constexpr double kBeside = 1e-3;  // of a cell's edge: solids are traced in floats
+    const Vec3 beside = ws + kBeside * m_media.grid.edge() * glm::normalize(wsNormal);
+    if (!reaches(beside)) return Rgb(0);
+    return light.irradiance * factor * glm::exp(-opticalDepths(m_media, beside, -light.travel, light.distance).tau);
 }
 
 // The most points that represent an extended light.
@@ -210,6 +267,12 @@ struct Collisions {
                     for (std::size_t m = 0; m < values; ++m) to[m] += static_cast<Real>(scattered) * into[m];
                 }
             }
+        });
+        parallelFor(media.grid.sides(), [&](std::size_t side) {
+            double sum = 0;
+            for (const auto& [ws, normal] : media.grid.pointsOfSide(side)) sum += rays.onto(ws, normal)[colour];
+            source[solver.rows() * values + side] +=
+                static_cast<Real>(sum * media.grid.albedoOfSide(side)[colour] / std::numbers::pi);
         });
     }
 

@@ -2,12 +2,12 @@
 #include <scrim/engine/transport/solver.h>
 
 #include <scrim/base/parallel.h>
-#include <scrim/engine/transport/cell_field.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <numeric>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -19,13 +19,13 @@ constexpr std::size_t kFewestCells = 4 * kBlockCells;  // grids with fewer cells
 constexpr std::size_t kMostLevels = 6;
 // Relative tolerance for a residual. More precision is pointless, since coarser cells only approximate the finer ones.
 constexpr double kCoarseTolerance = 0.2;
-// Sweeps of coarser cells for each sweep of finer ones, and of the coarsest cells. They are few, since every level
-// calls the next one again.
+// Sweeps of coarser cells for each sweep of finer ones (few, since every level calls the next), and of the coarsest.
 constexpr int kCoarseSweeps = 3, kCoarsestSweeps = 40;
 // Consecutive sweeps that reduce the change by less than a tenth; then further ones are useless.
 constexpr int kIdleSweeps = 6;
 constexpr double kFall = 0.25;  // initial estimate of the change's ratio from sweep to sweep of the finest cells
-constexpr int kHistory = 6;
+// Steps that Anderson's acceleration mixes: few where it stands alone for cells that have a value for each ordinate.
+constexpr std::size_t kHistory = 6, kShortHistory = 3;
 constexpr std::size_t kChunk = 2048;  // rows in a task
 template <class Task>
 void forChunks(std::size_t count, const Task& task) {
@@ -42,9 +42,7 @@ double sumOf(std::size_t count, const Term& term) {
         for (std::size_t row = begin; row < end; ++row) sum += term(row);
         sums[begin / kChunk] = sum;
     });
-    double sum = 0;
-    for (const double s : sums) sum += s;
-    return sum;
+    return std::accumulate(sums.begin(), sums.end(), 0.0);
 }
 
 // Least squares by the normal equations, which need no pivots; singular directions count as 0.
@@ -63,6 +61,12 @@ std::vector<double> solved(std::vector<std::vector<double>> a, std::vector<doubl
         b[i] = std::abs(a[i][i]) > 0 ? b[i] / a[i][i] : 0;
     }
     return b;
+}
+
+std::vector<Real> difference(const std::vector<Real>& a, const std::vector<Real>& b) {
+    std::vector<Real> out(a.size());
+    for (std::size_t i = 0; i < a.size(); ++i) out[i] = a[i] - b[i];
+    return out;
 }
 
 }  // namespace
@@ -85,7 +89,10 @@ struct TransportSolver::Level {
     std::vector<Real> extinction, scattering;  // of the current colour: one value per cell, one per row
     // Share of each class in `scattering`, one value per row; empty: one class.
     std::vector<std::vector<Real>> shares;
-    std::vector<Real> x, next, source;
+    // The albedo of each side of walls that send light back, in units of `scattering`: a face of a cell emits a quarter
+    // of what the cell would.
+    std::vector<Real> sides;
+    std::vector<Real> x, next, source;  // the rows' values, then one for each side
 
     const CellMedia& cells() const { return own ? *own : media; }
 };
@@ -93,63 +100,56 @@ struct TransportSolver::Level {
 // Anderson's acceleration: the mix of the last iterates whose residuals cancel best.
 class TransportSolver::Anderson {
   public:
-    // Replaces x by the next iterate; `next` = G(x). `weights`: of the squares, one per row.
-    void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights,
-              std::size_t values) {
-        std::vector<Real> residual(x.size());
-        for (std::size_t i = 0; i < x.size(); ++i) residual[i] = next[i] - x[i];
-        if (!m_x.empty()) {
-            Difference& d = m_differences.emplace_back();
-            d.next.resize(x.size());
-            d.residual.resize(x.size());
-            for (std::size_t i = 0; i < x.size(); ++i) {
-                d.residual[i] = residual[i] - m_residual[i];
-                d.next[i] = next[i] - m_next[i];
-            }
-            if (m_differences.size() > kHistory) m_differences.erase(m_differences.begin());
-        }
-        m_x = x;
+    // Replaces x by the next iterate; `next` = G(x). Squares have the weights `weights`, one per row, then `ofSides`.
+    void step(std::vector<Real>& x, const std::vector<Real>& next, const std::vector<Real>& weights, std::size_t values,
+              const std::vector<Real>& ofSides, std::size_t history) {
+        const std::vector<Real> residual = difference(next, x);
+        if (!m_next.empty()) m_steps.push_back({difference(next, m_next), difference(residual, m_residual)});
+        if (m_steps.size() > history) m_steps.erase(m_steps.begin());
         m_next = next;
         m_residual = residual;
         const auto product = [&](const std::vector<Real>& a, const std::vector<Real>& b) {
-            return sumOf(weights.size(), [&](std::size_t row) {
+            double all = sumOf(weights.size(), [&](std::size_t row) {
                 double sum = 0;
                 for (std::size_t i = row * values; i < (row + 1) * values; ++i) sum += double(a[i]) * double(b[i]);
                 return sum * double(weights[row]);
             });
+            for (std::size_t i = 0, at = weights.size() * values; i < ofSides.size(); ++i, ++at)
+                all += double(a[at]) * double(b[at]) * double(ofSides[i]);
+            return all;
         };
-        const std::size_t n = m_differences.size();
+        const std::size_t n = m_steps.size();
         std::vector<std::vector<double>> matrix(n, std::vector<double>(n));
         std::vector<double> right(n);
         for (std::size_t i = 0; i < n; ++i) {
             for (std::size_t j = 0; j <= i; ++j)
-                matrix[i][j] = matrix[j][i] = product(m_differences[i].residual, m_differences[j].residual);
+                matrix[i][j] = matrix[j][i] = product(m_steps[i].residual, m_steps[j].residual);
             matrix[i][i] *= 1 + 1e-10;
-            right[i] = product(m_differences[i].residual, residual);
+            right[i] = product(m_steps[i].residual, residual);
         }
         const std::vector<double> part = solved(matrix, right);
         x = next;
         for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_differences[i].next[k];
+            for (std::size_t k = 0; k < x.size(); ++k) x[k] -= static_cast<Real>(part[i]) * m_steps[i].next[k];
     }
 
   private:
-    struct Difference {
+    struct Step {
         std::vector<Real> next, residual;
     };
-    std::vector<Difference> m_differences;
-    std::vector<Real> m_x, m_next, m_residual;
+    std::vector<Step> m_steps;  // from each iterate to the next one
+    std::vector<Real> m_next, m_residual;
 };
 
 TransportSolver::TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings)
     : m_classes(classes), m_settings(std::move(settings)) {
-    m_isotropic =
-        std::all_of(classes.begin(), classes.end(), [](const ScatterClass& c) { return c.phase.isotropic(); });
+    const auto isotropic = [](const ScatterClass& c) { return c.phase.isotropic(); };
+    m_isotropic = std::all_of(classes.begin(), classes.end(), isotropic);
     if (!m_isotropic)
         for (const ScatterClass& cls : classes)
             m_matrices.push_back(scatteringMatrix(m_settings.ordinates, cls.split.spread()));
     m_levels.emplace_back().own = &media;
-    while (m_settings.accelerate && m_levels.size() < kMostLevels &&
+    while (m_settings.accelerate && !media.grid.hasWalls() && m_levels.size() < kMostLevels &&
            m_levels.back().cells().grid.cells() > kFewestCells) {
         CellMedia next = coarser(m_levels.back().cells());
         m_levels.emplace_back().media = std::move(next);
@@ -174,23 +174,11 @@ const std::vector<Real>& TransportSolver::radiance() const {
 void TransportSolver::numberRows(Level& level) const {
     const CellGrid& grid = level.cells().grid;
     level.rows.assign(grid.cells(), m_isotropic ? 0 : -1);
-    if (!m_isotropic) {
-        const auto wanted = [&](std::size_t cell) {
-            for (const auto& cls : level.cells().scattering)
-                for (const std::vector<Real>& row : cls)
-                    if (row[cell] > 0) return true;
-            for (const std::vector<Real>& row : level.cells().emission)
-                if (row[cell] > 0) return true;
-            return false;
-        };
-        for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
-            if (!wanted(cell)) continue;
-            const Int3 place = grid.place(cell);
-            for (int z = -1; z <= 1; ++z)
-                for (int y = -1; y <= 1; ++y)
-                    for (int x = -1; x <= 1; ++x)
-                        if (const std::ptrdiff_t at = grid.index(place + Int3(x, y, z)); at >= 0)
-                            level.rows[std::size_t(at)] = 0;
+    for (std::size_t cell = 0; !m_isotropic && cell < grid.cells(); ++cell) {
+        if (!level.cells().sends(cell)) continue;
+        for (int i = 0; i < 27; ++i) {
+            const Int3 beside = grid.place(cell) + Int3(i % 3, i / 3 % 3, i / 9) - 1;
+            if (const std::ptrdiff_t at = grid.index(beside); at >= 0) level.rows[std::size_t(at)] = 0;
         }
     }
     for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
@@ -198,16 +186,17 @@ void TransportSolver::numberRows(Level& level) const {
         level.rows[cell] = static_cast<std::int32_t>(level.rowCount++);
         level.cellOf.push_back(cell);
     }
-    const std::size_t values = level.rowCount * valuesPerRow();
-    level.x.assign(values, Real(0));
-    level.next.assign(values, Real(0));
-    level.source.assign(values, Real(0));
+    const std::size_t values = level.rowCount * valuesPerRow() + grid.sides();
+    for (std::vector<Real>* row : {&level.x, &level.next, &level.source}) row->assign(values, Real(0));
     level.scattering.resize(level.rowCount);
 }
 
 void TransportSolver::chooseColour(Level& level, std::size_t colour) const {
     const CellMedia& media = level.cells();
     level.extinction = media.extinctionOf(colour);
+    level.sides.clear();
+    for (std::size_t side = 0; side < media.grid.sides(); ++side)
+        level.sides.push_back(static_cast<Real>(media.grid.albedoOfSide(side)[int(colour)] / (4 * media.grid.edge())));
     level.shares.assign(m_classes.size() > 1 ? m_classes.size() : 0, std::vector<Real>(level.rowCount));
     for (std::size_t row = 0; row < level.rowCount; ++row) {
         const std::size_t cell = level.cellOf[row];
@@ -238,8 +227,13 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
                 level.next[i] = last ? std::max(sent, Real(0)) : sent;
             }
     });
-    const CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(), inflow, last,
-                          m_settings.simd};
+    CellSweep cells{&level.cells().grid, &m_settings.ordinates, level.extinction.data(), inflow, last, m_settings.simd};
+    cells.border = &m_settings.border;
+    const std::size_t first = level.rowCount * values;
+    const auto perAlbedo = static_cast<Real>(4 * level.cells().grid.edge());
+    m_back.assign(level.source.begin() + std::ptrdiff_t(first), level.source.end());
+    for (std::size_t i = 0; i < m_back.size(); ++i) m_back[i] += perAlbedo * level.sides[i] * level.x[first + i];
+    if (!m_back.empty()) cells.back = m_back.data(), cells.caught = &m_caught;
     if (m_isotropic) {
         sweepIsotropic(cells, level.next, m_mean, m_scratch);
         level.next.swap(m_mean);
@@ -247,6 +241,8 @@ void TransportSolver::sweep(Level& level, const Real* inflow, bool last) {
         sweepDirectional(cells, level.rows, level.next);
         if (!last) scatter(level);
     }
+    level.next.resize(first);
+    if (!m_back.empty()) level.next.insert(level.next.end(), m_caught.begin(), m_caught.end());
     m_solved.cellDirections += level.cells().grid.cells() * std::size_t(m_settings.ordinates.count());
     if (&level == &m_levels.front()) ++m_solved.sweeps;
 }
@@ -267,11 +263,16 @@ double TransportSolver::changeOf(const Level& level) const {
             sum += (m_isotropic ? 1 : m_settings.ordinates.weights[m]) * double(value(row * values + m));
         return std::abs(sum) * double(level.scattering[row]);
     };
-    const double change = sumOf(level.rowCount, [&](std::size_t row) {
+    double change = sumOf(level.rowCount, [&](std::size_t row) {
         return total(row, [&](std::size_t i) { return level.next[i] - level.x[i]; });
     });
-    const double all = sumOf(level.rowCount,
-                             [&](std::size_t row) { return total(row, [&](std::size_t i) { return level.next[i]; }); });
+    double all = sumOf(level.rowCount,
+                       [&](std::size_t row) { return total(row, [&](std::size_t i) { return level.next[i]; }); });
+    for (std::size_t i = 0, at = level.rowCount * values; i < level.sides.size(); ++i, ++at) {
+        const double weight = (m_isotropic ? 1 : 4 * std::numbers::pi) * double(level.sides[i]);
+        change += weight * std::abs(double(level.next[at] - level.x[at]));
+        all += weight * std::abs(double(level.next[at]));
+    }
     return all > 0 ? change / all : 0;
 }
 
@@ -333,6 +334,7 @@ void TransportSolver::start(std::size_t level, const Real* inflow) {
 double TransportSolver::iterate(std::size_t level, const Real* inflow, double tolerance, int mostSweeps, bool* ahead) {
     Level& here = m_levels[level];
     const bool coarsest = level + 1 == m_levels.size();
+    const std::size_t history = here.cells().grid.hasWalls() && !m_isotropic ? kShortHistory : kHistory;
     Anderson anderson;
     double change = 0, least = std::numeric_limits<double>::infinity();
     if (coarsest && level > 0) mostSweeps = std::max(mostSweeps, kCoarsestSweeps);
@@ -347,7 +349,7 @@ double TransportSolver::iterate(std::size_t level, const Real* inflow, double to
         if (!m_settings.accelerate) {
             here.x = here.next;
         } else if (coarsest) {
-            anderson.step(here.x, here.next, here.scattering, valuesPerRow());
+            anderson.step(here.x, here.next, here.scattering, valuesPerRow(), here.sides, history);
         } else {
             // The remaining error is r + K r + ..., with r = G(x) - x: r itself, and its scattering, which coarser
             // cells compute.
@@ -369,8 +371,7 @@ Solved TransportSolver::solve(std::size_t colour, const std::vector<Real>& inflo
     for (Level& level : m_levels) chooseColour(level, colour);
     const Real* from = inflow.empty() ? nullptr : inflow.data();
     start(0, from);
-    // The sweep whose result is visible also shows how much remained to be done. This fails if much of the result is
-    // below zero.
+    // The sweep whose result is visible also shows what remained to be done, unless much of it is below zero.
     Level& finest = m_levels.front();
     bool ahead = m_settings.accelerate;
     m_solved.change = iterate(0, from, m_settings.tolerance, m_settings.mostSweeps, ahead ? &ahead : nullptr);

@@ -8,7 +8,9 @@
 // each ordinate. X = G(X), one sweep, is a contraction, but alone it needs a sweep for every order of scattering.
 // Therefore the residual of a sweep is solved for on cells twice as large, where that costs an eighth, and so on down
 // to a few cells, which are solved with Anderson's acceleration (multigrid: A. Brandt, Math. Comp. 31, 1977; D. G.
-// Anderson, J. ACM 12, 1965).
+// Anderson, J. ACM 12, 1965). Larger cells have other walls, through which a correction would leak, so in grids with
+// walls Anderson's acceleration stands alone. Where walls send light back, what arrives at them is unknown, too, and
+// belongs to X.
 #pragma once
 
 #include <scrim/base/real.h>
@@ -42,7 +44,8 @@ class TransportSolver {
         int mostSweeps = 60;       ///< sweeps of the finest cells
         bool accelerate = true;    ///< false: plain iteration, for comparison
         Simd simd;
-        std::function<void()> checkpoint;  ///< called before each sweep; throws to stop
+        std::function<void()> checkpoint;       ///< called before each sweep; throws to stop
+        std::vector<std::uint8_t> border = {};  ///< see CellSweep
     };
     /// `media` and `classes` must outlive this object.
     TransportSolver(const CellMedia& media, const std::vector<ScatterClass>& classes, Settings settings);
@@ -55,8 +58,9 @@ class TransportSolver {
     std::int32_t rowOf(std::size_t cell) const;
     std::size_t rows() const;
 
-    /// The source Q of the next solve, filled with 0: radiance per world unit, rows() x valuesPerRow(). The caller adds
-    /// to it.
+    /// The source Q of the next solve, filled with 0: radiance per world unit, rows() x valuesPerRow(). After that
+    /// comes one value for each of the grid's sides of walls: the radiance that it sends back of light from lights, as
+    /// a mean over the face. The caller adds to it.
     std::vector<Real>& clearedSource();
     /// Solves for colour `colour` of the media. `inflow`: radiance along each ordinate from outside of all volumes;
     /// empty: none. Afterwards `radiance()` holds, for each row, the radiance along each ordinate, or its mean over all
@@ -86,6 +90,7 @@ class TransportSolver {
     std::vector<std::vector<Real>> m_matrices;  // for each class, see scatteringMatrix
     std::vector<Level> m_levels;                // starting with the finest
     std::vector<Real> m_mean, m_scratch;        // memory of sweeps, kept because fresh memory is slow
+    std::vector<Real> m_back, m_caught;         // for each side of walls (see CellSweep)
     Solved m_solved;
 };
 

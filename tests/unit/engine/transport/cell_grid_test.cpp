@@ -4,6 +4,7 @@
 
 #include <scrim/base/error.h>
 #include <scrim/engine/transport/cell_field.h>
+#include <scrim/engine/transport/cell_media.h>
 
 #include <gtest/gtest.h>
 

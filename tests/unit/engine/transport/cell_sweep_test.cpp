@@ -2,6 +2,8 @@
 // Sweeps against what they must leave exactly as it is, whatever the cells' size.
 #include <scrim/engine/transport/cell_sweep.h>
 
+#include "support/meshes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -9,6 +11,9 @@
 #include <cstdint>
 #include <numeric>
 #include <vector>
+
+#include <glm/gtx/string_cast.hpp>
+#include <glm/vector_relational.hpp>
 
 namespace scrim::test {
 namespace {
@@ -67,6 +72,61 @@ TEST(CellSweep, OfOneDirectionAfterTheOtherIsThatOfTheirMean) {
         double sum = 0;
         for (std::size_t m = 0; m < count; ++m) sum += box.set.weights[m] * double(radiance[i * count + m]);
         ASSERT_NEAR(sum / (16 * std::atan(1.0)), double(mean[i]), 1e-4);
+    }
+}
+
+// The cells whose centres are in a box.
+std::vector<bool> within(const CellGrid& grid, const Vec3& lower, const Vec3& upper) {
+    std::vector<bool> in(grid.cells());
+    for (std::size_t cell = 0; cell < in.size(); ++cell) {
+        const Vec3 ws = grid.wsCenter(cell);
+        in[cell] = glm::all(glm::greaterThan(ws, lower)) && glm::all(glm::lessThan(ws, upper));
+    }
+    return in;
+}
+
+// A closed room lets nothing in, and what glows in it does not light what is outside.
+TEST(CellSweep, DoesNotPassTheWallsOfAClosedRoom) {
+    const Vec3 lower(3.3, 2.7, 4.2), upper(12.6, 11.1, 9.9);
+    for (const bool glows : {false, true}) {
+        Box box(0.2, glows ? 0 : 1);
+        box.grid.raiseWalls(oneSolid(roomMesh(lower, upper)));
+        const std::vector<bool> in = within(box.grid, lower, upper);
+        std::vector<Real> source(box.grid.cells(), Real(0));
+        for (std::size_t cell = 0; glows && cell < source.size(); ++cell) source[cell] = in[cell] ? Real(1) : Real(0);
+        std::vector<Real> mean(box.grid.cells()), scratch;
+        sweepIsotropic(box.sweep(true), source, mean, scratch);
+        for (std::size_t cell = 0; cell < mean.size(); ++cell) {
+            if (in[cell] == glows) {
+                ASSERT_GT(double(mean[cell]), 1e-3) << cell;
+            } else {
+                ASSERT_EQ(double(mean[cell]), 0) << cell;
+            }
+        }
+    }
+}
+
+// An oven: walls that shine evenly fill a room with that light, and catch as much. Stairs are no exception.
+TEST(CellSweep, IsInBalanceWithWallsThatShineAsBrightly) {
+    for (const auto& mesh : {roomMesh({3.3, 2.7, 4.2}, {12.6, 11.1, 9.9}), ballMesh({8.2, 7.7, 8.1}, 6.3)}) {
+        Box box(0, 0);
+        box.grid.raiseWalls(oneSolid(mesh, true, true, false, Rgb(1)));
+        ASSERT_GT(box.grid.sides(), 100u);
+        std::vector<Real> back;  // the albedo of what is closed of a face is 1, also that of stairs
+        for (std::size_t side = 0; side < box.grid.sides(); ++side)
+            back.push_back(static_cast<Real>(3 * box.grid.albedoOfSide(side).x));
+        std::vector<Real> mean(box.grid.cells()), scratch, caught;
+        CellSweep sweep = box.sweep();
+        sweep.back = back.data();
+        sweep.caught = &caught;
+        sweepIsotropic(sweep, std::vector<Real>(box.grid.cells(), Real(0)), mean, scratch);
+        const Vec3 middle(8.2, 7.7, 8.1);
+        for (std::size_t side = 0; side < back.size(); ++side) {
+            const std::size_t cell = box.grid.cellOfSide(side);
+            if (!box.grid.sees(box.grid.wsInside(box.grid.place(cell)), middle)) continue;
+            EXPECT_NEAR(double(mean[cell]), 3, 1e-4);
+            EXPECT_NEAR(double(caught[side]), 3, 1e-4) << glm::to_string(box.grid.place(cell));
+        }
     }
 }
 
