@@ -15,6 +15,7 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 namespace scrim {
 namespace {
@@ -82,14 +83,17 @@ std::unique_ptr<const FieldMover> moverOf(const VolumeFields& fields, const Spar
                                               density.empty() && glows != fields.emission.end() ? **glows : density);
 }
 
-/// Gives the volume its look, with the scale of its extinction.
-void addLook(const SceneVolume& volume, ViewVolume& out) {
+/// Gives the volume, whose grid is `density`, its look with the scale of its extinction.
+void addLook(const SceneVolume& volume, const SparseField& density, ViewVolume& out) {
     out.medium = volume.medium;
     out.medium.densityScale = volume.densityScale;
     if (!volume.classified) return;
     Classified look = *volume.classified;
     look.densityScale = volume.densityScale;
+    if (look.perVoxel)
+        look.densityScale /= std::cbrt(std::abs(glm::determinant(Mat3(volume.wsFromAsset * density.wsFromIs))));
     out.classified = std::make_shared<const Classified>(std::move(look));
+    for (const HalfSpace& face : volume.clip) out.wsClip.push_back(transformed(face, glm::inverse(volume.wsFromAsset)));
 }
 
 std::optional<Kernel> kernelOf(GridInterpolation interpolation) {
@@ -111,11 +115,16 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     ViewVolume out;
     out.name = volume.name;
     out.kernel = kernelOf(volume.interpolation);
-    addLook(volume, out);
     out.lights = lightsOf(scene, volume);
     out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
+    addLook(volume, *density, out);
     if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
+    // What is classified is cut where it is seen, because its values must not change.
+    const auto cut = [&](const FieldPointer& field) {
+        return volume.classified || volume.clip.empty() ? field : clippedField(field, volume.clip);
+    };
+    density = cut(density);
     if (moved == Moved::byVelocity)
         out.velocity = velocityOf(volume, fields);
     else
@@ -126,9 +135,9 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
                 for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i])) {
                     const auto& mask = volume.emission[i].mask;
                     const bool masked = mask && i < fields.emissionMasks.size() && fields.emissionMasks[i];
-                    out.emission.push_back(
-                        {placed(masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field),
-                         emitted.color});
+                    const FieldPointer own =
+                        masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field;
+                    out.emission.push_back({placed(cut(own)), emitted.color});
                 }
         if (volume.albedoGrid && fields.albedo[0] && !density->empty())
             for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
