@@ -151,13 +151,17 @@ std::optional<Slice> headerOf(const SliceFile& file, const std::string& path) {
 std::vector<Slice> seriesOf(const std::vector<SliceFile>& files, const std::string& chosen, const std::string& path) {
     std::map<std::string, std::vector<Slice>> all;
     std::string wanted;
+    bool isChosen = false;
     for (const SliceFile& file : files) {
         std::optional<Slice> slice = headerOf(file, path);
-        if (file.name == chosen && !slice) refuse(path, "is not a DICOM file, or holds no picture");
         if (!slice) continue;
-        if (file.name == chosen) wanted = slice->series;
+        if (file.name == chosen) {
+            wanted = slice->series;
+            isChosen = true;
+        }
         all[slice->series].push_back(std::move(*slice));
     }
+    if (!chosen.empty() && !isChosen) refuse(path, "is not a DICOM file, or holds no picture");
     if (all.empty()) refuse(path, "no file in the folder holds a DICOM picture");
     if (!chosen.empty()) return all[wanted];
     if (all.size() > 1) {
