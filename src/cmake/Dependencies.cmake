@@ -48,7 +48,8 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(embree 3 CONFIG REQUIRED)
 
-# Libraries of the volume sources. The CMake configs of Teem and NIfTI do not work, so both are found by their files.
+# Libraries of the volume sources. The CMake configs of Teem and NIfTI do not work, and that of
+# GDCM wants all of its programs, so they are found by their files.
 find_package(ZLIB REQUIRED)
 find_package(assimp CONFIG REQUIRED)
 find_path(SCRIM_TEEM_INCLUDE teem/nrrd.h REQUIRED)
@@ -61,3 +62,10 @@ target_link_libraries(scrim_teem INTERFACE ${SCRIM_TEEM_LIBRARY})
 add_library(scrim_nifti INTERFACE)
 target_include_directories(scrim_nifti SYSTEM INTERFACE ${SCRIM_NIFTI_INCLUDE})
 target_link_libraries(scrim_nifti INTERFACE ${SCRIM_NIFTI_LIBRARY})
+find_path(SCRIM_GDCM_INCLUDE gdcmImageReader.h PATH_SUFFIXES gdcm-3.0 REQUIRED)
+add_library(scrim_gdcm INTERFACE)
+target_include_directories(scrim_gdcm SYSTEM INTERFACE ${SCRIM_GDCM_INCLUDE})
+foreach(part MSFF DSED Common)
+    find_library(SCRIM_GDCM_${part} gdcm${part} REQUIRED)
+    target_link_libraries(scrim_gdcm INTERFACE ${SCRIM_GDCM_${part}})
+endforeach()

@@ -54,8 +54,9 @@ Scan halved(const Scan& scan, int axis) {
 }
 
 void map(Scan& scan, const Mapping& mapping) {
-    const double least =
+    double least =
         mapping.keepsUnits && mapping.window ? std::max(mapping.threshold, (*mapping.window)[0]) : mapping.threshold;
+    if (mapping.offset != 0) least = std::max(least, -mapping.offset);
     for (float& value : scan.values) {
         if (value <= least) {
             value = 0;
@@ -66,7 +67,7 @@ void map(Scan& scan, const Mapping& mapping) {
             const auto& [low, high] = *mapping.window;
             v = mapping.keepsUnits ? std::clamp(v, low, high) : std::clamp((v - low) / (high - low), 0.0, 1.0);
         }
-        value = static_cast<float>(v * mapping.scale);
+        value = static_cast<float>((v + mapping.offset) * mapping.scale);
     }
 }
 

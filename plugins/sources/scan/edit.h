@@ -20,7 +20,8 @@ struct Mapping {
     std::optional<std::array<double, 2>> window;  ///< these values become 0 and 1; values beyond are clamped
     /// Values are only clamped to the window and keep their units; those up to its begin are empty.
     bool keepsUnits = false;
-    double scale = 1;  ///< applied last
+    double offset = 0;  ///< is added to values that keep their units
+    double scale = 1;   ///< applied last
 };
 
 /// Applies `mapping`. NaN stays NaN.

@@ -7,11 +7,13 @@
 // The extension of the file decides its format:
 //   .nrrd .nhdr   NRRD, with its samples inside or in one file of the same folder, in any encoding that Teem knows
 //   .nii .nii.gz  NIfTI-1 or -2
+//   .dcm .dicom   DICOM: the series in the file's folder that the file belongs to, sorted by the slices' positions
+//   a folder      DICOM: the only series in it
 //   others        raw samples, x fastest; gzipped where the name ends in .gz
 // A header states size, type, byte order and place itself, so the parameters marked raw must not be given then. Its
 // place is kept: NRRD's space directions and origin (or spacings), NIfTI's sform, else its qform, else its spacings, in
-// the unit and handedness of the file (NIfTI: millimetres, x to the right, y to the front, z up; values by its slope
-// and intercept). A scene's `transform` turns it.
+// the unit and handedness of the file (NIfTI: millimetres, x to the right, y to the front, z up; DICOM: millimetres, x
+// to the left, y to the back, z up; values of both by slope and intercept). A scene's `transform` turns it.
 //
 // Parameters:
 //   file         path; in a scene it is relative to the scene, with ${NAME} and frames as in other paths
@@ -25,12 +27,16 @@
 //   crop_from    first sample that is kept, along x, y, z
 //   crop_to      first sample after those that are kept; 0, 0, 0: up to the end
 //   halve        axes, such as z or xyz, along which each two samples become their mean
+//   rescale      "slope, intercept": samples become slope * sample + intercept, before all that follows; for files that
+//                hold no Hounsfield units but whole numbers that stand for them
 //   threshold    samples up to this (as the file has them) are empty
 //   window       "lo, hi": these become 0 and 1, values beyond are clamped; "full": least and largest sample; empty:
 //                no window
 //   scale        factor that is applied last
 //   units        scan: values stay as the scan has them (Hounsfield, say), for a transfer function in its units; values
 //                beyond a window are clamped, and values that are not above its begin are empty
+//                hounsfield: the same for Hounsfield units, plus 1024, so that those below 0 can be seen, as the
+//                windows of [volume.classified] expect them; a threshold of 0 is then that of the scale, -1024
 //   describe     true: makes two small grids in place of the samples, a histogram of their values and the two ends of
 //                the lattice (describe.h)
 //
@@ -48,6 +54,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <optional>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -68,6 +75,7 @@ enum {
     kCropFrom,
     kCropTo,
     kHalve,
+    kRescale,
     kThreshold,
     kWindow,
     kScale,
@@ -77,7 +85,8 @@ enum {
 };
 // 'auto' means what a header says, and for raw files the first of the other words.
 constexpr scrim_parameter kParameters[kCount] = {
-    {"file", SCRIM_STRING, "", 0, 0, nullptr, "path of a .nrrd, .nhdr, .nii, .nii.gz or raw file"},
+    {"file", SCRIM_STRING, "", 0, 0, nullptr,
+     "path of a .nrrd, .nhdr, .nii, .nii.gz, .dcm or raw file, or of a folder with a DICOM series"},
     {"size", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr, "raw: samples along x, y, z"},
     {"type", SCRIM_STRING, "auto", 0, 0, "auto|uint8|int8|uint16|int16|uint32|int32|float|double",
      "raw: type of samples; auto: uint8"},
@@ -90,11 +99,12 @@ constexpr scrim_parameter kParameters[kCount] = {
     {"crop_to", SCRIM_VEC3, "0, 0, 0", 0, 1e6, nullptr,
      "end of the samples that are kept, exclusive; 0, 0, 0: up to the end"},
     {"halve", SCRIM_STRING, "", 0, 0, nullptr, "axes along which each two samples become one: z, xy, xyz, ..."},
+    {"rescale", SCRIM_STRING, "", 0, 0, nullptr, "'slope, intercept' that make Hounsfield units, say, of samples"},
     {"threshold", SCRIM_NUMBER, "0", 0, 0, nullptr, "samples up to this value are empty"},
     {"window", SCRIM_STRING, "", 0, 0, nullptr, "'lo, hi' that become 0 and 1, or 'full'; empty: values as they are"},
     {"scale", SCRIM_NUMBER, "1", 0, 1e30, nullptr, "factor on values"},
-    {"units", SCRIM_STRING, "window", 0, 0, "window|scan",
-     "window: values become 0 to 1; scan: values stay as they are"},
+    {"units", SCRIM_STRING, "window", 0, 0, "window|scan|hounsfield",
+     "window: values become 0 to 1; scan: they stay as they are; hounsfield: they get 1024 added, for windows"},
     {"describe", SCRIM_BOOL, "false", 0, 0, nullptr, "a histogram and the lattice's ends in place of the samples"},
 };
 
@@ -140,10 +150,12 @@ Scan readRawFile(const std::string& path, const scrim_value* values) {
 
 Scan readFile(const scrim_value* values) {
     const std::string path = values[kFile].text, name = lowerCase(path);
-    if (path.empty()) throw std::runtime_error("expected 'file', a .nrrd, .nhdr, .nii, .nii.gz or raw file");
+    if (path.empty())
+        throw std::runtime_error("expected 'file', a .nrrd, .nhdr, .nii, .nii.gz, .dcm or raw file, or a folder");
     const bool nrrd = name.ends_with(".nrrd") || name.ends_with(".nhdr");
     const bool nifti = name.ends_with(".nii") || name.ends_with(".nii.gz");
-    if (!nrrd && !nifti) return readRawFile(path, values);
+    const bool dicom = isDicomFile(path) || isFolder(path);
+    if (!nrrd && !nifti && !dicom) return readRawFile(path, values);
     const std::string_view automatic = "auto";
     const char* given = !isZero(values[kSize])              ? "size"
                         : values[kType].text != automatic   ? "type"
@@ -151,7 +163,7 @@ Scan readFile(const scrim_value* values) {
                         : values[kHeader].integer != 0      ? "header"
                                                             : nullptr;
     if (given != nullptr) refuse(path, fmt::format("has its own '{}'; that parameter is for raw files only", given));
-    return nrrd ? readNrrd(path) : readNifti(path);
+    return dicom ? readDicom(path) : nrrd ? readNrrd(path) : readNifti(path);
 }
 
 void place(Scan& scan, const scrim_value* values) {
@@ -189,11 +201,40 @@ Scan edited(Scan scan, const scrim_value* values) {
     return scan;
 }
 
+/// The two numbers of "a, b"; none where the text is anything else.
+std::optional<std::array<double, 2>> pairIn(std::string text) {
+    std::erase(text, ' ');
+    std::array<double, 2> pair{};
+    const char *end = text.data() + text.size(), *at = text.data();
+    const auto first = std::from_chars(at, end, pair[0]);
+    if (first.ec != std::errc() || first.ptr == end || *first.ptr != ',') return {};
+    const auto second = std::from_chars(first.ptr + 1, end, pair[1]);
+    if (second.ec != std::errc() || second.ptr != end || !std::isfinite(pair[0]) || !std::isfinite(pair[1])) return {};
+    return pair;
+}
+
+void rescale(Scan& scan, const std::string& text) {
+    if (text.empty()) return;
+    const auto line = pairIn(text);
+    if (!line || (*line)[0] == 0)
+        throw std::runtime_error(
+            fmt::format("'rescale' is '{}', expected a slope that is not 0 and an intercept, such "
+                        "as 1, -1024",
+                        text.substr(0, 80)));
+    for (float& v : scan.values) v = static_cast<float>((*line)[0] * double(v) + (*line)[1]);
+}
+
 Mapping mappingOf(const Scan& scan, const scrim_value* values) {
+    constexpr double kHounsfieldZero = 1024;
     Mapping mapping;
     mapping.threshold = values[kThreshold].number[0];
     mapping.scale = values[kScale].number[0];
-    mapping.keepsUnits = std::string_view(values[kUnits].text) == "scan";
+    const std::string_view units = values[kUnits].text;
+    mapping.keepsUnits = units != "window";
+    if (units == "hounsfield") {
+        mapping.offset = kHounsfieldZero;
+        if (mapping.threshold == 0) mapping.threshold = -kHounsfieldZero;
+    }
     std::string text = values[kWindow].text;
     if (text.empty()) return mapping;
     std::array<double, 2> window{};
@@ -201,22 +242,18 @@ Mapping mappingOf(const Scan& scan, const scrim_value* values) {
         window = range(scan);
         if (!(window[0] < window[1])) throw std::runtime_error("'window' is 'full', but all samples are equal");
     } else {
-        std::erase(text, ' ');
-        const char *end = text.data() + text.size(), *at = text.data();
-        const auto low = std::from_chars(at, end, window[0]);
-        const bool comma = low.ec == std::errc() && low.ptr != end && *low.ptr == ',';
-        const auto high = comma ? std::from_chars(low.ptr + 1, end, window[1]) : low;
-        if (!comma || high.ec != std::errc() || high.ptr != end || !(window[0] < window[1]) ||
-            !std::isfinite(window[1] - window[0]))
+        const auto pair = pairIn(text);
+        if (pair) window = *pair;
+        if (!pair || !(window[0] < window[1]) || !std::isfinite(window[1] - window[0]))
             throw std::runtime_error(
                 fmt::format("'window' is '{}', expected two ascending numbers such as 0, 255, or 'full'",
                             std::string_view(values[kWindow].text).substr(0, 80)));
     }
-    if (mapping.keepsUnits && window[0] < 0)
-        throw std::runtime_error(
-            fmt::format("'window' begins at {}, but units=scan keeps values as they are, and values below 0 are empty; "
-                        "without it a window maps them to 0 to 1",
-                        window[0]));
+    if (mapping.keepsUnits && window[0] < -mapping.offset)
+        throw std::runtime_error(fmt::format(
+            "'window' begins at {}, but units={} keeps values as they are, and values below {:g} are empty; "
+            "without it a window maps them to 0 to 1",
+            window[0], units, 0 - mapping.offset));
     mapping.window = window;
     return mapping;
 }
@@ -262,6 +299,7 @@ int emit(const scrim_host* host, const Scan& scan) {
 int generate(const scrim_host* host, const scrim_value* values) {
     try {
         Scan scan = readFile(values);
+        rescale(scan, values[kRescale].text);
         place(scan, values);
         scan = edited(std::move(scan), values);
         if (values[kCenter].boolean != 0) moveToOrigin(scan);
@@ -281,7 +319,7 @@ int generate(const scrim_host* host, const scrim_value* values) {
 constexpr scrim_source kSource = {SCRIM_SOURCE_ABI,
                                   sizeof(scrim_source),
                                   "scan",
-                                  "scans and other dense volumes: NRRD, NIfTI or raw samples",
+                                  "scans and other dense volumes: NRRD, NIfTI, DICOM or raw samples",
                                   kParameters,
                                   kCount,
                                   sizeof(scrim_parameter),

@@ -69,4 +69,12 @@ std::vector<float> readRaw(const std::string& path, const RawLayout& layout);
 Scan readNrrd(const std::string& path);
 Scan readNifti(const std::string& path);
 
+/// Reads the DICOM series in a folder, or the one in its folder that a file belongs to, through GDCM. The path may also
+/// be that of a file that holds those of the folder (scrim_source.h). Samples are by slope and intercept.
+Scan readDicom(const std::string& path);
+/// True for names that end in .dcm or .dicom.
+bool isDicomFile(const std::string& path);
+/// True for folders, and for files that hold one.
+bool isFolder(const std::string& path);
+
 }  // namespace scan

@@ -3,6 +3,7 @@
 #include <scrim/guard/guarded_load.h>
 
 #include <scrim/base/installed.h>
+#include <scrim/base/letter_case.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/field_transfer.h>
 #include <scrim/volume/ax_module.h>
@@ -18,10 +19,15 @@
 #include <chrono>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 namespace scrim {
 namespace {
@@ -85,6 +91,69 @@ class OpenFile {
     Descriptor m_file;
     std::uint64_t m_size = 0;
     std::string m_problem;
+};
+
+/// The folder whose files a source may want all of: `path` itself, or that of a DICOM file, which is one slice of many.
+std::optional<std::string> folderFor(const std::string& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) return path;
+    const std::string name = lowerCase(path);
+    if (!name.ends_with(".dcm") && !name.ends_with(".dicom")) return {};
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    return folder.empty() ? "." : folder.string();
+}
+
+/// A file that holds the DICOM files of a folder, as scrim_source.h describes it, because a child cannot open the
+/// folder. Only their names and first bytes are looked at here.
+class FolderFile {
+  public:
+    /// Throws Error where a file cannot be read, or where they are too many.
+    FolderFile(const std::string& folder, const Checkpoint& checkpoint) : m_file(createTransfer()) {
+        std::error_code error;
+        std::vector<std::filesystem::path> paths;
+        for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+            if (at->is_regular_file(error)) paths.push_back(at->path());
+        if (error) throw Error(ErrorKind::input, fmt::format("{}: {}", folder, error.message()));
+        std::sort(paths.begin(), paths.end());
+        add("scrim folder\n", folder);
+        for (const std::filesystem::path& path : paths) {
+            if (checkpoint) checkpoint();
+            addDicom(path);
+        }
+    }
+    int fd() const { return m_file.fd(); }
+    std::uint64_t size() const { return m_size; }
+
+  private:
+    void add(const std::string& bytes, const std::string& path) {
+        constexpr std::uint64_t kMost = std::uint64_t{16} << 30;
+        if (bytes.size() > kMost - m_size)
+            throw Error(ErrorKind::input, fmt::format("{}: the folder holds more than 16 GB of DICOM files", path));
+        for (std::size_t done = 0; done < bytes.size();) {
+            const ssize_t n = ::write(m_file.fd(), bytes.data() + done, bytes.size() - done);
+            if (n < 0 && errno == EINTR) continue;
+            if (n <= 0)
+                throw Error(kindOfSystemError(errno, ErrorKind::memory),
+                            fmt::format("{}: cannot be copied for its reader: {}", path, systemErrorText(errno)));
+            done += static_cast<std::size_t>(n);
+        }
+        m_size += bytes.size();
+    }
+    void addDicom(const std::filesystem::path& path) {
+        constexpr std::size_t kMark = 128;  // where a DICOM file says that it is one
+        std::ifstream in(path, std::ios::binary);
+        std::string bytes(kMark + 4, '\0');
+        const std::string name = path.filename().string();
+        if (!in.read(bytes.data(), std::streamsize(bytes.size())) || bytes.compare(kMark, 4, "DICM") != 0 ||
+            name.find('\n') != std::string::npos)
+            return;
+        bytes.append(std::istreambuf_iterator<char>(in), {});
+        add(fmt::format("{} {}\n", bytes.size(), name), path.string());
+        add(bytes, path.string());
+    }
+
+    Descriptor m_file;
+    std::uint64_t m_size = 0;
 };
 
 /// What messages about a child call its work.
@@ -276,15 +345,23 @@ std::vector<SparseField> guardedSource(const std::string& source, const SourcePa
                                        const std::string& path, const LoadOptions& options, const MessageSink& messages,
                                        const Checkpoint& checkpoint) {
     const std::string what = fmt::format("source '{}': {}", sourceNameOf(source), path);
-    const OpenFile file(path);
-    if (!file.problem().empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", what, file.problem()));
+    const std::optional<std::string> folder = folderFor(path);
+    std::optional<FolderFile> files;
+    std::optional<OpenFile> file;
+    if (!folder || *folder != path) {
+        file.emplace(path);
+        if (!file->problem().empty()) throw Error(ErrorKind::input, fmt::format("{}: {}", what, file->problem()));
+    }
+    if (folder) files.emplace(*folder, checkpoint);
+    const int input = files ? files->fd() : file->fd();
+    const std::uint64_t size = files ? files->size() : file->size();
     LoadRequest request{"source", path, {}, source, parameters};
     const auto madeWith = [&](const OpenFile* beside) {
-        const std::uint64_t bytes = file.size() + (beside == nullptr ? 0 : beside->size());
+        const std::uint64_t bytes = size + (beside == nullptr ? 0 : beside->size());
         return withLoader(checkpoint, [&] {
             const Descriptor transfer(createTransfer());
             sendRequest(transfer.fd(), request);
-            LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), file.fd(),
+            LoadJob(options.loader, LoadedFiles::volumes, what, transfer.fd(), input,
                     limitsFor(kSource, bytes, options), options.showStderr, beside == nullptr ? -1 : beside->fd())
                 .wait(checkpoint);
             return received(what, [&] { return receiveFields(transfer.fd()); });

@@ -246,6 +246,12 @@ void checkClassified(const Check& check, const Classified& classified) {
     if (points.back().value <= 0) check.refuse(k.transfer.name, "without a value above 0", "a last value above 0");
     if (classify(classified, 0).extinction > 0)
         check.refuse(k.transfer.name, "above 0 at grid value 0", "extinction 0 there, because empty space is skipped");
+    const auto& ramp = classified.gradientRamp;
+    for (std::size_t i = 0; i < ramp.size(); ++i)
+        if (!std::isfinite(ramp[i].first) || !(ramp[i].second >= 0 && ramp[i].second <= 1) ||
+            (i > 0 && !(ramp[i].first > ramp[i - 1].first)))
+            check.refuse(k.gradient.name, fmt::format("[{}, {}]", ramp[i].first, ramp[i].second),
+                         "ascending lengths with factors from 0 to 1");
     check.members(k, classified);
 }
 
@@ -258,6 +264,7 @@ void checkVolume(const Check& check, const SceneVolume& volume) {
     if (volume.velocity) check.members(keysOf<VelocityKeys>(), *volume.velocity);
     checkShading(check, volume);
     checkMedium(check, volume);
+    for (const HalfSpace& face : volume.clip) check.unit(keysOf<VolumeKeys>().clipPlane, face.normal);
     if (volume.classified) checkClassified(check, *volume.classified);
 }
 

@@ -23,6 +23,58 @@ ClassifiedValue classify(const Classified& classified, double value) {
     return scaled(points.back().color, points.back().extinction);
 }
 
+double gradientFactor(const Classified& classified, double gradientLength) {
+    const auto& ramp = classified.gradientRamp;
+    if (ramp.empty() || gradientLength >= ramp.back().first) return ramp.empty() ? 1 : ramp.back().second;
+    if (gradientLength <= ramp.front().first) return ramp.front().second;
+    const auto b = std::find_if(ramp.begin(), ramp.end(), [&](const auto& p) { return p.first > gradientLength; });
+    const auto a = b - 1;
+    return a->second + (gradientLength - a->first) / (b->first - a->first) * (b->second - a->second);
+}
+
+std::vector<TransferPoint> transferOf(ScanWindow window, double zero) {
+    std::vector<TransferPoint> points;
+    switch (window) {
+        case ScanWindow::bone:
+            points = {{200, {0.85, 0.68, 0.52}, 0},
+                      {300, {0.88, 0.74, 0.6}, 0.6},
+                      {450, {0.95, 0.88, 0.76}, 1.2},
+                      {1500, {1, 0.97, 0.92}, 2}};
+            break;
+        case ScanWindow::softTissue:  // centre 40, width 400
+            points = {{-160, {0.85, 0.62, 0.4}, 0},
+                      {-60, {0.88, 0.66, 0.46}, 0.3},
+                      {40, {0.75, 0.34, 0.26}, 0.9},
+                      {240, {0.95, 0.86, 0.76}, 1.5}};
+            break;
+        case ScanWindow::lung:  // air in the airways is below it, and the body above it
+            points = {{-920, {0.7, 0.82, 0.95}, 0},   {-850, {0.7, 0.82, 0.95}, 0.03}, {-600, {0.85, 0.72, 0.75}, 0.06},
+                      {-450, {0.9, 0.5, 0.45}, 0.15}, {-300, {0.9, 0.42, 0.36}, 0.15}, {-200, {0.9, 0.42, 0.36}, 0}};
+            break;
+        case ScanWindow::vessels:
+            points = {{100, {0.6, 0.05, 0.04}, 0},
+                      {170, {0.7, 0.08, 0.06}, 0.6},
+                      {300, {0.85, 0.16, 0.1}, 1.2},
+                      {450, {0.95, 0.88, 0.76}, 1.2},
+                      {1500, {1, 0.97, 0.92}, 2}};
+            break;
+    }
+    for (TransferPoint& point : points) point.value += zero;
+    return points;
+}
+
+std::vector<TransferPoint> transferOf(double centre, double width, double zero) {
+    constexpr double kOpaque = 1.2;  // optical depth of a voxel at the window's end
+    const double begin = centre - 0.5 * width + zero, end = centre + 0.5 * width + zero;
+    if (begin >= 0) return {{begin, Rgb(0), 0}, {end, Rgb(1), kOpaque}};
+    const double part = -begin / width;
+    return {{0, Rgb(part), 0}, {0, Rgb(part), part * kOpaque}, {end, Rgb(1), kOpaque}};
+}
+
+double cutGradient(const Classified& classified, double voxel) {
+    return classified.transfer.back().value / voxel;
+}
+
 double vagueGradient(const Classified& classified, double voxel) {
     constexpr double kVague = 1e-2;  // change over a voxel, relative to the transfer function's last value
     return kVague * classified.transfer.back().value / voxel;

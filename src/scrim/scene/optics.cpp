@@ -31,15 +31,6 @@ FieldInWorld::FieldInWorld(const ViewField& view, Kernel kernel, FieldSamplers& 
     field = shared;
 }
 
-Rgb extinctionOf(const ViewVolume& volume, double value) {
-    if (volume.classified) return Rgb(classify(*volume.classified, value).extinction);
-    return volume.medium.densityScale * value * volume.medium.extinctionTint;
-}
-
-double mostExtinctionOf(const ViewVolume& volume, double value) {
-    return volume.classified ? classify(*volume.classified, value).extinction : value * volume.medium.mostExtinction();
-}
-
 VolumeOptics::VolumeOptics(const ViewVolume& volume, Kernel kernel, FieldSamplers& samplers) : m_volume(&volume) {
     const auto placed = [&](const ViewField& field) { return FieldInWorld(field, kernel, samplers); };
     if (!volume.field->empty()) {
@@ -60,6 +51,32 @@ Vec3 VolumeOptics::wayTo(const Vec3& ws) const {
     for (int axis = 0; axis < 3; ++axis)
         v[axis] = m_velocity[std::size_t(2 * axis)].value(ws) - m_velocity[std::size_t(2 * axis + 1)].value(ws);
     return m_volume->velocity->wsPath * v;
+}
+
+Rgb VolumeOptics::extinction(const Vec3& ws) const {
+    if (!m_density) return Rgb(0);
+    if (m_volume->classified) return Rgb(classified(ws).extinction);
+    return m_volume->medium.densityScale * density(ws) * m_volume->medium.extinctionTint;
+}
+
+double VolumeOptics::mostExtinction(const Vec3& ws) const {
+    if (!m_density) return 0;
+    return m_volume->classified ? classified(ws).extinction : density(ws) * m_volume->medium.mostExtinction();
+}
+
+ClassifiedValue VolumeOptics::classified(const Vec3& ws) const {
+    const Classified& look = *m_volume->classified;
+    if (!m_volume->wsClip.empty() && depthIn(m_volume->wsClip, ws) < 0) return {};
+    ClassifiedValue value = classify(look, density(ws));
+    if (value.extinction > 0 && !look.gradientRamp.empty())
+        value.extinction *= gradientFactor(look, glm::length(gradient(ws)));
+    return value;
+}
+
+Vec3 VolumeOptics::shadingGradient(const Vec3& ws, double voxel) const {
+    const Vec3 own = gradient(ws);
+    if (m_volume->wsClip.empty()) return own;
+    return own + cutGradient(*m_volume->classified, voxel) * facing(m_volume->wsClip, ws, voxel);
 }
 
 Rgb VolumeOptics::scattering(const Vec3& ws) const {
@@ -102,7 +119,8 @@ double VolumeOptics::emptyDistance(const Vec3& ws) const {
 }
 
 double VolumeOptics::evenAlong(const Vec3& ws, const Vec3& way, double reach) const {
-    if (!m_density || !m_emission.empty() || !m_velocity.empty()) return -1;
+    if (!m_density || !m_emission.empty() || !m_velocity.empty() || !m_volume->wsClip.empty()) return -1;
+    if (m_volume->classified && !m_volume->classified->gradientRamp.empty()) return -1;
     return m_density->field->evenAlong(transformPoint(m_density->isFromWs, ws),
                                        transformVector(m_density->isFromWs, way), reach * m_voxels);
 }

@@ -30,11 +30,6 @@ struct FieldInWorld {
     double value(const Vec3& ws) const { return field->value(transformPoint(isFromWs, ws)); }
 };
 
-/// Extinction per world unit of a volume whose field has `value`.
-Rgb extinctionOf(const ViewVolume& volume, double value);
-/// The extinction in the channel where it is largest.
-double mostExtinctionOf(const ViewVolume& volume, double value);
-
 /// The optics of one volume. Where velocities move its fields (ViewVelocity), all values are those of the moved fields.
 class VolumeOptics {
   public:
@@ -48,7 +43,11 @@ class VolumeOptics {
     /// The density field's value, before any scale.
     double density(const Vec3& ws) const { return m_density ? m_density->value(origin(ws)) : 0; }
     /// Extinction coefficient, per world unit.
-    Rgb extinction(const Vec3& ws) const { return m_density ? extinctionOf(*m_volume, density(ws)) : Rgb(0); }
+    Rgb extinction(const Vec3& ws) const;
+    /// The extinction in the channel where it is largest.
+    double mostExtinction(const Vec3& ws) const;
+    /// What a classified volume with density shows at `ws`: by its transfer function and gradient, within its clip.
+    ClassifiedValue classified(const Vec3& ws) const;
     /// Scattering coefficient of a medium, per world unit.
     Rgb scattering(const Vec3& ws) const;
     /// Emitted radiance per world unit.
@@ -57,6 +56,8 @@ class VolumeOptics {
     double emissionField(std::size_t i, const Vec3& ws) const { return m_emission[i].value(origin(ws)); }
     /// Gradient of the density field, per world unit, by central differences over one voxel to either side.
     Vec3 gradient(const Vec3& ws) const;
+    /// The same with that of the cut faces of a classified volume: they add cutGradient() at depths up to `voxel`.
+    Vec3 shadingGradient(const Vec3& ws, double voxel) const;
 
     /// A radius, world units, around `ws` within which all fields are known to be 0; 0 where none is known.
     double emptyDistance(const Vec3& ws) const;

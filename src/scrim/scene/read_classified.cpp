@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <scrim/scene/read_ramp.h>
 #include <scrim/scene/read_sections.h>
 
 #include <fmt/format.h>
@@ -36,12 +37,38 @@ std::vector<TransferPoint> readTransfer(const TomlValue& value, const ReadContex
     return points;
 }
 
+std::vector<TransferPoint> readWindow(const TomlValue& value, double zero) {
+    if (!value.isArray()) {
+        static const std::vector<std::string> names{"bone", "soft tissue", "lung", "vessels"};
+        return transferOf(static_cast<ScanWindow>(value.choice(names)), zero);
+    }
+    const auto window = value.items(2);
+    const double centre = window[0].number(), width = window[1].number();
+    if (!(width > 0)) value.failExpecting("[centre, width] with a width above 0");
+    if (!(centre + 0.5 * width + zero > 0))
+        value.fail(fmt::format("'{}' ends at {}; expected an end above {}, because grid values below 0 are empty",
+                               value.name(), centre + 0.5 * width, -zero));
+    return transferOf(centre, width, zero);
+}
+
+std::vector<std::pair<double, double>> readGradient(const TomlValue& value) {
+    return readRamp<double>(value, "[length, factor]",
+                            [](const TomlValue& factor) { return factor.number(Range::fromTo(0, 1)); });
+}
+
 }  // namespace
 
 Classified readClassified(TomlTable table, const ReadContext& context) {
     const ClassifiedKeys& k = keysOf<ClassifiedKeys>();
     Classified out;
-    out.transfer = readTransfer(table.require(k.transfer), context);
+    const double zero = table.number(k.windowZero);
+    if (const auto window = table.find(k.window)) {
+        out.transfer = readWindow(*window, zero);
+        out.perVoxel = true;
+    } else {
+        out.transfer = readTransfer(table.require(k.transfer), context);
+    }
+    if (const auto gradient = table.find(k.gradient)) out.gradientRamp = readGradient(*gradient);
     table.read(k, context.frame, out);
     table.finish();
     return out;

@@ -84,7 +84,7 @@ std::vector<AxVariable> readVariables(TomlTable& table, const ReadContext& conte
     return variables;
 }
 
-Bounds readClip(const TomlValue& value) {
+Bounds readBox(const TomlValue& value) {
     const auto ends = value.items(2);
     const Bounds box{ends[0].vec3(), ends[1].vec3()};
     for (int i = 0; i < 3; ++i)
@@ -94,6 +94,27 @@ Bounds readClip(const TomlValue& value) {
 }
 
 }  // namespace
+
+std::vector<HalfSpace> readClip(TomlTable& table) {
+    std::vector<HalfSpace> faces;
+    if (const auto clip = table.find(k.clip)) {
+        const Bounds box = readBox(*clip);
+        for (int axis = 0; axis < 3; ++axis) {
+            Vec3 normal(0);
+            normal[axis] = 1;
+            faces.push_back({normal, -box.lower[axis]});
+            faces.push_back({-normal, box.upper[axis]});
+        }
+    }
+    if (const auto plane = table.find(k.clipPlane)) {
+        const auto parts = plane->items(4);
+        const Vec3 outwards(parts[0].number(), parts[1].number(), parts[2].number());
+        const double length = glm::length(outwards);
+        if (!(length > 0)) plane->failExpecting("a normal [nx, ny, nz] that is not 0");
+        faces.push_back({-outwards / length, parts[3].number() / length});
+    }
+    return faces;
+}
 
 std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context) {
     const auto code = readCode(table, context);
@@ -105,8 +126,9 @@ std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& co
     const auto at = [&](const std::string& where) {
         if (edit.where.empty()) edit.where = where;
     };
-    if (const auto clip = table.find(k.clip)) {
-        edit.clip = readClip(*clip);
+    // What moves into the box comes from outside.
+    if (const auto clip = table.find(k.clip); clip && !volume.displacement && !volume.velocity) {
+        edit.clip = readBox(*clip);
         at(clip->where());
     }
     if (const auto resample = table.find(k.resample)) {

@@ -48,7 +48,10 @@ struct Orbit {
 void readCamera(TomlTable table, const ReadContext& context, Scene& scene);
 /// `defaultName` names a volume or light without a name of its own.
 SceneVolume readVolume(TomlTable table, const std::string& defaultName, const ReadContext& context);
-/// Reads what is done to the grids of `volume`, whose density is known: clip, resample, ax. Null where nothing is.
+/// Reads the faces at which a volume ends: those of its clip and clip_plane.
+std::vector<HalfSpace> readClip(TomlTable& table);
+/// Reads what is done to the grids of `volume`, of which density and motion are known: clip, resample, ax. Null where
+/// nothing is.
 std::shared_ptr<const GridEdit> readEdit(TomlTable& table, const ReadContext& context, const SceneVolume& volume);
 /// The names of the external variables of the volume's expression, which are not parameters of its source.
 std::vector<std::string> variablesOf(TomlTable& table, const ReadContext& context);
@@ -60,7 +63,7 @@ Mask readMask(const TomlValue& value, const std::string& of);
 Noise readNoise(const TomlValue& value, const std::string& of, const ReadContext& context);
 /// Reads [volume.medium] into the medium, albedoGrid and emission of `volume`.
 void readMedium(TomlTable table, const ReadContext& context, SceneVolume& volume);
-/// Reads [volume.classified]: the transfer function and Phong's coefficients.
+/// Reads [volume.classified]: the transfer function or a window, and Phong's coefficients.
 Classified readClassified(TomlTable table, const ReadContext& context);
 /// Reads { center, radius, elevation, azimuth } for the thing that messages call `of`. The radius is left out where
 /// `needsRadius` is false. `up` must be unit.

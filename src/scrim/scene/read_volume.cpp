@@ -143,11 +143,12 @@ SceneVolume readVolume(TomlTable table, const std::string& defaultName, const Re
         volume.wsFromAsset = readTransform(of(*transform, fmt::format("{}", k.transform)), context);
     if (const auto density = table.find(k.density))
         readDensity(of(*density, fmt::format("{}", k.density)), context, volume);
-    volume.edit = readEdit(table, context, volume);
+    volume.clip = readClip(table);
     if (const auto displacement = table.find(k.displacement))
         volume.displacement = readNoise(*displacement, table.description(), context);
     if (const auto velocity = table.find(k.velocity))
         volume.velocity = readVelocity(of(*velocity, fmt::format("{}", k.velocity)), context);
+    volume.edit = readEdit(table, context, volume);
     if (const auto lights = table.find(k.lights)) volume.lights = readLightNames(*lights, context);
     if (const auto classified = table.find(k.classified))
         volume.classified = std::make_shared<const Classified>(

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <scrim/geometry/camera.h>
+#include <scrim/geometry/half_space.h>
 #include <scrim/geometry/spaces.h>
 #include <scrim/scene/light.h>
 #include <scrim/scene/dials.h>
@@ -163,6 +164,7 @@ struct SceneVolume {
     /// Parameters of the source, as text; `file` is expanded as above.
     std::vector<std::pair<std::string, std::string>> parameters;
     std::shared_ptr<const GridEdit> edit = nullptr;  ///< what is done to the grids first (grid_edit.h); null: nothing
+    std::vector<HalfSpace> clip = {};                ///< the volume ends at their faces; in the asset's own world
     Mat4 wsFromAsset{1.0};                           ///< maps the asset's own world space to the scene's
     std::string densityGrid;                         ///< a name as VdbFile::field takes it; "": the reader chooses
     double densityScale = 1;                         ///< extinction per world unit = ramp(grid value) * densityScale

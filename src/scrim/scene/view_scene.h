@@ -4,6 +4,7 @@
 
 #include <scrim/geometry/bounds.h>
 #include <scrim/geometry/camera.h>
+#include <scrim/geometry/half_space.h>
 #include <scrim/image/depth_picture.h>
 #include <scrim/image/image.h>
 #include <scrim/scene/light.h>
@@ -66,6 +67,8 @@ struct ViewVolume {
     Mat4 wsFromIs{1.0};  ///< the field's own map followed by the volume's transform
     Medium medium;
     std::shared_ptr<const Classified> classified = nullptr;  ///< shades the volume in place of `medium`
+    /// A classified volume ends at their faces, within voxels. The fields of media have been cut already.
+    std::vector<HalfSpace> wsClip = {};
     /// Where the albedo is a grid: density times albedo for each of red, green and blue, on the lattice of `field`. The
     /// scattering coefficient is then this times medium.densityScale, and medium.albedo does not count.
     std::vector<ViewField> scatter = {};

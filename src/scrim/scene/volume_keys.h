@@ -230,13 +230,28 @@ struct ClassifiedKeys : SectionOf<Classified> {
     ClassifiedKeys()
         : SectionOf(
               "classified", "[volume.classified]",
-              "Scans and surfaces, in place of a medium: a transfer function, and Phong shading by gradients (ZC02 "
-              "section 3.1).") {}
+              "Scans and surfaces, in place of a medium: a transfer function ('transfer' or 'window', one of which is "
+              "needed), and Phong shading by gradients (ZC02 section 3.1).") {
+        exclude({&transfer}, {&window});
+    }
     const Key& transfer = other("transfer", "a list of { value, color, extinction }",
                                 R"({"type":"array","minItems":2,"items":{"$ref":"#/$defs/transfer"}})", {},
                                 "At least two points, ascending, with no extinction at 0.")
-                              .required()
                               .orTable(keysOf<TransferKeys>());
+    const Key& window = other(
+        "window", R"("bone", "soft tissue", "lung", "vessels" or two numbers [centre, width])", kTwoNumbersOrWord,
+        Range::fromTo(-1e9, 1e9),
+        "A transfer function by name, or from black and clear to white and opaque, in Hounsfield units. The grid "
+        "must hold these, as the source \"scan\" makes it with units = \"hounsfield\". Extinctions are per voxel.");
+    const Key& windowZero =
+        number("window_zero", Range::fromTo(-1e9, 1e9), kHounsfieldZero,
+               "The value of the grid at 0 of the window. 0 for a window in the grid's own values.");
+    const Key& gradient =
+        other("gradient", "a list of at least two [length, factor]", kPoints, Range::atLeast(0),
+              "Factors from 0 to 1 on the extinction, by the length of the grid's gradient (change of value per world "
+              "unit), ascending: linear between points, constant outside of them. [[5, 0], [20, 1]] shows boundaries, "
+              "and not what is alike all through.")
+            .unless("1 everywhere");
     const Key& ambient = number("ambient", Range::fromTo(0, 1e6), &Classified::ambient, "Factor on ambient light.");
     const Key& diffuse =
         number("diffuse", Range::fromTo(0, 1e6), &Classified::diffuse, "Factor on diffusely reflected light.");
@@ -291,7 +306,12 @@ struct VolumeKeys : SectionOf<SceneVolume> {
             .onlyFor("'source' or 'ax'");
     const Key& clip = other("clip", "two points [[x, y, z], [x, y, z]]",
                             R"({"type":"array","minItems":2,"maxItems":2})", Range::coordinate(),
-                            "Cuts away the voxels with centres outside of this box, in world units of the file.");
+                            "Cuts away what lies outside of this box, in world units of the file. Voxels are cut, too; "
+                            "'ax' still sees some of them beyond.");
+    const Key& clipPlane =
+        other("clip_plane", "four numbers [nx, ny, nz, d]",
+              R"({"type":"array","items":{"type":"number"},"minItems":4,"maxItems":4})", Range::coordinate(),
+              "Cuts away what lies beyond this plane, in world units of the file: where nx x + ny y + nz z > d.");
     const Key& resample =
         number("resample", Range::fromTo(0.125, 16), 1,
                "Divides voxels by this factor along each axis, so that 'ax' can add detail finer than the file's "

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 namespace scrim {
 namespace {
@@ -83,15 +84,20 @@ std::optional<ViewVolume> viewOf(const Scene& scene, const SceneVolume& volume, 
     out.holdout = volume.holdout;
     FieldPointer density = fields.density ? fields.density : std::make_shared<SparseField>();
     if (!volume.ramp.empty()) density = withRamp(*density, volume.ramp);
+    // What is classified is cut where it is seen, because its values must not change.
+    const auto cut = [&](const FieldPointer& field) {
+        return volume.classified || volume.clip.empty() ? field : clippedField(field, volume.clip);
+    };
+    density = cut(density);
     if (!volume.classified && !volume.holdout) {
         for (std::size_t i = 0; i < fields.emission.size(); ++i)
             if (fields.emission[i] && !fields.emission[i]->empty())
                 for (const EmittedField& emitted : emittedFields(fields.emission[i], volume.emission[i])) {
                     const auto& mask = volume.emission[i].mask;
                     const bool masked = mask && i < fields.emissionMasks.size() && fields.emissionMasks[i];
-                    out.emission.push_back(
-                        {viewed(masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field),
-                         emitted.color});
+                    const FieldPointer own =
+                        masked ? maskedField(emitted.field, *mask, fields.emissionMasks[i]) : emitted.field;
+                    out.emission.push_back({viewed(cut(own)), emitted.color});
                 }
         if (volume.albedoGrid && fields.albedo[0] && !density->empty())
             for (const FieldPointer& channel : scatteringFields(*density, fields.albedo, *volume.albedoGrid))
@@ -130,8 +136,13 @@ void place(const SceneVolume& volume, const VolumeFields& fields, ViewVolume& ou
     if (volume.classified) {
         Classified look = *volume.classified;
         look.densityScale = volume.densityScale;
+        if (look.perVoxel && fields.density)
+            look.densityScale /= std::cbrt(std::abs(glm::determinant(Mat3(placed(*fields.density)))));
         out.classified = std::make_shared<const Classified>(std::move(look));
     }
+    out.wsClip.clear();
+    for (const HalfSpace& face : volume.clip)
+        if (volume.classified) out.wsClip.push_back(transformed(face, glm::inverse(volume.wsFromAsset)));
     out.velocity = nullptr;
     if (fields.velocity.empty() || fields.time == 0) return;
     auto velocity = std::make_shared<ViewVelocity>();

@@ -238,7 +238,7 @@ std::string framedScan(FieldStore& store, const std::string& path, const std::st
     const std::vector<std::string> files = allFiles({"", pattern}, path);
     const std::string file = files[files.size() / 2];
     const ScanInfo info = store.scanInfo(file);
-    const ScanLook look = scanLook(info);
+    const ScanLook look = scanLook(info, options.window);
     SourceParameters parameters = look.parameters;
     parameters.insert(parameters.begin(), {"file", file});
     const FieldPtr field = store.sourceField("scan", parameters);
@@ -263,7 +263,8 @@ bool isAssetFile(const std::string& path) {
 }
 
 std::string volumeNameOf(const std::string& pattern) {
-    std::filesystem::path path = std::filesystem::path(pattern).filename();
+    std::filesystem::path path(pattern);
+    path = (path.has_filename() ? path : path.parent_path()).filename();
     if (lowerCase(path.string()).ends_with(".nii.gz")) path = path.stem();
     std::string name = withoutFrame(path.stem().string());
     for (char& c : name)

@@ -17,6 +17,7 @@ bool isAssetFile(const std::string& path);
 struct AssetOptions {
     Int2 resolution{512, 512};
     std::optional<Vec3> wsUp;  ///< a unit vector along an axis; none: guessed
+    std::string window = {};   ///< the window that overrides give a scan (scanLook); "": none
 };
 
 /// The scene's text before the asset is read, without the numbers that depend on it. `pattern`: the asset's path as a

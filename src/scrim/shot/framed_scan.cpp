@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/shot/framed_scan.h>
 
+#include <scrim/base/error.h>
 #include <scrim/base/letter_case.h>
+#include <scrim/scene/classified.h>
 #include <scrim/scene/field_rays.h>
 #include <scrim/scene/framing.h>
 #include <scrim/scene/toml_text.h>
@@ -82,12 +84,36 @@ std::optional<Vec3> wsAwayFromHeavyEnd(const SparseField& field, float least) {
     return wsUp;
 }
 
+constexpr const char* kPhong =
+    "ambient = 0.1\n"
+    "diffuse = 0.75\n"
+    "specular = 0.2\n"
+    "exponent = 24\n";
+
+ScanLook windowLook(const ScanInfo& info, const ScanMaterials& materials, const std::string& window) {
+    const bool isPair = window.starts_with('[');
+    if (!isPair && !materials.hounsfield)
+        throw Error(ErrorKind::input,
+                    fmt::format("{}: has values from {:g} to {:g}, which are not Hounsfield units, as the window {} "
+                                "needs them; expected [centre, width] in the scan's own units, or a scene with "
+                                "'rescale' among its parameters",
+                                shortened(info.path), info.minValue, info.maxValue, window));
+    ScanLook look;
+    look.solid = static_cast<float>(materials.solid + (materials.hounsfield ? kHounsfieldZero : 0));
+    look.parameters = {{"units", materials.hounsfield ? "hounsfield" : "scan"}};
+    // Far below what these windows show. Air takes time and memory.
+    if (!isPair && window.find("lung") == std::string::npos) look.parameters.push_back({"threshold", "-400"});
+    look.classified = fmt::format("[volume.classified]\n{}{}", materials.hounsfield ? "" : "window_zero = 0\n", kPhong);
+    return look;
+}
+
 }  // namespace
 
-ScanLook scanLook(const ScanInfo& info) {
+ScanLook scanLook(const ScanInfo& info, const std::string& window) {
     // Fraction of the way from the least value to tissue below which values are left out.
     constexpr double kBegins = 0.6;
     const ScanMaterials materials = materialsOf(info);
+    if (!window.empty()) return windowLook(info, materials, window);
     // A scan of a single value has no materials, but is shown all the same.
     const double span = std::max(materials.solid - materials.soft, 1e-3 * std::max(std::abs(materials.solid), 1.0));
     ScanLook look;
@@ -118,15 +144,11 @@ ScanLook scanLook(const ScanInfo& info) {
     look.classified = fmt::format(
         "# {}\n"
         "[volume.classified]\n"
-        "transfer = [\n{}{}{}{}]\n"
-        "ambient = 0.1\n"
-        "diffuse = 0.75\n"
-        "specular = 0.2\n"
-        "exponent = 24\n",
+        "transfer = [\n{}{}{}{}]\n{}",
         materials.hounsfield ? "In Hounsfield units: tissue as a veil, bone as a surface"
                              : "By the histogram: what is less dense as a veil, what is denser as a surface",
         at(begin, kTissue, 0), at(veil, kTissue, kVeil / size), at(end, kTissue, kVeil / size),
-        at(surface, kBone, kSurface / voxel));
+        at(surface, kBone, kSurface / voxel), kPhong);
     return look;
 }
 

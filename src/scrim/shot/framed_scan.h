@@ -18,8 +18,9 @@ struct ScanLook {
 };
 
 /// Shows tissue as a faint veil with bone as a surface in it, or whatever materials lie at their thresholds
-/// (materialsOf).
-ScanLook scanLook(const ScanInfo& info);
+/// (materialsOf). `window` is not empty where the caller gives [volume.classified] this window, as TOML or as a bare
+/// word; the field then suits it. Throws Error(input) where the scan has no Hounsfield units and the window needs them.
+ScanLook scanLook(const ScanInfo& info, const std::string& window = "");
 
 /// The text of a volume called `name` that shows the scan `file` (a path as a scene names it) with the look `look`.
 std::string scanVolumeText(const std::string& name, const std::string& file, const ScanLook& look);

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -156,6 +157,11 @@ struct FieldMover::Parts {
     // order. `wsFromIs` belongs to the block.
     void addVelocities(const Mat4& wsFromIs, const Int3& origin, DenseBox& box, Vec3* velocities) const;
 
+    // The first voxels of the blocks that the field may touch when it has moved for `time` and lies at `wsFromIs`.
+    // `ways` turns a box around displacements in asset space into one in index space, relative to that.
+    std::vector<Int3> blocksOf(const FieldMap& from, const Mat4& wsFromIs, const std::function<Bounds(Bounds)>& ways,
+                               double time) const;
+
     // The mean velocity over the voxels of `field`, weighted by their values.
     Vec3 mean(const SparseField& field) const;
 
@@ -243,6 +249,36 @@ void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, 
     }
 }
 
+// Where the velocity is 0, all voxels move by the same displacement; elsewhere the velocity has blocks. No block lies
+// further away than the largest displacement.
+std::vector<Int3> FieldMover::Parts::blocksOf(const FieldMap& from, const Mat4& wsFromIs,
+                                              const std::function<Bounds(Bounds)>& ways, double time) const {
+    std::vector<Int3> found;
+    const Mat4 isFromWs = glm::inverse(wsFromIs);
+    const Bounds still = ways({Vec3(0), Vec3(0)}), furthest = ways(range(time)), all = from.field().isBounds();
+    const Bounds reach{all.lower + furthest.lower - 1.0, all.upper + furthest.upper + 1.0};
+    const auto find = [&](Bounds is) {
+        is.lower = glm::max(is.lower, reach.lower);
+        is.upper = glm::min(is.upper, reach.upper);
+        visitBlocks(is, [&](const Int3& block) { found.push_back(block); });
+    };
+    forCubes(from.field(), [&](const Bounds& is) {
+        find({is.lower + still.lower - 1.0, is.upper + still.upper + 1.0});
+    });
+    for (const FieldMap& part : maps)
+        forCubes(part.field(), [&](const Bounds& is) {
+            find(transformed(isFromWs * part.wsFromIs(), {is.lower - 1.0, is.upper + 1.0}));
+        });
+    std::sort(found.begin(), found.end(), originLess);
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    std::erase_if(found, [&](const Int3& block) {
+        const Bounds box = boxOf(block), way = ways(range(transformed(wsFromIs, box), time));
+        return from.most({box.lower - way.upper, box.upper - way.lower}) == 0;
+    });
+    for (Int3& origin : found) origin *= kBlockEdge;
+    return found;
+}
+
 FieldMover::FieldMover(std::vector<FieldPointer> velocity, const SparseField& weight)
     : m_velocity(std::move(velocity)) {
     auto parts = std::make_unique<Parts>();
@@ -262,37 +298,16 @@ FieldPointer FieldMover::moved(const FieldPointer& field, double time) const {
     FieldPieces pieces;
     pieces.name = field->name;
     pieces.wsFromIs = shift * field->wsFromIs;
-    const Mat4 isFromWs = glm::inverse(pieces.wsFromIs);
-    const Mat3 linear(isFromWs);
+    const Mat3 linear(glm::inverse(pieces.wsFromIs));
     // The displacements beyond the mean one, in index space: voxel i receives the value at i - displacement.
     const auto ways = [&](Bounds range) {
         range.lower -= mean;
         range.upper -= mean;
         return mapped(linear, range);
     };
-    // Collects the blocks that the moved field may touch. Where the velocity is 0, all voxels move by the same
-    // displacement; elsewhere the velocity has blocks. No block lies further away than the largest displacement.
-    std::vector<Int3>& found = pieces.blockOrigins;
-    const Bounds still = ways({Vec3(0), Vec3(0)}), furthest = ways(m_parts->range(time)), all = field->isBounds();
-    const Bounds reach{all.lower + furthest.lower - 1.0, all.upper + furthest.upper + 1.0};
-    const auto find = [&](Bounds is) {
-        is.lower = glm::max(is.lower, reach.lower);
-        is.upper = glm::min(is.upper, reach.upper);
-        visitBlocks(is, [&](const Int3& block) { found.push_back(block); });
-    };
-    forCubes(*field, [&](const Bounds& is) { find({is.lower + still.lower - 1.0, is.upper + still.upper + 1.0}); });
-    for (const FieldMap& part : m_parts->maps)
-        forCubes(part.field(), [&](const Bounds& is) {
-            find(transformed(isFromWs * part.wsFromIs(), {is.lower - 1.0, is.upper + 1.0}));
-        });
-    std::sort(found.begin(), found.end(), originLess);
-    found.erase(std::unique(found.begin(), found.end()), found.end());
-    std::erase_if(found, [&](const Int3& block) {
-        const Bounds box = boxOf(block), way = ways(m_parts->range(transformed(pieces.wsFromIs, box), time));
-        return from.most({box.lower - way.upper, box.upper - way.lower}) == 0;
-    });
-    for (Int3& origin : found) origin *= kBlockEdge;
-    const std::vector<Int3> origins = found;
+    pieces.blockOrigins = m_parts->blocksOf(from, pieces.wsFromIs, ways, time);
+    const std::vector<Int3> origins = pieces.blockOrigins;
+    const Bounds all = field->isBounds();
     pieces.fill = [&, wsFromIs = pieces.wsFromIs](std::size_t b, float* to) {
         DenseBox box;
         std::array<Vec3, kBlockVoxels> at{};

@@ -67,18 +67,33 @@ std::vector<double> coarser(const std::vector<double>& counts, std::size_t bins)
     return out;
 }
 
+/// The bytes of a file, or of all files in a folder.
+std::uint64_t bytesOf(const std::string& path) {
+    std::error_code error;
+    std::uint64_t sum = 0;
+    if (const auto bytes = std::filesystem::file_size(path, error); !error) return bytes;
+    for (std::filesystem::directory_iterator at(path, error), end; !error && at != end; at.increment(error))
+        if (const auto bytes = at->file_size(error); !error)
+            sum += bytes;
+        else
+            error.clear();
+    return sum;
+}
+
 }  // namespace
 
 bool isScanFile(const std::string& path) {
     const std::string name = lowerCase(path);
-    return name.ends_with(".nrrd") || name.ends_with(".nhdr") || name.ends_with(".nii") || name.ends_with(".nii.gz");
+    constexpr std::array kEndings{".nrrd", ".nhdr", ".nii", ".nii.gz", ".dcm", ".dicom"};
+    std::error_code ignored;
+    return std::any_of(kEndings.begin(), kEndings.end(), [&](const char* ending) { return name.ends_with(ending); }) ||
+           std::filesystem::is_directory(path, ignored);
 }
 
 ScanInfo loadScanInfo(const std::string& path, const LoadOptions& options, const Checkpoint& checkpoint) {
     ScanInfo info;
     info.path = path;
-    std::error_code ignored;
-    info.fileBytes = std::filesystem::file_size(path, ignored);
+    info.fileBytes = bytesOf(path);
     const std::vector<SparseField> fields =
         sourceFields("scan", {{"file", path}, {"describe", "true"}}, options, {}, checkpoint);
     if (fields.size() != 2 || fields[0].empty() || fields[1].empty() || !fields[1].name.starts_with(kSamples))

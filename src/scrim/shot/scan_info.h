@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The contents of a scan (NRRD, NIfTI) and estimates of where its materials begin. This is plain data, made from what
-// the volume source `scan` returns for a file with its parameter `describe`.
+// The contents of a scan (NRRD, NIfTI, DICOM) and estimates of where its materials begin. This is plain data, made from
+// what the volume source `scan` returns for a file with its parameter `describe`.
 #pragma once
 
 #include <scrim/base/messages.h>
@@ -28,7 +28,7 @@ struct ScanInfo {
     double valueOf(std::size_t bin) const { return minValue + double(bin) * binWidth; }
 };
 
-/// True for names that end in .nrrd, .nhdr, .nii or .nii.gz.
+/// True for names that end in .nrrd, .nhdr, .nii, .nii.gz, .dcm or .dicom, and for folders, which may hold a series.
 bool isScanFile(const std::string& path);
 
 /// Reads the whole file. Throws Error as `sourceFields` (load_fields.h).

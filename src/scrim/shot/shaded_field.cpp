@@ -175,6 +175,17 @@ FieldPointer maskedField(const FieldPointer& field, const Mask& mask, const Fiel
     });
 }
 
+FieldPointer clippedField(const FieldPointer& field, const std::vector<HalfSpace>& spaces) {
+    if (field->empty()) return field;
+    const Mat3 edges(field->wsFromIs);
+    return changedField(*field, [&](const Int3& origin, float* values) {
+        for (int i = 0; i < kBlockVoxels; ++i)
+            if (values[i] > 0)
+                values[i] *= static_cast<float>(
+                    partIn(spaces, transformPoint(field->wsFromIs, Vec3(origin + voxelOf(i))), edges));
+    });
+}
+
 FieldPointer FieldShader::density(const SceneVolume& volume, const FieldPointer& field, const FieldPointer& mask) {
     const DensityShading& shading = volume.shading;
     if (!shading.any()) return field;

@@ -23,6 +23,10 @@ FieldPointer displacedField(const FieldPointer& field, const Noise& noise, const
 /// The field times the values that `mask` makes of its grid, at the voxels of the field. Throws likewise.
 FieldPointer maskedField(const FieldPointer& field, const Mask& mask, const FieldPointer& grid);
 
+/// The field with each voxel times the part of it that lies in the intersection of `spaces`, which are in the field's
+/// own world. Throws likewise.
+FieldPointer clippedField(const FieldPointer& field, const std::vector<HalfSpace>& spaces);
+
 /// Shades the fields of volumes, and keeps the results as long as the next frame needs them, too. A volume without
 /// shading gets its fields back.
 class FieldShader {

@@ -150,6 +150,40 @@ bool sameLook(const SceneVolume& a, const SceneVolume& b) {
     return true;
 }
 
+// The longest displacement by velocities, in world units, but for a few fast voxels, which are no reason for a hundred
+// renders.
+class UsualWays {
+  public:
+    void include(const ViewScene& view) {
+        for (const ViewVolume& volume : view.volumes)
+            if (volume.velocity) {
+                const double usual = lengthOf(volume.velocity->wsRange([&](const SparseField& f) { return most(f); }));
+                const double all = lengthOf(volume.velocity->wsRange());
+                m_longest = std::max(m_longest, usual);
+                if (all > usual && all > m_outlier.second) m_outlier = {usual, all};
+            }
+    }
+    double longest() const { return m_longest; }
+    // Of the velocity with the fastest voxels beyond the usual: its usual displacement and the longest one; 0: none.
+    const std::pair<double, double>& outlier() const { return m_outlier; }
+
+  private:
+    static double lengthOf(const Bounds& ways) {
+        double most = 0;
+        for (const Vec3& way : ways.corners()) most = std::max(most, glm::length(way));
+        return most;
+    }
+    double most(const SparseField& part) {
+        const auto [found, isNew] = m_most.try_emplace(&part, 0);
+        if (isNew) found->second = double(usualMost(part));
+        return found->second;
+    }
+
+    std::map<const SparseField*, double> m_most;
+    double m_longest = 0;
+    std::pair<double, double> m_outlier{0, 0};
+};
+
 // A picture that is small and cheap, but moves like that of `view`: light that scatters more than once, layers and
 // details of soft lights hardly matter for that.
 ViewScene pilotOf(ViewScene view, double scale) {
@@ -321,33 +355,15 @@ ViewScene ShotMotion::truth() const {
 double ShotMotion::longestPath() {
     constexpr int kMoments = 9;
     std::vector<Places> places;
-    double wsWay = 0;                             // displacement by velocities
-    std::map<const SparseField*, double> usuals;  // usualMost of each part of a velocity
-    // For velocities with outliers: the displacement that counts, and the longest one.
-    std::pair<double, double> outlier{0, 0};
+    UsualWays usual;
     for (int i = 0; i < kMoments; ++i) {
         const double part = static_cast<double>(i) / (kMoments - 1);
         const ViewScene view = m_moments->inPlace((1 - part) * m_shutter.open + part * m_shutter.close);
         places.push_back(pointsOf(view));
-        if (i == 0 || i == kMoments - 1)
-            for (const ViewVolume& volume : view.volumes)
-                if (volume.velocity) {
-                    const auto longest = [](const Bounds& ways) {
-                        double most = 0;
-                        for (const Vec3& way : ways.corners()) most = std::max(most, glm::length(way));
-                        return most;
-                    };
-                    // A few fast voxels are no reason for a hundred renders.
-                    const auto usualOf = [&](const SparseField& part) {
-                        const auto found = usuals.find(&part);
-                        return found != usuals.end() ? found->second : usuals[&part] = double(usualMost(part));
-                    };
-                    const double usual = longest(volume.velocity->wsRange(usualOf)),
-                                 most = longest(volume.velocity->wsRange());
-                    wsWay = std::max(wsWay, usual);
-                    if (most > usual && most > outlier.second) outlier = {usual, most};
-                }
+        if (i == 0 || i == kMoments - 1) usual.include(view);
     }
+    const std::pair<double, double> outlier = usual.outlier();
+    double wsWay = usual.longest();  // displacement by velocities
     if (m_shutter.open < 0 && m_shutter.close > 0)
         wsWay *= (m_shutter.close - m_shutter.open) / std::max(-m_shutter.open, m_shutter.close);
     const Bounds box = boundsOf(places.front().ws);

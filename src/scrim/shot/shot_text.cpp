@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -35,7 +36,7 @@ ShotText::ShotText(const std::string& path, const std::vector<std::string>& over
         throw Error(ErrorKind::input, fmt::format("{}: {}", shortened(path), textOf(*format)));
     if (!m_asset && lowerExtension(path) != ".toml")
         throw Error(ErrorKind::usage, fmt::format("{}: expected a scene (.toml), an asset (.vdb) or a scan (.nrrd, "
-                                                  ".nhdr, .nii, .nii.gz)",
+                                                  ".nhdr, .nii, .nii.gz, .dcm, or a folder of DICOM files)",
                                                   shortened(path)));
     if (m_asset) {
         // Until the asset is loaded, its scene lacks the numbers that depend on it.
@@ -63,6 +64,10 @@ void ShotText::give(const std::vector<std::string>& overrides, const OpenOptions
         if (const auto& resolution = options.resolution)
             m_given.push_back(fmt::format("camera.resolution=[{}, {}]", resolution->x, resolution->y));
     }
+    constexpr std::string_view kWindow = ".classified.window=";
+    for (const std::string& assignment : overrides)
+        if (const std::size_t at = assignment.find(kWindow); at < assignment.find('='))
+            m_asAsset.window = assignment.substr(at + kWindow.size());
     m_given.insert(m_given.end(), overrides.begin(), overrides.end());
     applyTurntable();
 }

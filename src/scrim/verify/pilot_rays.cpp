@@ -45,9 +45,7 @@ class PilotVolume {
     }
 
     Stuff at(const Vec3& ws) const {
-        Stuff out;
-        if (const double value = optics.density(ws); value != 0)
-            out.extinction = mostExtinctionOf(optics.volume(), value);
+        Stuff out{optics.mostExtinction(ws), 0};
         for (std::size_t i = 0; i < m_glow.size(); ++i)
             out.glow += m_glow[i] * std::max(optics.emissionField(i, ws), 0.0);
         return out;

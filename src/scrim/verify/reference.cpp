@@ -134,9 +134,9 @@ Rgb Reference::opticalDepth(const Vec3& a, const Vec3& b) const {
 // Reflected radiance per world unit and unit of irradiance (ZC02 eq. 3).
 Rgb Reference::reflect(const VolumeOptics& v, const Vec3& ws, const Vec3& toLight, const Vec3& toEye) const {
     const Classified& look = *v.volume().classified;
-    const ClassifiedValue value = classify(look, v.density(ws));
+    const ClassifiedValue value = v.classified(ws);
     if (value.extinction == 0) return Rgb(0);
-    const Vec3 slope = v.gradient(ws);
+    const Vec3 slope = v.shadingGradient(ws, m_voxel);
     const double length = glm::length(slope);
     const Vec3 normal = length > 0 ? -slope / length : Vec3(0);
     const Reflected share = phong(look, normal, normalWeight(look, length, m_voxel), toLight, toEye);
@@ -227,7 +227,7 @@ Reference::Sample Reference::sample(const Vec3& ws, const Vec3& eye) const {
         const ViewVolume& volume = v.volume();
         if (!v.hasDensity() || volume.holdout) continue;
         if (volume.classified) {
-            const ClassifiedValue value = classify(*volume.classified, v.density(ws));
+            const ClassifiedValue value = v.classified(ws);
             out.source += value.extinction * volume.classified->ambient * value.color * m_scene.ambient;
         } else if (!scattersFully(volume)) {  // the path tracer computes the ambient light of media that scatter fully
             out.source += v.scattering(ws) * m_scene.ambient;

@@ -37,7 +37,7 @@ struct AxCode {
 
 /// Everything is done in the order of the members.
 struct GridEdit {
-    /// Voxels with centres outside of this box are cut away; in world units of the asset.
+    /// Voxels outside of this box are left out unless something in it depends on them; in world units of the asset.
     std::optional<Bounds> clip = {};
     /// Voxels are divided by this factor along each axis; values between them are interpolated linearly.
     double resample = 1;

@@ -48,48 +48,23 @@ openvdb::GridBase::Ptr* find(EditedGrids& all, const std::string& name) {
     return nullptr;
 }
 
-/// Inactivates the voxels whose centres are outside of the box.
+/// Voxels beyond the box that are kept, because what is reconstructed in it, and its gradient, depends on them.
+constexpr double kReach = 3;
+
+/// Leaves out the voxels that are so far outside of the box that nothing in it depends on them. The box itself is cut
+/// out later, within voxels.
 template <typename Grid>
 void clip(Grid& grid, const Bounds& ws) {
-    const openvdb::math::Transform& transform = grid.transform();
-    // Whatever is far outside goes at once, with all of its tiles. The box in index space is around all 8 corners.
     openvdb::BBoxd isBox;
     for (const Vec3& corner : ws.corners())
-        isBox.expand(transform.worldToIndex(openvdb::Vec3d(corner.x, corner.y, corner.z)));
+        isBox.expand(grid.transform().worldToIndex(openvdb::Vec3d(corner.x, corner.y, corner.z)));
     const auto bounded = [](double v) { return static_cast<int>(std::clamp(v, -1e9, 1e9)); };
     openvdb::CoordBBox near;
     for (int i = 0; i < 3; ++i) {
-        near.min()[i] = bounded(std::floor(isBox.min()[i]));
-        near.max()[i] = bounded(std::ceil(isBox.max()[i]));
+        near.min()[i] = bounded(std::floor(isBox.min()[i] - kReach));
+        near.max()[i] = bounded(std::ceil(isBox.max()[i] + kReach));
     }
     grid.tree().clip(near);
-    const auto isIn = [&](const openvdb::Coord& at) {
-        const openvdb::Vec3d p = transform.indexToWorld(at);
-        return ws.contains({p.x(), p.y(), p.z()});
-    };
-    std::vector<openvdb::CoordBBox> cut;  // tiles that are in it in part
-    auto tile = grid.tree().cbeginValueOn();
-    tile.setMaxDepth(decltype(tile)::LEAF_DEPTH - 1);
-    for (; tile; ++tile) {
-        openvdb::CoordBBox box;
-        tile.getBoundingBox(box);
-        bool whole = true;
-        for (int i = 0; i < 8; ++i)
-            whole = whole && isIn({i & 1 ? box.max().x() : box.min().x(), i & 2 ? box.max().y() : box.min().y(),
-                                   i & 4 ? box.max().z() : box.min().z()});
-        if (!whole) cut.push_back(box);
-    }
-    for (const openvdb::CoordBBox& box : cut) {
-        const auto value = grid.tree().getValue(box.min());
-        grid.tree().denseFill(box, value, true);
-    }
-    const auto background = grid.background();
-    for (auto leaf = grid.tree().beginLeaf(); leaf; ++leaf)
-        for (auto voxel = leaf->beginValueOn(); voxel; ++voxel)
-            if (!isIn(voxel.getCoord())) {
-                voxel.setValue(background);
-                voxel.setValueOff();
-            }
     grid.pruneGrid();
 }
 

@@ -45,6 +45,10 @@
  * files seem not to exist, so tables and the like should be read when the source is loaded. Starting a process
  * fails; writing a file or making a socket ends the process. A crash becomes an error. A source that needs more must
  * give its parameter another name.
+ *
+ * If `file` names a folder, or one DICOM file (.dcm, .dicom) of a folder, then there the source finds under that name
+ * one file that holds the folder's DICOM files: the line "scrim folder", and for each of them a line "SIZE NAME",
+ * sorted by name, followed by its SIZE bytes. Elsewhere it finds the folder itself.
  */
 #ifndef SCRIM_SOURCE_H
 #define SCRIM_SOURCE_H

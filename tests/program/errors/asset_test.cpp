@@ -3,12 +3,14 @@
 #include "support/program_test.h"
 
 #include "support/data.h"
+#include "support/dicom_files.h"
 
 #include <scrim/image/exr_read.h>
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <filesystem>
 
 namespace scrim::test {
 namespace {
@@ -21,6 +23,20 @@ class Asset : public ProgramTest {
         std::vector<std::string> all{"render", "--print-scene", "-q"};
         all.insert(all.end(), arguments.begin(), arguments.end());
         return runWell(all).out;
+    }
+    /// 16 slices of DICOM (bodySlice) in a folder; their names are against their order.
+    void makeBody(const std::string& folder) const {
+        std::filesystem::create_directories(file(folder));
+        for (int z = 0; z < 16; ++z) write(fmt::format("{}/{:02}.dcm", folder, 16 - z), bodySlice(z).bytes());
+    }
+    /// The number of pixels that the scan `ct` covers by more than half, through a window.
+    std::ptrdiff_t coveredThrough(const std::string& window) const {
+        runWell({"render", "ct", "--set", "volume.ct.classified.window=" + window, "-o", "x.exr", "--res", "64x64",
+                 "--quality", "draft"});
+        const std::vector<float> rgba = readExr(file("x.exr")).rgba;
+        std::ptrdiff_t count = 0;
+        for (std::size_t i = 3; i < rgba.size(); i += 4) count += rgba[i] > 0.5f;
+        return count;
     }
     /// 16^3 samples: air 0, a ball of tissue 100 with a core of 200.
     void makeScan(const std::string& name, int offset = 0, const std::string& fields = "") const {
@@ -273,9 +289,57 @@ TEST_F(Asset, FormatsThatAreNotReadAreNamed) {
     expectFailure({"render", "x.vti"}, kInput, reason);
     expectFailure({"info", "x.vti"}, kInput, reason);
     expectFailure({"make", "scan", "file=x.vti", "-o", "x.vdb"}, kInput, "source 'scan': " + reason);
-    expectFailure({"info", "nowhere.DCM"}, kInput,
-                  "nowhere.DCM: is DICOM (.dcm), which is not read; put its slices together as NRRD or NIfTI (3D "
-                  "Slicer and dcm2niix do)");
+    expectFailure({"info", "nowhere.DCM"}, kInput, "source 'scan': nowhere.DCM: there is no such file");
+}
+
+TEST_F(Asset, AFolderOfDicomIsAScan) {
+    makeBody("ct");
+    for (const char* name : {"ct", "ct/", "ct/03.dcm"}) {
+        const ProgramResult info = runWell({"info", name});
+        EXPECT_TRUE(contains(info.out, "samples          16 x 16 x 16 of int16\n")) << info.out;
+        EXPECT_TRUE(contains(info.out, "values           -1000 to 900")) << info.out;
+        runWell({"render", name, "-o", "x.exr", "--res", "16x16", "--quality", "draft"});
+    }
+    const std::string made = runWell({"render", "ct", "--print-scene"}).out;
+    EXPECT_TRUE(contains(made, "name = \"ct\"")) << made;
+    std::filesystem::remove(file("ct/09.dcm"));
+    expectFailure({"info", "ct"}, kInput,
+                  "source 'scan': ct: a slice is missing between '10.dcm' and '08.dcm': they are 2 mm apart, others 1");
+}
+
+TEST_F(Asset, WindowsOfScansAreGivenByName) {
+    makeBody("ct");
+    const auto bone = coveredThrough("bone"), flesh = coveredThrough("soft tissue");
+    EXPECT_GT(bone, 50);
+    // A radius of 3 in one of 6, each within half a voxel: (2.5 / 6.5)^2 to (3.5 / 5.5)^2.
+    EXPECT_GT(double(bone), 0.14 * double(flesh));
+    EXPECT_LT(double(bone), 0.41 * double(flesh));
+    EXPECT_NEAR(double(coveredThrough("vessels")), double(bone), 0.4 * double(bone));
+    // Air is kept, too, so that the camera stands further away.
+    const auto range = coveredThrough("[600, 400]");
+    EXPECT_GT(range, 50);
+    EXPECT_LT(range, bone);
+    EXPECT_EQ(coveredThrough("[2000, 100]"), 0);
+    // Skin, whose voxels hold air in part, is a veil of values of lungs.
+    EXPECT_LT(coveredThrough("lung"), flesh);
+    const std::string made =
+        runWell({"render", "ct", "--set", "volume.ct.classified.window=bone", "--print-scene"}).out;
+    EXPECT_TRUE(contains(made, "window = \"bone\"") || contains(made, "window = 'bone'")) << made;
+    EXPECT_FALSE(contains(made, "transfer =")) << made;
+    EXPECT_TRUE(contains(made, "hounsfield")) << made;
+    expectFailure(
+        {"render", "ct", "--set", "volume.ct.classified.window=bones", "-o", "x.exr"}, kInput,
+        "--set volume.ct.classified.window: 'window' is the string \"bones\"; expected 'bone', 'soft tissue', "
+        "'lung' or 'vessels'");
+}
+
+TEST_F(Asset, AScanWithoutHounsfieldUnitsHasWindowsInItsOwn) {
+    makeScan("ball.nrrd");
+    expectFailure({"render", "ball.nrrd", "--set", "volume.ball.classified.window=bone", "-o", "x.exr"}, kInput,
+                  "ball.nrrd: has values from 0 to 200, which are not Hounsfield units, as the window bone needs them; "
+                  "expected [centre, width] in the scan's own units, or a scene with 'rescale' among its parameters");
+    runWell({"render", "ball.nrrd", "--set", "volume.ball.classified.window=[100, 60]", "-o", "x.exr", "--res", "16x16",
+             "--quality", "draft"});
 }
 
 TEST_F(Asset, InfoSumsUpASequence) {

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// Commands that documents show are run as they stand there, in the order of their document: on a small smoke.vdb and
-// head.nrrd, and smaller where that is all that a substitution changes. A command that the program refuses fails, and
+// Commands that documents show are run as they stand there, in the order of their document: on a small smoke.vdb,
+// head.nrrd and a folder of DICOM files, and smaller where that is all that a substitution changes. A command that the program refuses fails, and
 // so does a line of a shell block that is neither run here nor listed with whoever runs it.
 #include "support/program_test.h"
 
 #include "support/data.h"
+#include "support/dicom_files.h"
 
 #include <algorithm>
 #include <fstream>
@@ -204,6 +205,8 @@ class Documents : public ProgramTest {
         for (std::size_t i = 0; i < samples.size(); ++i)  // a box of 200 within 0
             if (i % 16 / 4 % 3 != 0 && i / 16 % 16 / 4 % 3 != 0 && i / 256 / 4 % 3 != 0)
                 samples[i] = static_cast<char>(200);
+        fs::create_directory(file("ct"));
+        for (int z = 0; z < 16; ++z) write(fmt::format("ct/{:02}.dcm", z), bodySlice(z).bytes());
         write("head.nrrd", "NRRD0004\ntype: uchar\ndimension: 3\nsizes: 16 16 16\nencoding: raw\n\n" + samples);
     }
 

@@ -10,6 +10,7 @@
 #include <scrim/volume/source.h>
 
 #include "support/data.h"
+#include "support/dicom_files.h"
 #include "support/expect_error.h"
 #include "support/loader_processes.h"
 #include "support/source_files.h"
@@ -140,6 +141,17 @@ TEST_F(SourceLoader, ReadsEveryKindOfScanAsThisProcessDoes) {
     for (const char* name : {"samples.bin", "samples.bin.gz"}) expectSameFields("scan", name, {{"size", "8, 8, 10"}});
     write("floats.raw", std::string("\0\0\x80\x3f\0\0\xc0\x7f\0\0\x80\xbf\0\0\0\x40", 16));  // 1, NaN, -1, 2
     expectSameFields("scan", "floats.raw", {{"size", "4, 1, 1"}, {"type", "float"}});
+}
+
+TEST_F(SourceLoader, ReadsSeriesOfFilesAsThisProcessDoes) {
+    std::filesystem::create_directories(file("series"));
+    for (int z = 0; z < 4; ++z) write("series/" + std::to_string(9 - z) + ".dcm", countingSlice(z).bytes());
+    write("series/notes.txt", "not a slice");
+    for (const char* name : {"series", "series/", "series/7.dcm"}) expectSameFields("scan", name);
+    std::filesystem::remove(file("series/7.dcm"));
+    expectSameRefusal("scan", "series");
+    write("series/a.dcm", "nothing");
+    for (const char* name : {"series/a.dcm", "series/none.dcm"}) expectSameRefusal("scan", name);
 }
 
 TEST_F(SourceLoader, ReadsEveryKindOfMeshAsThisProcessDoes) {

@@ -316,6 +316,57 @@ TEST(Classified, GradientsWhoseSquareNoFloatHoldsAreGradients) {
     }
 }
 
+TEST(Classified, OpacityByTheGradientIsTheRampAtTheRampsSlope) {
+    // Values rise by 0.05 a voxel, and fall from 1 to 0 in one at the end.
+    for (const double voxel : {1.0, 2.0}) {
+        const auto field =
+            makeField({-12, -12, 0}, {12, 12, 19}, voxel, [](const Vec3& is) { return 0.05 * (is.z + 1); });
+        for (const auto& [low, high] : {std::pair(0.0, 0.1), {0.03, 0.06}, {0.06, 0.08}, {0.01, 0.02}}) {
+            Classified look =
+                transferOf({{0.3, Rgb(1), 0}, {0.3, Rgb(1), 0.05}, {0.7, Rgb(1), 0.05}, {0.7, Rgb(1), 0}});
+            look.gradientRamp = {{low, 0}, {high, 1}};
+            ViewScene scene = classifiedScene(field, look, 10 * voxel, 8);
+            scene.dials.texel = scene.dials.sheetThickness = 0.5;
+            const double factor = std::clamp((0.05 / voxel - low) / (high - low), 0.0, 1.0);
+            // 8 voxels of the ramp have the values, and 0.4 of the fall, where the gradient is large.
+            const double expected = 0.05 * voxel * (8 * factor + 0.4);
+            const double depth = -std::log(1 - pixelOf(renderScene(scene), 4, 4)[3]);
+            // The fall is shorter than the field is sharp on sheets: up to half of it.
+            EXPECT_NEAR(depth, expected, 0.05 * voxel * (0.2 + 0.1 * factor)) << voxel << ": " << low << " " << high;
+        }
+    }
+}
+
+TEST(Classified, ShadowsHaveTheOpacityByTheGradientToo) {
+    // Light crosses the same ramp on its way: beside the eye, along x.
+    const auto field = makeField({0, -12, -12}, {19, 12, 12}, 1, [](const Vec3& is) { return 0.05 * (is.x + 1); });
+    Classified look = transferOf({{0.3, Rgb(1), 0}, {0.3, Rgb(1), 0.1}, {0.7, Rgb(1), 0.1}, {0.7, Rgb(1), 0}});
+    look.diffuse = 1;
+    look.ambient = look.specular = 0;
+    look.gradientRamp = {{0, 0}, {0.1, 1}};
+    ViewScene scene = classifiedScene(field, look, 40, 40);
+    scene.dials.texel = scene.dials.sheetThickness = 0.5;
+    scene.lights.push_back(distantLight({1, 0, 0}, kPi));
+    scene.lights[0].shadows = true;
+    ViewScene open = scene;
+    open.lights[0].shadows = false;
+    const Frame shadowed = renderScene(scene), lit = renderScene(open);
+    for (const int x : {27, 30, 32}) {  // the values begin at x = 5, in pixel 25
+        const double way = x + 0.5 - 25;
+        EXPECT_NEAR(pixelOf(shadowed, x, 20)[0] / pixelOf(lit, x, 20)[0], std::exp(-0.05 * way), 0.015) << x;
+    }
+}
+
+TEST(Classified, OpacityByTheGradientAgreesWithBruteForce) {
+    Classified look =
+        transferOf({{0.15, Rgb(0.3, 0.5, 1), 0}, {0.3, Rgb(0.3, 0.5, 1), 0.4}, {0.6, Rgb(1, 0.6, 0.3), 2}});
+    look.gradientRamp = {{0.02, 0}, {0.06, 1}};
+    ViewScene scene = classifiedScene(smokeField(24), look, 60, 96);
+    scene.ambient = Rgb(0.3);
+    scene.lights.push_back(distantLight({1, -1, -0.6}, 3));
+    expectConvergence(scene, 40, 1, 0.04);  // as without it
+}
+
 TEST(Classified, AgreesWithBruteForce) {
     Classified look =
         transferOf({{0.15, Rgb(0.3, 0.5, 1), 0}, {0.3, Rgb(0.3, 0.5, 1), 0.2}, {0.6, Rgb(1, 0.6, 0.3), 2}});

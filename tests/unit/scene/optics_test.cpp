@@ -40,7 +40,7 @@ TEST(VolumeOptics, OfAMediumIsFieldTimesScaleTimesTint) {
         EXPECT_NEAR(optics.scattering(ws)[c], expected * volume.medium.extinctionTint[c] * volume.medium.albedo[c],
                     1e-5);
     }
-    EXPECT_NEAR(mostExtinctionOf(volume, optics.density(ws)), expected, 1e-5);
+    EXPECT_NEAR(optics.mostExtinction(ws), expected, 1e-5);
     EXPECT_EQ(optics.extinction({100, 0, 0}), Rgb(0));
     EXPECT_EQ(optics.emission(ws), Rgb(0));
 }
@@ -55,7 +55,7 @@ TEST(VolumeOptics, OfAClassifiedVolumeIsWhatTheTransferFunctionSays) {
     const VolumeOptics optics(volume, Kernel::linear, samplers);
     const Vec3 ws(1.3, -2.1, 3.7);
     EXPECT_NEAR(optics.extinction(ws).x, 0.5 * 2 * slope(ws / 0.5), 1e-5);
-    EXPECT_EQ(mostExtinctionOf(volume, optics.density(ws)), optics.extinction(ws).x);
+    EXPECT_EQ(optics.mostExtinction(ws), optics.extinction(ws).x);
     // Per world unit, whose edge is two voxels.
     EXPECT_NEAR(glm::distance(optics.gradient(ws), Vec3(0.4, -0.2, 0.1)), 0, 1e-5);
 }

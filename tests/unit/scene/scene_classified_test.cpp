@@ -48,6 +48,64 @@ TEST(SceneClassified, ReadsEverything) {
     EXPECT_TRUE(look->twoSided);
 }
 
+TEST(SceneClassified, AWindowIsATransferFunctionByItsNameOrItsRange) {
+    const auto look = [](const std::string& lines) { return *read(sceneWith(lines)).volumes.at(0).classified; };
+    for (const char* name : {"bone", "soft tissue", "lung", "vessels"}) {
+        const Classified own = look("window = \"" + std::string(name) + "\"\n");
+        EXPECT_TRUE(own.perVoxel);
+        EXPECT_EQ(classify(own, 24).extinction, 0) << name << ": air";
+    }
+    const auto extinction = [&](const char* name, double hounsfield) {
+        return classify(look("window = \"" + std::string(name) + "\"\n"), hounsfield + 1024).extinction;
+    };
+    // Half of a voxel's light is lost where matter counts as opaque.
+    EXPECT_EQ(extinction("bone", 60), 0) << "flesh";
+    EXPECT_GT(extinction("bone", 400), 0.7);
+    EXPECT_GT(extinction("soft tissue", 60), 0.7);
+    EXPECT_EQ(extinction("soft tissue", -700), 0) << "lung";
+    EXPECT_EQ(extinction("lung", 60), 0);
+    EXPECT_GT(extinction("lung", -700), 0);
+    EXPECT_EQ(extinction("vessels", 60), 0);
+    EXPECT_GT(extinction("vessels", 250), 0.7);
+    const Rgb red = classify(look("window = \"vessels\"\n"), 250 + 1024).color;
+    EXPECT_GT(red.x, 4 * red.y);
+
+    const Classified range = look("window = [40, 400]\n");
+    EXPECT_EQ(classify(range, 1024 - 160).extinction, 0);
+    EXPECT_EQ(classify(range, 1024 + 40).color, Rgb(0.5));
+    EXPECT_NEAR(classify(range, 1024 + 40).extinction, 0.5 * classify(range, 1024 + 240).extinction, 1e-12);
+    EXPECT_EQ(look("window = [40, 20]\nwindow_zero = 0\n").transfer[0].value, 30);
+    // One that begins below all grid values is the same line from there on.
+    const Classified wide = look("window = [-600, 1500]\n");
+    EXPECT_EQ(classify(wide, 0).extinction, 0);
+    EXPECT_NEAR(classify(wide, 1).color.x, (1350 - 1023) / 1500.0, 1e-12);
+}
+
+TEST(SceneClassified, WindowsThatShowNothingOrThatHaveARivalAreRefused) {
+    EXPECT_EQ(errorOf(sceneWith("window = \"bones\"\n")),
+              "scene.toml:7:10: 'window' is the string \"bones\"; expected 'bone', 'soft tissue', 'lung' or 'vessels'");
+    EXPECT_EQ(errorOf(sceneWith("window = [40, 0]\n")),
+              "scene.toml:7:10: 'window' is a list of 2; expected [centre, width] with a width above 0");
+    EXPECT_EQ(errorOf(sceneWith("window = [-2000, 100]\n")),
+              "scene.toml:7:10: 'window' ends at -1950; expected an end above -1024, because grid values below 0 are "
+              "empty");
+    EXPECT_NE(errorOf(sceneWith("window = \"bone\"\ntransfer = []\n")).find("; expected one of them"),
+              std::string::npos);
+}
+
+TEST(SceneClassified, OpacityByTheGradientIsARampOfFactors) {
+    const std::string transfer = "transfer = [{value = 1, extinction = 0}, {value = 2, extinction = 3}]\n";
+    const auto look = read(sceneWith(transfer + "gradient = [[5, 0.25], [15, 1]]\n")).volumes.at(0).classified;
+    EXPECT_EQ(gradientFactor(*look, 0), 0.25);
+    EXPECT_EQ(gradientFactor(*look, 10), 0.625);
+    EXPECT_EQ(gradientFactor(*look, 99), 1);
+    EXPECT_EQ(gradientFactor(Classified(), 3), 1) << "none";
+    EXPECT_NE(errorOf(sceneWith(transfer + "gradient = [[5, 0], [15, 2]]\n")).find("scene.toml:8:26"),
+              std::string::npos);
+    EXPECT_NE(errorOf(sceneWith(transfer + "gradient = [[5, 0], [5, 1]]\n")).find("expected ascending values"),
+              std::string::npos);
+}
+
 TEST(SceneClassified, ErrorsAreLocated) {
     EXPECT_NE(errorOf(sceneWith("")).find("scene.toml:6:"), std::string::npos);
     EXPECT_NE(errorOf(sceneWith("transfer = [{value = 1, extinction = 0}]\n")).find("at least two points"),

@@ -85,6 +85,30 @@ TEST(SceneEdit, HoldsCodeItsPlaceAndItsVariables) {
               (std::vector<AxVariable>{{"w", {1, 2, 3}}}));
 }
 
+TEST(SceneEdit, ClipsWithABoxAndAPlane) {
+    const SceneVolume v = volume("clip = [[0, 1, 2], [3, 4, 5]]\nclip_plane = [0, 0, 2, 6]\n");
+    EXPECT_EQ(v.clip, (std::vector<HalfSpace>{{{1, 0, 0}, 0},
+                                              {{-1, 0, 0}, 3},
+                                              {{0, 1, 0}, -1},
+                                              {{0, -1, 0}, 4},
+                                              {{0, 0, 1}, -2},
+                                              {{0, 0, -1}, 5},
+                                              {{0, 0, -1}, 3}}));
+    EXPECT_FALSE(volume("clip_plane = [0, 0, 2, 6]\n").edit) << "all voxels are needed";
+    EXPECT_TRUE(volume("").clip.empty());
+    EXPECT_NE(volumeError("clip_plane = [0, 0, 0, 6]\n").find("expected a normal [nx, ny, nz] that is not 0"),
+              std::string::npos);
+    EXPECT_NE(volumeError("clip_plane = [0, 0, 1]\n")
+                  .find("scene.toml:6:14: 'clip_plane' is a list of 3; expected "
+                        "four numbers [nx, ny, nz, d]"),
+              std::string::npos);
+}
+
+TEST(SceneEdit, WhatMovesIntoTheBoxIsNotLeftOut) {
+    EXPECT_TRUE(volume("clip = [[0, 1, 2], [3, 4, 5]]\n").edit);
+    EXPECT_FALSE(volume("clip = [[0, 1, 2], [3, 4, 5]]\ndisplacement = { amount = 2 }\n").edit);
+}
+
 TEST(SceneEdit, SharesParametersWithASource) {
     const std::string source = kCamera + "[[volume]]\nsource = \"noise\"\n";
     const SceneVolume v = read(source + "ax = 'f@density *= $gain;'\nparameters = { size = 3, gain = 2 }\n").volumes[0];

@@ -3,6 +3,7 @@
 #include "support/fields.h"
 
 #include <scrim/shot/assemble.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <gtest/gtest.h>
 
@@ -64,6 +65,36 @@ TEST(Assemble, ScalesAMediumAndALookByTheOneScaleOfTheVolume) {
     const ViewScene view = assembled(scene, {smokeField(6, 0.5)});
     EXPECT_EQ(view.volumes.at(0).medium.densityScale, 0.25);
     EXPECT_EQ(classify(*view.volumes[0].classified, 2).extinction, 0.75);
+}
+
+TEST(Assemble, AWindowsExtinctionIsPerVoxel) {
+    Scene scene = someScene();
+    Classified look;
+    look.transfer = {{1, Rgb(1), 0}, {2, Rgb(1), 3}};
+    look.perVoxel = true;
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    scene.volumes[0].wsFromAsset = Mat4(3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 3, 0, 0, 0, 0, 1);
+    const ViewScene view = assembled(scene, {smokeField(6, 0.5)});
+    EXPECT_NEAR(classify(*view.volumes.at(0).classified, 2).extinction, 0.25 * 3 / 1.5, 1e-12);
+}
+
+TEST(Assemble, CutsTheVoxelsOfAMediumAndTellsAClassifiedVolumeItsFaces) {
+    Scene scene = someScene();
+    scene.volumes[0].clip = {{{1, 0, 0}, 0.25}};  // from x = -0.25 on, in the file's world
+    scene.volumes[0].wsFromAsset[3] = {10, 0, 0, 1};
+    const auto field = boxField(Int3(-3), Int3(3), 1);
+    const ViewScene medium = assembled(scene, {field});
+    EXPECT_TRUE(medium.volumes.at(0).wsClip.empty());
+    const FieldSampler cut(*medium.volumes[0].field);
+    EXPECT_EQ(cut.voxel({-1, 0, 0}), 0);
+    EXPECT_EQ(cut.voxel({0, 0, 0}), 0.75);
+    EXPECT_EQ(cut.voxel({1, 0, 0}), 1);
+    Classified look;
+    look.transfer = {{1, Rgb(1), 0}, {2, Rgb(1), 3}};
+    scene.volumes[0].classified = std::make_shared<const Classified>(look);
+    const ViewScene classified = assembled(scene, {field});
+    EXPECT_EQ(classified.volumes.at(0).field, field);
+    EXPECT_EQ(classified.volumes[0].wsClip, (std::vector<HalfSpace>{{{1, 0, 0}, -9.75}}));
 }
 
 TEST(Assemble, FadesLightsAcrossThePerpendicularOnlyWhereSomethingMoves) {

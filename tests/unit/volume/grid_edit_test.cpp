@@ -136,14 +136,14 @@ TEST(GridEditText, PlacesAreThoseOfTheFile) {
     EXPECT_EQ(set.placeOf(1, 4), "--set volume.v.ax: line 1, column 4");
 }
 
-TEST_F(GridEditTest, CutsAtCentresOfVoxels) {
+TEST_F(GridEditTest, KeepsVoxelsThatTheBoxDependsOn) {
     GridEdit edit;
-    edit.clip = Bounds{wsOf({1, 0, 3}), wsOf({5, 4, 8})};
+    edit.clip = Bounds{wsOf({-5, -6, -4}), wsOf({1, 0, 2})};
     const auto fields = load(edit, {{"density"}, {"heat"}});
-    const auto isIn = [&](const Int3& p) { return edit.clip->contains(wsOf(p)); };
+    const Vec3 last(4, 3, 5);  // three voxels beyond
+    const auto isIn = [&](const Int3& p) { return p.x <= last.x && p.y <= last.y && p.z <= last.z; };
     expectValues(fields[0], [&](const Int3& p) { return isIn(p) ? densityAt(p) : 0; });
     expectValues(fields[1], [&](const Int3& p) { return isIn(p) && p.x < 3 ? 2.0 : 0; });
-    EXPECT_EQ(fields[0].activeVoxels, 5u * 5 * 6);
 }
 
 TEST_F(GridEditTest, CutsThroughTiles) {
@@ -151,7 +151,8 @@ TEST_F(GridEditTest, CutsThroughTiles) {
     GridEdit edit;
     edit.clip = Bounds{{10.5, -5, 20}, {100.2, 1000, 90}};
     const auto fields = load(edit, {{"density"}});
-    EXPECT_EQ(fields[0].activeVoxels, (100u - 10) * 128 * (90 - 20 + 1));
+    // From 10.5 - 3 to 100.2 + 3, outwards; from 20 - 3 to 90 + 3.
+    EXPECT_EQ(fields[0].activeVoxels, (104u - 7 + 1) * 128 * (93 - 17 + 1));
 }
 
 TEST_F(GridEditTest, RefinedGridsFillTheSameSpaceAndKeepSlopes) {
@@ -225,7 +226,7 @@ TEST_F(GridEditTest, RunsAfterCuttingAndRefining) {
     const SparseField field = load(edit, {{"density"}})[0];
     EXPECT_FLOAT_EQ(field.maxValue, 1);
     EXPECT_GE(field.activeVoxels, 8u * 8 * 8);
-    EXPECT_LE(field.activeVoxels, 10u * 10 * 10);
+    EXPECT_LE(field.activeVoxels, 20u * 20 * 20);  // with three voxels on either side
 }
 
 TEST_F(GridEditTest, CleansAndCountsWhatExpressionsLeave) {

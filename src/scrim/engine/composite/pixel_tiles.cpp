@@ -96,4 +96,159 @@ std::size_t EyeEnds::bytes() const {
     return sum;
 }
 
+namespace {
+
+// Sums for a pixel's motion before division: right and up times opacity, and the opacities of both.
+constexpr std::size_t kMotionSums = 4;
+
+FrameLayer* find(Frame& frame, Layer layer, int light = -1, int volume = -1) {
+    for (FrameLayer& l : frame.layers)
+        if (l.layer == layer && l.light == light && l.volume == volume) return &l;
+    return nullptr;
+}
+
+// The layer that receives an output of a group, and its weight.
+struct Target {
+    int quad;
+    FrameLayer* layer;
+    double share;
+};
+
+std::vector<Target> targetsOf(const GroupPlan& group, Frame& frame) {
+    std::vector<Target> targets;
+    for (std::size_t i = 0; i < group.outputs.list.size(); ++i) {
+        const Output& output = group.outputs.list[i];
+        // Outputs of lights, ambient light, emission and volumes already contain the group's share.
+        const bool seen = output.layer == Layer::albedo || output.layer == Layer::depth ||
+                          output.layer == Layer::motion || output.layer == Layer::cryptomatte;
+        targets.push_back({group.outputs.layout.quadOf(static_cast<int>(i) + 1),
+                           find(frame, output.layer, output.light, output.place), seen ? group.primary : 1.0});
+    }
+    return targets;
+}
+
+// The sums of the states of a pixel's rays, quad by quad, and the smallest of their depths.
+struct PixelSum {
+    std::vector<Real> floats;
+    Real first = 0;
+
+    void clear() {
+        std::fill(floats.begin(), floats.end(), Real(0));
+        first = 0;
+    }
+};
+
+void sumRays(const PixelTiles& tiles, int n, int x, int y, PixelSum& sum) {
+    sum.clear();
+    const int count = tiles.layout().floats();
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+            const Real* state = tiles.state(x * n + i, y * n + j);
+            for (int f = 0; f < count; ++f) sum.floats[f] += state[f];
+            if (!tiles.keepsDepth()) continue;
+            const Real depth = tiles.depth(x * n + i, y * n + j);
+            if (depth > 0 && (sum.first == 0 || depth < sum.first)) sum.first = depth;
+        }
+}
+
+}  // namespace
+
+Frame emptyFrame(const ViewScene& scene) {
+    Frame frame;
+    frame.image = emptyImage(scene.region);
+    const auto add = [&](Layer layer, int light, int volume) {
+        FrameLayer& out = frame.layers.emplace_back(FrameLayer{layer, light, {}, volume});
+        const std::size_t floats = layer == Layer::motion ? kMotionSums : out.channels();
+        out.data.assign(floats * scene.region.pixelCount(), 0.0f);
+    };
+    for (const Layer layer : scene.layers) {
+        if (layer == Layer::light || layer == Layer::shadow) {
+            for (int i = 0; i < static_cast<int>(scene.lights.size()); ++i)
+                if (layer == Layer::shadow || lightOfLayer(scene, i) == i) add(layer, i, -1);
+        } else if (layer == Layer::volume || layer == Layer::cryptomatte)
+            for (std::size_t i = 0; i < placesOf(scene); ++i) add(layer, -1, static_cast<int>(i));
+        else
+            add(layer, -1, -1);
+    }
+    return frame;
+}
+
+void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame) {
+    const EyePart& part = plan.eyeParts[group.eyePart];
+    const int n = scene.dials.antialias;
+    const std::vector<Target> targets = targetsOf(group, frame);
+    FrameLayer* const transmittance = group.primary > 0 ? find(frame, Layer::transmittance) : nullptr;
+    const OutputLayout& layout = tiles.layout();
+    const std::size_t opacities = std::size_t(layout.floats() - 4);
+    const auto beauties = std::size_t(layout.beauty ? 1 : layout.quadOf(layout.beautyParts));
+    parallelFor(std::size_t(part.window.height()), [&](std::size_t row) {
+        PixelSum sum{std::vector<Real>(std::size_t(layout.floats())), 0};
+        const int y = part.window.y0 + static_cast<int>(row);
+        for (int x = part.window.x0; x < part.window.x1; ++x) {
+            sumRays(tiles, n, x, y, sum);
+            const double weight = part.weight(x + 0.5, y + 0.5) / (n * n);
+            const std::size_t at = frame.image.indexOf(x, y);
+            // Interpolation between texels rounds: nothing may become slightly negative, and opaque slightly more than
+            // opaque.
+            const auto radiance = [&](std::size_t f, double share) {
+                return static_cast<Real>(weight * share) * std::max(sum.floats[f], Real(0));
+            };
+            float* pixel = frame.image.rgba.data() + at;
+            // The beauty's quad, or those that add up to it; they come first in either case.
+            for (std::size_t q = 0; q < beauties; ++q)
+                for (std::size_t c = 0; c < 3; ++c) pixel[c] += radiance(4 * q + c, 1);
+            Real hidden[3];
+            for (std::size_t c = 0; c < 3; ++c)
+                hidden[c] = static_cast<Real>(weight * group.primary) *
+                            (layout.seen ? sum.floats[std::size_t(4 * layout.quadOf(*layout.seen)) + c]
+                                         : -sum.floats[layout.coloured ? opacities + c : opacities + 3]);
+            const Real alpha = layout.coloured ? (hidden[0] + hidden[1] + hidden[2]) / 3 : hidden[0];
+            pixel[3] = static_cast<float>(std::clamp(pixel[3] + alpha, Real(0), Real(1)));
+
+            for (const Target& target : targets) {
+                const auto quad = std::size_t(4 * target.quad);
+                if (target.layer->layer == Layer::depth) {
+                    float* depth = target.layer->data.data() + at / 4 * 2;
+                    if (sum.first > 0 && (depth[0] == 0 || sum.first < depth[0])) depth[0] = sum.first;
+                    for (std::size_t c = 0; c < 3; ++c) depth[1] += radiance(quad + c, target.share / 3);
+                } else if (target.layer->layer == Layer::cryptomatte) {
+                    for (std::size_t c = 0; c < 3; ++c)
+                        target.layer->data[at / 4] += radiance(quad + c, target.share / 3);
+                } else if (target.layer->layer == Layer::motion) {
+                    float* sums = target.layer->data.data() + at / 4 * kMotionSums;
+                    for (std::size_t c = 0; c < 2; ++c) {
+                        sums[c] += static_cast<Real>(weight * target.share) * sum.floats[quad + c];
+                        sums[2 + c] += hidden[c];
+                    }
+                } else {
+                    float* rgb = target.layer->data.data() + at / 4 * 3;
+                    for (std::size_t c = 0; c < 3; ++c) rgb[c] += radiance(quad + c, target.share);
+                }
+            }
+            if (transmittance)
+                for (std::size_t c = 0; c < 3; ++c) transmittance->data[at / 4 * 3 + c] += hidden[c];
+        }
+    });
+}
+
+void finishLayers(Frame& frame) {
+    for (FrameLayer& layer : frame.layers) {
+        if (layer.layer == Layer::motion) {
+            const std::vector<float> sums = std::move(layer.data);
+            layer.data.assign(sums.size() / 2, 0.0f);
+            for (std::size_t i = 0; i < layer.data.size(); ++i) {
+                const float hidden = sums[i / 2 * kMotionSums + 2 + i % 2];
+                if (hidden > 0) layer.data[i] = sums[i / 2 * kMotionSums + i % 2] / hidden;
+            }
+        }
+        if (layer.layer == Layer::transmittance)
+            for (float& value : layer.data) value = std::clamp(1 - value, 0.0f, 1.0f);
+        if (layer.layer != Layer::depth) continue;
+        for (std::size_t i = 0; i < layer.data.size(); i += 2) {
+            const float alpha = frame.image.rgba[2 * i + 3];
+            layer.data[i + 1] = alpha > 0 ? layer.data[i + 1] / alpha : 0.0f;
+        }
+    }
+}
+
 }  // namespace scrim

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // The picture during a sweep: pixels in tiles of 16 x 16, so that the states of one task lie together in memory;
-// and what hides parts of their rays.
+// what hides parts of their rays; and how the results become the frame: sums over sweeps, means over a pixel's rays.
 #pragma once
 
 #include <scrim/base/real.h>
 #include <scrim/base/zeroed_array.h>
 #include <scrim/geometry/sheets.h>
 #include <scrim/image/image.h>
+#include <scrim/engine/model/frame.h>
 #include <scrim/engine/model/plan.h>
 #include <scrim/geometry/camera.h>
 #include <scrim/image/depth_picture.h>
@@ -133,5 +134,14 @@ class EyeEnds {
     std::uint64_t m_rays = 0;
     std::vector<std::vector<double>> m_depths, m_thin;  // one for each tile
 };
+
+/// A black frame with all layers that the scene requests.
+Frame emptyFrame(const ViewScene& scene);
+
+/// Adds the result of the sweep of `group`, which is in `tiles`.
+void resolve(const ViewScene& scene, const Plan& plan, const GroupPlan& group, const PixelTiles& tiles, Frame& frame);
+
+/// Completes the layers that depend on the sum of all sweeps.
+void finishLayers(Frame& frame);
 
 }  // namespace scrim

@@ -10,140 +10,7 @@
 
 #include <glm/matrix.hpp>
 
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "scrim/engine/splat/surface.cpp"
-#include <hwy/foreach_target.h>
-#include <scrim/engine/simd-inl.h>
-
-HWY_BEFORE_NAMESPACE();
 namespace scrim {
-namespace HWY_NAMESPACE {
-
-struct Lookup {
-    const Real* table;
-    int cells;
-    Real beyond;  // slope beyond the last place
-
-    // Linear between places; beyond the last one it continues with slope `beyond`.
-    HWY_ATTR HWY_INLINE VF at(VF x) const {
-        const DF d;
-        const auto last = hn::Set(d, static_cast<Real>(cells));
-        const auto inside = hn::Min(hn::Max(x, hn::Zero(d)), last);
-        const auto floor = hn::Min(hn::Floor(inside), hn::Set(d, static_cast<Real>(cells - 1)));
-        const auto index = hn::ConvertTo(DI(), floor);
-        const auto lower = hn::GatherIndex(d, table, index), upper = hn::GatherIndex(d, table + 1, index);
-        const auto value = hn::MulAdd(hn::Sub(inside, floor), hn::Sub(upper, lower), lower);
-        return hn::MulAdd(hn::Max(hn::Sub(x, last), hn::Zero(d)), hn::Set(d, beyond), value);
-    }
-};
-
-// The mean over [x, y], in cells. If that is shorter than a cell, the value at its middle is used, because the
-// difference of two integrals would be rounding only.
-HWY_ATTR HWY_INLINE VF meanBetween(const Lookup& value, VF x, VF y, VF integralX, VF integralY) {
-    const DF d;
-    const auto run = hn::Sub(y, x);
-    const auto isShort = hn::Lt(hn::Abs(run), hn::Set(d, Real(1)));
-    const auto safe = hn::IfThenElse(isShort, hn::Set(d, Real(1)), run);
-    const auto quotient = hn::Div(hn::Sub(integralY, integralX), safe);
-    if (hn::AllFalse(d, isShort)) return quotient;
-    const auto middle = value.at(hn::Mul(hn::Set(d, Real(0.5)), hn::Add(x, y)));
-    return hn::IfThenElse(isShort, middle, quotient);
-}
-
-HWY_ATTR void meanOnTarget(const Real* values, const Real* integrals, int cells, Real beyond, Real cellsPerValue,
-                           const Real* a, const Real* b, const Real* c, int count, Real* out) {
-    const DF d;
-    // The tables of integrals are in units of cells, so that means are differences divided by differences of cells.
-    const Lookup value{values, cells, 0}, integral{integrals, cells, beyond};
-    const auto scale = hn::Set(d, cellsPerValue);
-    for (int k = 0; k < count; k += static_cast<int>(hn::Lanes(d))) {
-        const auto x = hn::Mul(hn::Load(d, a + k), scale), y = hn::Mul(hn::Load(d, b + k), scale),
-                   z = hn::Mul(hn::Load(d, c + k), scale);
-        const auto ix = integral.at(x), iy = integral.at(y), iz = integral.at(z);
-        const auto sum = hn::Add(meanBetween(value, x, y, ix, iy), meanBetween(value, y, z, iy, iz));
-        hn::Store(hn::Max(hn::Mul(hn::Set(d, Real(0.5)), sum), hn::Zero(d)), d, out + k);
-    }
-}
-
-}  // namespace HWY_NAMESPACE
-}  // namespace scrim
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace scrim {
-
-HWY_EXPORT(meanOnTarget);
-
-namespace {
-
-constexpr int kCells = 2048;  // over the range of values
-
-}  // namespace
-
-struct TransferTable::Function {
-    std::vector<Real> value, integral;  // at kCells + 1 places
-    Real beyond = 0;                    // value beyond the last place
-};
-
-TransferTable::~TransferTable() = default;
-
-TransferTable::TransferTable(const Classified& classified) {
-    const std::vector<TransferPoint>& points = classified.transfer;
-    m_cell = std::max(points.back().value, std::numeric_limits<float>::min() * 1e6) / kCells;
-    for (int f = 0; f < 4; ++f) {
-        Function& function = m_functions.emplace_back();
-        const auto at = [&](double value) {
-            const ClassifiedValue c = classify(classified, value);
-            return c.extinction * (f == 0 ? 1.0 : c.color[f - 1]);
-        };
-        // Between two neighbouring places or points, extinction times colour is a quadratic, for which Simpson's rule
-        // is exact.
-        double integral = 0;
-        for (int i = 0; i <= kCells; ++i) {
-            const double place = i * m_cell;
-            function.value.push_back(static_cast<Real>(at(place)));
-            function.integral.push_back(static_cast<Real>(integral));
-            std::vector<double> cuts{place};
-            for (const TransferPoint& p : points)
-                if (p.value > place && p.value < place + m_cell) cuts.push_back(p.value);
-            cuts.push_back(place + m_cell);
-            for (std::size_t c = 1; c < cuts.size(); ++c) {
-                const double width = cuts[c] - cuts[c - 1], inset = 1e-9 * width;
-                if (width <= 0) continue;
-                const double sum = at(cuts[c - 1] + inset) + 4 * at(cuts[c - 1] + 0.5 * width) + at(cuts[c] - inset);
-                integral += sum / 6 * width / m_cell;
-            }
-        }
-        function.beyond = static_cast<Real>(at(points.back().value + 1));
-    }
-    const double infinity = std::numeric_limits<double>::infinity();
-    if (points.front().extinction > 0) m_opaque.emplace_back(-infinity, points.front().value);
-    for (std::size_t i = 1; i < points.size(); ++i)
-        if (points[i - 1].extinction > 0 || points[i].extinction > 0)
-            m_opaque.emplace_back(points[i - 1].value, points[i].value);
-    if (points.back().extinction > 0) m_opaque.emplace_back(points.back().value, infinity);
-}
-
-void TransferTable::mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out,
-                         Simd simd) const {
-    SCRIM_ON_TARGET(simd, meanOnTarget)
-    (f.value.data(), f.integral.data(), kCells, f.beyond, static_cast<Real>(1 / m_cell), a, b, c, count, out);
-}
-
-void TransferTable::meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const {
-    mean(m_functions[0], a, b, c, count, out, simd);
-}
-
-void TransferTable::meanEmission(int channel, const Real* a, const Real* b, const Real* c, int count, Real* out,
-                                 Simd simd) const {
-    mean(m_functions[1 + channel], a, b, c, count, out, simd);
-}
-
-bool TransferTable::anyBetween(Real low, Real high) const {
-    return std::any_of(m_opaque.begin(), m_opaque.end(),
-                       [&](const auto& range) { return high >= range.first && low <= range.second; });
-}
-
 namespace {
 
 // The least and greatest value of a tile and its neighbouring texels, on some planes.
@@ -223,13 +90,45 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
       m_lattice(lattice),
       m_wsFromIs(volume.wsFromIs),
       m_simd(dials.simd),
+      m_look(volume.classified),
       m_table(*volume.classified),
       m_vagueGradient(vagueGradient(*volume.classified, voxel)),
+      m_voxel(voxel),
+      m_clip(volume.wsClip),
       m_rsVoxels(voxelsIn(lattice.rsFromTs)),
       // A gradient is a covector, so differences are multiplied by the inverse transpose.
       m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
       m_field({{densityOf(volume)}}, settingsOf(volume, dials, sheets), dials, sheets, lattice, batchSheets),
-      m_extinction(batchSheets, lattice.width, lattice.height, 1) {}
+      m_extinction(batchSheets, lattice.width, lattice.height, 1) {
+    const Mat4 tsFromRs = glm::inverse(lattice.rsFromTs);
+    for (const HalfSpace& face : m_clip)
+        m_faces.push_back(face.row() * glm::inverse(sheets.tsFrom(Mat4(1.0))) * tsFromRs);
+    m_one = glm::dvec4(0, 0, 0, 1) * tsFromRs;
+}
+
+// Some of the samples of a tile, close together, with the field's slopes there.
+struct Surface::Some {
+    SampleTile at;
+    std::array<int, kTileSize> places;
+    int count = 0, padded = 0;
+    alignas(64) Real slope[3][kTileSize];  // down the gradient, in sweep space, in units of the vague gradient
+
+    // Those that have `extinction`.
+    Some(const SampleTile& all, const Real* extinction) {
+        for (int k = 0; k < kTileSize; ++k) {
+            if (extinction[k] == 0) continue;
+            at.u[count] = all.u[k];
+            at.v[count] = all.v[k];
+            places[std::size_t(count++)] = k;
+        }
+        padded = (count + kTileEdge - 1) / kTileEdge * kTileEdge;
+        std::fill(at.u + count, at.u + padded, at.u[0]);
+        std::fill(at.v + count, at.v + padded, at.v[0]);
+    }
+    Real squared(int i) const {
+        return slope[0][i] * slope[0][i] + slope[1][i] * slope[1][i] + slope[2][i] * slope[2][i];
+    }
+};
 
 int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {
     const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
@@ -248,7 +147,7 @@ void Surface::classifyTexels(int p, bool wanted) {
     const int sheet = m_firstSheet + p;
     const PlaneStack& values = m_field.planes();
     PlaneStack& out = m_extinction;
-    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], sigma[kTileSize];
+    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], share[kTileSize], sigma[kTileSize];
     const auto anyActive = [&](int tx, int ty) {
         for (int steps = -1; steps <= 1; ++steps)
             if (values.anyActive(m_field.planeOf(sheet + steps), {tx - 1, ty - 1, tx + 2, ty + 2})) return true;
@@ -268,6 +167,7 @@ void Surface::classifyTexels(int p, bool wanted) {
             }
             out.replace(p, tx, ty);
             const std::ptrdiff_t corner = static_cast<std::ptrdiff_t>(ty * kTileEdge) * out.width() + tx * kTileEdge;
+            SampleTile texels{};
             for (int k = 0; k < kTileSize; ++k) {
                 const std::ptrdiff_t at =
                     corner + static_cast<std::ptrdiff_t>(k / kTileEdge) * out.width() + k % kTileEdge;
@@ -275,8 +175,12 @@ void Surface::classifyTexels(int p, bool wanted) {
                 middle[k] = around[1].data[at];
                 back[k] = around[2].data[at];
                 runThroughSheet(front[k], middle[k], back[k]);
+                texels.u[k] = static_cast<Real>(tx * kTileEdge + k % kTileEdge);
+                texels.v[k] = static_cast<Real>(ty * kTileEdge + k / kTileEdge);
             }
+            cut(p, texels, front, middle, back, share);
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
+            weigh(p, texels, m_lattice.parallel() ? m_rsVoxels : voxelsAt(p, {tx, ty}), share, sigma);
             Real* to = out.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
@@ -284,13 +188,46 @@ void Surface::classifyTexels(int p, bool wanted) {
     out.finish(p);
 }
 
+// The depth behind a face of the clip, world units, at the place (x, y) of the lattice and N = n.
+double Surface::depthIn(std::size_t face, double x, double y, double n) const {
+    const glm::dvec4& f = m_faces[face];
+    const double w = (1 - m_one.z * n) / (m_one.x * x + m_one.y * y + m_one.w);
+    return w * (f.x * x + f.y * y + f.w) + f.z * n;
+}
+
+// Shortens the rays' course through the sheet to what lies within the clip; `share` becomes the part that is left.
+void Surface::cut(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const {
+    if (m_faces.empty()) return;
+    const double n = m_firstSheet + p, toFace = 0.5 * m_sheets.thickness / m_sheets.texel;
+    for (int k = 0; k < kTileSize; ++k) {
+        const double du = toFace * double(at.eyeA[k]), dv = toFace * double(at.eyeB[k]);
+        double begin = 0, end = 1;
+        for (std::size_t f = 0; f < m_faces.size(); ++f) {
+            const double first = depthIn(f, at.u[k] - du, at.v[k] - dv, n),
+                         last = depthIn(f, at.u[k] + du, at.v[k] + dv, n + 1);
+            if (first < 0) begin = last > 0 ? std::max(begin, first / (first - last)) : 1;
+            if (last < 0) end = first > 0 ? std::min(end, first / (first - last)) : 0;
+        }
+        share[k] = static_cast<Real>(std::max(end - begin, 0.0));
+        const Real a = front[k], b = middle[k], c = back[k];
+        const auto run = [&](double t) {
+            return static_cast<Real>(t < 0.5 ? a + 2 * t * (b - a) : b + (2 * t - 1) * (c - b));
+        };
+        const bool any = end > begin;  // a value of 0 has no extinction
+        front[k] = any ? run(begin) : Real(0);
+        middle[k] = any ? run(0.5 * (begin + end)) : Real(0);
+        back[k] = any ? run(end) : Real(0);
+    }
+}
+
 // The field along the rays' course through the sheet. Returns false if none of its values has extinction.
-bool Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const {
+bool Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const {
     const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
     sampleAlongRays(plane(p, -1), at, -texelsPerSlope, front);
     sampleAlongRays(plane(p, 0), at, 0, middle);
     sampleAlongRays(plane(p, 1), at, texelsPerSlope, back);
     for (int k = 0; k < kTileSize; ++k) runThroughSheet(front[k], middle[k], back[k]);
+    cut(p, at, front, middle, back, share);
     Real low = front[0], high = low;
     for (const Real* values : {front, middle, back})
         for (int k = 0; k < kTileSize; ++k) {
@@ -301,23 +238,29 @@ bool Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, 
 }
 
 bool Surface::meanExtinction(int p, const SampleTile& at, Real* out) const {
-    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize];
+    alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], share[kTileSize];
     std::fill(out, out + kTileSize, Real(0));
-    if (!sampleRun(p, at, front, middle, back)) return false;
+    if (!sampleRun(p, at, front, middle, back, share)) return false;
     m_table.meanExtinction(front, middle, back, kTileSize, out, m_simd);
+    weigh(p, at, m_rsVoxels, share, out);
     return true;
 }
 
 bool Surface::classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open,
                        ClassifiedTile& out) const {
+    alignas(64) Real share[kTileSize];
     std::fill(out.extinction, out.extinction + kTileSize, Real(0));
-    if (!sampleRun(p, at, out.front, out.middle, out.back)) return false;
+    if (!sampleRun(p, at, out.front, out.middle, out.back, share)) return false;
     for (int k = 0; open && k < kTileSize; ++k)  // a value of 0 has no extinction
         if (!open[k]) out.front[k] = out.middle[k] = out.back[k] = 0;
     m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
     if (std::none_of(out.extinction, out.extinction + kTileSize, [](Real sigma) { return sigma > 0; })) return false;
     for (int c = 0; c < 3; ++c)
         m_table.meanEmission(c, out.front, out.middle, out.back, kTileSize, out.emission[c], m_simd);
+    for (int k = 0; k < kTileSize && !m_faces.empty(); ++k) {
+        out.extinction[k] *= share[k];
+        for (Real* channel : out.emission) channel[k] *= share[k];
+    }
     findNormals(p, at, m_lattice.parallel() ? m_rsVoxels : voxelsAt(p, tile), out);
     return true;
 }
@@ -334,41 +277,57 @@ void Surface::sampleBetween(int p, const SampleTile& at, int count, const Vec3& 
     for (int k = 0; k < count; ++k) out[k] += fraction * (further[k] - out[k]);
 }
 
-void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const {
-    // Few of a tile's rays meet something in one sheet. Only theirs are looked up, close together.
-    SampleTile few;
-    std::array<int, kTileSize> places;
-    int count = 0;
-    for (int k = 0; k < kTileSize; ++k) {
-        if (out.extinction[k] == 0) continue;
-        few.u[count] = at.u[k];
-        few.v[count] = at.v[k];
-        places[std::size_t(count++)] = k;
-    }
-    const int padded = (count + kTileEdge - 1) / kTileEdge * kTileEdge;
-    std::fill(few.u + count, few.u + padded, few.u[0]);
-    std::fill(few.v + count, few.v + padded, few.v[0]);
-    alignas(64) Real lower[kTileSize], upper[kTileSize], normal[3][kTileSize];
-    for (Real* axis : normal) std::fill(axis, axis + padded, Real(0));
+void Surface::findSlopes(int p, const Mat3& rsVoxels, Some& some) const {
+    alignas(64) Real lower[kTileSize], upper[kTileSize];
+    for (Real* axis : some.slope) std::fill(axis, axis + some.padded, Real(0));
     for (int axis = 0; axis < 3; ++axis) {
-        sampleBetween(p, few, padded, -rsVoxels[axis], lower);
-        sampleBetween(p, few, padded, rsVoxels[axis], upper);
+        sampleBetween(p, some.at, some.padded, -rsVoxels[axis], lower);
+        sampleBetween(p, some.at, some.padded, rsVoxels[axis], upper);
         for (int c = 0; c < 3; ++c) {
-            // The normal points out of the denser side, down the gradient. Gradients are in units of the vague
-            // gradient, so that their squares neither overflow nor vanish, whatever the units of the field.
+            // Gradients are in units of the vague gradient, so that their squares neither overflow nor vanish, whatever
+            // the units of the field.
             const auto part = static_cast<Real>(-m_ssFromDifference[axis][c] / m_vagueGradient);
-            for (int k = 0; k < padded; ++k) normal[c][k] += part * (upper[k] - lower[k]);
+            for (int k = 0; k < some.padded; ++k) some.slope[c][k] += part * (upper[k] - lower[k]);
         }
     }
+}
+
+// Multiplies extinction by the share that the clip leaves, and by the factor for the gradient's length.
+void Surface::weigh(int p, const SampleTile& at, const Mat3& rsVoxels, const Real* share, Real* extinction) const {
+    for (int k = 0; k < kTileSize && !m_faces.empty(); ++k) extinction[k] *= share[k];
+    if (m_look->gradientRamp.empty()) return;
+    Some some(at, extinction);
+    findSlopes(p, rsVoxels, some);
+    for (int i = 0; i < some.count; ++i)
+        extinction[some.places[std::size_t(i)]] *=
+            static_cast<Real>(gradientFactor(*m_look, m_vagueGradient * std::sqrt(double(some.squared(i)))));
+}
+
+void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const {
+    // Few of a tile's rays meet something in one sheet. Only theirs are looked up.
+    Some some(at, out.extinction);
+    findSlopes(p, rsVoxels, some);
     for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
     std::fill(out.weight, out.weight + kTileSize, Real(0));
-    for (int i = 0; i < count; ++i) {
-        const int k = places[std::size_t(i)];
-        const Real x = normal[0][i], y = normal[1][i], z = normal[2][i];
-        const Real g2 = x * x + y * y + z * z;
+    const double toCut = cutGradient(*m_look, m_voxel) / m_vagueGradient;
+    for (int i = 0; i < some.count; ++i) {
+        const int k = some.places[std::size_t(i)];
+        if (!m_look->gradientRamp.empty()) {
+            const auto factor =
+                static_cast<Real>(gradientFactor(*m_look, m_vagueGradient * std::sqrt(double(some.squared(i)))));
+            out.extinction[k] *= factor;
+            for (Real* channel : out.emission) channel[k] *= factor;
+        }
+        for (std::size_t f = 0; f < m_faces.size(); ++f) {  // see `facing` of half_space.h
+            const double depth = depthIn(f, some.at.u[i], some.at.v[i], m_firstSheet + p + 0.5);
+            const Vec3 add = toCut * std::clamp(1 - depth / m_voxel, 0.0, 1.0) * (m_sheets.ssFromWs * m_clip[f].normal);
+            for (int c = 0; c < 3; ++c) some.slope[c][i] -= static_cast<Real>(add[c]);
+        }
+        const Real g2 = some.squared(i);
         out.weight[k] = g2 / (g2 + 1);
         const Real inverse = 1 / std::sqrt(std::max(g2, Real(1e-30)));  // a gradient of 0 has no weight
-        for (int c = 0; c < 3; ++c) out.normal[c][k] = normal[c][i] * inverse;
+        // The normal points out of the denser side, down the gradient.
+        for (int c = 0; c < 3; ++c) out.normal[c][k] = some.slope[c][i] * inverse;
     }
 }
 
@@ -396,4 +355,3 @@ std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const S
 }
 
 }  // namespace scrim
-#endif

@@ -8,54 +8,26 @@
 //
 // Normals come from central differences over a voxel to either side (ZC02 section 3.1), within the sheet and across
 // sheets. They are taken along the axes of the volume's own lattice instead of the sheet's: there they are interpolated
-// differences at lattice points, and do not depend on the position of the sheets.
+// differences at lattice points, and do not depend on the position of the sheets. Their lengths may weight extinction.
+//
+// Where the volume is clipped, the part of each ray's course that lies within the clip is classified in place of the
+// whole. It is exact for one face, and sharp within a sheet.
 #pragma once
 
 #include <scrim/base/real.h>
 #include <scrim/engine/model/eye_view.h>
 #include <scrim/engine/splat/field_planes.h>
 #include <scrim/engine/splat/plane_stack.h>
+#include <scrim/engine/splat/transfer_table.h>
 #include <scrim/scene/classified.h>
 #include <scrim/base/simd.h>
 
-#include <utility>
+#include <memory>
 #include <vector>
 
+#include <glm/vec4.hpp>
+
 namespace scrim {
-
-/// A transfer function prepared for whole sheets: pre-integrated classification.
-///
-/// While a ray crosses a sheet, the field changes from one value to another. Looking the transfer function up once
-/// would show every step in it as slices of the volume, as many as there are sheets. Instead the transfer function is
-/// averaged over all values that are passed, as if the field were linear between the planes of neighbouring sheets:
-///     mean of s over [a, b] = (K(b) - K(a)) / (b - a),   K(f) = integral of s from 0 to f.
-/// K is tabulated for the extinction s and for extinction times colour (K. Engel, M. Kraus, T. Ertl, "High-quality
-/// pre-integrated volume rendering using hardware-accelerated pixel shading", 2001, do so for the opacity of a sheet).
-/// It is exact if the field is linear within the sheet, so its error is of second order in the thickness of a sheet
-/// even where the transfer function jumps.
-class TransferTable {
-  public:
-    explicit TransferTable(const Classified& classified);
-    ~TransferTable();
-
-    /// Mean extinction as the field runs from a to b over the first half of the path and from b to c over the second;
-    /// `count` samples each (a multiple of 16), in buffers aligned to 64 bytes.
-    void meanExtinction(const Real* a, const Real* b, const Real* c, int count, Real* extinction, Simd simd = {}) const;
-    /// The same for extinction times one channel of colour.
-    void meanEmission(int channel, const Real* a, const Real* b, const Real* c, int count, Real* out,
-                      Simd simd = {}) const;
-
-    /// True if any value in [low, high] has extinction.
-    bool anyBetween(Real low, Real high) const;
-
-  private:
-    struct Function;
-    void mean(const Function& f, const Real* a, const Real* b, const Real* c, int count, Real* out, Simd simd) const;
-
-    double m_cell;                                    // width in values; place i is at i * m_cell
-    std::vector<Function> m_functions;                // extinction, extinction times R, G, B
-    std::vector<std::pair<double, double>> m_opaque;  // closed ranges of values; outside of them extinction is 0
-};
 
 /// Classified samples for the eye's segments through the sheet.
 struct ClassifiedTile {
@@ -107,16 +79,26 @@ class Surface {
     Mat3 voxelsIn(const Mat4& rsFromTs) const;
     Mat3 voxelsAt(int p, const Int2& tile) const;
     FloatPlane plane(int p, int steps) const;
-    bool sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const;
+    struct Some;
+    double depthIn(std::size_t face, double x, double y, double n) const;
+    void cut(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const;
+    bool sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const;
     void sampleBetween(int p, const SampleTile& at, int count, const Vec3& tsOffset, Real* out) const;
+    void findSlopes(int p, const Mat3& rsVoxels, Some& some) const;
+    void weigh(int p, const SampleTile& at, const Mat3& rsVoxels, const Real* share, Real* extinction) const;
     void findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;
     const Lattice& m_lattice;
     Mat4 m_wsFromIs;
     Simd m_simd;
+    std::shared_ptr<const Classified> m_look;
     TransferTable m_table;
     double m_vagueGradient;
+    double m_voxel;
+    std::vector<HalfSpace> m_clip;
+    std::vector<glm::dvec4> m_faces;  // of the clip: rows whose product with (x W, y W, N, W) is the depth
+    glm::dvec4 m_one;                 // the row whose product with (x W, y W, N, W) is 1
     // Differences over two voxels along each axis of the grid give the normals.
     Mat3 m_rsVoxels;  // one voxel along each axis, in the raster's cells and sheets; constant on a parallel lattice
     Mat3 m_ssFromDifference;  // converts differences to the gradient in sweep space, per world unit

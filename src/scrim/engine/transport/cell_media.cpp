@@ -3,10 +3,12 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/engine/model/plan.h>
+#include <scrim/scene/optics.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include <glm/common.hpp>
@@ -19,7 +21,7 @@ namespace {
 struct Deposit {
     const SparseField* field;
     Mat4 wsFromIs;
-    const Classified* classified = nullptr;  // if set, its extinction is deposited instead of the field's value
+    const ViewVolume* classified = nullptr;  // if set, its extinction is deposited instead of the field's value
     struct Share {
         std::vector<Real>* row;
         double factor;
@@ -40,11 +42,13 @@ class BoxDeposit {
     BoxDeposit(const CellGrid& grid, const Deposit& deposit) : m_grid(grid), m_deposit(deposit) {
         const Mat3 m(deposit.wsFromIs);
         m_voxelVolume = std::abs(glm::dot(m[0], glm::cross(m[1], m[2])));
+        if (deposit.classified && !deposit.classified->classified->gradientRamp.empty())
+            m_optics.emplace(*deposit.classified, Kernel::linear, m_samplers);
     }
 
     // `voxels`: the volume of the box, in voxels.
     void add(const Vec3& wsCenter, const Vec3& wsHalf, double voxels, double value) const {
-        if (m_deposit.classified) value = classify(*m_deposit.classified, value).extinction;
+        if (m_deposit.classified) value = extinctionOf(*m_deposit.classified, wsCenter, wsHalf, value);
         if (value == 0) return;
         const Vec3 center = m_grid.csFromWs(wsCenter), half = wsHalf / m_grid.edge();
         std::array<Span, 3> spans;
@@ -64,6 +68,15 @@ class BoxDeposit {
     }
 
   private:
+    // The mean extinction of the box, of which the volume's clip may leave a part.
+    double extinctionOf(const ViewVolume& volume, const Vec3& wsCenter, const Vec3& wsHalf, double value) const {
+        const Vec3 edges = 2.0 * wsHalf;
+        double extinction = classify(*volume.classified, value).extinction;
+        if (extinction > 0 && m_optics)
+            extinction *= gradientFactor(*volume.classified, glm::length(m_optics->gradient(wsCenter)));
+        return extinction * partIn(volume.wsClip, wsCenter, {edges.x, 0, 0, 0, edges.y, 0, 0, 0, edges.z});
+    }
+
     // The cells that an interval meets, and the fraction of it in each of them.
     struct Span {
         int first, count;
@@ -83,6 +96,8 @@ class BoxDeposit {
     const CellGrid& m_grid;
     const Deposit& m_deposit;
     double m_voxelVolume;
+    FieldSamplers m_samplers;
+    std::optional<VolumeOptics> m_optics;  // only for gradients
 };
 
 void depositBlock(const BoxDeposit& into, const Deposit& deposit, std::size_t block, const Vec3& half) {
@@ -141,7 +156,7 @@ void addShares(std::vector<std::vector<Real>>& rows, const Rgb& factor, Deposit&
 void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vector<Real>>* scattering) {
     if (volume.field->empty()) return;
     const Medium& medium = volume.medium;
-    Deposit density{volume.field.get(), volume.wsFromIs, volume.classified.get(), {}};
+    Deposit density{volume.field.get(), volume.wsFromIs, volume.classified ? &volume : nullptr, {}};
     const Rgb extinction = volume.classified ? Rgb(1) : medium.densityScale * medium.extinctionTint;
     addShares(media.extinction, extinction, density);
     if (scattering && volume.scatter.empty()) addShares(*scattering, extinction * medium.albedo, density);

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads DICOM series with GDCM: the headers of all slices first, which decide what belongs together, where it lies and
+// whether anything is missing; then the samples, slice by slice. Whether the folder is one of the disk or comes in one
+// file (folderFiles) makes no difference from there on.
+#include "scan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <gdcmAttribute.h>
+#include <gdcmImageReader.h>
+#include <gdcmTrace.h>
+#include <glm/geometric.hpp>
+
+namespace scan {
+namespace {
+
+// The first line of a file that holds a folder's files (scrim_source.h).
+constexpr std::string_view kFolderMark = "scrim folder\n";
+
+/// A file of a series: either of the disk, or a part of the file that holds all of them.
+struct SliceFile {
+    std::string name;                    ///< within the folder
+    std::string path;                    ///< of the file that is opened
+    std::int64_t begin = 0, bytes = -1;  ///< the part of it; -1: all
+
+    std::string contents() const {
+        std::ifstream in(path, std::ios::binary);
+        in.seekg(begin);
+        std::string text;
+        if (bytes < 0) {
+            std::ostringstream all;
+            all << in.rdbuf();
+            return std::move(all).str();
+        }
+        text.resize(static_cast<std::size_t>(bytes));
+        in.read(text.data(), bytes);
+        text.resize(static_cast<std::size_t>(in.gcount()));
+        return text;
+    }
+};
+
+/// What a header says of a slice.
+struct Slice {
+    SliceFile file;
+    std::string series, syntax;
+    std::int64_t columns = 0, rows = 0, frames = 1;
+    glm::dvec3 position{0}, right{1, 0, 0}, down{0, 1, 0};  ///< of the first sample; directions of columns and rows
+    glm::dvec2 spacing{1};                                  ///< along right and down
+    double thickness = 1;
+    bool placed = false;  ///< the header has a position and directions
+    bool isGrey = true;
+    glm::dvec3 normal() const { return glm::cross(right, down); }
+    double along(const glm::dvec3& axis) const { return glm::dot(position, axis); }
+};
+
+bool beginsAsDicom(const std::string& bytes) {
+    return bytes.size() >= 132 && bytes.compare(128, 4, "DICM") == 0;
+}
+
+/// The files in `path`, which holds those of a folder in the form that scrim_source.h describes.
+std::vector<SliceFile> bundledFiles(const std::string& path) {
+    std::vector<SliceFile> files;
+    std::ifstream in(path, std::ios::binary);
+    const std::int64_t all = fileBytes(path);
+    in.seekg(static_cast<std::streamoff>(kFolderMark.size()));
+    std::int64_t bytes = 0;
+    for (std::string name; in >> bytes && in.get() == ' ' && std::getline(in, name);) {
+        const auto begin = static_cast<std::int64_t>(in.tellg());
+        if (bytes < 0 || bytes > all - begin) refuse(path, "the folder's files are incomplete");
+        files.push_back({name, path, begin, bytes});
+        in.seekg(begin + bytes);
+    }
+    return files;
+}
+
+std::vector<SliceFile> filesIn(const std::string& folder) {
+    std::vector<SliceFile> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.is_regular_file()) files.push_back({entry.path().filename().string(), entry.path().string()});
+    std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
+    return files;
+}
+
+template <typename Attribute>
+bool read(const gdcm::DataSet& data, Attribute& attribute) {
+    const gdcm::DataElement& element = data.GetDataElement(attribute.GetTag());
+    if (!data.FindDataElement(attribute.GetTag()) || element.IsEmpty()) return false;
+    attribute.SetFromDataElement(element);
+    return true;
+}
+
+std::string textOf(const gdcm::DataSet& data, const gdcm::Tag& tag) {
+    if (!data.FindDataElement(tag)) return "";
+    const gdcm::ByteValue* value = data.GetDataElement(tag).GetByteValue();
+    if (value == nullptr) return "";
+    std::string text(value->GetPointer(), value->GetLength());
+    while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
+    return text;
+}
+
+/// The header of a slice; none where the file holds no picture.
+std::optional<Slice> headerOf(const SliceFile& file, const std::string& path) {
+    const std::string bytes = file.contents();
+    if (!beginsAsDicom(bytes)) return {};
+    std::istringstream in(bytes);
+    gdcm::Reader reader;
+    reader.SetStream(in);
+    if (!reader.ReadUpToTag(gdcm::Tag(0x7fe0, 0x0010)))
+        refuse(path, fmt::format("the DICOM header of '{}' is damaged", file.name));
+    const gdcm::DataSet& data = reader.GetFile().GetDataSet();
+    gdcm::Attribute<0x0028, 0x0010> rows;
+    gdcm::Attribute<0x0028, 0x0011> columns;
+    if (!read(data, rows) || !read(data, columns)) return {};
+    Slice slice;
+    slice.file = file;
+    slice.series = textOf(data, gdcm::Tag(0x0020, 0x000e));
+    slice.syntax = reader.GetFile().GetHeader().GetDataSetTransferSyntax().GetString();
+    slice.rows = rows.GetValue();
+    slice.columns = columns.GetValue();
+    gdcm::Attribute<0x0028, 0x0002> samples{1};
+    if (read(data, samples)) slice.isGrey = samples.GetValue() == 1;
+    gdcm::Attribute<0x0028, 0x0008> frames{1};
+    if (read(data, frames)) slice.frames = std::max(frames.GetValue(), 1);
+    gdcm::Attribute<0x0020, 0x0032> position;
+    gdcm::Attribute<0x0020, 0x0037> directions;
+    if (read(data, position) && read(data, directions)) {
+        slice.placed = true;
+        for (int k = 0; k < 3; ++k) {
+            slice.position[k] = position.GetValue(static_cast<unsigned>(k));
+            slice.right[k] = directions.GetValue(static_cast<unsigned>(k));
+            slice.down[k] = directions.GetValue(static_cast<unsigned>(k + 3));
+        }
+    }
+    gdcm::Attribute<0x0028, 0x0030> spacing;
+    if (read(data, spacing)) slice.spacing = {spacing.GetValue(1), spacing.GetValue(0)};
+    gdcm::Attribute<0x0018, 0x0050> thickness;
+    if (read(data, thickness)) slice.thickness = thickness.GetValue();
+    return slice;
+}
+
+/// The slices of the series that `chosen`, a file's name, belongs to; "": of the only one. `path` is for messages.
+std::vector<Slice> seriesOf(const std::vector<SliceFile>& files, const std::string& chosen, const std::string& path) {
+    std::map<std::string, std::vector<Slice>> all;
+    std::string wanted;
+    bool isChosen = false;
+    for (const SliceFile& file : files) {
+        std::optional<Slice> slice = headerOf(file, path);
+        if (!slice) continue;
+        if (file.name == chosen) {
+            wanted = slice->series;
+            isChosen = true;
+        }
+        all[slice->series].push_back(std::move(*slice));
+    }
+    if (!chosen.empty() && !isChosen) refuse(path, "is not a DICOM file, or holds no picture");
+    if (all.empty()) refuse(path, "no file in the folder holds a DICOM picture");
+    if (!chosen.empty()) return all[wanted];
+    if (all.size() > 1) {
+        std::string found;
+        for (const auto& [series, slices] : all)
+            found += fmt::format("{}{} from '{}' on ({})", found.empty() ? "" : ", ", slices.size(),
+                                 slices.front().file.name, series);
+        refuse(path, fmt::format("the folder holds {} series: {}; expected one, or one of its files in place of the "
+                                 "folder",
+                                 all.size(), found.substr(0, 600)));
+    }
+    return std::move(all.begin()->second);
+}
+
+/// Refuses slices that are no stack of equal pictures; sorts the others along their normal.
+void stack(std::vector<Slice>& slices, const std::string& path) {
+    constexpr double kParallel = 1e-3;
+    const Slice& first = slices.front();
+    for (const Slice& slice : slices) {
+        const std::string& name = slice.file.name;
+        if (!slice.isGrey) refuse(path, fmt::format("'{}' holds colours, expected one value for each sample", name));
+        if (slices.size() > 1 && slice.frames > 1)
+            refuse(path, fmt::format("'{}' holds {} frames beside other slices, expected one", name, slice.frames));
+        if (slice.rows != first.rows || slice.columns != first.columns || slice.spacing != first.spacing)
+            refuse(path, fmt::format("'{}' has {} x {} samples of {} x {} mm, '{}' has {} x {} of {} x {}; expected "
+                                     "equal slices",
+                                     name, slice.columns, slice.rows, slice.spacing.x, slice.spacing.y, first.file.name,
+                                     first.columns, first.rows, first.spacing.x, first.spacing.y));
+        if (slices.size() == 1) continue;
+        if (!slice.placed)
+            refuse(path, fmt::format("'{}' has no position (ImagePositionPatient and ImageOrientationPatient), without "
+                                     "which slices cannot be sorted",
+                                     name));
+        if (glm::length(slice.right - first.right) > kParallel || glm::length(slice.down - first.down) > kParallel)
+            refuse(path, fmt::format("'{}' is turned against '{}'; expected parallel slices", name, first.file.name));
+    }
+    const glm::dvec3 axis = first.normal();
+    std::sort(slices.begin(), slices.end(),
+              [&](const Slice& a, const Slice& b) { return a.along(axis) < b.along(axis); });
+}
+
+/// The step from slice to slice of a sorted stack. Refuses stacks with gaps or with several slices at one place.
+glm::dvec3 stepOf(const std::vector<Slice>& slices, const std::string& path) {
+    constexpr double kSame = 0.05, kGap = 1.5, kUneven = 0.2;  // relative to the usual step
+    const glm::dvec3 axis = slices.front().normal();
+    if (slices.size() == 1) return axis * (slices[0].thickness > 0 ? slices[0].thickness : 1);
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < slices.size(); ++i) steps.push_back(slices[i].along(axis) - slices[i - 1].along(axis));
+    std::vector<double> sorted = steps;
+    std::nth_element(sorted.begin(), sorted.begin() + std::ptrdiff_t(sorted.size() / 2), sorted.end());
+    const double usual = sorted[sorted.size() / 2];
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        const std::string &a = slices[i].file.name, &b = slices[i + 1].file.name;
+        if (usual <= 0 || steps[i] < kSame * usual)
+            refuse(path, fmt::format("'{}' and '{}' are at the same place; expected a series with one volume, not "
+                                     "several phases or echoes",
+                                     a, b));
+        if (steps[i] > kGap * usual)
+            refuse(path,
+                   fmt::format("a slice is missing between '{}' and '{}': they are {:.4g} mm apart, others {:.4g}", a,
+                               b, steps[i], usual));
+        if (std::abs(steps[i] - usual) > kUneven * usual)
+            refuse(path, fmt::format("'{}' and '{}' are {:.4g} mm apart, others {:.4g}; expected even steps", a, b,
+                                     steps[i], usual));
+    }
+    return (slices.back().position - slices.front().position) / double(slices.size() - 1);  // with a gantry's tilt
+}
+
+/// A sample as stored: `bits` of a word of `bytes`, little endian.
+double sampleAt(const char* at, int bytes, int bits, bool isSigned) {
+    std::uint32_t word = 0;
+    for (int b = 0; b < bytes; ++b) word |= std::uint32_t(static_cast<unsigned char>(at[b])) << (8 * b);
+    if (bits < 32) word &= (1U << bits) - 1;
+    if (!isSigned) return word;
+    const std::uint32_t sign = 1U << (bits - 1);
+    return double(static_cast<std::int32_t>(word ^ sign)) - double(static_cast<std::int32_t>(sign));
+}
+
+/// Adds the samples of a slice, by its slope and intercept: Hounsfield units for CT.
+void addSamples(const Slice& slice, const std::string& path, Scan& scan) {
+    const std::string& name = slice.file.name;
+    std::istringstream in(slice.file.contents());
+    gdcm::ImageReader reader;
+    reader.SetStream(in);
+    const auto unreadable = [&] {
+        const gdcm::TransferSyntax syntax(gdcm::TransferSyntax::GetTSType(slice.syntax.c_str()));
+        refuse(path, syntax.IsEncapsulated()
+                         ? fmt::format("the samples of '{}' are compressed in a form that is not read (transfer syntax "
+                                       "{}), or damaged; decompress them (gdcmconv --raw does)",
+                                       name, slice.syntax)
+                         : fmt::format("the samples of '{}' are damaged or incomplete", name));
+    };
+    if (!reader.Read()) unreadable();
+    const gdcm::Image& image = reader.GetImage();
+    const gdcm::PixelFormat& format = image.GetPixelFormat();
+    const int bytes = format.GetBitsAllocated() / 8, bits = format.GetBitsStored();
+    if (bytes < 1 || bytes > 4 || bits < 1 || bits > 8 * bytes || format.GetSamplesPerPixel() != 1)
+        refuse(path, fmt::format("'{}' holds samples of {} bits; expected whole numbers of 8 to 32", name,
+                                 format.GetBitsAllocated()));
+    const gdcm::ByteValue* const stored = image.GetDataElement().GetByteValue();
+    const std::size_t count = static_cast<std::size_t>(slice.columns * slice.rows * slice.frames);
+    const std::size_t least = count * static_cast<std::size_t>(bytes);
+    // GDCM makes up what a file lacks.
+    if (image.GetBufferLength() < least || (stored != nullptr && stored->GetLength() < least)) unreadable();
+    std::vector<char> buffer(image.GetBufferLength());
+    if (!image.GetBuffer(buffer.data())) unreadable();
+    const bool isSigned = format.GetPixelRepresentation() == 1;
+    const double slope = image.GetSlope(), intercept = image.GetIntercept();
+    for (std::size_t i = 0; i < count; ++i)
+        scan.values.push_back(static_cast<float>(
+            slope * sampleAt(buffer.data() + i * static_cast<std::size_t>(bytes), bytes, bits, isSigned) + intercept));
+    scan.type = fmt::format("{}int{}", isSigned ? "" : "u", 8 * bytes);
+}
+
+/// Places a file of many frames, whose slices have no headers of their own.
+void placeFrames(const Slice& slice, const std::string& path, Scan& scan) {
+    std::istringstream in(slice.file.contents());
+    gdcm::ImageReader reader;
+    reader.SetStream(in);
+    if (!reader.Read()) refuse(path, "its frames are damaged or incomplete");
+    const gdcm::Image& image = reader.GetImage();
+    for (unsigned axis = 0; axis < 3; ++axis) scan.origin[int(axis)] = image.GetOrigin(axis);
+    const double* cosines = image.GetDirectionCosines();
+    const glm::dvec3 right(cosines[0], cosines[1], cosines[2]), down(cosines[3], cosines[4], cosines[5]);
+    const double step = image.GetSpacing(2);
+    scan.axes = {right * image.GetSpacing(0), down * image.GetSpacing(1),
+                 glm::cross(right, down) * (step > 0 ? step : 1)};
+}
+
+}  // namespace
+
+bool isFolder(const std::string& path) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored)) return true;
+    if (!std::filesystem::is_regular_file(path, ignored)) return false;  // a pipe would never begin
+    std::string start(kFolderMark.size(), '\0');
+    std::ifstream(path, std::ios::binary).read(start.data(), static_cast<std::streamsize>(start.size()));
+    return start == kFolderMark;
+}
+
+Scan readDicom(const std::string& path) {
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    std::error_code ignored;
+    const std::filesystem::path own(path);
+    const bool isOneFile = isDicomFile(path) && !std::filesystem::is_directory(own, ignored);
+    if (isOneFile) fileBytes(path);
+    const std::string folder = isOneFile ? (own.has_parent_path() ? own.parent_path().string() : ".") : path;
+    std::vector<SliceFile> files;
+    if (std::filesystem::is_directory(own, ignored) || !isFolder(path))
+        files = filesIn(folder);
+    else
+        files = bundledFiles(path);
+    std::vector<Slice> slices = seriesOf(files, isOneFile ? own.filename().string() : "", path);
+    stack(slices, path);
+
+    const Slice& first = slices.front();
+    Scan scan;
+    scan.size = {first.columns, first.rows, static_cast<std::int64_t>(slices.size()) * first.frames};
+    scan.values.reserve(static_cast<std::size_t>(sampleCount(scan.size, path)));
+    if (first.frames > 1) {
+        placeFrames(first, path, scan);
+    } else {
+        scan.axes = {first.right * first.spacing.x, first.down * first.spacing.y, stepOf(slices, path)};
+        scan.origin = first.position;
+    }
+    scan.space = "left-posterior-superior";  // DICOM's patient coordinates, millimetres
+    for (const Slice& slice : slices) addSamples(slice, path, scan);
+    return scan;
+}
+
+bool isDicomFile(const std::string& path) {
+    std::string name = path;
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+    return name.ends_with(".dcm") || name.ends_with(".dicom");
+}
+
+}  // namespace scan
