@@ -335,6 +335,21 @@ unsigned CellGrid::onSideOf(const Vec3& ws, std::size_t block, const Int3& low) 
     return 255;
 }
 
+std::vector<Real> CellGrid::means(const std::vector<Real>& row, const CellGrid& coarse) const {
+    std::vector<Real> out(coarse.cells(), Real(0));
+    // A block of the finer grid is an octant of a block of the coarser one.
+    const Int3 shift(glm::round(coarse.csFromWs(wsFromCs(Vec3(0)))));
+    for (std::size_t b = 0; b < storedBlocks().size(); ++b) {
+        const Int3 first = shift + storedBlocks()[b] * (kCellEdge / 2);
+        const auto base = std::size_t(coarse.index(first));
+        for (int i = 0; i < kBlockCells; ++i) {
+            const int x = i % kCellEdge, y = i / kCellEdge % kCellEdge, z = i / (kCellEdge * kCellEdge);
+            out[base + std::size_t(cellOffset(x / 2, y / 2, z / 2))] += row[b * kBlockCells + std::size_t(i)] / 8;
+        }
+    }
+    return out;
+}
+
 std::size_t CellGrid::bytes() const {
     return m_stored.size() * sizeof(std::int32_t) + m_places.size() * sizeof(Int3) +
            (m_walled.size() + m_sideAt.size()) * sizeof(std::int32_t) + m_open.size() +

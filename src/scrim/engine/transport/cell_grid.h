@@ -46,6 +46,8 @@ class CellGrid {
     CellGrid(double edge, const std::vector<Bounds>& wsBoxes, const Vec3& wsCorner = Vec3(0));
     /// The same space in cells twice as large, without walls.
     static CellGrid coarser(const CellGrid& fine);
+    /// `row`, which has a value for each cell, on the grid that `coarser` made from this one: means over 2^3 cells.
+    std::vector<Real> means(const std::vector<Real>& row, const CellGrid& coarse) const;
     /// Boxes within all blocks of such a grid that solids which stop light pass closely, for its constructor: those in
     /// `wsNear`, or in `wsFar` where they also send light back.
     static std::vector<Bounds> boxesOfWalls(const Solids& solids, double edge, const Bounds& wsNear,

@@ -279,22 +279,6 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
 
 namespace {
 
-// The means of a row on the grid `fine`, on the grid `coarse`, which CellGrid::coarser made from it.
-std::vector<Real> coarserRow(const CellGrid& fine, const CellGrid& coarse, const std::vector<Real>& row) {
-    std::vector<Real> out(coarse.cells(), Real(0));
-    // A block of the finer grid is an octant of a block of the coarser one.
-    const Int3 shift(glm::round(coarse.csFromWs(fine.wsFromCs(Vec3(0)))));
-    for (std::size_t b = 0; b < fine.storedBlocks().size(); ++b) {
-        const Int3 first = shift + fine.storedBlocks()[b] * (kCellEdge / 2);
-        const auto base = std::size_t(coarse.index(first));
-        for (int i = 0; i < kBlockCells; ++i) {
-            const int x = i % kCellEdge, y = i / kCellEdge % kCellEdge, z = i / (kCellEdge * kCellEdge);
-            out[base + std::size_t(cellOffset(x / 2, y / 2, z / 2))] += row[b * kBlockCells + std::size_t(i)] / 8;
-        }
-    }
-    return out;
-}
-
 // Coarser cells along an edge of a finer block, including one around it on each side.
 constexpr int kAround = kCellEdge / 2 + 2;
 constexpr std::size_t kNear = std::size_t(kAround) * kAround * kAround;
@@ -370,7 +354,7 @@ CellMedia coarser(const CellMedia& fine) {
     out.grid = CellGrid::coarser(fine.grid);
     const auto rows = [&](const std::vector<std::vector<Real>>& from) {
         std::vector<std::vector<Real>> to;
-        for (const std::vector<Real>& row : from) to.push_back(coarserRow(fine.grid, out.grid, row));
+        for (const std::vector<Real>& row : from) to.push_back(fine.grid.means(row, out.grid));
         return to;
     };
     out.extinction = rows(fine.extinction);
