@@ -26,6 +26,7 @@ foreach(
     base/messages.h
     base/version.h
     geometry/bounds.h
+    geometry/half_space.h
     geometry/box2.h
     geometry/camera.h
     geometry/spaces.h

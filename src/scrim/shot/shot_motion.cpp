@@ -7,6 +7,7 @@
 #include <scrim/scene/quality.h>
 #include <scrim/shot/moved_field.h>
 #include <scrim/shot/view_motion.h>
+#include <scrim/volume/coarser.h>
 
 #include <algorithm>
 #include <cmath>
@@ -230,16 +231,6 @@ double differenceOf(const Image& coarse, const Image& fine) {
 class ShotMotion::Moments {
   public:
     Moments(const LoadedShot& shot, const RenderOptions& options, double lod, double middle);
-    // The same moments at another level of detail.
-    Moments(const Moments& other, double lod)
-        : m_shot(other.m_shot),
-          m_options(other.m_options),
-          m_lod(lod),
-          m_time(other.m_time),
-          m_middle(other.m_middle),
-          m_base(m_shot.viewAt(m_time, m_options, lod, VolumesOf::scene)),
-          m_movers(other.m_movers) {}
-
     // The fields are where the files have them, beside the velocity that moves them.
     ViewScene inPlace(double t) const;
     // The fields are moved, and volumes that the picture does not need are left out.
@@ -248,26 +239,30 @@ class ShotMotion::Moments {
   private:
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
-    const double m_lod, m_time;
+    const double m_lod;
     const Scene m_middle;
     ViewScene m_base;
-    std::vector<std::shared_ptr<const FieldMover>> m_movers;  // for each of the scene's volumes; null: no velocity
+    std::vector<std::unique_ptr<const FieldMover>> m_movers;  // for each of the scene's volumes; null: no velocity
 };
 
 ShotMotion::Moments::Moments(const LoadedShot& shot, const RenderOptions& options, double lod, double middle)
     : m_shot(shot),
       m_options(options),
       m_lod(lod),
-      m_time(middle),
       m_middle(shot.sceneAt(middle)),
       m_base(shot.viewAt(middle, options, lod, VolumesOf::scene)),
       m_movers(shot.fields.size()) {
     for (const ViewVolume& volume : m_base.volumes) {
-        const std::vector<FieldPointer>& velocity = shot.fields[std::size_t(volume.place)].velocity;
+        std::vector<FieldPointer> velocity = shot.fields[std::size_t(volume.place)].velocity;
         if (velocity.empty()) continue;
         const bool glows = volume.field->empty() && !volume.emission.empty();
-        m_movers[std::size_t(volume.place)] =
-            std::make_shared<const FieldMover>(velocity, glows ? *volume.emission.front().field.field : *volume.field);
+        const SparseField& weight = glows ? *volume.emission.front().field.field : *volume.field;
+        // A coarser level of the fields moves by a velocity as coarse.
+        const auto edgeOf = [](const SparseField& field) { return glm::length(Vec3(field.wsFromIs[0])); };
+        for (FieldPointer& part : velocity)
+            while (lod > 0 && !part->empty() && 1.5 * edgeOf(*part) < edgeOf(weight))
+                part = std::make_shared<SparseField>(coarser(*part));
+        m_movers[std::size_t(volume.place)] = std::make_unique<const FieldMover>(std::move(velocity), weight);
     }
 }
 
@@ -341,7 +336,7 @@ ViewScene ShotMotion::view() const {
 
 ViewScene ShotMotion::truth() const {
     if (!moves()) return m_shot.view(m_options, 0, VolumesOf::scene);
-    const auto scenes = std::make_shared<const Moments>(*m_moments, 0);
+    const auto scenes = std::make_shared<const Moments>(m_shot, m_options, 0, middle());
     ViewScene out = scenes->inPlace(middle());
     auto moments = std::make_shared<ViewMoments>();
     moments->open = m_shutter.open;
@@ -422,11 +417,11 @@ int ShotMotion::samplesFor(double path) const {
 // so that crops have as many moments as the whole. The midpoint rule's error falls with order 2 where the picture is
 // smooth over a step and with less where an edge passes: 1.4 to 2.5 was measured from 2 to 16 moments.
 double ShotMotion::wantedSamples(double error, double most) const {
-    constexpr double kPilotEdge = 160, kPilotVoxel = 1.5;  // pixels
+    constexpr double kPilotEdge = 160, kPilotVoxel = 2;  // pixels
     constexpr double kOrder = 1.75, kLeast = 2;
     const Int2 size = m_shot.scene.camera.resolution;
     const double scale = std::min(1.0, kPilotEdge / std::max(size.x, size.y));
-    const Moments moments(*m_moments, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod));
+    const Moments moments(m_shot, m_options, std::max(kPilotVoxel / scale, m_shot.scene.dials.lod), middle());
     const ProgressSink waits = partOf(m_options.progress, 0, 0);
     const auto picture = [&](int count) {
         MeanFrame mean(count);
