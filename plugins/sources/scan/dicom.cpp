@@ -335,8 +335,7 @@ Scan readDicom(const std::string& path) {
 }
 
 bool isDicomFile(const std::string& path) {
-    std::string name = path;
-    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+    const std::string name = lowerCase(path);
     return name.ends_with(".dcm") || name.ends_with(".dicom");
 }
 

@@ -108,6 +108,11 @@ std::string textOf(const Size& size) {
     return fmt::format("{} x {} x {}", size[0], size[1], size[2]);
 }
 
+std::string lowerCase(std::string text) {
+    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
+    return text;
+}
+
 void refuse(const std::string& path, const std::string& reason) {
     throw std::runtime_error(path + ": " + reason);
 }

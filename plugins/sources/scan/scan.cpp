@@ -108,11 +108,6 @@ constexpr scrim_parameter kParameters[kCount] = {
     {"describe", SCRIM_BOOL, "false", 0, 0, nullptr, "a histogram and the lattice's ends in place of the samples"},
 };
 
-std::string lowerCase(std::string text) {
-    for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c;
-    return text;
-}
-
 glm::dvec3 vec3(const scrim_value& value) {
     return {value.number[0], value.number[1], value.number[2]};
 }

@@ -42,6 +42,9 @@ std::string textOf(const Size& size);
 /// (2^31), before anything is allocated.
 std::int64_t sampleCount(const Size& size, const std::string& path);
 
+/// With the letters A to Z in lower case.
+std::string lowerCase(std::string text);
+
 /// Throws "PATH: reason".
 [[noreturn]] void refuse(const std::string& path, const std::string& reason);
 

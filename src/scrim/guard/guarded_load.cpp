@@ -6,6 +6,7 @@
 #include <scrim/base/letter_case.h>
 #include <scrim/base/system_error.h>
 #include <scrim/guard/field_transfer.h>
+#include <scrim/guard/transfer_file.h>
 #include <scrim/volume/ax_module.h>
 #include <scrim/volume/loaded_source.h>
 #include <scrim/guard/mesh_transfer.h>
@@ -27,7 +28,6 @@
 
 #include <fcntl.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 namespace scrim {
 namespace {
@@ -129,14 +129,9 @@ class FolderFile {
         constexpr std::uint64_t kMost = std::uint64_t{16} << 30;
         if (bytes.size() > kMost - m_size)
             throw Error(ErrorKind::input, fmt::format("{}: the folder holds more than 16 GB of DICOM files", path));
-        for (std::size_t done = 0; done < bytes.size();) {
-            const ssize_t n = ::write(m_file.fd(), bytes.data() + done, bytes.size() - done);
-            if (n < 0 && errno == EINTR) continue;
-            if (n <= 0)
-                throw Error(kindOfSystemError(errno, ErrorKind::memory),
-                            fmt::format("{}: cannot be copied for its reader: {}", path, systemErrorText(errno)));
-            done += static_cast<std::size_t>(n);
-        }
+        if (!writeAll(m_file.fd(), bytes.data(), bytes.size(), m_size))
+            throw Error(kindOfSystemError(errno, ErrorKind::memory),
+                        fmt::format("{}: cannot be copied for its reader: {}", path, systemErrorText(errno)));
         m_size += bytes.size();
     }
     void addDicom(const std::filesystem::path& path) {

@@ -108,15 +108,20 @@ void TransferWriter::finish(TransferHeader header, TransferKind kind) {
 }
 
 void TransferWriter::write(const void* data, std::uint64_t size, std::uint64_t at) const {
+    if (!writeAll(m_fd, data, size, at)) failedToWrite();
+}
+
+bool writeAll(int fd, const void* data, std::uint64_t size, std::uint64_t at) {
     const char* from = static_cast<const char*>(data);  // may be null where size is 0
     while (size > 0) {
-        const ssize_t done = ::pwrite(m_fd, from, size, static_cast<off_t>(at));
+        const ssize_t done = ::pwrite(fd, from, size, static_cast<off_t>(at));
         if (done < 0 && errno == EINTR) continue;
-        if (done < 0) failedToWrite();
+        if (done < 0) return false;
         from += done;
         at += static_cast<std::uint64_t>(done);
         size -= static_cast<std::uint64_t>(done);
     }
+    return true;
 }
 
 TransferMapping::TransferMapping(int fd, Sender sender) {

@@ -57,6 +57,9 @@ int createTransfer();
 /// Throws Error(input) "what was read is incomplete: ...".
 [[noreturn]] void incompleteTransfer(const std::string& reason);
 
+/// Writes all bytes at position `at` of a file. False: it failed, as errno tells.
+bool writeAll(int fd, const void* data, std::uint64_t size, std::uint64_t at);
+
 /// Throws Error(memory) where there is no space, Error(output) where the limit on file sizes is reached, Error(render)
 /// where writing fails otherwise.
 class TransferWriter {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <scrim/scene/classified.h>
 
+#include <scrim/scene/ramp.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,12 +26,7 @@ ClassifiedValue classify(const Classified& classified, double value) {
 }
 
 double gradientFactor(const Classified& classified, double gradientLength) {
-    const auto& ramp = classified.gradientRamp;
-    if (ramp.empty() || gradientLength >= ramp.back().first) return ramp.empty() ? 1 : ramp.back().second;
-    if (gradientLength <= ramp.front().first) return ramp.front().second;
-    const auto b = std::find_if(ramp.begin(), ramp.end(), [&](const auto& p) { return p.first > gradientLength; });
-    const auto a = b - 1;
-    return a->second + (gradientLength - a->first) / (b->first - a->first) * (b->second - a->second);
+    return classified.gradientRamp.empty() ? 1 : ramped(classified.gradientRamp, gradientLength);
 }
 
 std::vector<TransferPoint> transferOf(ScanWindow window, double zero) {

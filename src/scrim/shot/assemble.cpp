@@ -153,13 +153,14 @@ void place(const SceneVolume& volume, const VolumeFields& fields, ViewVolume& ou
 
 void cull(const Scene& scene, ViewScene& view) {
     std::vector<std::optional<std::vector<Vec3>>> corners(scene.volumes.size(), std::vector<Vec3>{});
-    for (std::size_t i = 0; i < view.volumes.size(); ++i)
-        corners[std::size_t(placeOf(view, i))] = wsCorners(view.volumes[i], scene.dials.kernel);
+    for (const ViewVolume& volume : view.volumes)
+        corners[std::size_t(volume.place)] = wsCorners(volume, scene.dials.kernel);
     const std::vector<std::string> reasons = culledVolumes(scene, corners);
-    for (std::size_t i = 0; i < view.volumes.size(); ++i)
-        if (const std::string& reason = reasons[std::size_t(placeOf(view, i))]; !reason.empty())
-            view.culled.emplace_back(view.volumes[i].name, reason);
-    std::erase_if(view.volumes, [&](const ViewVolume& volume) { return !reasons[std::size_t(volume.place)].empty(); });
+    std::erase_if(view.volumes, [&](const ViewVolume& volume) {
+        const std::string& reason = reasons[std::size_t(volume.place)];
+        if (!reason.empty()) view.culled.emplace_back(volume.name, reason);
+        return !reason.empty();
+    });
 }
 
 ViewScene assemble(const Scene& scene, const std::vector<VolumeFields>& fields, const std::optional<PixelWindow>& crop,

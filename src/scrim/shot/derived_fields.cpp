@@ -2,6 +2,7 @@
 #include <scrim/shot/derived_fields.h>
 
 #include <scrim/base/parallel.h>
+#include <scrim/scene/ramp.h>
 #include <scrim/shot/values_at.h>
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/field_sampler.h>
@@ -16,18 +17,6 @@ namespace scrim {
 namespace {
 
 using Ramp = std::vector<std::pair<double, double>>;
-
-/// Linear between points, constant outside of them.
-template <typename T>
-T ramped(const std::vector<std::pair<double, T>>& ramp, double value) {
-    const auto next =
-        std::upper_bound(ramp.begin(), ramp.end(), value, [](double v, const auto& point) { return v < point.first; });
-    if (next == ramp.begin()) return next->second;
-    const auto& before = *(next - 1);
-    if (next == ramp.end()) return before.second;
-    const double t = (value - before.first) / (next->first - before.first);
-    return before.second + t * (next->second - before.second);
-}
 
 // Values of an albedo grid at the voxels of another grid.
 class AlbedoAt {

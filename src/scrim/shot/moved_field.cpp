@@ -3,6 +3,7 @@
 
 #include <scrim/base/parallel.h>
 #include <scrim/scene/field_rays.h>
+#include <scrim/shot/values_at.h>
 #include <scrim/volume/field_builder.h>
 #include <scrim/volume/field_sampler.h>
 
@@ -225,23 +226,18 @@ Vec3 FieldMover::Parts::mean(const SparseField& field) const {
 }
 
 void FieldMover::Parts::addVelocities(const Mat4& wsFromIs, const Int3& origin, DenseBox& box, Vec3* velocities) const {
-    constexpr double kRounding = 1e-9;
     for (std::size_t p = 0; p < maps.size(); ++p) {
         const Mat4 partFromIs = maps[p].isFromWs() * wsFromIs;
         const Bounds is = transformed(partFromIs, boxOf(origin >> 3));
         if (maps[p].most(is) == 0) continue;
         const int axis = int(p / 2);
         const double sign = p % 2 == 0 ? 1 : -1;
-        bool aligned = true;
-        for (int column = 0; column < 3; ++column)
-            for (int row = 0; row < 3; ++row)
-                aligned = aligned && std::abs(partFromIs[column][row] - (column == row ? 1 : 0)) < kRounding;
-        if (!aligned) {
+        if (!keepsAxes(partFromIs)) {
             for (int i = 0; i < kBlockVoxels; ++i)
                 velocities[i][axis] += sign * maps[p].at(transformPoint(partFromIs, Vec3(origin + voxelOf(i))));
             continue;
         }
-        // Both lattices have the same voxels but for a shift, so all weights are the same.
+        // The lattices differ by a shift, so all weights are the same.
         const Vec3 first = transformPoint(partFromIs, Vec3(origin)), floor = glm::floor(first);
         const Int3 base(floor);
         box.fill(maps[p].index(), base, base + kBlockEdge);

@@ -7,6 +7,7 @@
 #include <scrim/scene/quality.h>
 #include <scrim/shot/moved_field.h>
 #include <scrim/shot/view_motion.h>
+#include <scrim/verify/verify.h>
 #include <scrim/volume/coarser.h>
 
 #include <algorithm>
@@ -200,29 +201,16 @@ ViewScene pilotOf(ViewScene view, double scale) {
     return view;
 }
 
-// The relative RMSE of `coarse` if `fine` were true; see Verification.
+// The relative RMSE of `coarse` if `fine` were true.
 double differenceOf(const Image& coarse, const Image& fine) {
-    constexpr float kVisible = 1e-3f;
-    float brightest = 0;
-    for (std::size_t i = 0; i < fine.rgba.size(); ++i)
-        if (i % 4 != 3) brightest = std::max(brightest, fine.rgba[i]);
-    double square = 0, mean = 0, alphaSquare = 0, alphaMean = 0;
-    std::size_t count = 0;
+    PixelSample all;
+    all.candidates = fine.rgba.size() / 4;
     for (std::size_t i = 0; i < fine.rgba.size(); i += 4) {
-        const float* a = &coarse.rgba[i];
-        const float* b = &fine.rgba[i];
-        const float most = std::max({b[0], b[1], b[2]});
-        if (std::max(a[3], b[3]) <= kVisible && most <= kVisible * brightest) continue;
-        ++count;
-        for (int c = 0; c < 3; ++c) {
-            square += (double(a[c]) - b[c]) * (double(a[c]) - b[c]) / 3;
-            mean += double(b[c]) / 3;
-        }
-        alphaSquare += (double(a[3]) - b[3]) * (double(a[3]) - b[3]);
-        alphaMean += double(b[3]);
+        VerifiedPixel& pixel = all.pixels.emplace_back();
+        std::copy_n(&coarse.rgba[i], 4, pixel.rendered.begin());
+        std::copy_n(&fine.rgba[i], 4, pixel.reference.begin());
     }
-    if (mean > 0) return std::sqrt(square * double(count)) / mean;
-    return alphaMean > 0 ? std::sqrt(alphaSquare * double(count)) / alphaMean : 0;
+    return summarise(all).error;
 }
 
 }  // namespace
@@ -231,12 +219,15 @@ double differenceOf(const Image& coarse, const Image& fine) {
 class ShotMotion::Moments {
   public:
     Moments(const LoadedShot& shot, const RenderOptions& options, double lod, double middle);
+    double lod() const { return m_lod; }
     // The fields are where the files have them, beside the velocity that moves them.
-    ViewScene inPlace(double t) const;
-    // The fields are moved, and volumes that the picture does not need are left out.
-    ViewScene moved(double t) const;
+    ViewScene inPlace(double t) const { return inPlace(t, m_shot.sceneAt(t)); }
+    // The fields are moved, and volumes that the picture does not need are left out. `at`: the scene at time t.
+    ViewScene moved(double t, const Scene& at) const;
 
   private:
+    ViewScene inPlace(double t, const Scene& at) const;
+
     const LoadedShot& m_shot;
     const RenderOptions& m_options;
     const double m_lod;
@@ -266,8 +257,7 @@ ShotMotion::Moments::Moments(const LoadedShot& shot, const RenderOptions& option
     }
 }
 
-ViewScene ShotMotion::Moments::inPlace(double t) const {
-    const Scene at = m_shot.sceneAt(t);
+ViewScene ShotMotion::Moments::inPlace(double t, const Scene& at) const {
     for (std::size_t i = 0; i < at.volumes.size(); ++i)
         if (!sameLook(at.volumes[i], m_middle.volumes[i])) return m_shot.viewAt(t, m_options, m_lod, VolumesOf::scene);
     ViewScene out = m_base;
@@ -281,9 +271,8 @@ ViewScene ShotMotion::Moments::inPlace(double t) const {
     return out;
 }
 
-ViewScene ShotMotion::Moments::moved(double t) const {
-    ViewScene out = inPlace(t);
-    const Scene at = m_shot.sceneAt(t);
+ViewScene ShotMotion::Moments::moved(double t, const Scene& at) const {
+    ViewScene out = inPlace(t, at);
     cull(at, out);
     Fields fields = m_shot.fieldsAt(t);
     std::size_t bytes = 0;
@@ -323,8 +312,9 @@ ShotMotion::ShotMotion(const LoadedShot& shot, const RenderOptions& options) : m
 ShotMotion::~ShotMotion() = default;
 
 ViewScene ShotMotion::viewAt(double t) const {
-    ViewScene view = m_moments->moved(t);
-    addMotion(view, m_shot.sceneAt(t), m_shot.nextAt(t), m_shot.fields);
+    const Scene at = m_shot.sceneAt(t);
+    ViewScene view = m_moments->moved(t, at);
+    if (wantsMotion(at)) addMotion(view, at, m_shot.nextAt(t), m_shot.fields);
     return view;
 }
 
@@ -336,7 +326,8 @@ ViewScene ShotMotion::view() const {
 
 ViewScene ShotMotion::truth() const {
     if (!moves()) return m_shot.view(m_options, 0, VolumesOf::scene);
-    const auto scenes = std::make_shared<const Moments>(m_shot, m_options, 0, middle());
+    const auto scenes =
+        m_moments->lod() == 0 ? m_moments : std::make_shared<const Moments>(m_shot, m_options, 0, middle());
     ViewScene out = scenes->inPlace(middle());
     auto moments = std::make_shared<ViewMoments>();
     moments->open = m_shutter.open;
@@ -426,7 +417,8 @@ double ShotMotion::wantedSamples(double error, double most) const {
     const auto picture = [&](int count) {
         MeanFrame mean(count);
         for (int i = 0; i < count; ++i) {
-            const ViewScene pilot = pilotOf(moments.moved(timeOf(i, count)), scale);
+            const double t = timeOf(i, count);
+            const ViewScene pilot = pilotOf(moments.moved(t, m_shot.sceneAt(t)), scale);
             mean.add(scrim::render(pilot, makePlan(pilot, threadCount(), waits), waits));
         }
         return mean.take().image;

@@ -11,15 +11,23 @@
 
 namespace scrim {
 
+/// True if `map` leads from the voxels of a lattice to those of another that has the same axes, so that the lattices
+/// differ by a shift at most.
+inline bool keepsAxes(const Mat4& map) {
+    constexpr double kRounding = 1e-9;
+    for (int axis = 0; axis < 3; ++axis)
+        for (int row = 0; row < 3; ++row)
+            if (!(std::abs(map[axis][row] - (axis == row ? 1 : 0)) < kRounding)) return false;
+    return true;
+}
+
 /// It refers to `other`, which must outlive it.
 class ValuesAt {
   public:
     ValuesAt(const SparseField& field, const SparseField& other)
-        : m_sampler(other), m_toOther(glm::inverse(other.wsFromIs) * field.wsFromIs), m_aligned(true) {
+        : m_sampler(other), m_toOther(glm::inverse(other.wsFromIs) * field.wsFromIs), m_aligned(keepsAxes(m_toOther)) {
         constexpr double kRounding = 1e-9;
-        for (int axis = 0; axis < 4; ++axis)
-            for (int row = 0; row < 3; ++row)
-                m_aligned = m_aligned && std::abs(m_toOther[axis][row] - (axis == row ? 1 : 0)) < kRounding;
+        for (int row = 0; row < 3; ++row) m_aligned = m_aligned && std::abs(m_toOther[3][row]) < kRounding;
     }
     /// The value at the centre of a voxel of the field.
     double at(const Int3& voxel) const {

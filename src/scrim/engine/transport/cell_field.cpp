@@ -216,8 +216,6 @@ void CellField::sample(const Vec3& ws, Real (&rgb)[3]) const {
 
 namespace {
 
-constexpr unsigned kAllSides = 255;
-
 // Interpolates between eight cells; `corner` has the first one's values.
 void mixAll(const Real* corner, std::size_t colours, const Vec3& fraction, Real (&rgb)[3]) {
     const Real fx = static_cast<Real>(fraction.x), fy = static_cast<Real>(fraction.y),

@@ -300,7 +300,7 @@ std::vector<std::pair<Vec3, Vec3>> CellGrid::pointsOfSide(std::size_t side) cons
 
 unsigned CellGrid::onSideOf(const Vec3& ws, std::size_t block, const Int3& low) const {
     const std::int32_t walled = m_walled[block];
-    if (walled < 0) return 255;
+    if (walled < 0) return kAllSides;
     std::array<unsigned, 8> beside{};
     bool all = true;
     for (int axis = 0; axis < 3; ++axis)
@@ -315,7 +315,7 @@ unsigned CellGrid::onSideOf(const Vec3& ws, std::size_t block, const Int3& low) 
             beside[std::size_t(corner)] |= 1U << other;
             beside[std::size_t(other)] |= 1U << corner;
         }
-    if (all) return 255;
+    if (all) return kAllSides;
     // The closest cell that is seen from there, and those that light reaches from it.
     const Int3 first = m_places[block] * kCellEdge - 1 + low;
     std::array<std::pair<double, int>, 8> order;
@@ -332,7 +332,7 @@ unsigned CellGrid::onSideOf(const Vec3& ws, std::size_t block, const Int3& low) 
         }
         return reached;
     }
-    return 255;
+    return kAllSides;
 }
 
 std::vector<Real> CellGrid::means(const std::vector<Real>& row, const CellGrid& coarse) const {

@@ -27,6 +27,8 @@ inline constexpr int kPaddedEdge = kCellEdge + 2;
 inline constexpr std::size_t kPaddedCells = std::size_t(kPaddedEdge) * kPaddedEdge * kPaddedEdge;
 /// What is open of a face without walls.
 inline constexpr int kAllOpen = 16;
+/// What CellGrid::onSideOf gives where no wall stands between any of the cells.
+inline constexpr unsigned kAllSides = 255;
 
 /// Offset of a cell within its block; x varies fastest.
 constexpr int cellOffset(int x, int y, int z) {
