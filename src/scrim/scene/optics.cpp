@@ -95,16 +95,11 @@ Rgb VolumeOptics::emission(const Vec3& ws) const {
 
 Vec3 VolumeOptics::gradient(const Vec3& ws) const {
     Vec3 difference;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (m_velocity.empty()) {
-            const Vec3 is = transformPoint(m_density->isFromWs, ws);
-            Vec3 step(0);
-            step[axis] = 1;
-            difference[axis] = m_density->field->value(is + step) - m_density->field->value(is - step);
-        } else {
+    if (m_velocity.empty())
+        difference = m_density->field->difference(transformPoint(m_density->isFromWs, ws));
+    else
+        for (int axis = 0; axis < 3; ++axis)
             difference[axis] = density(ws + m_wsFromIs[axis]) - density(ws - m_wsFromIs[axis]);
-        }
-    }
     return glm::transpose(Mat3(m_density->isFromWs)) * (0.5 * difference);
 }
 

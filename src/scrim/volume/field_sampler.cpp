@@ -16,6 +16,13 @@ Bounds regionOf(const BlockIndex::Place& place, const Int3& cube) {
     return {first, first + double(place.cubes * kBlockEdge - 1)};
 }
 
+template <class Field>
+Vec3 differenceOf(const Field& field, const Vec3& is) {
+    const Vec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
+    return {field.value(is + x) - field.value(is - x), field.value(is + y) - field.value(is - y),
+            field.value(is + z) - field.value(is - z)};
+}
+
 }  // namespace
 
 FieldSampler::FieldSampler(const SparseField& field, Kernel kernel)
@@ -45,6 +52,10 @@ double FieldSampler::value(const Vec3& is) const {
     return sum;
 }
 
+Vec3 FieldSampler::difference(const Vec3& is) const {
+    return differenceOf(*this, is);
+}
+
 // Interpolates between the eight voxels around `is`. Only the cubes that contain some of the eight are looked up, once
 // each.
 double FieldSampler::linear(const Vec3& is) const {
@@ -60,10 +71,15 @@ double FieldSampler::linear(const Vec3& is) const {
         if (region.contains(is)) return places[0].constant;
     }
     double corners[8];
-    for (int i = 0; i < 8; ++i) {
-        const Int3 step(i >> 2, i >> 1 & 1, i & 1);
-        if (i > 0 && (i & across) == i) places[i] = m_index.at(cube + step);
-        corners[i] = places[i & across].voxel(base + step);
+    if (across == 0 && places[0].values) {
+        const float* const first = places[0].values + blockOffset(base.x & 7, base.y & 7, base.z & 7);
+        for (int i = 0; i < 8; ++i) corners[i] = first[blockOffset(i >> 2, i >> 1 & 1, i & 1)];
+    } else {
+        for (int i = 0; i < 8; ++i) {
+            const Int3 step(i >> 2, i >> 1 & 1, i & 1);
+            if (i > 0 && (i & across) == i) places[i] = m_index.at(cube + step);
+            corners[i] = places[i & across].voxel(base + step);
+        }
     }
     const auto between = [](double a, double b, double t) { return a + t * (b - a); };
     return between(between(between(corners[0], corners[1], f.z), between(corners[2], corners[3], f.z), f.y),
@@ -99,6 +115,53 @@ double FieldSampler::evenAlong(const Vec3& is, const Vec3& direction, double rad
                 way, ((direction[axis] > 0 ? region.upper[axis] - radius : region.lower[axis] + radius) - is[axis]) /
                          direction[axis]);
     return std::max(way, 0.0);
+}
+
+bool FieldBrick::fill(const FieldSampler& field, const Bounds& is) {
+    constexpr double kMostVoxels = 1 << 15;
+    if (field.kernel() != Kernel::linear) return false;
+    const Vec3 lower = glm::floor(is.lower) - 1.0, size = glm::floor(is.upper) + 3.0 - lower;
+    if (!(size.x * size.y * size.z <= kMostVoxels)) return false;
+    m_lower = Int3(lower);
+    m_size = Int3(size);
+    m_values.resize(std::size_t(m_size.x * m_size.y * m_size.z));
+    const Int3 last = m_lower + m_size - 1;
+    for (int cx = m_lower.x >> 3; cx <= last.x >> 3; ++cx)
+        for (int cy = m_lower.y >> 3; cy <= last.y >> 3; ++cy)
+            for (int cz = m_lower.z >> 3; cz <= last.z >> 3; ++cz) {
+                const BlockIndex::Place place = field.index().at({cx, cy, cz});
+                const Int3 first = Int3(cx, cy, cz) * kBlockEdge, from = glm::max(first, m_lower),
+                           to = glm::min(first + (kBlockEdge - 1), last);
+                const int run = to.z - from.z + 1;
+                for (int x = from.x; x <= to.x; ++x)
+                    for (int y = from.y; y <= to.y; ++y) {
+                        const Int3 at = Int3(x, y, from.z) - m_lower;
+                        float* const out = m_values.data() + (at.x * m_size.y + at.y) * m_size.z + at.z;
+                        if (place.values)
+                            std::copy_n(place.values + blockOffset(x & 7, y & 7, from.z & 7), run, out);
+                        else
+                            std::fill_n(out, run, place.constant);
+                    }
+            }
+    return true;
+}
+
+float FieldBrick::value(const Vec3& is) const {
+    const Vec3 at = is - Vec3(m_lower);  // not negative
+    const Int3 base(at);
+    const float x = static_cast<float>(at.x - base.x), y = static_cast<float>(at.y - base.y),
+                z = static_cast<float>(at.z - base.z);
+    const float* const here = m_values.data() + (base.x * m_size.y + base.y) * m_size.z + base.z;
+    const float* const next = here + m_size.y * m_size.z;
+    const auto between = [](float a, float b, float t) { return a + t * (b - a); };
+    const auto inPlane = [&](const float* from) {
+        return between(between(from[0], from[1], z), between(from[m_size.z], from[m_size.z + 1], z), y);
+    };
+    return between(inPlane(here), inPlane(next), x);
+}
+
+Vec3 FieldBrick::difference(const Vec3& is) const {
+    return differenceOf(*this, is);
 }
 
 }  // namespace scrim

@@ -23,6 +23,9 @@ class FieldSampler {
     double nearest(const Vec3& is) const;
     /// The reconstructed field: the sum of all voxels' kernels.
     double value(const Vec3& is) const;
+    /// Central differences of the reconstructed field along the three axes, over one voxel to either side: twice the
+    /// gradient, per voxel.
+    Vec3 difference(const Vec3& is) const;
 
     /// True only if no voxel is active within the kernel's reach of the ball of `radius` voxels around `is`, so that
     /// the field is 0 there.
@@ -38,6 +41,22 @@ class FieldSampler {
     BlockIndex m_index;
     Kernel m_kernel;
     Bounds m_reached;  // outside of it the field is 0
+};
+
+/// A copy of the voxels in a small box, for many look-ups close together, in about a third of FieldSampler's time. For
+/// one thread.
+class FieldBrick {
+  public:
+    /// Copies what look-ups within the box `is`, and up to one voxel outside of it, need. Returns false, and copies
+    /// nothing, if the box is too large, or if the field is not interpolated linearly: ask `field` then.
+    bool fill(const FieldSampler& field, const Bounds& is);
+    float value(const Vec3& is) const;
+    /// As FieldSampler::difference.
+    Vec3 difference(const Vec3& is) const;
+
+  private:
+    Int3 m_lower{0}, m_size{0};
+    std::vector<float> m_values;  // (x * m_size.y + y) * m_size.z + z, from m_lower
 };
 
 }  // namespace scrim

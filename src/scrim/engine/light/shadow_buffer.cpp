@@ -115,7 +115,7 @@ namespace {
 // into the texel beside it.
 void attenuateAlongRays(const AttenuateTile& tile, int s, const std::vector<const Surface*>& surfaces) {
     // Beyond this optical depth nothing is lit, and it does not matter how dark it is.
-    constexpr Real kDark = 40;
+    constexpr Real kDark = 16;
     Real least = kDark;
     for (int y = 0; y < kTileEdge; ++y) {
         const Real* const row = tile.tau + y * tile.tauStride;

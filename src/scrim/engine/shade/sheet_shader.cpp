@@ -242,7 +242,7 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
                 atCells.u[k] = static_cast<Real>(cells->x * kTileEdge + k % kTileEdge);
                 atCells.v[k] = static_cast<Real>(cells->y * kTileEdge + k / kTileEdge);
             }
-        classify(p, cells ? atCells : samples, cells.value_or(Int2(0)), open, rows, work);
+        classify(p, cells ? atCells : samples, open, rows, work);
     }
     if (!shows(rows)) return false;
     if (surfacesAlone())
@@ -263,8 +263,7 @@ bool SheetShader::shadePoints(int p, const SampleTile& samples, const std::optio
 
 // Classifies all surfaces at positions `at` of the eye's lattice, and sets the total extinction to that of the surfaces
 // and media there. The sheets' own classified extinction, at texels, only serves lights.
-void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open, Rows& rows,
-                           ShadeWork& work) const {
+void SheetShader::classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const {
     const int channels = m_plan.extinction.count();
     for (int i = 0; i < channels; ++i) std::fill(rows.total[i].values, rows.total[i].values + kTileSize, Real(0));
     const auto add = [&](int volume, const Real* extinction) {
@@ -274,7 +273,7 @@ void SheetShader::classify(int p, const SampleTile& at, const Int2& tile, const 
     for (std::size_t i = 0; i < m_media.size(); ++i) add(m_mediumVolumes[i], rows.medium[i].values);
     for (std::size_t i = 0; i < m_surfaces.size(); ++i) {
         ClassifiedTile& seen = rows.classified[i];
-        if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, tile, open, seen)) continue;
+        if (!m_extinction.volumes()[m_surfaceVolumes[i]].surface->classify(p, at, open, seen)) continue;
         work.gradients += kTileSize;
         add(m_surfaceVolumes[i], seen.extinction);
         addSeen(std::size_t(m_surfaceVolumes[i]), seen.extinction, rows);

@@ -44,8 +44,7 @@ class SheetShader {
     bool surfacesAlone() const;
     void passSolids(int p, const SampleTile& samples, Rows& rows) const;
     void gatherTile(int p, const Int2& tile, Rows& rows) const;
-    void classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open, Rows& rows,
-                  ShadeWork& work) const;
+    void classify(int p, const SampleTile& at, const std::uint8_t* open, Rows& rows, ShadeWork& work) const;
     bool shows(const Rows& rows) const;
     void chooseScattered(const std::vector<CellLight>& cellLight);
     void lookUpScattered(int sheet, const SampleTile& samples, Rows& rows) const;

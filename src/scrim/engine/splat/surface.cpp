@@ -8,10 +8,15 @@
 #include <cmath>
 #include <limits>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 namespace scrim {
 namespace {
+
+// How far the field of the splats may be from the volume's own, as a part of the range of values around it.
+constexpr Real kVague = Real(0.25);
 
 // The least and greatest value of a tile and its neighbouring texels, on some planes.
 struct Limits {
@@ -49,16 +54,6 @@ void runThroughSheet(Real& before, Real& here, Real& behind) {
     behind = back;
 }
 
-// The values of a plane at the first `count` samples, moved by (du, dv) cells.
-void sampleMoved(const FloatPlane& plane, const SampleTile& at, int count, Real du, Real dv, Real* out) {
-    alignas(64) Real u[kTileSize], v[kTileSize];
-    for (int k = 0; k < count; ++k) {
-        u[k] = at.u[k] + du;
-        v[k] = at.v[k] + dv;
-    }
-    samplePoints(plane, u, v, false, count, out);
-}
-
 // The values of a plane where the eye's rays cross it; they move by `texels` per unit of slope.
 void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels, Real* out) {
     alignas(64) Real u[kTileSize], v[kTileSize];
@@ -69,16 +64,19 @@ void sampleAlongRays(const FloatPlane& plane, const SampleTile& at, Real texels,
     samplePoints(plane, u, v, false, kTileSize, out);
 }
 
-// Settings for splatting a surface's field. It uses twice the steps of the dial, because ripples show most in normals.
 // Values above a million times the last value of the transfer function are clamped to that, because sums of floats must
 // not overflow.
-FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials, const Sheets& sheets) {
+Real mostValue(const Classified& look) {
+    return static_cast<Real>(std::min<double>(1e6 * look.transfer.back().value, std::numeric_limits<float>::max()));
+}
+
+// Settings for splatting a surface's field. It uses twice the steps of the dial, because ripples show most in normals.
+FieldPlanes::Settings settingsOf(const ViewVolume& volume, const Dials& dials) {
     constexpr int kMostSteps = 128;
     FieldPlanes::Settings settings;
-    settings.most = static_cast<Real>(
-        std::min<double>(1e6 * volume.classified->transfer.back().value, std::numeric_limits<float>::max()));
+    settings.most = mostValue(*volume.classified);
     settings.stepsPerVoxel = std::min(2 * dials.footprintSteps, kMostSteps);
-    settings.halo = Surface::halo(volume, sheets);
+    settings.halo = Surface::kHalo;
     return settings;
 }
 
@@ -88,29 +86,30 @@ Surface::Surface(const ViewVolume& volume, const Dials& dials, const Sheets& she
                  int batchSheets, double voxel)
     : m_sheets(sheets),
       m_lattice(lattice),
-      m_wsFromIs(volume.wsFromIs),
       m_simd(dials.simd),
       m_look(volume.classified),
       m_table(*volume.classified),
       m_vagueGradient(vagueGradient(*volume.classified, voxel)),
       m_voxel(voxel),
       m_clip(volume.wsClip),
-      m_rsVoxels(voxelsIn(lattice.rsFromTs)),
+      m_exact(*volume.field, volume.kernel.value_or(dials.kernel)),
+      m_most(mostValue(*volume.classified)),
       // A gradient is a covector, so differences are multiplied by the inverse transpose.
       m_ssFromDifference(sheets.ssFromWs * (0.5 * glm::transpose(glm::inverse(Mat3(volume.wsFromIs))))),
-      m_field({{densityOf(volume)}}, settingsOf(volume, dials, sheets), dials, sheets, lattice, batchSheets),
+      m_field({{densityOf(volume)}}, settingsOf(volume, dials), dials, sheets, lattice, batchSheets),
       m_extinction(batchSheets, lattice.width, lattice.height, 1) {
     const Mat4 tsFromRs = glm::inverse(lattice.rsFromTs);
     for (const HalfSpace& face : m_clip)
         m_faces.push_back(face.row() * glm::inverse(sheets.tsFrom(Mat4(1.0))) * tsFromRs);
     m_one = glm::dvec4(0, 0, 0, 1) * tsFromRs;
+    m_isFromRs = glm::inverse(sheets.tsFrom(volume.wsFromIs)) * tsFromRs;
 }
 
 // Some of the samples of a tile, close together, with the field's slopes there.
 struct Surface::Some {
     SampleTile at;
     std::array<int, kTileSize> places;
-    int count = 0, padded = 0;
+    int count = 0;
     alignas(64) Real slope[3][kTileSize];  // down the gradient, in sweep space, in units of the vague gradient
 
     // Those that have `extinction`.
@@ -121,22 +120,11 @@ struct Surface::Some {
             at.v[count] = all.v[k];
             places[std::size_t(count++)] = k;
         }
-        padded = (count + kTileEdge - 1) / kTileEdge * kTileEdge;
-        std::fill(at.u + count, at.u + padded, at.u[0]);
-        std::fill(at.v + count, at.v + padded, at.v[0]);
     }
     Real squared(int i) const {
         return slope[0][i] * slope[0][i] + slope[1][i] * slope[1][i] + slope[2][i] * slope[2][i];
     }
 };
-
-int Surface::halo(const ViewVolume& volume, const Sheets& sheets) {
-    const Mat4 tsFromIs = sheets.tsFrom(volume.wsFromIs);
-    int reach = 1;
-    for (int axis = 0; axis < 3; ++axis)
-        reach = std::max(reach, static_cast<int>(std::ceil(std::abs(tsFromIs[axis].z))));
-    return reach;
-}
 
 FloatPlane Surface::plane(int p, int steps) const {
     return m_field.planes().view(m_field.planeOf(m_firstSheet + p + steps), m_simd);
@@ -180,7 +168,7 @@ void Surface::classifyTexels(int p, bool wanted) {
             }
             cut(p, texels, front, middle, back, share);
             m_table.meanExtinction(front, middle, back, kTileSize, sigma, m_simd);
-            weigh(p, texels, m_lattice.parallel() ? m_rsVoxels : voxelsAt(p, {tx, ty}), share, sigma);
+            weigh(p, texels, share, sigma);
             Real* to = out.tile(p, tx, ty);
             for (int y = 0; y < kTileEdge; ++y, to += out.rowStride())
                 std::copy_n(sigma + y * kTileEdge, kTileEdge, to);
@@ -188,11 +176,20 @@ void Surface::classifyTexels(int p, bool wanted) {
     out.finish(p);
 }
 
+// The place (x, y) of the lattice at N = n, in the axes of `m_faces`: (x W, y W, N, W).
+glm::dvec4 Surface::latticePoint(double x, double y, double n) const {
+    const double w = (1 - m_one.z * n) / (m_one.x * x + m_one.y * y + m_one.w);
+    return {x * w, y * w, n, w};
+}
+
+// The same place in the volume's index space.
+Vec3 Surface::indexPoint(double x, double y, double n) const {
+    return Vec3(m_isFromRs * latticePoint(x, y, n));
+}
+
 // The depth behind a face of the clip, world units, at the place (x, y) of the lattice and N = n.
 double Surface::depthIn(std::size_t face, double x, double y, double n) const {
-    const glm::dvec4& f = m_faces[face];
-    const double w = (1 - m_one.z * n) / (m_one.x * x + m_one.y * y + m_one.w);
-    return w * (f.x * x + f.y * y + f.w) + f.z * n;
+    return glm::dot(m_faces[face], latticePoint(x, y, n));
 }
 
 // Shortens the rays' course through the sheet to what lies within the clip; `share` becomes the part that is left.
@@ -220,37 +217,82 @@ void Surface::cut(int p, const SampleTile& at, Real* front, Real* middle, Real* 
     }
 }
 
-// The field along the rays' course through the sheet. Returns false if none of its values has extinction.
-bool Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const {
+// Replaces the field of the splats by that of the volume itself, at the samples whose rays may meet extinction: between
+// texels the field has the edges of voxels, which a surface shows as dents. Returns the voxels around these samples, if
+// they were copied.
+const FieldBrick* Surface::sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle,
+                                   Real* back) const {
+    const double n = m_firstSheet + p, toFace = 0.5 * m_sheets.thickness / m_sheets.texel;
+    std::array<int, kTileSize> places;
+    std::array<std::array<Vec3, 3>, kTileSize> runs;
+    std::size_t count = 0;
+    Bounds box;
+    const auto [low, high] = std::minmax_element(middle, middle + kTileSize);
+    const Real margin = kVague * (*high - *low);
+    for (int k = 0; k < kTileSize; ++k) {
+        if (open && !open[k]) continue;
+        const auto [least, most] = std::minmax({front[k], middle[k], back[k]});
+        if (!m_table.anyBetween(least - margin, most + margin)) continue;
+        const double u = at.u[k], v = at.v[k], du = toFace * double(at.eyeA[k]), dv = toFace * double(at.eyeB[k]);
+        runs[count] = {indexPoint(u - du, v - dv, n), indexPoint(u, v, n + 0.5), indexPoint(u + du, v + dv, n + 1)};
+        box.include(runs[count][0]);
+        box.include(runs[count][2]);
+        places[count++] = k;
+    }
+    if (count == 0) return nullptr;
+    thread_local FieldBrick brick;
+    const bool dense = brick.fill(m_exact, box);
+    Real* const out[3] = {front, middle, back};
+    for (std::size_t i = 0; i < count; ++i)
+        for (std::size_t end = 0; end < 3; ++end) {
+            const Vec3& is = runs[i][end];
+            const Real value = dense ? brick.value(is) : static_cast<Real>(m_exact.value(is));
+            out[end][places[i]] = std::min(value, m_most);
+        }
+    return dense ? &brick : nullptr;
+}
+
+// The splatted field along the rays' course through the sheet.
+void Surface::sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const {
     const auto texelsPerSlope = static_cast<Real>(m_sheets.thickness / m_sheets.texel);
     sampleAlongRays(plane(p, -1), at, -texelsPerSlope, front);
     sampleAlongRays(plane(p, 0), at, 0, middle);
     sampleAlongRays(plane(p, 1), at, texelsPerSlope, back);
     for (int k = 0; k < kTileSize; ++k) runThroughSheet(front[k], middle[k], back[k]);
-    cut(p, at, front, middle, back, share);
-    Real low = front[0], high = low;
+}
+
+// True if any value of the rays' courses has extinction, or is nearer to one that has than `margin`, as a part of their
+// range.
+bool Surface::anyShows(const Real* front, const Real* middle, const Real* back, Real margin) const {
+    Limits range{front[0], front[0]};
     for (const Real* values : {front, middle, back})
         for (int k = 0; k < kTileSize; ++k) {
-            low = std::min(low, values[k]);
-            high = std::max(high, values[k]);
+            range.low = std::min(range.low, values[k]);
+            range.high = std::max(range.high, values[k]);
         }
-    return m_table.anyBetween(low, high);
+    margin *= range.high - range.low;
+    return m_table.anyBetween(range.low - margin, range.high + margin);
 }
 
 bool Surface::meanExtinction(int p, const SampleTile& at, Real* out) const {
     alignas(64) Real front[kTileSize], middle[kTileSize], back[kTileSize], share[kTileSize];
     std::fill(out, out + kTileSize, Real(0));
-    if (!sampleRun(p, at, front, middle, back, share)) return false;
+    sampleRun(p, at, front, middle, back);
+    cut(p, at, front, middle, back, share);
+    if (!anyShows(front, middle, back, 0)) return false;
     m_table.meanExtinction(front, middle, back, kTileSize, out, m_simd);
-    weigh(p, at, m_rsVoxels, share, out);
+    weigh(p, at, share, out);
     return true;
 }
 
-bool Surface::classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open,
-                       ClassifiedTile& out) const {
+bool Surface::classify(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const {
     alignas(64) Real share[kTileSize];
     std::fill(out.extinction, out.extinction + kTileSize, Real(0));
-    if (!sampleRun(p, at, out.front, out.middle, out.back, share)) return false;
+    sampleRun(p, at, out.front, out.middle, out.back);
+    if (!anyShows(out.front, out.middle, out.back, kVague)) return false;
+    const FieldBrick* const brick = sharpen(p, at, open, out.front, out.middle, out.back);
+    cut(p, at, out.front, out.middle, out.back, share);
+    if (!anyShows(out.front, out.middle, out.back, 0)) return false;
     for (int k = 0; open && k < kTileSize; ++k)  // a value of 0 has no extinction
         if (!open[k]) out.front[k] = out.middle[k] = out.back[k] = 0;
     m_table.meanExtinction(out.front, out.middle, out.back, kTileSize, out.extinction, m_simd);
@@ -261,52 +303,38 @@ bool Surface::classify(int p, const SampleTile& at, const Int2& tile, const std:
         out.extinction[k] *= share[k];
         for (Real* channel : out.emission) channel[k] *= share[k];
     }
-    findNormals(p, at, m_lattice.parallel() ? m_rsVoxels : voxelsAt(p, tile), out);
+    findNormals(p, at, brick, out);
     return true;
 }
 
-// The values at the first `count` samples moved by `tsOffset`, interpolated linearly between planes.
-void Surface::sampleBetween(int p, const SampleTile& at, int count, const Vec3& tsOffset, Real* out) const {
-    const auto du = static_cast<Real>(tsOffset.x), dv = static_cast<Real>(tsOffset.y);
-    const int whole = static_cast<int>(std::floor(tsOffset.z));
-    const auto fraction = static_cast<Real>(tsOffset.z - whole);
-    sampleMoved(plane(p, whole), at, count, du, dv, out);
-    if (fraction == 0) return;
-    alignas(64) Real further[kTileSize];
-    sampleMoved(plane(p, whole + 1), at, count, du, dv, further);
-    for (int k = 0; k < count; ++k) out[k] += fraction * (further[k] - out[k]);
-}
-
-void Surface::findSlopes(int p, const Mat3& rsVoxels, Some& some) const {
-    alignas(64) Real lower[kTileSize], upper[kTileSize];
-    for (Real* axis : some.slope) std::fill(axis, axis + some.padded, Real(0));
-    for (int axis = 0; axis < 3; ++axis) {
-        sampleBetween(p, some.at, some.padded, -rsVoxels[axis], lower);
-        sampleBetween(p, some.at, some.padded, rsVoxels[axis], upper);
-        for (int c = 0; c < 3; ++c) {
-            // Gradients are in units of the vague gradient, so that their squares neither overflow nor vanish, whatever
-            // the units of the field.
-            const auto part = static_cast<Real>(-m_ssFromDifference[axis][c] / m_vagueGradient);
-            for (int k = 0; k < some.padded; ++k) some.slope[c][k] += part * (upper[k] - lower[k]);
-        }
+void Surface::findSlopes(int p, const FieldBrick* brick, Some& some) const {
+    for (int i = 0; i < some.count; ++i) {
+        const Vec3 is = indexPoint(double(some.at.u[i]), double(some.at.v[i]), m_firstSheet + p + 0.5);
+        // Gradients are in units of the vague gradient, so that their squares neither overflow nor vanish, whatever
+        // the units of the field.
+        const Vec3 slope =
+            m_ssFromDifference *
+            glm::clamp(brick ? brick->difference(is) : m_exact.difference(is), -double(m_most), double(m_most)) /
+            -m_vagueGradient;
+        for (int c = 0; c < 3; ++c) some.slope[c][i] = static_cast<Real>(slope[c]);
     }
 }
 
 // Multiplies extinction by the share that the clip leaves, and by the factor for the gradient's length.
-void Surface::weigh(int p, const SampleTile& at, const Mat3& rsVoxels, const Real* share, Real* extinction) const {
+void Surface::weigh(int p, const SampleTile& at, const Real* share, Real* extinction) const {
     for (int k = 0; k < kTileSize && !m_faces.empty(); ++k) extinction[k] *= share[k];
     if (m_look->gradientRamp.empty()) return;
     Some some(at, extinction);
-    findSlopes(p, rsVoxels, some);
+    findSlopes(p, nullptr, some);
     for (int i = 0; i < some.count; ++i)
         extinction[some.places[std::size_t(i)]] *=
             static_cast<Real>(gradientFactor(*m_look, m_vagueGradient * std::sqrt(double(some.squared(i)))));
 }
 
-void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const {
+void Surface::findNormals(int p, const SampleTile& at, const FieldBrick* brick, ClassifiedTile& out) const {
     // Few of a tile's rays meet something in one sheet. Only theirs are looked up.
     Some some(at, out.extinction);
-    findSlopes(p, rsVoxels, some);
+    findSlopes(p, brick, some);
     for (Real* axis : out.normal) std::fill(axis, axis + kTileSize, Real(0));
     std::fill(out.weight, out.weight + kTileSize, Real(0));
     const double toCut = cutGradient(*m_look, m_voxel) / m_vagueGradient;
@@ -331,26 +359,13 @@ void Surface::findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, Cla
     }
 }
 
-Mat3 Surface::voxelsIn(const Mat4& rsFromTs) const {
-    return Mat3(rsFromTs * m_sheets.tsFrom(m_wsFromIs));
-}
-
-// The voxels at the middle of a tile of a perspective view, on its ray.
-Mat3 Surface::voxelsAt(int p, const Int2& tile) const {
-    const double n = m_firstSheet + p + 0.5;
-    const Vec3 middle((tile.x + 0.5) * kTileEdge, (tile.y + 0.5) * kTileEdge, 1);
-    const Vec3 onPlane = glm::inverse(m_lattice.fromPlane(n)) * middle;
-    return voxelsIn(m_lattice.linearised({onPlane.x / onPlane.z, onPlane.y / onPlane.z, n}));
-}
-
 std::size_t Surface::bytes() const {
     return m_field.bytes() + m_extinction.bytes();
 }
 
 std::size_t Surface::bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                            int batchSheets) {
-    return FieldPlanes::bytes({densityOf(volume)}, settingsOf(volume, dials, sheets), dials, sheets, lattice,
-                              batchSheets) +
+    return FieldPlanes::bytes({densityOf(volume)}, settingsOf(volume, dials), dials, sheets, lattice, batchSheets) +
            PlaneStack::bytes(batchSheets, lattice.width, lattice.height, 1);
 }
 

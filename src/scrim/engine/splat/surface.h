@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 // Stage 2b of a batch: classification (ZC02 Fig. 5, lines 12 and 13). It holds the field of a classified volume in its
-// sheets, with some more sheets on either side for gradients; the extinction that its transfer function gives at
+// sheets, with one more on either side; the extinction that its transfer function gives at
 // texels, for lights; and what the eye sees of it at the samples of a tile: extinction, colour and normals.
 //
 // Along each eye ray the field is linear between its values on the planes of this sheet and its two neighbours. The
 // transfer function is averaged over the part of that course that lies within the sheet (TransferTable).
 //
-// Normals come from central differences over a voxel to either side (ZC02 section 3.1), within the sheet and across
-// sheets. They are taken along the axes of the volume's own lattice instead of the sheet's: there they are interpolated
-// differences at lattice points, and do not depend on the position of the sheets. Their lengths may weight extinction.
+// The splats tell where rays may meet something. There, what the eye sees is looked up in the volume's own field:
+// between texels the splatted field is smoother than that, and a surface would show it as dents. Lights, whose rays
+// cross many sheets before their shadows show, take the splatted field.
+//
+// Normals come from central differences over a voxel to either side (ZC02 section 3.1), along the axes of the volume's
+// own lattice. Their lengths may weight extinction.
 //
 // Where the volume is clipped, the part of each ray's course that lies within the clip is classified in place of the
 // whole. It is exact for one face, and sharp within a sheet.
@@ -21,6 +24,7 @@
 #include <scrim/engine/splat/transfer_table.h>
 #include <scrim/scene/classified.h>
 #include <scrim/base/simd.h>
+#include <scrim/volume/field_sampler.h>
 
 #include <memory>
 #include <vector>
@@ -63,34 +67,35 @@ class Surface {
     /// false, and writes zeros, if there is none.
     bool meanExtinction(int p, const SampleTile& at, Real* out) const;
 
-    /// Classifies what the eye sees at positions `at` of the lattice on sheet firstSheet + p. `tile`: the tile of a
-    /// perspective view's lattice. `open`: null, or 256 flags; samples whose flag is 0 are hidden and have an
-    /// extinction of 0. Returns false, with an extinction of 0, if the samples show nothing.
-    bool classify(int p, const SampleTile& at, const Int2& tile, const std::uint8_t* open, ClassifiedTile& out) const;
+    /// Classifies what the eye sees at positions `at` of the lattice on sheet firstSheet + p. `open`: null, or 256
+    /// flags; samples whose flag is 0 are hidden and have an extinction of 0. Returns false, with an extinction of 0,
+    /// if the samples show nothing.
+    bool classify(int p, const SampleTile& at, const std::uint8_t* open, ClassifiedTile& out) const;
 
     std::size_t bytes() const;
     /// Upper bound on the bytes, known beforehand.
     static std::size_t bytes(const ViewVolume& volume, const Dials& dials, const Sheets& sheets, const Lattice& lattice,
                              int batchSheets);
-    /// The number of sheets on either side of a batch that gradients use.
-    static int halo(const ViewVolume& volume, const Sheets& sheets);
+    /// The number of sheets on either side of a batch that a ray's course uses.
+    static constexpr int kHalo = 1;
 
   private:
-    Mat3 voxelsIn(const Mat4& rsFromTs) const;
-    Mat3 voxelsAt(int p, const Int2& tile) const;
     FloatPlane plane(int p, int steps) const;
     struct Some;
+    glm::dvec4 latticePoint(double x, double y, double n) const;
+    Vec3 indexPoint(double x, double y, double n) const;
     double depthIn(std::size_t face, double x, double y, double n) const;
     void cut(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const;
-    bool sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back, Real* share) const;
-    void sampleBetween(int p, const SampleTile& at, int count, const Vec3& tsOffset, Real* out) const;
-    void findSlopes(int p, const Mat3& rsVoxels, Some& some) const;
-    void weigh(int p, const SampleTile& at, const Mat3& rsVoxels, const Real* share, Real* extinction) const;
-    void findNormals(int p, const SampleTile& at, const Mat3& rsVoxels, ClassifiedTile& out) const;
+    void sampleRun(int p, const SampleTile& at, Real* front, Real* middle, Real* back) const;
+    const FieldBrick* sharpen(int p, const SampleTile& at, const std::uint8_t* open, Real* front, Real* middle,
+                              Real* back) const;
+    bool anyShows(const Real* front, const Real* middle, const Real* back, Real margin) const;
+    void findSlopes(int p, const FieldBrick* brick, Some& some) const;
+    void weigh(int p, const SampleTile& at, const Real* share, Real* extinction) const;
+    void findNormals(int p, const SampleTile& at, const FieldBrick* brick, ClassifiedTile& out) const;
 
     const Sheets& m_sheets;
     const Lattice& m_lattice;
-    Mat4 m_wsFromIs;
     Simd m_simd;
     std::shared_ptr<const Classified> m_look;
     TransferTable m_table;
@@ -99,9 +104,10 @@ class Surface {
     std::vector<HalfSpace> m_clip;
     std::vector<glm::dvec4> m_faces;  // of the clip: rows whose product with (x W, y W, N, W) is the depth
     glm::dvec4 m_one;                 // the row whose product with (x W, y W, N, W) is 1
-    // Differences over two voxels along each axis of the grid give the normals.
-    Mat3 m_rsVoxels;  // one voxel along each axis, in the raster's cells and sheets; constant on a parallel lattice
-    Mat3 m_ssFromDifference;  // converts differences to the gradient in sweep space, per world unit
+    glm::dmat4 m_isFromRs;            // maps (x W, y W, N, W) to index space
+    FieldSampler m_exact;             // the volume's own field
+    Real m_most;                      // its values are limited to this
+    Mat3 m_ssFromDifference;  // converts differences over two voxels to the gradient in sweep space, per world unit
     FieldPlanes m_field;
     PlaneStack m_extinction;
     int m_firstSheet = 0;
