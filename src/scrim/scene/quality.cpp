@@ -119,9 +119,9 @@ Dial lightCell() {
     Dial d;
     d.words = {"auto"};
     d.info = {"light_cell", "voxels", "", "'auto', or a number from 0.25 to 64",
-              "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 1 to 4 by "
-              "the optical depth of a voxel and the size of the volumes, 0.7 of that for area lights, half for a "
-              "light_error below 0.004; error of second order"};
+              "edge of the cells that keep the light of extended lights and of lamps within a volume; auto: 0.25 "
+              "to 4 by the optical depth of a voxel and the size of the volumes, 0.7 of more than 1 for area lights, "
+              "half for a light_error below 0.004; error of second order"};
     d.allows = [](double v) { return v >= 0.25 && v <= 64; };
     d.setNumber = [](Dials& dials, double v) { dials.lightCell = v; };
     d.setWord = [](Dials& dials, std::size_t) { dials.lightCell.reset(); };

@@ -27,6 +27,7 @@ struct Deposit {
         double factor;
     };
     std::vector<Share> shares;
+    bool tents = false;  // voxels are tents, as they are interpolated, and not cubes
 };
 
 // Half the edges of the box along the world's axes around a voxel.
@@ -51,8 +52,9 @@ class BoxDeposit {
         if (m_deposit.classified) value = extinctionOf(*m_deposit.classified, wsCenter, wsHalf, value);
         if (value == 0) return;
         const Vec3 center = m_grid.csFromWs(wsCenter), half = wsHalf / m_grid.edge();
-        std::array<Span, 3> spans;
-        for (int axis = 0; axis < 3; ++axis) spans[std::size_t(axis)] = spanOf(center[axis], half[axis]);
+        const std::array<Span, 3> spans{Span(center.x, half.x, m_deposit.tents),
+                                        {center.y, half.y, m_deposit.tents},
+                                        {center.z, half.z, m_deposit.tents}};
         const double edge = m_grid.edge();
         const double amount = value * voxels * m_voxelVolume / (edge * edge * edge);
         for (int z = 0; z < spans[2].count; ++z)
@@ -77,21 +79,24 @@ class BoxDeposit {
         return extinction * partIn(volume.wsClip, wsCenter, {edges.x, 0, 0, 0, edges.y, 0, 0, 0, edges.z});
     }
 
-    // The cells that an interval meets, and the fraction of it in each of them.
+    // The cells that an interval meets, and the fraction of it in each of them; of a tent, twice as wide, its values in
+    // the middle of cells.
     struct Span {
         int first, count;
-        double begin, size;
+        double center, half;
+        bool tent;
 
+        Span(double middle, double halfEdge, bool isTent) : center(middle), half(halfEdge), tent(isTent) {
+            const double reach = tent ? 2 * half : half;
+            first = static_cast<int>(std::floor(center - reach));
+            count = static_cast<int>(std::floor(center + reach)) - first + 1;
+        }
         double part(int i) const {
-            const double from = std::max(begin, double(first + i)), to = std::min(begin + size, double(first + i + 1));
-            return std::max(0.0, to - from) / size;
+            const double begin = first + i - center;
+            if (tent) return std::max(0.0, 1 - 0.5 * std::abs(begin + 0.5) / half) / (2 * half);
+            return std::max(0.0, std::min(half, begin + 1) - std::max(-half, begin)) / (2 * half);
         }
     };
-    static Span spanOf(double center, double half) {
-        const int first = static_cast<int>(std::floor(center - half)),
-                  last = static_cast<int>(std::floor(center + half));
-        return {first, last - first + 1, center - half, 2 * half};
-    }
 
     const CellGrid& m_grid;
     const Deposit& m_deposit;
@@ -152,12 +157,15 @@ void addShares(std::vector<std::vector<Real>>& rows, const Rgb& factor, Deposit&
         if (factor[int(c)] != 0) deposit.shares.push_back({&rows[c], factor[int(c)]});
 }
 
-// Adds a volume's extinction, and its scattering to `scattering` if it scatters.
-void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vector<Real>>* scattering) {
+// Adds a volume's extinction, and its scattering to `scattering` if it scatters. `margin`: as in cellMedia.
+void addVolume(CellMedia& media, const ViewVolume& volume, std::vector<std::vector<Real>>* scattering, double margin) {
     if (volume.field->empty()) return;
     const Medium& medium = volume.medium;
     Deposit density{volume.field.get(), volume.wsFromIs, volume.classified ? &volume : nullptr, {}};
     const Rgb extinction = volume.classified ? Rgb(1) : medium.densityScale * medium.extinctionTint;
+    const Vec3 voxel = 2.0 * halfVoxel(volume.wsFromIs);
+    density.tents = std::min({voxel.x, voxel.y, voxel.z}) > 1.01 * media.grid.edge() &&
+                    std::max({voxel.x, voxel.y, voxel.z}) <= margin && !volume.classified;
     addShares(media.extinction, extinction, density);
     if (scattering && volume.scatter.empty()) addShares(*scattering, extinction * medium.albedo, density);
     add(media.grid, density);
@@ -264,7 +272,7 @@ CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& cla
         for (std::size_t k = 0; k < classes.size(); ++k)
             if (std::count(classes[k].volumes.begin(), classes[k].volumes.end(), static_cast<int>(v)))
                 scattering = &media.scattering[k];
-        addVolume(media, scene.volumes[v], scattering);
+        addVolume(media, scene.volumes[v], scattering, margin);
         for (const ViewEmission& emission : scene.volumes[v].emission) {
             if (media.emission.empty()) media.emission = rows(false);
             if (emission.field.field->empty()) continue;
@@ -383,17 +391,6 @@ void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& co
                 addMany(near, {i % kCellEdge, i / kCellEdge % kCellEdge, i / (kCellEdge * kCellEdge)}, values,
                         to.data() + std::size_t(rows[i]) * values);
     });
-}
-
-bool greyExtinction(const ViewScene& scene) {
-    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
-                       [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
-}
-
-bool greyScattering(const ViewScene& scene) {
-    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
-               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
-           });
 }
 
 }  // namespace scrim

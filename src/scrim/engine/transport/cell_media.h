@@ -3,6 +3,7 @@
 #pragma once
 
 #include <scrim/base/real.h>
+#include <scrim/engine/model/plan.h>
 #include <scrim/engine/transport/cell_grid.h>
 #include <scrim/engine/transport/ordinates.h>
 #include <scrim/scene/view_scene.h>
@@ -60,10 +61,11 @@ struct CellMedia {
 std::vector<Bounds> cellBoxes(const ViewScene& scene, double margin);
 
 /// All volumes of the scene in cells of `edge` world units. A voxel counts as a cube of constant value (in a rotated
-/// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. Throws
-/// Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach
-/// `margin` world units beyond the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand
-/// in the grid, whose cells then also reach those that send light back, up to half of the volumes' size beyond these.
+/// volume, as its box along the world's axes), and each cell gets its share, so that sums are preserved. In cells
+/// smaller than voxels that reach as far as kernels do, it counts as a tent, for means of the interpolated field.
+/// Throws Error(memory) as CellGrid does. A cell has a corner at `wsCorner`. Cells reach `margin` world units beyond
+/// the blocks of voxels, and at least one edge. With `walls`, solids that stop light stand in the grid, whose cells
+/// then also reach those that send light back, up to half of the volumes' size beyond these.
 CellMedia cellMedia(const ViewScene& scene, const std::vector<ScatterClass>& classes, double edge,
                     const Vec3& wsCorner = Vec3(0), double margin = 0, bool walls = false);
 
@@ -78,7 +80,14 @@ void addInterpolated(const CellGrid& coarse, const std::vector<std::int32_t>& co
                      std::vector<Real>& to);
 
 /// greyExtinction: extinction is the same in all colours. greyScattering: so is its scattered part.
-bool greyExtinction(const ViewScene& scene);
-bool greyScattering(const ViewScene& scene);
+inline bool greyExtinction(const ViewScene& scene) {
+    return std::all_of(scene.volumes.begin(), scene.volumes.end(),
+                       [](const ViewVolume& v) { return v.classified || isGrey(v.medium.extinctionTint); });
+}
+inline bool greyScattering(const ViewScene& scene) {
+    return greyExtinction(scene) && std::all_of(scene.volumes.begin(), scene.volumes.end(), [](const ViewVolume& v) {
+               return !scattersFully(v) || (v.scatter.empty() && isGrey(v.medium.albedo));
+           });
+}
 
 }  // namespace scrim

@@ -104,6 +104,33 @@ void CellSlices::visitCells(CellField& field, const Visit& visit) const {
     });
 }
 
+void CellSlices::sharpen(std::size_t colours) {
+    constexpr std::array<Real, 3> kPerBend{Real(0.1), Real(0.1), Real(1.0 / 12)};
+    const std::array<std::size_t, 3> steps{1, sumStride(), sumStride() * std::size_t(size[1])};
+    for (std::size_t c = 0; c < colours; ++c) {
+        const std::vector<Real> before = sums[c];
+        parallelFor(std::size_t(size[2]), [&](std::size_t k) {
+            for (int j = 0; j < size[1]; ++j) {
+                const CellSpan& span = wanted[rowIndex(j, static_cast<int>(k))];
+                for (int i = span.begin; i < span.end; ++i) {
+                    const std::size_t at = rowIndex(j, static_cast<int>(k)) * sumStride() + std::size_t(i);
+                    const std::array<int, 3> place{i, j, static_cast<int>(k)};
+                    Real bend = 0, least = before[at], most = before[at];
+                    for (std::size_t a = 0; a < 3; ++a) {
+                        if (place[a] == 0 || place[a] + 1 == size[a]) continue;
+                        const Real low = before[at - steps[a]], high = before[at + steps[a]];
+                        if (low == 0 || high == 0) continue;
+                        bend += kPerBend[a] * (low + high - 2 * before[at]);
+                        least = std::min({least, low, high});
+                        most = std::max({most, low, high});
+                    }
+                    sums[c][at] = std::clamp(before[at] - bend, least, most);
+                }
+            }
+        });
+    }
+}
+
 void CellSlices::addTo(std::size_t colours, std::size_t to, CellField& field) const {
     visitCells(field, [&](const Vec3&, std::size_t from, Real* out) {
         for (std::size_t c = 0; c < colours; ++c) out[to + c] += sums[c][from];

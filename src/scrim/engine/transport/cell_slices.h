@@ -61,6 +61,10 @@ class CellSlices {
     /// to restore.
     std::vector<std::pair<std::size_t, Real>> hollow(const Vec3& ws, double radius);
     void clearSums(std::size_t colours);
+    /// Takes from the sums what linear interpolation adds in the mean: between the centres of cells, which is a twelfth
+    /// of the second differences, and in a slice from rays to cells. No sum exceeds those beside it by that. Cells
+    /// beside one that is not wanted keep theirs.
+    void sharpen(std::size_t colours);
     /// Adds the sums to a field, from its colour `to` on. Its grid may have other blocks of the same cells.
     void addTo(std::size_t colours, std::size_t to, CellField& field) const;
     /// Adds to `far` the light of `lamp`, whose transmittance the sums are, at cells far from it. `colour`: the only

@@ -3,8 +3,8 @@
 //
 // The rays of a source cross every slice at the same places of a raster: for parallel rays the raster is sheared with
 // their direction, for rays from a point it is the picture that the point sees of the slice, and grows with the
-// distance. Thus optical depth is added up without being interpolated from slice to slice; only extinction is, to the
-// rays, and depth once, to the cells.
+// distance. Thus transmittance is multiplied up without being interpolated from slice to slice; only extinction is, to
+// the rays, and transmittance once, to the cells: its depth would be dark where half of the light passes an edge.
 #ifndef SCRIM_LIGHT_CELLS_BOX
 #define SCRIM_LIGHT_CELLS_BOX
 
@@ -125,6 +125,11 @@ class TowardsEye {
     Lobe m_lobe, m_other;
 };
 
+/// What is left of `light` behind an optical depth; at the least what no eye sees, because tiny numbers are slow.
+HWY_ATTR HWY_INLINE VC passed(VC light, VC tau) {
+    return hn::Max(hn::Mul(light, transmittance(tau)), value8(1e-30));
+}
+
 HWY_ATTR HWY_INLINE void addTo(CellSlices& box, const CellView& view, const CellRays& rays, std::size_t at, VC light) {
     for (std::size_t c = 0; c < view.colours; ++c) {
         Real* to = box.sums[c].data() + at;
@@ -137,7 +142,7 @@ HWY_ATTR HWY_INLINE VC litAt(VC darkFrom, VC step) {
     return hn::IfThenElseZero(hn::Gt(darkFrom, step), value8(1));
 }
 
-/// Optical depths of parallel rays, in extinction per slice.
+/// Transmittances of parallel rays.
 class ParallelRaster {
   public:
     ParallelRaster(const CellSlices& box, const CellRays& rays, const CellView& view)
@@ -150,12 +155,12 @@ class ParallelRaster {
         }
         m_stride = std::size_t(box.size[0] + std::ceil(std::abs(m_slope[0]) * box.size[2]) + 4 + kRowSlack);
         m_rows = box.size[1] + static_cast<int>(std::ceil(std::abs(m_slope[1]) * box.size[2])) + 4;
-        m_depth.assign(std::size_t(m_rows) * m_stride, Real(0));
+        m_through.assign(std::size_t(m_rows) * m_stride, Real(1));
         if (!rays.blocked) return;
         // Ray (p, q) crosses the middle of the first slice at p + begin, q + begin, from the middle of the first cell.
         const double first = slice(0) + 0.5;
         const Vec3 perStep(m_slope[0], m_slope[1], m_down ? -1 : 1);
-        m_dark.resize(m_depth.size());
+        m_dark.resize(m_through.size());
         for (int q = 0; q < m_rows; ++q)
             for (std::size_t p = 0; p < m_stride; ++p)
                 m_dark[std::size_t(q) * m_stride + p] = static_cast<Real>(
@@ -165,7 +170,7 @@ class ParallelRaster {
     int slice(int step) const { return m_down ? m_box.size[2] - 1 - step : step; }
     bool reaches(int) const { return true; }
 
-    /// Adds the extinction of a slice to the rays of one row of those that cross it.
+    /// The extinction of a slice holds back the rays of one row of those that cross it.
     HWY_ATTR void attenuate(int step, int row) {
         const DC d;
         const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
@@ -174,12 +179,13 @@ class ParallelRaster {
         if (span.empty()) return;
         const Real* a = m_box.row(j, k);
         const Real* b = m_box.row(j + 1, k);
-        Real* to = depth(j - y.whole) - x.whole;
-        const VC fx = value8(x.fraction), fy = value8(y.fraction);
+        Real* to = through(j - y.whole) - x.whole;
+        const VC fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice);
         for (int i = span.begin - 1; i < span.end; i += static_cast<int>(hn::Lanes(d))) {
             const VC a0 = hn::LoadU(d, a + i), a1 = hn::LoadU(d, a + i + 1);
             const VC b0 = hn::LoadU(d, b + i), b1 = hn::LoadU(d, b + i + 1);
-            hn::StoreU(hn::Add(hn::LoadU(d, to + i), bilinear(a0, a1, b0, b1, fx, fy)), d, to + i);
+            const VC tau = hn::Mul(perSlice, bilinear(a0, a1, b0, b1, fx, fy));
+            hn::StoreU(passed(hn::LoadU(d, to + i), tau), d, to + i);
         }
     }
 
@@ -189,10 +195,11 @@ class ParallelRaster {
         const int k = slice(step);
         const CellSpan span = box.wanted[box.rowIndex(j, k)];
         const Offset x(m_begin[0] + step * m_slope[0]), y(m_begin[1] + step * m_slope[1]);
-        const Real* far = depth(j - y.whole) - x.whole;
-        const Real* near = depth(j - y.whole - 1) - x.whole;
+        const Real* far = through(j - y.whole) - x.whole;
+        const Real* near = through(j - y.whole - 1) - x.whole;
         const Real* own = box.row(j, k);
-        const VC fx = value8(x.fraction), fy = value8(y.fraction), perSlice = value8(m_perSlice), half = value8(0.5);
+        const VC fx = value8(x.fraction), fy = value8(y.fraction), half = value8(0.5),
+                 ownHalf = value8(0.5 * m_perSlice);
         const bool constant = towards.constantFor(true);
         const VC phase = value8(constant ? towards.constantAt(m_rays.way) : 0);
         const VC wx = value8(m_rays.way.x), wy = value8(m_rays.way.y), wz = value8(m_rays.way.z);
@@ -200,12 +207,11 @@ class ParallelRaster {
             const VC a1 = hn::LoadU(d, far + i), a0 = hn::LoadU(d, far + i - 1);
             const VC b1 = hn::LoadU(d, near + i), b0 = hn::LoadU(d, near + i - 1);
             const VC before = bilinear(a1, a0, b1, b0, fx, fy);
-            const VC tau = hn::Mul(perSlice, hn::MulAdd(half, hn::LoadU(d, own + i), before));
             const VC p = constant ? phase : towards.at(wx, wy, wz, hn::Add(counted(i), half), j + 0.5, k + 0.5);
-            VC arrives = m_rays.attenuated ? transmittance(tau) : value8(1);
+            VC arrives = m_rays.attenuated ? passed(before, hn::Mul(ownHalf, hn::LoadU(d, own + i))) : value8(1);
             if (m_rays.blocked) {
-                const Real* dark = m_dark.data() + (far - m_depth.data());
-                const Real* beside = m_dark.data() + (near - m_depth.data());
+                const Real* dark = m_dark.data() + (far - m_through.data());
+                const Real* beside = m_dark.data() + (near - m_through.data());
                 const VC at = value8(step);
                 const VC open =
                     bilinear(litAt(hn::LoadU(d, dark + i), at), litAt(hn::LoadU(d, dark + i - 1), at),
@@ -223,8 +229,8 @@ class ParallelRaster {
         double fraction;
     };
     // A row of the raster, from the ray on that crosses i = 0 where the whole offset is 0.
-    Real* depth(int row) { return m_depth.data() + std::size_t(row + 2) * m_stride + 2; }
-    const Real* depth(int row) const { return m_depth.data() + std::size_t(row + 2) * m_stride + 2; }
+    Real* through(int row) { return m_through.data() + std::size_t(row + 2) * m_stride + 2; }
+    const Real* through(int row) const { return m_through.data() + std::size_t(row + 2) * m_stride + 2; }
 
     const CellSlices& m_box;
     const CellRays& m_rays;
@@ -233,10 +239,10 @@ class ParallelRaster {
     double m_slope[2], m_begin[2];
     std::size_t m_stride;
     int m_rows;
-    std::vector<Real> m_depth, m_dark;
+    std::vector<Real> m_through, m_dark;
 };
 
-/// Optical depths of the rays from a point to the cells of one face of a cube around it.
+/// Transmittances of the rays from a point to the cells of one face of a cube around it; for a lamp their depths.
 class PointRaster {
   public:
     PointRaster(const CellSlices& box, const CellRays& rays, bool down, const CellView& view)
@@ -256,9 +262,9 @@ class PointRaster {
         m_width = count[0];
         m_rows = m_width > 0 ? count[1] : 0;
         m_stride = std::size_t(m_width + kRowSlack);
-        m_depth.assign(std::size_t(m_rows) * m_stride, Real(0));
+        m_through.assign(std::size_t(m_rows) * m_stride, Real(rays.oneSided ? 1 : 0));
         if (!rays.blocked) return;
-        m_dark.resize(m_depth.size());
+        m_dark.resize(m_through.size());
         for (int q = 0; q < m_rows; ++q)
             for (std::size_t p = 0; p < m_stride; ++p)
                 m_dark[std::size_t(q) * m_stride + p] = static_cast<Real>(view.darkFrom(
@@ -272,8 +278,8 @@ class PointRaster {
         const DC d;
         const hn::RebindToSigned<DC> di;
         const int k = slice(step);
-        const double z = middle(step), passed = 2 * (distance(step) + 0.5 - z);
-        const double y = m_rays.from.y + (m_begin[1] + row * m_cell) * z - 0.5;
+        const double z = middle(step), thickness = 2 * (distance(step) + 0.5 - z);
+        const double aside = m_begin[1] + row * m_cell, y = m_rays.from.y + aside * z - 0.5;
         const int j = static_cast<int>(std::floor(y));
         if (j < -1 || j >= m_box.size[1]) return;
         const CellSpan span = m_box.full[m_box.paddedRow(j, k)].with(m_box.full[m_box.paddedRow(j + 1, k)]);
@@ -284,8 +290,8 @@ class PointRaster {
         const int end = std::min(m_width, static_cast<int>(std::ceil((span.end - x0) / perRay)) + 1);
         const Real* a = m_box.row(j, k);
         const Real* b = m_box.row(j + 1, k);
-        Real* to = m_depth.data() + std::size_t(row) * m_stride;
-        const VC fy = value8(y - j), part = value8(passed);
+        Real* to = m_through.data() + std::size_t(row) * m_stride;
+        const VC fy = value8(y - j), part = value8(thickness), across2 = value8(1 + aside * aside);
         for (int p = begin; p < end; p += static_cast<int>(hn::Lanes(d))) {
             const VC x =
                 hn::Min(hn::Max(hn::MulAdd(counted(p), value8(perRay), value8(x0)), value8(-1)), value8(m_box.size[0]));
@@ -293,7 +299,10 @@ class PointRaster {
             const auto i = hn::ConvertTo(di, whole), next = hn::Add(i, hn::Set(di, 1));
             const VC a0 = hn::GatherIndex(d, a, i), a1 = hn::GatherIndex(d, a, next);
             const VC b0 = hn::GatherIndex(d, b, i), b1 = hn::GatherIndex(d, b, next);
-            hn::StoreU(hn::MulAdd(part, bilinear(a0, a1, b0, b1, fx, fy), hn::LoadU(d, to + p)), d, to + p);
+            const VC along = hn::MulAdd(counted(p), value8(m_cell), value8(m_begin[0]));
+            const VC way = hn::Mul(part, hn::Sqrt(hn::MulAdd(along, along, across2)));
+            const VC tau = hn::Mul(way, bilinear(a0, a1, b0, b1, fx, fy)), before = hn::LoadU(d, to + p);
+            hn::StoreU(m_rays.oneSided ? passed(before, tau) : hn::Add(before, tau), d, to + p);
         }
     }
 
@@ -301,12 +310,12 @@ class PointRaster {
         const DC d;
         const hn::RebindToSigned<DC> di;
         const int k = slice(step);
-        const double z = distance(step), own = z - std::max(0.0, z - 0.5), y = j + 0.5 - m_rays.from.y;
+        const double z = distance(step), own = m_rays.attenuated ? std::min(z, 0.5) : 0, y = j + 0.5 - m_rays.from.y;
         if (z <= 0 || !owns(1, y, z)) return;
         const CellSpan span = range(box.wanted[box.rowIndex(j, k)], z);
         const double row = (y / z - m_begin[1]) / m_cell;
         const int q = static_cast<int>(std::floor(row));
-        const Real* a = m_depth.data() + std::size_t(q) * m_stride;
+        const Real* a = m_through.data() + std::size_t(q) * m_stride;
         const Real* b = a + m_stride;
         const Real* extinction = box.row(j, k);
         const VC fy = value8(row - q), half = value8(0.5), ahead = value8(m_down ? -z : z),
@@ -322,12 +331,11 @@ class PointRaster {
             const VC b0 = hn::GatherIndex(d, b, p), b1 = hn::GatherIndex(d, b, next);
             const VC before = bilinear(a0, a1, b0, b1, fx, fy);
             const VC r2 = hn::MulAdd(x, x, value8(y * y + z * z)), r = hn::Sqrt(r2), one = hn::Div(value8(1), r);
-            const VC tau =
-                hn::Mul(hn::Mul(r, value8(1 / z)), hn::MulAdd(value8(own), hn::LoadU(d, extinction + i), before));
+            const VC tau = hn::Mul(hn::Mul(r, value8(own / z)), hn::LoadU(d, extinction + i));
             const VC wx = hn::Mul(x, one), wy = hn::Mul(value8(y), one), wz = hn::Mul(ahead, one);
-            VC light = m_rays.attenuated ? transmittance(tau) : value8(1);
+            VC light = m_rays.oneSided ? passed(before, tau) : transmittance(hn::Add(before, tau));
             if (m_rays.blocked) {
-                const Real* dark = m_dark.data() + (a - m_depth.data());
+                const Real* dark = m_dark.data() + (a - m_through.data());
                 const Real* beside = dark + m_stride;
                 const VC step8 = value8(z);
                 const VC open =
@@ -382,7 +390,7 @@ class PointRaster {
     double m_cell = 1, m_begin[2] = {0, 0};
     int m_width = 0, m_rows = 0;
     std::size_t m_stride = 0;
-    std::vector<Real> m_depth, m_dark;
+    std::vector<Real> m_through, m_dark;
 };
 
 }  // namespace HWY_NAMESPACE

@@ -174,22 +174,25 @@ class Pass {
             SCRIM_ON_TARGET(m_simd, sweepCells)(points, view, false, down, slices, m_checkpoint);
         }
         for (const auto& [at, extinction] : before) slices.extinction[at] = extinction;
+        if (!lamp && sources.attenuated) slices.sharpen(colours);
         slices.addTo(colours, colour < 0 ? 0 : std::size_t(colour), field);
         if (far) slices.addFarLight(field, colour, *far);
     }
 
   private:
-    // Cells on both sides of a surface are looked up together. If it hides what is behind it, the eye sees but one side
-    // of it: where the light shines on that one, cells behind it are lit, too, and else those in front are dark.
+    // Cells on both sides of a surface, less than a voxel away, are looked up together. If it hides what is behind it,
+    // the eye sees but one side of it: where the light shines on that one, cells behind it are lit, too, and else those
+    // in front are dark.
     double darkFrom(const Vec3& ws, const Vec3& wsPerStep, bool parallel) const {
-        constexpr double kInfinity = std::numeric_limits<double>::infinity(), kBeside = 1.5;
+        constexpr double kInfinity = std::numeric_limits<double>::infinity();
+        const double beside = 1.5 * std::max(voxelUnit(m_scene) / m_grid.edge(), 1.0);
         const SolidHit hit =
             m_scene.solids->trace(SolidRole::shadow, ws, wsPerStep, parallel ? -kInfinity : 0, kInfinity);
         if (hit.t == kInfinity || !hit.solid->holdout) return hit.t;
         const bool seen = glm::dot(hit.wsNormal, wsPerStep) *
                               glm::dot(hit.wsNormal, -travelToEye(m_scene.camera, ws + hit.t * wsPerStep)) >
                           0;
-        return hit.t + (seen ? kBeside : -kBeside);
+        return hit.t + (seen ? beside : -beside);
     }
     static int mainAxis(const Vec3& v) {
         const Vec3 size = glm::abs(v);
@@ -226,9 +229,11 @@ class Pass {
 };
 
 // A corner of a voxel, so that cells of one voxel are the voxels, and their centres are where the field's values are.
-Vec3 cornerOfVoxels(const ViewScene& scene) {
+// Of smaller cells, one has its centre there, so that what is interpolated between cells has the field's own kinks.
+Vec3 cornerOfVoxels(const ViewScene& scene, double edge) {
     for (const ViewVolume& volume : scene.volumes)
-        if (!volume.field->empty()) return transformPoint(volume.wsFromIs, Vec3(-0.5));
+        if (!volume.field->empty())
+            return transformPoint(volume.wsFromIs, Vec3(0)) - 0.5 * std::min(edge, voxelUnit(scene));
     return Vec3(0);
 }
 
@@ -280,7 +285,8 @@ std::shared_ptr<CellField> addLamps(const ViewScene& scene, const std::vector<in
     const auto far = std::make_shared<CellField>(grid, coloured ? 3 : 1, coloured ? Rgb(1) : tint / brightest(tint));
     for (const int i : lamps) {
         const Light& lamp = scene.lights[std::size_t(i)];
-        const auto near = std::make_shared<CellField>(cellsNear(lamp, *grid, cornerOfVoxels(scene)), grey ? 1 : 3);
+        const auto near =
+            std::make_shared<CellField>(cellsNear(lamp, *grid, cornerOfVoxels(scene, grid->edge())), grey ? 1 : 3);
         near->setLamp(lamp, phase, scene.camera, true);
         far->addNear(near);
         jobs.push_back({sourcesOf(scene, {i}), phase, near, &lamp, far});
@@ -327,7 +333,7 @@ std::vector<CellLight> lightOnCells(const ViewScene& scene, const std::vector<in
                                     const std::function<void()>& checkpoint, std::size_t& bytes) {
     // Light is looked up in the middle of sheets, which may lie beyond the kernels that reach into them.
     const double margin = (kernelRadius(scene) + 0.75 * scene.dials.sheetThickness) * voxelUnit(scene);
-    const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene), margin);
+    const CellMedia media = cellMedia(scene, {}, edge, cornerOfVoxels(scene, edge), margin);
     const int reach = 1 + static_cast<int>(std::ceil(margin / edge));
     const auto grid = std::make_shared<const CellGrid>(media.grid);
     const bool grey = media.extinction.size() == 1;
