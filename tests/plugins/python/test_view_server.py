@@ -261,6 +261,10 @@ def test_a_verification_finds_the_error_that_the_program_finds(view, tmp_path):
     found = browser.head["error"]
     stats = scrim.open(tmp_path / "shot.toml").render(verify=400).stats["verification"]
     assert found == stats and 0 < found["error"] < 0.05
+    (pixels,) = browser.verified
+    assert len(pixels["pixels"]) == stats["pixels"] and pixels["promise"] == 0.01 and pixels["states"]
+    assert pixels["pixels"][0][:2] == stats["worst_pixel"]
+    assert pixels["pixels"][0][4] == pytest.approx(stats["worst"], rel=1e-3)
     browser.close()
 
 

@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 
 import tomlkit
+from tomlkit.items import String, StringType, Trivia
 from scrim_kit import toml_text
 
 from .._errors import OutputError, UsageError
@@ -53,11 +54,15 @@ def _change(document: dict, place: Place, value: object) -> None:
     if value is None:
         table.pop(key, None)
     elif table.get(key) != value:
-        table[key] = _inline(value) if isinstance(document, tomlkit.TOMLDocument) else copy.deepcopy(value)
+        is_text = isinstance(document, tomlkit.TOMLDocument)
+        table[key] = _written(value, table.get(key)) if is_text else copy.deepcopy(value)
 
 
-def _inline(value: object) -> object:
-    """Lists of tables as they stand in one place: a table in a line, below each other."""
+def _written(value: object, before: object) -> object:
+    """A value as it is written in place of another. Texts of several lines keep the quotes that they have, or are
+    literal; lists of tables are a table in a line, below each other."""
+    if isinstance(value, str) and "\n" in value:
+        return _lines(value, before)
     if not (isinstance(value, list) and value and all(isinstance(one, dict) for one in value)):
         return value
     out = tomlkit.array().multiline(True)
@@ -66,6 +71,18 @@ def _inline(value: object) -> object:
         table.update(one)
         out.append(table)
     return out
+
+
+def _lines(text: str, before: object) -> String:
+    kind, trivia = StringType.MLL, Trivia()
+    if isinstance(before, String):
+        trivia = before.trivia
+        if before.as_string().startswith('"""'):
+            kind = StringType.MLB
+    if "'''" in text:
+        kind = StringType.MLB
+    raw = text if kind is StringType.MLL else text.replace("\\", "\\\\").replace('"""', '""\\"')
+    return String(kind, text, "\n" + raw, trivia)
 
 
 def _new_table(document: dict, table: dict) -> dict:

@@ -130,7 +130,7 @@ def _alike(pictures: Pictures, wanted: Wanted) -> bool:
 
 
 class Renderer:
-    """`shown(pictures, wanted)` and `failed(text)` are called in this object's thread, `shown` also while a picture of
+    """`shown(pictures, wanted, task)` and `failed(text, wanted)` are called in this object's thread, `shown` also while a picture of
     an older event is still useful. `folder`: what paths of the scene are relative to. `grids`: made in code, by the
     names of volumes."""
 
@@ -140,7 +140,7 @@ class Renderer:
         name: str,
         ocio: str,
         shown: Callable[[Pictures, Wanted, Task], object],
-        failed: Callable[[str], object],
+        failed: Callable[[str, Wanted], object],
         grids: Mapping[str, object] | None = None,
     ) -> None:
         self._given = {"folder": folder, "name": name, "ocio": ocio}
@@ -208,7 +208,7 @@ class Renderer:
                 pass
             except scrim.Error as error:
                 self._bad = wanted
-                self._failed(str(error))
+                self._failed(str(error), wanted)
             finally:
                 self._job = None
         self._shot = self._pictures = None

@@ -36,7 +36,7 @@ from ._opened import Opened
 from ._session import Session
 
 _PAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "page")
-_PARTS = ("curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values")
+_PARTS = ("code", "curves", "handles", "looks", "page", "panel", "picture", "shaders", "steer", "values", "verified")
 _FILES = {
     "": ("index.html", "text/html; charset=utf-8"),
     **{f"{name}.js": (f"{name}.js", "text/javascript; charset=utf-8") for name in _PARTS},
@@ -245,6 +245,7 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._waits = False  # for a browser that has not said yet that it has the last picture
         self._is_old = False  # what the browser has is not the newest
         self._lut: Lut | None = None  # that is there
+        self._verified: object = None  # the frame whose verified pixels are there
 
     def check_origin(self, origin: str) -> bool:
         return True  # `allows` has checked it
@@ -310,6 +311,9 @@ class _Socket(_Guarded, tornado.websocket.WebSocketHandler):
         self._is_old = self._waits
         if self._waits:
             return
+        if (frame := session.verified()) is not None and frame is not self._verified:
+            self._verified = frame
+            self.tell(json_encode({"type": "verified", **session.verified_pixels()}))
         self._waits = True
         slots: dict[str, Texture] = {"beauty": pictures.beauty}
         if pictures.rest is not None:

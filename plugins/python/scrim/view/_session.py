@@ -14,13 +14,14 @@ from dataclasses import replace
 
 import scrim
 
-from . import _handles, _messages
+from . import _code, _handles, _messages
 from ._controls import Control, groups_of
 from ._document import Change, Document, name_of
 from ._luts import Lut, Tables
 from ._opened import Opened
 from ._pictures import Pictures, Strengths, shape_of, strengths_of
 from ._playback import Player
+from ._verified import verified
 from ._renderer import Renderer, Task, Wanted, is_exact
 from ._viewpoint import Viewpoint
 
@@ -50,6 +51,7 @@ class Session:
         self._serial = serial
         self._moved = 0.0  # when something was last held and moved
         self._message, self._verify = "", False
+        self._failed = ("", "")  # the scene that could not be rendered last, and why
         self.player = Player(self, opened.frames, tell, later)
         self._tables = Tables(lambda: self._show(), later)
         self._region: tuple[int, int, int, int] | None = None
@@ -61,7 +63,7 @@ class Session:
         self.view = self.displays[self.display][0]
         self._wanted = self._now(moves=False)
         self._renderer = Renderer(
-            opened.folder, os.path.basename(opened.input), opened.ocio, self._took, self._lost, opened.grids
+            opened.folder, self._name, opened.ocio, self._took, self._lost, opened.grids
         )
         self._renderer.want(self._wanted)
 
@@ -207,6 +209,11 @@ class Session:
         return True
 
     @property
+    def _name(self) -> str:
+        """What messages call the scene."""
+        return os.path.basename(self.opened.input)
+
+    @property
     def fps(self) -> float:
         return max(float(self.document.data.get("output", {}).get("fps", 24.0)), 0.1)
 
@@ -259,7 +266,7 @@ class Session:
     def _read(self, text: str) -> None:
         """Reads a scene with the engine, which says what is wrong with it."""
         reader = scrim.loads(
-            text, folder=self.opened.folder, name=os.path.basename(self.opened.input), ocio=self.opened.ocio,
+            text, folder=self.opened.folder, name=self._name, ocio=self.opened.ocio,
             sharing=self._reader, checked_frame=self.frame,
         )  # fmt: skip
         self._resolved = reader.resolved(self.frame)
@@ -327,13 +334,10 @@ class Session:
         """All that the page shows beside the pictures."""
         return {
             "type": "state",
-            "title": os.path.basename(self.opened.input),
+            "title": self._name,
             "file": os.path.basename(self.document.file),
             "others": self.opened.others,
-            "groups": [
-                {"kind": g.kind, "name": g.name, "title": g.title, "controls": [c.as_data() for c in g.controls]}
-                for g in groups_of(self.document.data, self._viewpoint.up)
-            ],
+            "groups": self._groups(),
             "muted": sorted(self._muted),
             "weights": self.weights(),
             "frame": self.frame,
@@ -378,8 +382,17 @@ class Session:
 
     def error(self) -> dict | None:
         """What a verification of the picture found: see `verification` of `--stats`. None where there was none."""
+        frame = self.verified()
+        return frame.stats["verification"] if frame is not None else None
+
+    def verified(self) -> scrim.Frame | None:
+        """The frame that is the picture, where it was verified."""
         frame = self.exact_frame()
-        return frame.stats["verification"] if frame is not None and frame.error is not None else None
+        return frame if frame is not None and frame.error is not None else None
+
+    def verified_pixels(self) -> dict:
+        """What the page shows of its pixels."""
+        return verified(self.verified(), self.document.data, self._viewpoint.resolution)
 
     def progress(self) -> float | None:
         return self._renderer.progress
@@ -396,5 +409,24 @@ class Session:
 
         self._later(0.0, take)
 
-    def _lost(self, text: str) -> None:
-        self._later(0.0, lambda: self._tell({"type": "error", "text": text}))
+    def _lost(self, text: str, wanted: Wanted) -> None:
+        def tell() -> None:
+            self._failed = (wanted.text, text)
+            self._tell({"type": "error", "text": text})
+            self.send_state()
+
+        self._later(0.0, tell)
+
+    def _groups(self) -> list[dict]:
+        """The controls, as data. That of an expression with a mistake has it, too."""
+        groups = [
+            {"kind": g.kind, "name": g.name, "title": g.title, "folded": g.folded,
+             "controls": [c.as_data() for c in g.controls]}
+            for g in groups_of(self.document.data, self._viewpoint.up)
+        ]  # fmt: skip
+        text, error = self._failed
+        if text == self.document.text and (found := _code.mistake(text, self._name, error)):
+            for group in groups:
+                if (group["kind"], group["name"]) == ("code", found["volume"]):
+                    group["controls"][0]["mistake"] = found
+        return groups

@@ -3,6 +3,7 @@
 //
 // Elements are kept while the list has the same controls, so that a slider under the finger stays where it is.
 
+import { code } from "./code.js";
 import { curve } from "./curves.js";
 import { element, encoded, linear, short } from "./values.js";
 
@@ -28,7 +29,8 @@ export class Panel {
             this.known = names;
             this.setters.clear();
             this.layers = groups.filter((g) => g.kind === "light" || g.kind === "ambient").map(layerOf);
-            this.root.replaceChildren(...groups.map((group) => this.#group(group)));
+            const open = new Map([...this.root.querySelectorAll("details")].map((one) => [one.dataset.title, one.open]));
+            this.root.replaceChildren(...groups.map((group) => this.#group(group, open)));
         }
         for (const group of groups) {
             for (const control of group.controls) {
@@ -49,7 +51,16 @@ export class Panel {
         this.mute(this.solo === null ? [] : this.layers.filter((other) => other !== name));
     }
 
-    #group(group) {
+    /** `open`: which of those that fold the user has open, by title. */
+    #group(group, open) {
+        if (["shading", "code"].includes(group.kind)) {
+            const fold = element("details", { className: "group", open: open.get(group.title) ?? !group.folded });
+            fold.dataset.title = group.title;
+            const summary = fold.appendChild(element("summary"));
+            summary.append(element("h2", { textContent: group.title }));
+            fold.append(...group.controls.map((control) => this.#row(control, group)));
+            return fold;
+        }
         const root = element("section", { className: "group" });
         const head = root.appendChild(element("div", { className: "head" }));
         head.append(element("h2", { textContent: group.title }));
@@ -76,12 +87,12 @@ export class Panel {
     #row(control, group) {
         const row = element("div", { className: "row" });
         const label = `${group.title} ${control.label}`;
-        row.append(element("span", { textContent: control.label + (control.unit ? ` (${control.unit})` : "") }));
+        if (control.kind !== "code") row.append(element("span", { textContent: control.label + (control.unit ? ` (${control.unit})` : "") }));
         if (control.keyed) {
-            row.append(element("span", { className: "keyed", textContent: "has keys: edit the file" }));
+            row.append(element("span", { className: "keyed", textContent: control.kind === "code" ? "is in a file of its own" : "has keys: edit the file" }));
             return row;
         }
-        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, ramp: curve, colours: curve, transfer: curve }[control.kind];
+        const make = { number: slider, colour: triple, vector: triple, choice, switch: checkbox, code, ramp: curve, colours: curve, transfer: curve }[control.kind];
         const { parts, set } = make(control, label, (value, done) => this.change(this.controls.get(control.id), value, done));
         row.append(...parts);
         this.setters.set(control.id, set);
